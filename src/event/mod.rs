@@ -1,0 +1,108 @@
+//! Events and packets: all that a sensor says, and all that is compared.
+
+use crate::{plane::Size, unit::Micros};
+
+/// The sign of an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Polarity {
+    /// The drive fell below the negative threshold.
+    Off,
+    /// The drive rose above the positive threshold.
+    On,
+}
+
+impl Polarity {
+    /// +1 or -1.
+    #[must_use]
+    pub const fn sign(self) -> i32 {
+        match self {
+            Self::Off => -1,
+            Self::On => 1,
+        }
+    }
+
+    /// 1 for ON, 0 for OFF: the `p` of event files.
+    #[must_use]
+    pub const fn bit(self) -> u8 {
+        match self {
+            Self::Off => 0,
+            Self::On => 1,
+        }
+    }
+}
+
+/// One address-event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Event {
+    /// When.
+    pub t: Micros,
+    /// Column, image coordinates.
+    pub x: u16,
+    /// Row, image coordinates.
+    pub y: u16,
+    /// Sign.
+    pub polarity: Polarity,
+    /// Which kind of ganglion cell, from 0.
+    pub channel: u8,
+}
+
+/// Events that a sensor made and could not deliver, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Dropped {
+    /// The readout had fewer slots than there were events.
+    pub no_slot: u64,
+    /// The bound on the length of the event list was reached.
+    pub over_limit: u64,
+}
+
+impl Dropped {
+    /// All drops together.
+    #[must_use]
+    pub const fn total(self) -> u64 {
+        self.no_slot + self.over_limit
+    }
+}
+
+/// What one sensor said over one scene.
+///
+/// Events are ordered by time, ties in readout order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Packet {
+    /// Size of the sensor.
+    pub size: Size,
+    /// Number of kinds of cells per pixel.
+    pub channels: u8,
+    /// The time watched: first and last frame.
+    pub span: (Micros, Micros),
+    /// The events.
+    pub events: Vec<Event>,
+    /// What is missing, and why.
+    pub dropped: Dropped,
+}
+
+impl Packet {
+    /// An empty packet of a sensor that has not seen anything yet.
+    #[must_use]
+    pub const fn new(size: Size, channels: u8) -> Self {
+        Self {
+            size,
+            channels,
+            span: (Micros(0), Micros(0)),
+            events: Vec::new(),
+            dropped: Dropped {
+                no_slot: 0,
+                over_limit: 0,
+            },
+        }
+    }
+
+    /// The events in an order that does not depend on the readout:
+    /// time, row, column, channel, polarity. Two packets hold the same events exactly when
+    /// these are equal.
+    #[must_use]
+    pub fn canonical(&self) -> Vec<Event> {
+        let mut events = self.events.clone();
+        events.sort_unstable_by_key(|e| (e.t, e.y, e.x, e.channel, e.polarity));
+        events
+    }
+}

@@ -1,0 +1,36 @@
+//! **If the retina's computation is moved into the pixels, what does real silicon do to it?**
+//!
+//! One scene is watched by two sensors at once, and a ruler compares what they say.
+//!
+//! ```text
+//!                        ┌── reference ── the float model: equations, f64 ──────────────┐
+//! scene ─ photoreceptor ─┤                                                              ├─ packets ─ compare ─ study ─ report
+//! light over time        └── array ── a program on silicon, in any arithmetic ──────────┘     │
+//!                               ▲                                                        readout, codec, files
+//!    kernel ─ quantise ─ compile ─ program      isa/ (the chip, as data)
+//! ```
+//!
+//! The rooms, in the order in which light passes them. Imports run downward only
+//! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it).
+
+pub mod plane;
+pub mod unit;
+
+pub mod number;
+
+pub mod event;
+pub mod isa;
+pub mod kernel;
+pub mod photoreceptor;
+pub mod scene;
+
+pub mod compare;
+pub mod program;
+pub mod sensor;
+
+pub mod array;
+pub mod reference;
+pub mod rig;
+
+#[cfg(feature = "cli")]
+pub mod cli;

@@ -1,0 +1,61 @@
+//! Two-dimensional helpers over [`ndarray`].
+//!
+//! Image coordinates everywhere: x to the right, y down, (0, 0) top left, arrays indexed
+//! `[y, x]`. The chip's own addresses exist only at the readout door.
+
+use std::fmt;
+
+/// A picture, or a register over the whole array; indexed `[y, x]`.
+pub type Plane<T> = ndarray::Array2<T>;
+
+/// Height and width of a plane, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub struct Size {
+    /// Rows.
+    pub height: usize,
+    /// Columns.
+    pub width: usize,
+}
+
+impl Size {
+    /// A size of `height` rows and `width` columns.
+    #[must_use]
+    pub const fn new(height: usize, width: usize) -> Self {
+        Self { height, width }
+    }
+
+    /// The size of a plane.
+    #[must_use]
+    pub fn of<T>(plane: &Plane<T>) -> Self {
+        let (height, width) = plane.dim();
+        Self { height, width }
+    }
+
+    /// Number of pixels.
+    #[must_use]
+    pub const fn pixels(self) -> usize {
+        self.height * self.width
+    }
+
+    /// `(height, width)`, the shape that ndarray takes.
+    #[must_use]
+    pub const fn shape(self) -> (usize, usize) {
+        (self.height, self.width)
+    }
+}
+
+impl fmt::Display for Size {
+    /// Width first, as cameras are named: `346x260`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+/// One pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct At {
+    /// Row, counted down from the top.
+    pub y: usize,
+    /// Column, counted right from the left.
+    pub x: usize,
+}
