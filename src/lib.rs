@@ -14,6 +14,7 @@
 //! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it).
 
 pub mod plane;
+pub mod save;
 pub mod unit;
 
 pub mod number;
@@ -25,6 +26,7 @@ pub mod photoreceptor;
 pub mod scene;
 
 pub mod compare;
+pub mod picture;
 pub mod program;
 pub mod sensor;
 

@@ -1,1 +1,55 @@
-//! (room)
+//! The command line: one file a verb, and the only place that prints.
+
+pub mod asm;
+pub mod compare;
+pub mod demo;
+pub mod exec;
+pub mod run;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// What real silicon does to the retina's computation.
+#[derive(Debug, Parser)]
+#[command(name = "amacrine", version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Option<Verb>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// A real clip through the float reference and through a program on the array
+    Demo(demo::Arguments),
+    /// A scene through a sensor file: events, counts, voxels
+    Run(run::Arguments),
+    /// A program on the array: every register written out
+    Exec(exec::Arguments),
+    /// Check a program: expansion, words, microseconds, registers
+    Asm(asm::Arguments),
+    /// Compare two event files
+    Compare(compare::Arguments),
+}
+
+/// Parses the command line, runs the verb, prints what went wrong.
+///
+/// Exit code 0 when all went well, 2 for bad input.
+#[must_use]
+pub fn main() -> ExitCode {
+    let result = match Arguments::parse().verb {
+        None => demo::run(&demo::Arguments::default()),
+        Some(Verb::Demo(arguments)) => demo::run(&arguments),
+        Some(Verb::Run(arguments)) => run::run(&arguments),
+        Some(Verb::Exec(arguments)) => exec::run(&arguments),
+        Some(Verb::Asm(arguments)) => asm::run(&arguments),
+        Some(Verb::Compare(arguments)) => compare::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(report) => {
+            eprintln!("{report:?}");
+            ExitCode::from(2)
+        }
+    }
+}
