@@ -1,0 +1,135 @@
+//! Fixed point: an integer that counts steps of `2^-fraction`.
+
+use std::fmt::Debug;
+
+use super::{FixedFormat, Format, Number};
+
+/// What happens beyond the largest and the smallest number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Overflow {
+    /// Stay at the limit.
+    #[default]
+    Saturate,
+    /// Come in again at the other end, as two's complement does.
+    Wrap,
+}
+
+/// An integer that fixed point is held in.
+pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'static {
+    /// Number of bits, sign included.
+    const BITS: u8;
+    /// Nought.
+    const ZERO: Self;
+    /// The nearest of this width.
+    fn saturate(wide: i64) -> Self;
+    /// The lowest bits of `wide`.
+    fn wrap(wide: i64) -> Self;
+}
+
+macro_rules! width {
+    ($($int:ty)*) => {$(
+        impl Width for $int {
+            const BITS: u8 = <$int>::BITS as u8;
+            const ZERO: $int = 0;
+            fn saturate(wide: i64) -> Self {
+                wide.clamp(<$int>::MIN.into(), <$int>::MAX.into()) as $int
+            }
+            fn wrap(wide: i64) -> Self {
+                wide as $int
+            }
+        }
+    )*};
+}
+width!(i8 i16 i32);
+
+/// `numerator / denominator` to the nearest, halves to even.
+///
+/// The denominator is positive, and at most 2^62.
+#[must_use]
+#[inline]
+pub const fn divide(numerator: i64, denominator: i64) -> i64 {
+    let floor = numerator.div_euclid(denominator);
+    let twice = 2 * numerator.rem_euclid(denominator);
+    let up = twice > denominator || (twice == denominator && floor & 1 == 1);
+    floor + up as i64
+}
+
+/// Fixed point in an integer of width `T`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Q<T> {
+    fraction: u8,
+    overflow: Overflow,
+    width: std::marker::PhantomData<T>,
+}
+
+impl<T: Width> Q<T> {
+    /// With `fraction` bits after the point (no more than the width), saturating.
+    #[must_use]
+    pub fn new(fraction: u8) -> Self {
+        Self {
+            fraction: fraction.min(T::BITS),
+            overflow: Overflow::Saturate,
+            width: std::marker::PhantomData,
+        }
+    }
+
+    /// The same with another rule for overflow.
+    #[must_use]
+    pub fn with_overflow(self, overflow: Overflow) -> Self {
+        Self { overflow, ..self }
+    }
+
+    /// Brings a sum or quotient of held integers back to the width.
+    #[must_use]
+    #[inline]
+    pub fn fit(&self, wide: i64) -> T {
+        match self.overflow {
+            Overflow::Saturate => T::saturate(wide),
+            Overflow::Wrap => T::wrap(wide),
+        }
+    }
+
+    /// How many steps make one.
+    #[must_use]
+    pub fn one(&self) -> i64 {
+        1 << self.fraction
+    }
+}
+
+impl<T: Width> Number for Q<T> {
+    type Held = T;
+    const ZERO: T = T::ZERO;
+
+    fn format(&self) -> Format {
+        Format::Fixed(FixedFormat::of(T::BITS, self.fraction, self.overflow))
+    }
+
+    fn hold(&self, real: f64) -> T {
+        // Scaling by a power of two is exact, or overflows to infinity, which saturates.
+        let steps = (real * self.one() as f64).round_ties_even();
+        match self.overflow {
+            Overflow::Wrap if steps.is_finite() => {
+                // The remainder of floats is exact, so nothing of a huge number is lost.
+                T::wrap((steps % 2f64.powi(T::BITS.into())) as i64)
+            }
+            _ => T::saturate(steps as i64),
+        }
+    }
+
+    fn value(&self, held: T) -> f64 {
+        let steps: i64 = held.into();
+        steps as f64 / self.one() as f64
+    }
+
+    fn add(&self, a: T, b: T) -> T {
+        self.fit(a.into() + b.into())
+    }
+
+    fn sub(&self, a: T, b: T) -> T {
+        self.fit(a.into() - b.into())
+    }
+
+    fn mul(&self, a: T, b: T) -> T {
+        self.fit(divide(a.into() * b.into(), self.one()))
+    }
+}

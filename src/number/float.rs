@@ -1,0 +1,138 @@
+//! The four floats.
+
+use half::{bf16, f16};
+
+use super::{Format, Number};
+
+/// IEEE binary64: the arithmetic that all others are measured against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct F64;
+
+/// IEEE binary32.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct F32;
+
+/// IEEE binary16: 11 bits of precision, to 65504.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct F16;
+
+/// bfloat16: the upper half of a binary32, 8 bits of precision.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bf16;
+
+impl Number for F64 {
+    type Held = f64;
+    const ZERO: f64 = 0.0;
+
+    fn format(&self) -> Format {
+        Format::F64
+    }
+    fn hold(&self, real: f64) -> f64 {
+        real
+    }
+    fn value(&self, held: f64) -> f64 {
+        held
+    }
+    fn add(&self, a: f64, b: f64) -> f64 {
+        a + b
+    }
+    fn sub(&self, a: f64, b: f64) -> f64 {
+        a - b
+    }
+    fn mul(&self, a: f64, b: f64) -> f64 {
+        a * b
+    }
+}
+
+impl Number for F32 {
+    type Held = f32;
+    const ZERO: f32 = 0.0;
+
+    fn format(&self) -> Format {
+        Format::F32
+    }
+    fn hold(&self, real: f64) -> f32 {
+        real as f32
+    }
+    fn value(&self, held: f32) -> f64 {
+        f64::from(held)
+    }
+    fn add(&self, a: f32, b: f32) -> f32 {
+        a + b
+    }
+    fn sub(&self, a: f32, b: f32) -> f32 {
+        a - b
+    }
+    fn mul(&self, a: f32, b: f32) -> f32 {
+        a * b
+    }
+}
+
+/// The two halves compute in f64 and round once: 53 bits are more than twice 11 plus two, so
+/// the first rounding can never spoil the second (Figueroa 1995, doi:10.1145/221332.221334).
+macro_rules! half_number {
+    ($name:ident, $held:ident, $format:expr) => {
+        impl Number for $name {
+            type Held = $held;
+            const ZERO: $held = $held::ZERO;
+
+            fn format(&self) -> Format {
+                $format
+            }
+            fn hold(&self, real: f64) -> $held {
+                $held::from_f32(narrow_to_odd(real))
+            }
+            fn value(&self, held: $held) -> f64 {
+                held.to_f64()
+            }
+            fn add(&self, a: $held, b: $held) -> $held {
+                self.hold(a.to_f64() + b.to_f64())
+            }
+            fn sub(&self, a: $held, b: $held) -> $held {
+                self.hold(a.to_f64() - b.to_f64())
+            }
+            fn mul(&self, a: $held, b: $held) -> $held {
+                self.hold(a.to_f64() * b.to_f64())
+            }
+        }
+    };
+}
+
+half_number!(F16, f16, Format::F16);
+half_number!(Bf16, bf16, Format::Bf16);
+
+/// f64 to f32, rounded to odd: what is cut off stays visible in the last bit, so that a second
+/// rounding to fewer bits is as good as one. (`half::f16::from_f64` rounds twice on machines
+/// that have the instruction for f32.)
+fn narrow_to_odd(real: f64) -> f32 {
+    let near = real as f32;
+    if near.is_nan() || f64::from(near) == real {
+        return near;
+    }
+    let away = f64::from(near).abs() > real.abs();
+    let toward_zero = near.to_bits() - u32::from(away);
+    f32::from_bits(toward_zero | 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_keeps_what_is_cut_off() {
+        assert_eq!(narrow_to_odd(1.5), 1.5);
+        assert_eq!(
+            narrow_to_odd(1.0 + 2f64.powi(-40)),
+            1.0 + 2f32.powi(-23),
+            "just above one is odd"
+        );
+        assert_eq!(
+            narrow_to_odd(1.0 - 2f64.powi(-40)),
+            1.0 - 2f32.powi(-24),
+            "just below one is odd"
+        );
+        assert_eq!(narrow_to_odd(1e300), f32::MAX);
+        assert_eq!(narrow_to_odd(-1e-300), -f32::from_bits(1));
+        assert_eq!(narrow_to_odd(f64::NEG_INFINITY), f32::NEG_INFINITY);
+    }
+}

@@ -1,0 +1,163 @@
+//! The names of number formats.
+
+use std::{fmt, str::FromStr};
+
+use super::Overflow;
+
+/// A number format by name: `f64` (or `exact`), `f32`, `f16`, `bf16`, `q8.8`, `q4.12-wrap`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// IEEE binary64.
+    F64,
+    /// IEEE binary32.
+    F32,
+    /// IEEE binary16.
+    F16,
+    /// bfloat16.
+    Bf16,
+    /// Fixed point.
+    Fixed(FixedFormat),
+}
+
+/// `qM.N`: M bits before the point, sign included, N bits after it; 8, 16 or 32 together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FixedFormat {
+    bits: u8,
+    fraction: u8,
+    overflow: Overflow,
+}
+
+impl FixedFormat {
+    /// Only for widths that exist, and no more fraction than width.
+    pub(super) const fn of(bits: u8, fraction: u8, overflow: Overflow) -> Self {
+        Self {
+            bits,
+            fraction,
+            overflow,
+        }
+    }
+
+    /// Bits in all: 8, 16 or 32.
+    #[must_use]
+    pub const fn bits(self) -> u8 {
+        self.bits
+    }
+
+    /// Bits after the point.
+    #[must_use]
+    pub const fn fraction(self) -> u8 {
+        self.fraction
+    }
+
+    /// Bits before the point, sign included.
+    #[must_use]
+    pub const fn integer(self) -> u8 {
+        self.bits - self.fraction
+    }
+
+    /// What happens beyond the limits.
+    #[must_use]
+    pub const fn overflow(self) -> Overflow {
+        self.overflow
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::F64 => f.write_str("f64"),
+            Self::F32 => f.write_str("f32"),
+            Self::F16 => f.write_str("f16"),
+            Self::Bf16 => f.write_str("bf16"),
+            Self::Fixed(q) => {
+                write!(f, "q{}.{}", q.integer(), q.fraction)?;
+                match q.overflow {
+                    Overflow::Saturate => Ok(()),
+                    Overflow::Wrap => f.write_str("-wrap"),
+                }
+            }
+        }
+    }
+}
+
+/// No such number format.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+pub enum FormatError {
+    /// Not a name.
+    #[error("unknown number format `{name}`")]
+    #[diagnostic(help(
+        "known are exact (f64), f32, f16, bf16, and qM.N for fixed point, for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps instead of saturating"
+    ))]
+    Unknown {
+        /// What was given.
+        name: String,
+    },
+    /// A fixed-point format that no integer holds.
+    #[error("number format `{name}` has {bits} bits")]
+    #[diagnostic(help(
+        "M (with the sign) and N in qM.N must be 8, 16 or 32 together, for instance q8.8 or q8.24"
+    ))]
+    Width {
+        /// What was given.
+        name: String,
+        /// M + N.
+        bits: u32,
+    },
+}
+
+impl FromStr for Format {
+    type Err = FormatError;
+
+    fn from_str(name: &str) -> Result<Self, FormatError> {
+        match name {
+            "f64" | "exact" => Ok(Self::F64),
+            "f32" => Ok(Self::F32),
+            "f16" => Ok(Self::F16),
+            "bf16" => Ok(Self::Bf16),
+            _ => fixed(name),
+        }
+    }
+}
+
+fn fixed(name: &str) -> Result<Format, FormatError> {
+    let (plain, overflow) = match name.strip_suffix("-wrap") {
+        Some(plain) => (plain, Overflow::Wrap),
+        None => (name, Overflow::Saturate),
+    };
+    // `parse` alone would accept a sign.
+    let number = |text: &str| -> Option<u8> {
+        let digits = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+        digits.then(|| text.parse().ok()).flatten()
+    };
+    let parts = plain
+        .strip_prefix('q')
+        .and_then(|rest| rest.split_once('.'))
+        .and_then(|(m, n)| Some((number(m)?, number(n)?)));
+    let Some((integer, fraction)) = parts else {
+        return Err(FormatError::Unknown { name: name.into() });
+    };
+    match u32::from(integer) + u32::from(fraction) {
+        bits @ (8 | 16 | 32) => Ok(Format::Fixed(FixedFormat {
+            bits: bits as u8,
+            fraction,
+            overflow,
+        })),
+        bits => Err(FormatError::Width {
+            name: name.into(),
+            bits,
+        }),
+    }
+}
+
+impl serde::Serialize for Format {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for Format {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        name.parse().map_err(serde::de::Error::custom)
+    }
+}
