@@ -36,6 +36,13 @@ pub enum SensorError {
         /// The sensor's size.
         want: Size,
     },
+    /// A sensor without pixels, or with more than addresses.
+    #[error("a sensor of {size} pixels cannot be addressed")]
+    #[diagnostic(help("width and height must be from 1 to 65536"))]
+    Addresses {
+        /// The size.
+        size: Size,
+    },
     /// Light that the photoreceptor's response is not defined for.
     #[error("frame {index}, x = {x}, y = {y}: {cause}")]
     #[diagnostic(help(
@@ -82,7 +89,7 @@ pub enum SensorError {
         /// Column.
         x: usize,
         /// How many, with sign.
-        count: i128,
+        count: f64,
     },
     /// More steps of a memory than a double can count.
     #[error(

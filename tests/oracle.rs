@@ -9,12 +9,14 @@
 
 use std::{
     fs::File,
+    ops::Range,
     path::{Path, PathBuf},
 };
 
 use amacrine::{
+    number::Real,
     plane::Size,
-    reference::{Cell, Counts, Description, Pair, Reference, Sink, Train, VoxelGrid, bins},
+    reference::{BandSink, Counts, Description, Pair, Reference, Sink, TrainRow, VoxelGrid, bins},
     scene::Frame,
     sensor::SensorError,
 };
@@ -189,7 +191,7 @@ fn agree(path: &Path) -> u64 {
     let size = Size::new(input.shape()[1], input.shape()[2]);
     let (pairs, channels) = (expected.shape()[0], expected.shape()[1]);
 
-    let mut reference = Reference::new(description, size, 0);
+    let mut reference = Reference::new(description, size, 0).unwrap();
     let mut counts = Counts::new(size, channels);
     let mut grid = VoxelGrid::new(size, channels);
     let mut exact = Vec::new();
@@ -206,13 +208,14 @@ fn agree(path: &Path) -> u64 {
             light: light.mapv(f64::from),
         };
         reference
-            .watch_into(&frame, &mut (&mut counts, &mut grid, &mut shares))
+            .watch_into(&frame, &mut (&mut counts, (&mut grid, &mut shares)))
             .unwrap();
         if n == 0 {
             compare_memory(&mut oracle, &reference, "mem_first");
             continue;
         }
-        exact.push(grid.advance());
+        exact.push(grid.earlier().to_vec());
+        grid.advance();
         for (channel, plane) in counts.planes().iter().enumerate() {
             for ((y, x), &count) in plane.indexed_iter() {
                 assert_eq!(
@@ -225,7 +228,7 @@ fn agree(path: &Path) -> u64 {
             }
         }
     }
-    exact.push(grid.advance());
+    exact.push(grid.earlier().to_vec());
     compare_memory(&mut oracle, &reference, "mem_final");
     assert_eq!(
         reference.report().events as f64,
@@ -313,16 +316,36 @@ impl Shares {
 }
 
 impl Sink for Shares {
-    fn begin(&mut self, _: Pair) {
+    type Band<'a> = ShareBand<'a>;
+
+    fn wants_times(&self) -> bool {
+        true
+    }
+
+    /// The clips are small, so there is one band.
+    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<ShareBand<'_>> {
+        assert_eq!(bands.len(), 1);
         let empty = vec![Array2::zeros(self.size.shape()); self.channels];
         self.earlier.push(empty.clone());
         self.later.push(empty);
+        vec![ShareBand(self)]
     }
 
-    fn train(&mut self, cell: Cell, train: Train) -> Result<(), SensorError> {
-        let (earlier, later) = bins(&train);
-        self.earlier.last_mut().unwrap()[cell.channel][[cell.y, cell.x]] = earlier as f32;
-        self.later.last_mut().unwrap()[cell.channel][[cell.y, cell.x]] = later as f32;
+    fn end(&mut self) -> Result<(), SensorError> {
+        Ok(())
+    }
+}
+
+struct ShareBand<'a>(&'a mut Shares);
+
+impl BandSink for ShareBand<'_> {
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
+        let Shares { earlier, later, .. } = self.0;
+        for (x, train) in row.trains() {
+            let (e, l) = bins(&train);
+            earlier.last_mut().unwrap()[row.channel][[row.y, x]] = e as f32;
+            later.last_mut().unwrap()[row.channel][[row.y, x]] = l as f32;
+        }
         Ok(())
     }
 }

@@ -24,8 +24,9 @@ pub trait Real:
     const ZERO: Self;
     /// 1.
     const ONE: Self;
-    /// The distance from 1 to the next.
-    const EPSILON: Self;
+    /// The relative difference under which two results of a few operations are a tie:
+    /// 2^12 units in the last place of f64, 2^5 of f32.
+    const TIE: Self;
 
     /// The nearest.
     fn of(value: f64) -> Self;
@@ -47,11 +48,11 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($($float:ident),*) => {$(
+    ($($float:ident $tie:expr),*) => {$(
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
-            const EPSILON: Self = $float::EPSILON;
+            const TIE: Self = $tie;
 
             #[inline]
             fn of(value: f64) -> Self {
@@ -81,4 +82,4 @@ macro_rules! real {
     )*};
 }
 
-real!(f32, f64);
+real!(f32 f32::EPSILON * 32.0, f64 f64::EPSILON * 4096.0);

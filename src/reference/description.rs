@@ -37,7 +37,7 @@ pub struct Description {
     /// From light to signal.
     pub response: Response,
     /// What an event does to the memory.
-    pub memory: Memory,
+    pub memory: MemoryRule,
     /// Where an event's sign comes from.
     pub polarity: PolarityRule,
     /// What lies off the array.
@@ -53,7 +53,7 @@ pub struct Description {
 /// What an event does to the memory: see [`super::memory`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Memory {
+pub enum MemoryRule {
     /// The memory holds pixels; a pixel that fires stores its own signal (Eq. 2-4 of the paper).
     RawSnap,
     /// The memory holds the filtered signal; a cell that fires stores it.
@@ -99,14 +99,6 @@ pub struct Refractory {
     pub rule: RefractoryRule,
 }
 
-impl Refractory {
-    /// No refractory period.
-    pub const NONE: Self = Self {
-        us: 0.0,
-        rule: RefractoryRule::DeadTime,
-    };
-}
-
 /// How the silence after an event works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -127,7 +119,7 @@ pub struct Channel {
     pub kernels: Vec<Kernel>,
     /// As many thresholds as kernels.
     pub thresholds: Vec<Threshold>,
-    /// The kernel that the memory is seen through; only for [`Memory::AuthorsPixelStep`].
+    /// The kernel that the memory is seen through; only for [`MemoryRule::AuthorsPixelStep`].
     pub memory_kernel: Option<Kernel>,
     /// `a ln(max(W u, 1e-8) + 1)` in place of `W u`: the released simulator's `log_temporal`.
     pub log_temporal: bool,
@@ -196,7 +188,7 @@ struct Written {
     #[expect(dead_code, reason = "for people")]
     source: Option<String>,
     response: Response,
-    memory: Spanned<Memory>,
+    memory: Spanned<MemoryRule>,
     #[serde(default)]
     polarity: Option<Spanned<PolarityRule>>,
     #[serde(default)]
@@ -290,11 +282,15 @@ impl Door<'_> {
 
     fn refractory(
         &self,
-        memory: Memory,
+        memory: MemoryRule,
         written: Option<Spanned<Refractory>>,
     ) -> Checked<Refractory> {
         let Some(written) = written else {
-            return Ok(Refractory::NONE);
+            let rule = match memory {
+                MemoryRule::AuthorsPixelStep => RefractoryRule::Authors,
+                _ => RefractoryRule::DeadTime,
+            };
+            return Ok(Refractory { us: 0.0, rule });
         };
         let (span, refractory) = (written.span(), written.into_inner());
         if !(refractory.us >= 0.0 && refractory.us.is_finite()) {
@@ -304,7 +300,7 @@ impl Door<'_> {
                 "give zero or a positive number of microseconds",
             ));
         }
-        let snaps = matches!(memory, Memory::RawSnap | Memory::FilteredSnap);
+        let snaps = matches!(memory, MemoryRule::RawSnap | MemoryRule::FilteredSnap);
         if snaps && refractory.rule == RefractoryRule::Authors {
             return Err(self.wrong(
                 span,
@@ -312,7 +308,7 @@ impl Door<'_> {
                 "use rule = \"dead-time\", or memory = \"filtered-step\"",
             ));
         }
-        if memory == Memory::AuthorsPixelStep && refractory.rule == RefractoryRule::DeadTime {
+        if memory == MemoryRule::AuthorsPixelStep && refractory.rule == RefractoryRule::DeadTime {
             return Err(self.wrong(
                 span,
                 "memory = \"authors-pixel-step\" exists to agree with the released code, whose refractory rule is its own",
@@ -324,13 +320,16 @@ impl Door<'_> {
 
     fn polarity(
         &self,
-        memory: Memory,
+        memory: MemoryRule,
         written: Option<Spanned<PolarityRule>>,
     ) -> Checked<PolarityRule> {
         let Some(written) = written else {
             return Ok(PolarityRule::default());
         };
-        let steps = matches!(memory, Memory::FilteredStep | Memory::AuthorsPixelStep);
+        let steps = matches!(
+            memory,
+            MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep
+        );
         if steps && *written.get_ref() == PolarityRule::Pixel {
             return Err(self.wrong(
                 written.span(),
@@ -343,7 +342,7 @@ impl Door<'_> {
 
     fn noise(
         &self,
-        memory: Memory,
+        memory: MemoryRule,
         refractory: Refractory,
         written: Option<Spanned<Noise>>,
     ) -> Checked<Noise> {
@@ -361,7 +360,7 @@ impl Door<'_> {
         Ok(noise)
     }
 
-    fn channel(&self, memory: Memory, written: Spanned<WrittenChannel>) -> Checked<Channel> {
+    fn channel(&self, memory: MemoryRule, written: Spanned<WrittenChannel>) -> Checked<Channel> {
         let whole = written.span();
         let written = written.into_inner();
         let four = match &written.pattern {
@@ -450,14 +449,14 @@ impl Door<'_> {
 
     fn memory_kernel(
         &self,
-        memory: Memory,
+        memory: MemoryRule,
         written: Option<Spanned<WrittenKernel>>,
         whole: Range<usize>,
     ) -> Checked<Option<Kernel>> {
         match (written, memory) {
-            (None, Memory::AuthorsPixelStep) => Err(self.wrong(whole, "memory = \"authors-pixel-step\" needs a memory-kernel", "give the kernel that the memory is seen through (often the channel's own)")),
+            (None, MemoryRule::AuthorsPixelStep) => Err(self.wrong(whole, "memory = \"authors-pixel-step\" needs a memory-kernel", "give the kernel that the memory is seen through (often the channel's own)")),
             (None, _) => Ok(None),
-            (Some(written), Memory::AuthorsPixelStep) => {
+            (Some(written), MemoryRule::AuthorsPixelStep) => {
                 let span = written.span();
                 let kernel = self.kernel(written.into_inner(), &span)?;
                 self.stable(&kernel, span)?;

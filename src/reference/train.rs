@@ -6,7 +6,9 @@
 //! first one's place, the spacing. Counts, voxels and event lists are all made from that,
 //! the voxels in closed form.
 
-use crate::{event::Polarity, sensor::SensorError};
+use std::ops::Range;
+
+use crate::{event::Polarity, number::Real, sensor::SensorError};
 
 /// Equally spaced events of one cell between two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,25 +33,75 @@ impl Train {
     /// When the last one happens.
     #[must_use]
     pub fn last(&self) -> f64 {
-        self.at(self.count - 1)
-    }
-
-    /// The number of events with the sign of the events.
-    #[must_use]
-    pub const fn signed_count(&self) -> i128 {
-        self.polarity.sign() as i128 * self.count as i128
+        self.at(self.count.saturating_sub(1))
     }
 }
 
-/// Where and in which channel a train happened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cell {
+/// The trains of a row of cells, one place for each column; a count of 0 is no train.
+#[derive(Clone, Debug)]
+pub struct TrainRow<R> {
     /// Kind of cell, from 0.
     pub channel: usize,
     /// Row.
     pub y: usize,
-    /// Column.
-    pub x: usize,
+    /// Whole numbers, with the sign of the events.
+    pub counts: Vec<R>,
+    /// As [`Train::first`]; anything where there is no train.
+    pub first: Vec<R>,
+    /// As [`Train::spacing`]; anything where there is no train.
+    pub spacing: Vec<R>,
+}
+
+impl<R: Real> TrainRow<R> {
+    /// A row of `width` silent cells.
+    #[must_use]
+    pub fn new(width: usize) -> Self {
+        Self {
+            channel: 0,
+            y: 0,
+            counts: vec![R::ZERO; width],
+            first: vec![R::ZERO; width],
+            spacing: vec![R::ZERO; width],
+        }
+    }
+
+    /// The train in column `x`.
+    #[must_use]
+    pub fn get(&self, x: usize) -> Option<Train> {
+        let count = self.counts[x].to_f64();
+        (count != 0.0).then(|| Train {
+            polarity: if count > 0.0 {
+                Polarity::On
+            } else {
+                Polarity::Off
+            },
+            count: count.abs() as u64,
+            first: self.first[x].to_f64(),
+            spacing: self.spacing[x].to_f64(),
+        })
+    }
+
+    /// Puts a train, or none, into column `x`.
+    pub(super) fn set(&mut self, x: usize, train: Option<Train>) {
+        match train {
+            None => self.counts[x] = R::ZERO,
+            Some(train) => {
+                let count = R::of(train.count as f64);
+                self.counts[x] = if train.polarity == Polarity::On {
+                    count
+                } else {
+                    -count
+                };
+                self.first[x] = R::of(train.first);
+                self.spacing[x] = R::of(train.spacing);
+            }
+        }
+    }
+
+    /// The columns with a train, and the trains.
+    pub fn trains(&self) -> impl Iterator<Item = (usize, Train)> {
+        (0..self.counts.len()).filter_map(|x| Some((x, self.get(x)?)))
+    }
 }
 
 /// The two frames a train lies between, in seconds.
@@ -73,52 +125,31 @@ impl Pair {
 
 /// Something that is told of every train, pair after pair.
 ///
-/// Within a pair, trains come channel by channel, row by row.
+/// A pair is told in bands of rows, which may be told at the same time.
 pub trait Sink {
-    /// A new pair begins.
-    fn begin(&mut self, pair: Pair);
+    /// The part of a sink that a band of rows is told to.
+    type Band<'a>: BandSink + Send
+    where
+        Self: 'a;
 
-    /// One train of the current pair.
+    /// Whether the times of the events matter, or only their number.
+    fn wants_times(&self) -> bool;
+
+    /// A new pair begins; one part for each band of rows, in order.
+    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<Self::Band<'_>>;
+
+    /// The pair has ended.
+    ///
+    /// # Errors
+    /// When the sink cannot hold what it was told.
+    fn end(&mut self) -> Result<(), SensorError>;
+}
+
+/// The part of a sink that one band of rows is told to.
+pub trait BandSink {
+    /// One row of one channel. Channels come in turn; rows in order within a channel.
     ///
     /// # Errors
     /// When the sink cannot hold it.
-    fn train(&mut self, cell: Cell, train: Train) -> Result<(), SensorError>;
-}
-
-/// A sink that may not be wanted.
-impl<S: Sink> Sink for Option<S> {
-    fn begin(&mut self, pair: Pair) {
-        if let Some(sink) = self {
-            sink.begin(pair);
-        }
-    }
-
-    fn train(&mut self, cell: Cell, train: Train) -> Result<(), SensorError> {
-        self.as_mut().map_or(Ok(()), |sink| sink.train(cell, train))
-    }
-}
-
-impl<S: Sink> Sink for &mut S {
-    fn begin(&mut self, pair: Pair) {
-        S::begin(self, pair);
-    }
-
-    fn train(&mut self, cell: Cell, train: Train) -> Result<(), SensorError> {
-        S::train(self, cell, train)
-    }
-}
-
-/// Three sinks that are told the same.
-impl<A: Sink, B: Sink, C: Sink> Sink for (A, B, C) {
-    fn begin(&mut self, pair: Pair) {
-        self.0.begin(pair);
-        self.1.begin(pair);
-        self.2.begin(pair);
-    }
-
-    fn train(&mut self, cell: Cell, train: Train) -> Result<(), SensorError> {
-        self.0.train(cell, train)?;
-        self.1.train(cell, train)?;
-        self.2.train(cell, train)
-    }
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError>;
 }

@@ -1,4 +1,4 @@
-//! Binning: events into voxels and counts, in closed form.
+//! Binning: events into voxels, in closed form.
 //!
 //! Bins are centred on the frames. An event at `u` (0 at the earlier frame of its pair, 1 at
 //! the later) gives `1 - u` to the earlier bin and `u` to the later, as in the paper's Eq. 5-8
@@ -9,14 +9,17 @@
 //! earlier = N - later
 //! ```
 //!
-//! with the sign of its events.
+//! with the sign of its events. Voxels are added up in double precision.
+
+use std::ops::Range;
 
 use crate::{
+    number::Real,
     plane::{Plane, Size},
     sensor::SensorError,
 };
 
-use super::train::{Cell, Pair, Sink, Train};
+use super::train::{BandSink, Pair, Sink, Train, TrainRow};
 
 /// The two bins that the current pair of frames lies between; `[channel][y, x]`.
 #[derive(Clone, Debug)]
@@ -36,11 +39,18 @@ impl VoxelGrid {
         }
     }
 
-    /// Takes out the earlier bin, which no later event can reach, and moves on by one frame.
-    pub fn advance(&mut self) -> Vec<Plane<f64>> {
-        let empty = vec![Plane::zeros(self.later[0].dim()); self.later.len()];
-        let next = std::mem::replace(&mut self.later, empty);
-        std::mem::replace(&mut self.earlier, next)
+    /// The bin of the earlier frame, which no later event can reach once the pair is over.
+    #[must_use]
+    pub fn earlier(&self) -> &[Plane<f64>] {
+        &self.earlier
+    }
+
+    /// Moves on by one frame: the later bin becomes the earlier.
+    pub fn advance(&mut self) {
+        std::mem::swap(&mut self.earlier, &mut self.later);
+        for plane in &mut self.later {
+            plane.fill(0.0);
+        }
     }
 }
 
@@ -48,62 +58,96 @@ impl VoxelGrid {
 #[must_use]
 pub fn bins(train: &Train) -> (f64, f64) {
     let n = train.count as f64;
-    let later = n * train.first + train.spacing * (n * (n - 1.0) / 2.0);
-    let sign = f64::from(train.polarity.sign());
-    (sign * (n - later), sign * later)
+    share(
+        f64::from(train.polarity.sign()) * n,
+        train.first,
+        train.spacing,
+    )
+}
+
+/// The closed form, with a signed count.
+#[inline]
+fn share(count: f64, first: f64, spacing: f64) -> (f64, f64) {
+    let later = count * first + spacing * (count * (count.abs() - 1.0) * 0.5);
+    (count - later, later)
+}
+
+/// The rows of the two bins that a band of rows gives to.
+#[derive(Debug)]
+pub struct VoxelBand<'a> {
+    top: usize,
+    width: usize,
+    /// For each channel.
+    earlier: Vec<&'a mut [f64]>,
+    later: Vec<&'a mut [f64]>,
 }
 
 impl Sink for VoxelGrid {
-    fn begin(&mut self, _: Pair) {}
+    type Band<'a> = VoxelBand<'a>;
 
-    fn train(&mut self, cell: Cell, train: Train) -> Result<(), SensorError> {
-        let (earlier, later) = bins(&train);
-        self.earlier[cell.channel][[cell.y, cell.x]] += earlier;
-        self.later[cell.channel][[cell.y, cell.x]] += later;
+    fn wants_times(&self) -> bool {
+        true
+    }
+
+    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<VoxelBand<'_>> {
+        let width = self.earlier.first().map_or(0, Plane::ncols);
+        let earlier = split(&mut self.earlier, bands);
+        let later = split(&mut self.later, bands);
+        let parts = earlier.into_iter().zip(later).zip(bands);
+        parts
+            .map(|((earlier, later), rows)| VoxelBand {
+                top: rows.start,
+                width,
+                earlier,
+                later,
+            })
+            .collect()
+    }
+
+    fn end(&mut self) -> Result<(), SensorError> {
         Ok(())
     }
 }
 
-/// Signed events of each cell in the current pair; `[channel][y, x]`.
-#[derive(Clone, Debug)]
-pub struct Counts {
-    planes: Vec<Plane<i32>>,
-}
-
-impl Counts {
-    /// No events yet.
-    #[must_use]
-    pub fn new(size: Size, channels: usize) -> Self {
-        Self {
-            planes: vec![Plane::zeros(size.shape()); channels],
-        }
-    }
-
-    /// The counts of the current pair, one plane for each channel.
-    #[must_use]
-    pub fn planes(&self) -> &[Plane<i32>] {
-        &self.planes
-    }
-}
-
-impl Sink for Counts {
-    fn begin(&mut self, _: Pair) {
-        for plane in &mut self.planes {
-            plane.fill(0);
-        }
-    }
-
-    fn train(&mut self, cell: Cell, train: Train) -> Result<(), SensorError> {
-        let to = &mut self.planes[cell.channel][[cell.y, cell.x]];
-        let count = i128::from(*to) + train.signed_count();
-        *to = i32::try_from(count).map_err(|_| SensorError::CountOverflow {
-            channel: cell.channel,
-            y: cell.y,
-            x: cell.x,
-            count,
-        })?;
+impl BandSink for VoxelBand<'_> {
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
+        let start = (row.y - self.top) * self.width;
+        let earlier = &mut self.earlier[row.channel][start..start + self.width];
+        let later = &mut self.later[row.channel][start..start + self.width];
+        add_shares(row, earlier, later);
         Ok(())
     }
+}
+
+fn add_shares<R: Real>(row: &TrainRow<R>, earlier: &mut [f64], later: &mut [f64]) {
+    let trains = row.counts.iter().zip(&row.first).zip(&row.spacing);
+    for (((count, first), spacing), (earlier, later)) in trains.zip(earlier.iter_mut().zip(later)) {
+        if *count != R::ZERO {
+            let (e, l) = share(count.to_f64(), first.to_f64(), spacing.to_f64());
+            *earlier += e;
+            *later += l;
+        }
+    }
+}
+
+/// Cuts planes into bands of rows: `[band][channel]`.
+pub(super) fn split<'a, T>(
+    planes: &'a mut [Plane<T>],
+    bands: &[Range<usize>],
+) -> Vec<Vec<&'a mut [T]>> {
+    let mut parts: Vec<Vec<&mut [T]>> = bands.iter().map(|_| Vec::new()).collect();
+    for plane in planes {
+        let width = plane.ncols();
+        let mut rest = plane
+            .as_slice_mut()
+            .expect("planes of the reference are contiguous");
+        for (part, rows) in parts.iter_mut().zip(bands) {
+            let (band, below) = rest.split_at_mut(rows.len() * width);
+            part.push(band);
+            rest = below;
+        }
+    }
+    parts
 }
 
 #[cfg(test)]
