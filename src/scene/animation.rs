@@ -12,7 +12,7 @@ use std::{
 
 use super::{
     Frame, Scene, SceneError,
-    canvas::{Area, Canvas, Leave, Patch},
+    canvas::{Area, Canvas, Delay, Leave, Patch},
     gray::{self, Layout},
     light,
     rate::Rate,
@@ -101,7 +101,7 @@ impl Animation {
             .next_patch()
             .map_err(|e| damaged(delays.len() as u64, e))?
         {
-            delays.push(patch.seconds);
+            delays.push(patch.delay);
         }
         let found = match asked {
             Some(_) => None,
@@ -133,15 +133,23 @@ impl Animation {
 }
 
 /// The rate of evenly spaced frames; `None` when the delays are 0.
-fn even_rate(path: &Path, delays: &[f64], unit: f64) -> Result<Option<f64>, SceneError> {
+fn even_rate(path: &Path, delays: &[Delay], unit: f64) -> Result<Option<f64>, SceneError> {
     let Some((_, shown)) = delays.split_last() else {
         return Ok(None);
     };
-    let step = shown.iter().sum::<f64>() / shown.len() as f64;
+    let (mut length, mut exact) = (0.0, Some(0_u64));
+    let denominator = shown.first().map_or(1, |delay| delay.denominator);
+    for delay in shown {
+        length += delay.seconds();
+        exact = exact
+            .filter(|_| delay.denominator == denominator)
+            .map(|sum| sum + u64::from(delay.numerator));
+    }
+    let count = shown.len() as f64;
     let mut got = 0.0;
     for (before, delay) in shown.iter().enumerate() {
-        got += delay;
-        let want = (before + 1) as f64 * step;
+        got += delay.seconds();
+        let want = (before + 1) as f64 * length / count;
         if (got - want).abs() > unit + 1e-9 {
             let frame = before as u64 + 1;
             return Err(SceneError::Uneven {
@@ -152,7 +160,11 @@ fn even_rate(path: &Path, delays: &[f64], unit: f64) -> Result<Option<f64>, Scen
             });
         }
     }
-    Ok((step > 0.0).then(|| 1.0 / step))
+    // Summed as fractions where they share a denominator, so that 1/10 s gives exactly 10.
+    Ok((length > 0.0).then(|| match exact {
+        Some(sum) => count * f64::from(denominator) / sum as f64,
+        None => count / length,
+    }))
 }
 
 impl Scene for Animation {
@@ -238,7 +250,10 @@ impl<R: BufRead + Send> Patches for Gif<R> {
                 gif::DisposalMethod::Background => Leave::Clear,
                 gif::DisposalMethod::Previous => Leave::Restore,
             },
-            seconds: f64::from(frame.delay) / 100.0,
+            delay: Delay {
+                numerator: frame.delay,
+                denominator: 100,
+            },
         }))
     }
 }
@@ -309,7 +324,7 @@ impl<R: BufRead + Seek + Send> Patches for Apng<R> {
             }
         };
         // The standard: a denominator of 0 means hundredths.
-        let unit = if control.delay_den == 0 {
+        let denominator = if control.delay_den == 0 {
             100
         } else {
             control.delay_den
@@ -327,7 +342,10 @@ impl<R: BufRead + Seek + Send> Patches for Apng<R> {
                 png::DisposeOp::Background => Leave::Clear,
                 png::DisposeOp::Previous => Leave::Restore,
             },
-            seconds: f64::from(control.delay_num) / f64::from(unit),
+            delay: Delay {
+                numerator: control.delay_num,
+                denominator,
+            },
         }))
     }
 }
@@ -338,13 +356,19 @@ mod tests {
 
     #[test]
     fn rounded_delays_are_even_and_others_are_not() {
-        let rate = |delays: &[f64]| even_rate(Path::new("a.gif"), delays, 0.01);
-        let third = [0.03, 0.03, 0.04];
-        let thirty: Vec<f64> = third.into_iter().cycle().take(31).collect();
-        assert!((rate(&thirty).unwrap().unwrap() - 30.0).abs() < 1e-9);
-        assert_eq!(rate(&[0.0, 0.0, 0.5]).unwrap(), None);
-        assert!((rate(&[0.1, 0.1, 9.0]).unwrap().unwrap() - 10.0).abs() < 1e-9);
-        let message = rate(&[0.1, 0.1, 0.3, 0.1]).unwrap_err().to_string();
+        let rate = |hundredths: &[u16]| {
+            let delay = |n: &u16| Delay {
+                numerator: *n,
+                denominator: 100,
+            };
+            let delays: Vec<_> = hundredths.iter().map(delay).collect();
+            even_rate(Path::new("a.gif"), &delays, 0.01)
+        };
+        let thirty: Vec<u16> = [3, 3, 4].into_iter().cycle().take(31).collect();
+        assert_eq!(rate(&thirty).unwrap(), Some(30.0));
+        assert_eq!(rate(&[0, 0, 50]).unwrap(), None);
+        assert_eq!(rate(&[10, 10, 900]).unwrap(), Some(10.0));
+        let message = rate(&[10, 10, 30, 10]).unwrap_err().to_string();
         assert!(message.contains("frame 1 is at 0.100000 s"), "{message}");
     }
 }

@@ -44,7 +44,20 @@ pub(super) struct Patch {
     pub over: bool,
     pub leave: Leave,
     /// How long it is shown.
-    pub seconds: f64,
+    pub delay: Delay,
+}
+
+/// A time in seconds, as a fraction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Delay {
+    pub numerator: u16,
+    pub denominator: u16,
+}
+
+impl Delay {
+    pub fn seconds(self) -> f64 {
+        f64::from(self.numerator) / f64::from(self.denominator)
+    }
 }
 
 impl Canvas {
@@ -105,7 +118,10 @@ mod tests {
             pixels,
             over,
             leave,
-            seconds: 0.1,
+            delay: Delay {
+                numerator: 1,
+                denominator: 10,
+            },
         }
     }
 

@@ -326,20 +326,16 @@ pub enum SceneError {
     },
 
     /// A parameter with a value that it cannot have.
-    #[error("pattern:{pattern}: {key}={got}: expected {want}")]
-    #[diagnostic(help(
-        "write pattern:{pattern}?{key}=VALUE, more after &; the default is {default}"
-    ))]
+    #[error("pattern:{pattern}: {given}: expected {want}")]
+    #[diagnostic(help("write pattern:{pattern}?key=value&key=value; {default}"))]
     Parameter {
         /// Which pattern.
         pattern: String,
-        /// Which parameter.
-        key: String,
-        /// The value given.
-        got: String,
+        /// The parameter and its value, as given.
+        given: String,
         /// What it may be.
         want: String,
-        /// Its default.
+        /// What it is when not given.
         default: String,
     },
 

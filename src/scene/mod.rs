@@ -16,10 +16,10 @@
 //!
 //! Video is used as it is coded: 0 to 255, no gamma undone, limited range not stretched, as
 //! the authors of the RGC sensor feed their simulator. Colour becomes gray by Rec. 601
-//! (0.299 R + 0.587 G + 0.114 B, the weights of video luma and of OpenCV), not rounded.
+//! (0.299 R + 0.587 G + 0.114 B, the weights of video luma and of `OpenCV`), not rounded.
 
 mod animation;
-// mod bundled;
+mod bundled;
 mod canvas;
 mod error;
 mod folder;
@@ -35,7 +35,7 @@ mod y4m;
 pub mod pattern;
 pub mod upsample;
 
-// pub use bundled::bundled;
+pub use bundled::bundled;
 pub use error::SceneError;
 pub use open::{OpenOptions, open};
 pub use rate::ASSUMED_FPS;

@@ -1,4 +1,4 @@
-//! NumPy's `.npy` of shape `(frames, height, width)`: light as given, never rescaled.
+//! The `.npy` of `numpy`, of shape `(frames, height, width)`: light as given, never rescaled.
 //!
 //! The numbers are read frame by frame; `ndarray-npy`, which reads whole arrays, would hold
 //! the clip in memory. Format: `numpy.lib.format`, versions 1 to 3.

@@ -59,16 +59,22 @@ impl Default for Upsampling {
 pub struct Upsampled<S> {
     source: S,
     how: Upsampling,
-    /// The source frames on both sides; the next to be given lies after the first.
-    pair: Option<(Frame, Frame)>,
-    /// What was given last.
-    last: Option<Plane<f64>>,
-    /// How far from the first to the second frame of the pair the last one was.
-    share: f64,
-    /// Steps in this pair so far.
-    steps: u32,
+    between: Option<Between>,
     given: u64,
     inserted: u64,
+}
+
+/// Where the next frame lies: after one source frame, up to another.
+#[derive(Debug)]
+struct Between {
+    from: Frame,
+    to: Frame,
+    /// The light that was given last.
+    now: Plane<f64>,
+    /// How far from `from` to `to` that was.
+    share: f64,
+    /// Steps so far.
+    steps: u32,
 }
 
 impl<S: Scene> Upsampled<S> {
@@ -97,10 +103,7 @@ impl<S: Scene> Upsampled<S> {
         Ok(Self {
             source,
             how,
-            pair: None,
-            last: None,
-            share: 0.0,
-            steps: 0,
+            between: None,
             given: 0,
             inserted: 0,
         })
@@ -149,91 +152,102 @@ impl<S: Scene> Scene for Upsampled<S> {
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
-        let (from, to, last) = match (self.pair.take(), self.last.take()) {
-            (Some((from, to)), Some(last)) => (from, to, last),
-            _ => {
-                // The very first frame, or the end of a source that has ended.
-                let Some(first) = self.source.next_frame()? else {
-                    return Ok(None);
-                };
-                return self.begin(first);
-            }
+        let Some(between) = &mut self.between else {
+            // The very first frame, or the end.
+            let Some(first) = self.source.next_frame()? else {
+                return Ok(None);
+            };
+            self.how.bound.check(&first)?;
+            return self.begin(first);
         };
-        if self.steps == self.how.most_steps {
+        if between.steps == self.how.most_steps {
             return Err(SceneError::TooManySteps {
-                pair: from.index,
+                pair: between.from.index,
                 most: self.how.most_steps,
             });
         }
-        self.steps += 1;
-        let share = self.share + self.how.bound.longest_step(&from, &to, &last)?;
-        // A share that does not grow would never arrive; the count of steps ends it.
+        between.steps += 1;
+        between.share += self.how.bound.longest_step(between);
+        let share = between.share;
         if share < 1.0 {
-            self.share = share;
-            self.inserted += 1;
-            let light = Zip::from(&from.light)
+            let (from, to) = (&between.from, &between.to);
+            Zip::from(&mut between.now)
+                .and(&from.light)
                 .and(&to.light)
-                .map_collect(|a, b| a + (b - a) * share);
+                .for_each(|now, a, b| *now = a + (b - a) * share);
             let seconds = from.seconds + (to.seconds - from.seconds) * share;
-            self.last = Some(light.clone());
-            self.pair = Some((from, to));
+            let light = between.now.clone();
+            self.inserted += 1;
             return Ok(Some(self.give(seconds, light)));
         }
-        self.begin(to)
+        match self.between.take() {
+            Some(between) => self.begin(between.to),
+            None => Ok(None),
+        }
     }
 }
 
 impl<S: Scene> Upsampled<S> {
     /// Gives a source frame and looks for the one after it.
-    fn begin(&mut self, first: Frame) -> Result<Option<Frame>, SceneError> {
-        self.share = 0.0;
-        self.steps = 0;
-        let given = (first.seconds, first.light.clone());
-        if let Some(second) = self.source.next_frame()? {
-            self.last = Some(first.light.clone());
-            self.pair = Some((first, second));
+    fn begin(&mut self, from: Frame) -> Result<Option<Frame>, SceneError> {
+        let frame = self.give(from.seconds, from.light.clone());
+        if let Some(to) = self.source.next_frame()? {
+            self.how.bound.check(&to)?;
+            self.between = Some(Between {
+                now: from.light.clone(),
+                from,
+                to,
+                share: 0.0,
+                steps: 0,
+            });
         }
-        Ok(Some(self.give(given.0, given.1)))
+        Ok(Some(frame))
     }
 }
 
 impl Bound {
-    /// How far, as a share of the way from one frame to the other, the light may go on from
-    /// where it is; infinite where nothing changes.
-    fn longest_step(self, from: &Frame, to: &Frame, now: &Plane<f64>) -> Result<f64, SceneError> {
+    /// Whether the light of a source frame can be bounded.
+    fn check(self, frame: &Frame) -> Result<(), SceneError> {
+        let Self::Contrast { offset, .. } = self else {
+            return Ok(());
+        };
+        let dark = frame
+            .light
+            .indexed_iter()
+            .find(|(_, v)| **v + offset <= 0.0);
+        match dark {
+            None => Ok(()),
+            Some(((y, x), value)) => Err(SceneError::NoLogarithm {
+                frame: frame.index,
+                y,
+                x,
+                value: *value,
+                offset,
+            }),
+        }
+    }
+
+    /// How far, as a share of the way from one source frame to the other, the light may go
+    /// on from where it is; infinite where nothing changes.
+    fn longest_step(self, between: &Between) -> f64 {
+        let (from, to) = (&between.from.light, &between.to.light);
         match self {
             Self::Light { light } => {
-                let fastest = Zip::from(&from.light)
-                    .and(&to.light)
+                let fastest = Zip::from(from)
+                    .and(to)
                     .fold(0.0_f64, |most, a, b| most.max((b - a).abs()));
-                Ok(light / fastest)
+                light / fastest
             }
             Self::Contrast { contrast, offset } => {
                 // Up by e^c - 1 of what there is, or down by 1 - e^-c of it.
-                let (up, down) = (contrast.exp_m1(), -(-contrast).exp_m1());
-                let mut longest = f64::INFINITY;
-                for (place, now) in now.indexed_iter() {
-                    let (a, b) = (from.light[place], to.light[place]);
-                    let light = now + offset;
-                    for (frame, value) in [(from, a), (to, b)] {
-                        if value + offset <= 0.0 {
-                            return Err(SceneError::NoLogarithm {
-                                frame: frame.index,
-                                y: place.0,
-                                x: place.1,
-                                value,
-                                offset,
-                            });
-                        }
-                    }
+                let (up, down) = (contrast.exp_m1(), (-contrast).exp_m1());
+                let changes = Zip::from(from).and(to).and(&between.now);
+                changes.fold(f64::INFINITY, |longest, a, b, now| {
                     let change = b - a;
-                    if change > 0.0 {
-                        longest = longest.min(light * up / change);
-                    } else if change < 0.0 {
-                        longest = longest.min(light * down / -change);
-                    }
-                }
-                Ok(longest)
+                    let may = (now + offset) * if change > 0.0 { up } else { down };
+                    // Where nothing changes this is infinite: light + offset is above 0.
+                    longest.min((may / change).abs())
+                })
             }
         }
     }

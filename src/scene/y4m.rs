@@ -212,8 +212,8 @@ impl Fields {
                 'W' => width = Some(whole(value).ok_or_else(|| bad("W", value, "a width"))?),
                 'H' => height = Some(whole(value).ok_or_else(|| bad("H", value, "a height"))?),
                 'F' => {
-                    fps =
-                        ratio(value).ok_or_else(|| bad("F", value, "frames per second as a:b"))?;
+                    let rate = ratio(value);
+                    fps = Some(rate.ok_or_else(|| bad("F", value, "frames per second as a:b"))?);
                 }
                 'C' => value.clone_into(&mut colour),
                 'I' if matches!(value, "t" | "b" | "m") => {
@@ -242,11 +242,11 @@ fn whole(text: &str) -> Option<usize> {
     text.parse().ok()
 }
 
-/// `a:b` as a rate; the outer `None` is no ratio, the inner one "unknown" (`0:0`).
-fn ratio(text: &str) -> Option<Option<f64>> {
+/// `a:b` as a rate; `0:0`, which means "unknown", is no usable rate.
+fn ratio(text: &str) -> Option<f64> {
     let (a, b) = text.split_once(':')?;
     let (a, b): (u64, u64) = (a.parse().ok()?, b.parse().ok()?);
-    Some((a > 0 && b > 0).then(|| a as f64 / b as f64))
+    Some(a as f64 / b as f64)
 }
 
 /// The layout that a colour space means; `None` where it is not known.

@@ -125,13 +125,13 @@ impl Pattern {
     #[must_use]
     pub fn light(&self, seconds: f64) -> Plane<f64> {
         let motif = self.motif.at(seconds);
-        Plane::from_shape_fn(self.size.shape(), |at| motif(self.from_middle(at)))
+        Plane::from_shape_fn(self.size.shape(), |at| motif(self.place(at)))
     }
 
     /// The optical flow at a time: exact, not estimated.
     #[must_use]
     pub fn flow(&self, seconds: f64) -> Flow {
-        let flow = |at| self.motif.flow(seconds, self.from_middle(at));
+        let flow = |at| self.motif.flow(seconds, self.place(at));
         Flow {
             dx: Plane::from_shape_fn(self.size.shape(), |at| flow(at).0),
             dy: Plane::from_shape_fn(self.size.shape(), |at| flow(at).1),
@@ -139,7 +139,7 @@ impl Pattern {
     }
 
     /// The centre of a pixel, `(x, y)` from the middle of the picture.
-    fn from_middle(&self, (y, x): (usize, usize)) -> (f64, f64) {
+    fn place(&self, (y, x): (usize, usize)) -> (f64, f64) {
         (
             x as f64 - (self.size.width - 1) as f64 / 2.0,
             y as f64 - (self.size.height - 1) as f64 / 2.0,
@@ -215,7 +215,7 @@ mod tests {
         for k in [10, 28, 47] {
             let (now, then) = (k as f64 / fps, (k + 1) as f64 / fps);
             let (before, after) = (pattern.light(now), pattern.light(then));
-            let flow = pattern.flow((now + then) / 2.0);
+            let flow = pattern.flow(f64::midpoint(now, then));
             for ((y, x), light) in after.indexed_iter() {
                 let from_y = y as f64 - sign * flow.dy[(y, x)] / fps;
                 let from_x = x as f64 - sign * flow.dx[(y, x)] / fps;

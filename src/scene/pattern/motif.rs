@@ -45,6 +45,23 @@ enum Motion {
     Rest,
 }
 
+/// The picture if there is one, else blobs.
+fn texture(given: &mut Parameters, image: Option<Plane<f64>>) -> Result<Texture, SceneError> {
+    let words = [("replicate", Border::Replicate), ("wrap", Border::Wrap)];
+    if let Some(picture) = image {
+        let border = given.choice("border", words)?;
+        return Ok(Texture::Picture { picture, border });
+    }
+    if given.takes_image() {
+        // Known, though blobs without an end have no border.
+        given.choice("border", words)?;
+    }
+    Ok(Texture::Blobs {
+        grain: given.real("grain", 4.0, 1e-3..=1e6)?,
+        seed: given.whole("seed", 1, 0..=u64::MAX)?,
+    })
+}
+
 /// A unit vector.
 #[derive(Clone, Copy, Debug)]
 struct Direction {
@@ -128,25 +145,7 @@ impl Motif {
                 frequency: given.real("frequency", 10.0, 0.0..=1e9)?,
                 wave: given.choice("wave", [("sine", Wave::Sine), ("square", Wave::Square)])?,
             },
-            _ => Figure::Texture(match image {
-                Some(picture) => Texture::Picture {
-                    picture,
-                    border: given.choice(
-                        "border",
-                        [("replicate", Border::Replicate), ("wrap", Border::Wrap)],
-                    )?,
-                },
-                None => {
-                    if given.takes_image() {
-                        // Known, though it says nothing about blobs without an end.
-                        given.choice("border", [("replicate", ()), ("wrap", ())])?;
-                    }
-                    Texture::Blobs {
-                        grain: given.real("grain", 4.0, 1e-3..=1e6)?,
-                        seed: given.whole("seed", 1, 0..=u64::MAX)?,
-                    }
-                }
-            }),
+            _ => Figure::Texture(texture(given, image)?),
         };
         Ok(Self {
             figure,

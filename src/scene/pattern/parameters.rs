@@ -25,10 +25,9 @@ impl Parameters {
         }
         let wrong = |key: &str, got: &str, want: &str| SceneError::Parameter {
             pattern: pattern.into(),
-            key: key.into(),
-            got: got.into(),
+            given: format!("{key}={got}"),
             want: want.into(),
-            default: "what it is when not given".into(),
+            default: "leave a key out for its default".into(),
         };
         let mut given = BTreeMap::new();
         for word in text.split('&').filter(|word| !word.is_empty()) {
@@ -122,10 +121,9 @@ impl Parameters {
     fn wrong(&self, key: &str, got: &str, want: String, default: &str) -> SceneError {
         SceneError::Parameter {
             pattern: self.pattern.clone(),
-            key: key.into(),
-            got: got.into(),
+            given: format!("{key}={got}"),
             want,
-            default: default.into(),
+            default: format!("the default is {key}={default}"),
         }
     }
 }
