@@ -54,9 +54,8 @@ impl About {
                 why: format!("has a part that cannot be read: `{word}`"),
             })?;
         }
-        match about.size {
-            Some(size) => within_reach(size)?,
-            None => (),
+        if let Some(size) = about.size {
+            within_reach(size)?;
         }
         Ok(Some(about))
     }

@@ -87,10 +87,9 @@ impl<'a> Line<'a> {
 
 /// A whole number; `None` when it is none, or too long for one.
 pub fn integer(text: &[u8]) -> Option<i128> {
-    let (negative, digits) = match text {
-        [b'-', digits @ ..] => (true, digits),
-        [b'+', digits @ ..] => (false, digits),
-        digits => (false, digits),
+    let (negative, digits) = match text.strip_prefix(b"-") {
+        Some(digits) => (true, digits),
+        None => (false, text.strip_prefix(b"+").unwrap_or(text)),
     };
     // 19 digits: all of 63 bits, and no overflow on the way.
     if digits.is_empty() || digits.len() > 19 {

@@ -34,8 +34,8 @@ const ALIGN: usize = 64;
 /// numpy itself refuses headers above ten thousand bytes.
 const LONGEST_HEADER: usize = 1 << 16;
 
-/// Bytes read at once.
-const CHUNK: usize = 1 << 16;
+/// No event is this long, in bytes.
+const LONGEST_RECORD: usize = 1 << 16;
 
 /// Writes the events.
 pub(super) fn write(out: &mut dyn Write, packet: &Packet) -> io::Result<()> {
@@ -78,21 +78,13 @@ pub(super) fn read(input: &mut dyn BufRead) -> Result<Loaded, Stop> {
             .declare(about)
             .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
     }
-    let width = header.record.width;
-    let mut left = header.events;
-    let mut chunk = vec![0; CHUNK / width * width];
-    while left > 0 {
-        let records = left.min((chunk.len() / width) as u64);
-        let part = &mut chunk[..records as usize * width];
-        let start = bytes.at;
-        let event = header.events - left;
-        bytes.fill(part, || format!("event {event} or one after it"))?;
-        for (i, record) in part.chunks_exact(width).enumerate() {
-            intake
-                .take(header.record.read(record))
-                .map_err(|fault| Stop::Fault(Place::Byte(start + (i * width) as u64), fault))?;
-        }
-        left -= records;
+    let mut record = vec![0; header.record.width];
+    for event in 0..header.events {
+        let place = Place::Byte(bytes.at);
+        bytes.fill(&mut record, || format!("event {event}"))?;
+        intake
+            .take(header.record.read(&record))
+            .map_err(|fault| Stop::Fault(place, fault))?;
     }
     if !bytes.input.fill_buf()?.is_empty() {
         return Err(Stop::Fault(Place::Byte(bytes.at), Fault::Trailing));
@@ -336,7 +328,7 @@ impl<'a> Literal<'a> {
                 }
                 width += field.width;
             }
-            if width > CHUNK {
+            if width > LONGEST_RECORD {
                 return Err("describes records that are too long".into());
             }
             if !self.take(",") {
