@@ -23,6 +23,7 @@ mod noise;
 mod refractory;
 mod signal;
 mod sinks;
+mod tally;
 mod train;
 mod voxel;
 
@@ -33,6 +34,7 @@ pub use description::{
 };
 pub use list::{EventList, Limit, ListBand, WhenFull};
 pub use noise::Noise;
+pub use tally::{Tally, TallyBand};
 pub use train::{BandSink, Pair, Sink, Train, TrainRow};
 pub use voxel::{VoxelBand, VoxelGrid, bins};
 
