@@ -44,8 +44,8 @@ impl fmt::Display for Micros {
 
 /// A text that is no duration.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("`{text}` is not a duration in whole microseconds")]
-#[diagnostic(help("write a number and one of the units us, ms, s: 100us, 1ms, 0.5s"))]
+#[error("`{text}` is not a duration in whole microseconds, such as 100us, 1ms or 0.5s")]
+#[diagnostic(help("write a number and one of the units us, ms, s"))]
 pub struct DurationError {
     /// What was given.
     pub text: String,

@@ -258,7 +258,7 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
 }
 
 /// Each damaged file, and what is said about it.
-const BAD: [(&str, &str); 33] = [
+const BAD: [(&str, &str); 34] = [
     (
         "empty.csv",
         ":1:1: expected the header `t,x,y,p` (in any order, and perhaps `channel`), found no line at all",
@@ -371,6 +371,10 @@ const BAD: [(&str, &str); 33] = [
     (
         "float_time.npy",
         ": byte 33: the NPY header has `<f8` for `t`, which is no integer",
+    ),
+    (
+        "negative_x.npy",
+        ": byte 141: `x` is -3; it should be 0 to 65535",
     ),
     (
         "backwards.npy",

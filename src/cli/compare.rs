@@ -1,10 +1,11 @@
 //! `amacrine compare`: two event files, one judged against the other.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::{
     compare::{Comparison, compare, equality::Side},
     event::file::{self, Loaded},
+    plane::Size,
     unit::Micros,
 };
 
@@ -35,7 +36,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     judged.widen_to(&reference.packet);
     let comparison = compare(&reference.packet, &judged.packet, arguments.within)?;
     if arguments.json {
-        let json = serde_json::to_string(&comparison).map_err(|e| miette::miette!("{e}"))?;
+        let json = Json {
+            reference: Input::of(&arguments.a, &reference),
+            judged: Input::of(&arguments.b, &judged),
+            comparison: &comparison,
+        };
+        let json = serde_json::to_string(&json).map_err(|e| miette::miette!("{e}"))?;
         println!("{json}");
     } else {
         print!("{}", head(arguments, &reference, &judged));
@@ -44,13 +50,41 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+/// The comparison for machines.
+#[derive(serde::Serialize)]
+struct Json<'a> {
+    reference: Input<'a>,
+    judged: Input<'a>,
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+}
+
+/// One of the two files.
+#[derive(serde::Serialize)]
+struct Input<'a> {
+    file: &'a Path,
+    size: Size,
+    /// Otherwise the size is the smallest that holds the events of both files.
+    size_known: bool,
+}
+
+impl<'a> Input<'a> {
+    const fn of(file: &'a Path, loaded: &Loaded) -> Self {
+        Self {
+            file,
+            size: loaded.packet.size,
+            size_known: loaded.size_known,
+        }
+    }
+}
+
 /// Who is compared with whom.
 fn head(arguments: &Arguments, reference: &Loaded, judged: &Loaded) -> String {
-    let line = |role: &str, path: &PathBuf, loaded: &Loaded| {
+    let line = |role: &str, path: &Path, loaded: &Loaded| {
         let note = if loaded.size_known {
             ""
         } else {
-            " (the file does not say; the smallest that holds the events)"
+            " (the file does not say; the smallest that holds all events)"
         };
         let size = loaded.packet.size;
         format!("{role:<10} {}, {size}{note}\n", path.display())

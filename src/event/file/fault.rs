@@ -232,7 +232,7 @@ impl Fault {
             Self::Range { name, .. } => match name.as_bytes() {
                 b"channel" => "number the channels from 0",
                 _ => {
-                    "coordinates count from 0 at the top left; another format may hold larger ones"
+                    "coordinates count from 0 at the top left; if this one is right, another format may hold it"
                 }
             },
             Self::Outside { .. } | Self::SizeLimit { .. } => {
