@@ -16,6 +16,7 @@ use amacrine::{
     scene::{Frame, OpenOptions, Scene, SceneError, bundled, open},
 };
 use miette::Diagnostic;
+use proptest::prelude::*;
 
 fn data(name: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -195,6 +196,30 @@ fn the_bundled_clip_is_the_y4m_to_the_bit() {
     let bytes =
         fs::metadata(Path::new(env!("CARGO_MANIFEST_DIR")).join("clips/vtest_256x256.apng"));
     assert!(bytes.unwrap().len() < 2_000_000);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever a damaged file says, it is read or refused, never a panic.
+    #[test]
+    fn damaged_files_are_read_or_refused(
+        name in prop::sample::select(vec!["walk.y4m", "walk.gif", "walk.apng", "f4.npy", "still16.png", "still.pgm", "colour.png"]),
+        cut in 0.5_f64..1.0,
+        flips in prop::collection::vec((0.0_f64..1.0, any::<u8>()), 0..6),
+    ) {
+        let mut bytes = fs::read(data(name)).unwrap();
+        bytes.truncate((bytes.len() as f64 * cut).ceil() as usize);
+        for (place, value) in flips {
+            // Squared: headers are hit more often.
+            let place = (bytes.len() as f64 * place * place) as usize;
+            bytes[place] = value;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        let _ = open(&path.display().to_string(), &OpenOptions::default()).and_then(read);
+    }
 }
 
 fn bad(name: &str) -> PathBuf {

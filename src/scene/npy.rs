@@ -1,4 +1,4 @@
-//! The `.npy` of `numpy`, of shape `(frames, height, width)`: light as given, never rescaled.
+//! `.npy` arrays of shape `(frames, height, width)`: light as given, never rescaled.
 //!
 //! The numbers are read frame by frame; `ndarray-npy`, which reads whole arrays, would hold
 //! the clip in memory. Format: `numpy.lib.format`, versions 1 to 3.
@@ -140,8 +140,8 @@ impl<R: Read + Send> Scene for Npy<R> {
         for (place, bytes) in self.bytes.chunks_exact(self.number.bytes()).enumerate() {
             let (y, x) = (place / width, place % width);
             let value = match self.number.read(bytes) {
-                Read1::Real(value) => value,
-                Read1::Inexact(value) => {
+                Value::Real(value) => value,
+                Value::Inexact(value) => {
                     return Err(SceneError::Inexact {
                         path: self.path.clone(),
                         frame: index,
@@ -195,7 +195,7 @@ enum Kind {
 }
 
 /// A number that was read.
-enum Read1 {
+enum Value {
     Real(f64),
     /// A whole number that no `f64` equals.
     Inexact(i128),
@@ -239,7 +239,7 @@ impl Number {
         }
     }
 
-    fn read(self, bytes: &[u8]) -> Read1 {
+    fn read(self, bytes: &[u8]) -> Value {
         let fold = |all: u64, byte: &u8| all << 8 | u64::from(*byte);
         let bits = if self.big_end_first {
             bytes.iter().fold(0, fold)
@@ -247,9 +247,9 @@ impl Number {
             bytes.iter().rev().fold(0, fold)
         };
         match self.kind {
-            Kind::F2 => Read1::Real(half::f16::from_bits(bits as u16).to_f64()),
-            Kind::F4 => Read1::Real(f32::from_bits(bits as u32).into()),
-            Kind::F8 => Read1::Real(f64::from_bits(bits)),
+            Kind::F2 => Value::Real(half::f16::from_bits(bits as u16).to_f64()),
+            Kind::F4 => Value::Real(f32::from_bits(bits as u32).into()),
+            Kind::F8 => Value::Real(f64::from_bits(bits)),
             Kind::U1 | Kind::U2 | Kind::U4 | Kind::U8 => exact(bits.into()),
             Kind::I1 => exact((bits as i8).into()),
             Kind::I2 => exact((bits as i16).into()),
@@ -259,12 +259,12 @@ impl Number {
     }
 }
 
-fn exact(value: i128) -> Read1 {
+fn exact(value: i128) -> Value {
     let real = value as f64;
     if real as i128 == value {
-        Read1::Real(real)
+        Value::Real(real)
     } else {
-        Read1::Inexact(value)
+        Value::Inexact(value)
     }
 }
 

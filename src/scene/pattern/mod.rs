@@ -6,8 +6,9 @@
 //!
 //! Every pattern takes these (defaults in brackets); [`PATTERNS`] lists the others:
 //! `width` and `height` in pixels (128; that of `image` where there is one), `frames` (240),
-//! `fps` (240), `low` and `high` light (51 and 204), and, where something moves straight,
-//! `speed` in pixels per second (60) and `angle` in degrees (0).
+//! `fps` (240), `low` and `high` light (51 and 204; not with an `image`, which brings its
+//! own), and, where something moves straight, `speed` in pixels per second (60) and `angle`
+//! in degrees (0). `border` goes with an `image`, `grain` and `seed` with blobs.
 
 mod draw;
 mod motif;
@@ -19,7 +20,10 @@ use std::path::PathBuf;
 use motif::Motif;
 use parameters::Parameters;
 
-use super::{Frame, Scene, SceneError, light, rate::Rate};
+use super::{
+    Frame, Scene, SceneError, light,
+    rate::{self, Rate},
+};
 use crate::plane::{Plane, Size};
 
 /// The patterns: name, and what it is with the parameters that are its own.
@@ -43,7 +47,7 @@ pub const PATTERNS: [(&str, &str); 12] = [
     ),
     (
         "rotate",
-        "image=FILE or blobs turn about the middle; turn=90 degrees/s",
+        "image=FILE or blobs turn about the middle; turn=90 degrees/s, clockwise",
     ),
     (
         "zoom",
@@ -82,9 +86,12 @@ impl Pattern {
     /// Reads `NAME?key=value&key=value`; `fps` is taken instead of the parameter.
     ///
     /// # Errors
-    /// When the name or a key is not known, a value is out of range, or `image` cannot be
-    /// read.
+    /// When the name or a key is not known, a value or `fps` is out of range, or `image`
+    /// cannot be read.
     pub fn parse(text: &str, fps: Option<f64>) -> Result<Self, SceneError> {
+        if let Some(fps) = fps.filter(|fps| !rate::usable(*fps)) {
+            return Err(SceneError::BadRate { fps });
+        }
         let (name, rest) = text.split_once('?').unwrap_or((text, ""));
         let mut given = Parameters::parse(name, rest)?;
         let image = match given
@@ -128,10 +135,11 @@ impl Pattern {
         Plane::from_shape_fn(self.size.shape(), |at| motif(self.place(at)))
     }
 
-    /// The optical flow at a time: exact, not estimated.
+    /// The optical flow: exact, not estimated, and the same at all times, because every
+    /// motion here is steady.
     #[must_use]
-    pub fn flow(&self, seconds: f64) -> Flow {
-        let flow = |at| self.motif.flow(seconds, self.place(at));
+    pub fn flow(&self) -> Flow {
+        let flow = |at| self.motif.flow(self.place(at));
         Flow {
             dx: Plane::from_shape_fn(self.size.shape(), |at| flow(at).0),
             dy: Plane::from_shape_fn(self.size.shape(), |at| flow(at).1),
@@ -215,7 +223,7 @@ mod tests {
         for k in [10, 28, 47] {
             let (now, then) = (k as f64 / fps, (k + 1) as f64 / fps);
             let (before, after) = (pattern.light(now), pattern.light(then));
-            let flow = pattern.flow(f64::midpoint(now, then));
+            let flow = pattern.flow();
             for ((y, x), light) in after.indexed_iter() {
                 let from_y = y as f64 - sign * flow.dy[(y, x)] / fps;
                 let from_x = x as f64 - sign * flow.dx[(y, x)] / fps;
@@ -259,7 +267,7 @@ mod tests {
     #[test]
     fn what_rests_does_not_flow_and_flicker_is_uniform() {
         for text in ["static", "flicker"] {
-            let flow = pattern(text).flow(0.1);
+            let flow = pattern(text).flow();
             assert!(flow.dx.iter().chain(&flow.dy).all(|v| *v == 0.0));
         }
         assert_eq!(pattern("static").light(0.0), pattern("static").light(1.0));
@@ -311,12 +319,17 @@ mod tests {
         }
         assert_eq!(last.unwrap().seconds, 999.0 / 30.0);
         assert_eq!(Pattern::parse("static", Some(77.0)).unwrap().fps(), 77.0);
+        assert!(Pattern::parse("static", Some(f64::NAN)).is_err());
     }
 
     #[test]
     fn the_list_of_patterns_is_the_list_of_patterns() {
         for (name, text) in PATTERNS {
-            let known = pattern_error(&format!("{name}?nonsense=1"));
+            let mut known = pattern_error(&format!("{name}?nonsense=1"));
+            if text.contains("image=") {
+                let image = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/scene/still.pgm");
+                known += &pattern_error(&format!("{name}?image={image}&nonsense=1"));
+            }
             for word in text.split([' ', ';', ',']).filter(|w| w.contains('=')) {
                 let key = word.split('=').next().unwrap();
                 assert!(known.contains(key), "{name} has no {key}: {known}");
@@ -343,7 +356,7 @@ mod tests {
             ("bar?high=NaN", ["high=NaN", "a number"]),
             ("bar?speed", ["speed=", "a value"]),
             ("flicker?wave=saw", ["wave=saw", "sine or square"]),
-            ("pan?border=mirror", ["border=mirror", "replicate or wrap"]),
+            ("pan?border=wrap", ["\"border\"", "image="]),
             ("pan?image=missing.png", ["missing.png", "exists"]),
         ] {
             let message = pattern_error(text);

@@ -16,7 +16,7 @@ pub(super) struct Motif {
     high: f64,
 }
 
-/// What is drawn, from 0 (low light) to 1 (high light).
+/// What is drawn, from 0 (low light) to 1 (high light); a picture, in its own light.
 #[derive(Debug)]
 enum Figure {
     Bar { thickness: f64, along: Direction },
@@ -51,10 +51,6 @@ fn texture(given: &mut Parameters, image: Option<Plane<f64>>) -> Result<Texture,
     if let Some(picture) = image {
         let border = given.choice("border", words)?;
         return Ok(Texture::Picture { picture, border });
-    }
-    if given.takes_image() {
-        // Known, though blobs without an end have no border.
-        given.choice("border", words)?;
     }
     Ok(Texture::Blobs {
         grain: given.real("grain", 4.0, 1e-3..=1e6)?,
@@ -102,8 +98,14 @@ impl Motif {
         image: Option<Plane<f64>>,
         middle: f64,
     ) -> Result<Self, SceneError> {
-        let low = given.real("low", 51.0, 0.0..=1e9)?;
-        let high = given.real("high", 204.0, 0.0..=1e9)?;
+        // A picture brings its own light: as it is from 0 to 1.
+        let (low, high) = match &image {
+            Some(_) => (0.0, 1.0),
+            None => (
+                given.real("low", 51.0, 0.0..=1e9)?,
+                given.real("high", 204.0, 0.0..=1e9)?,
+            ),
+        };
         let name = given.pattern.clone();
         let mut along = Direction::degrees(0.0);
         let motion = match name.as_str() {
@@ -159,16 +161,12 @@ impl Motif {
     pub fn at(&self, seconds: f64) -> impl Fn((f64, f64)) -> f64 {
         move |place| {
             let home = self.motion.home(seconds, place);
-            match &self.figure {
-                // A picture brings its own light.
-                Figure::Texture(texture @ Texture::Picture { .. }) => texture.at(home),
-                figure => self.low + (self.high - self.low) * figure.share(home, seconds),
-            }
+            self.low + (self.high - self.low) * self.figure.share(home, seconds)
         }
     }
 
     /// How fast what is at a place moves: `(x, y)`, pixels per second.
-    pub fn flow(&self, _seconds: f64, (x, y): (f64, f64)) -> (f64, f64) {
+    pub fn flow(&self, (x, y): (f64, f64)) -> (f64, f64) {
         match self.motion {
             Motion::Straight { x, y, middle: _ } => (x, y),
             Motion::Turn(rate) => (-rate * y, rate * x),
