@@ -5,18 +5,21 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::{WrapErr, miette};
 use serde_json::json;
 
 use crate::{
     event::{Packet, address::AddressWord, file},
-    number::{Bf16, F16, F32, F64, Format, Number},
+    number::{Format, Number, Visitor},
     plane::Size,
     reference::{
         Counts, Description, EventList, Limit, Reference, Report, Tally, VoxelGrid, WhenFull,
     },
     save::Stack,
-    scene::{OpenOptions, Scene, open, upsample::{Bound, Upsampled, Upsampling}},
+    scene::{
+        OpenOptions, Scene, open,
+        upsample::{Bound, Upsampled, Upsampling},
+    },
     unit::Micros,
 };
 
@@ -24,7 +27,9 @@ use super::progress::Progress;
 
 /// What `run` is asked to do.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: amacrine run --scene clips/vtest_256x256.apng --sensor sensors/rgc.toml --upsample 0.1 --events out/events.npy")]
+#[command(
+    after_help = "Example: amacrine run --scene clips/vtest_256x256.apng --sensor sensors/rgc.toml --upsample 0.1 --events out/events.npy"
+)]
 pub struct Arguments {
     /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), or pattern:NAME?key=value
     #[arg(long)]
@@ -82,15 +87,34 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         file::Format::of(events)?;
     }
     let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
+    let sensor = description.clone();
     let watched = match arguments.upsample {
-        None => watch_in_format(arguments, description.clone(), scene),
+        None => arguments.format.visit(Run {
+            arguments,
+            description: sensor,
+            scene,
+        }),
         Some(contrast) => {
-            let bound = Bound::Contrast { contrast, offset: 1.0 };
-            let scene = Upsampled::new(scene, Upsampling { bound, ..Upsampling::default() })?;
-            watch_in_format(arguments, description.clone(), scene)
+            let bound = Bound::Contrast {
+                contrast,
+                offset: 1.0,
+            };
+            let scene = Upsampled::new(
+                scene,
+                Upsampling {
+                    bound,
+                    ..Upsampling::default()
+                },
+            )?;
+            arguments.format.visit(Run {
+                arguments,
+                description: sensor,
+                scene,
+            })
         }
     };
-    let watched = watched.wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
+    let watched = watched
+        .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
     if arguments.json {
         println!("{}", watched.json(arguments, &description));
     } else {
@@ -105,8 +129,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 /// When a file cannot be read, or is not what it should be.
 pub fn read_sensor(path: &Path) -> miette::Result<Description> {
     let shown = path.display().to_string();
-    let text = fs::read_to_string(path)
-        .map_err(|e| miette!(help = "give a sensor file; sensors/ has some to start from", "{shown}: {e}"))?;
+    let text = fs::read_to_string(path).map_err(|e| {
+        miette!(
+            help = "give a sensor file; sensors/ has some to start from",
+            "{shown}: {e}"
+        )
+    })?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let read = move |name: &str| fs::read_to_string(folder.join(name));
     Ok(Description::parse(&shown, &text, &read)?)
@@ -125,17 +153,27 @@ struct Watched {
     paper_metric: Option<f64>,
 }
 
-fn watch_in_format<S: Scene>(arguments: &Arguments, description: Description, scene: S) -> miette::Result<Watched> {
-    match arguments.format {
-        Format::F64 => watch(arguments, F64, description, scene),
-        Format::F32 => watch(arguments, F32, description, scene),
-        Format::F16 => watch(arguments, F16, description, scene),
-        Format::Bf16 => watch(arguments, Bf16, description, scene),
-        Format::Fixed(format) => format.visit(FixedRun { arguments, description, scene }),
+/// The run, in whatever number format is asked for.
+struct Run<'a, S> {
+    arguments: &'a Arguments,
+    description: Description,
+    scene: S,
+}
+
+impl<S: Scene> Visitor for Run<'_, S> {
+    type Output = miette::Result<Watched>;
+
+    fn visit<N: Number>(self, number: N) -> miette::Result<Watched> {
+        watch(self.arguments, number, self.description, self.scene)
     }
 }
 
-fn watch<N: Number, S: Scene>(arguments: &Arguments, number: N, description: Description, mut scene: S) -> miette::Result<Watched> {
+fn watch<N: Number, S: Scene>(
+    arguments: &Arguments,
+    number: N,
+    description: Description,
+    mut scene: S,
+) -> miette::Result<Watched> {
     let size = scene.size();
     let channels = description.channels.len();
     let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
@@ -148,17 +186,35 @@ fn watch<N: Number, S: Scene>(arguments: &Arguments, number: N, description: Des
         },
     };
     let mut tally = Tally::new(channels);
-    let mut counts = arguments.counts.as_ref().map(|_| Counts::new(size, channels));
-    let mut count_stack = arguments.counts.as_ref().map(|path| Stack::<i32>::create(path, channels, size)).transpose()?;
-    let mut grid = (arguments.voxels.is_some() || arguments.json).then(|| VoxelGrid::new(size, channels));
-    let mut voxel_stack = arguments.voxels.as_ref().map(|path| Stack::<f32>::create(path, channels, size)).transpose()?;
+    let mut counts = arguments
+        .counts
+        .as_ref()
+        .map(|_| Counts::new(size, channels));
+    let mut count_stack = arguments
+        .counts
+        .as_ref()
+        .map(|path| Stack::<i32>::create(path, channels, size))
+        .transpose()?;
+    let mut grid =
+        (arguments.voxels.is_some() || arguments.json).then(|| VoxelGrid::new(size, channels));
+    let mut voxel_stack = arguments
+        .voxels
+        .as_ref()
+        .map(|path| Stack::<f32>::create(path, channels, size))
+        .transpose()?;
     let mut paper = PaperMetric::default();
     let progress = Progress::new("watching", scene.frames());
 
     let (mut frames, mut first, mut last) = (0, None, 0.0);
     while let Some(frame) = scene.next_frame()? {
-        let mut list = arguments.events.as_ref().map(|_| EventList::new(&mut packet, limit));
-        reference.watch_into(&frame, &mut ((&mut tally, &mut list), (&mut counts, &mut grid)))?;
+        let mut list = arguments
+            .events
+            .as_ref()
+            .map(|_| EventList::new(&mut packet, limit));
+        reference.watch_into(
+            &frame,
+            &mut ((&mut tally, &mut list), (&mut counts, &mut grid)),
+        )?;
         if frames > 0 {
             if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
                 stack.push(counts.planes().iter().cloned())?;
@@ -173,7 +229,10 @@ fn watch<N: Number, S: Scene>(arguments: &Arguments, number: N, description: Des
         progress.tick();
     }
     if frames == 0 {
-        return Err(miette!(help = "give a scene with at least one frame", "the scene has no frames"));
+        return Err(miette!(
+            help = "give a scene with at least one frame",
+            "the scene has no frames"
+        ));
     }
     if let Some(grid) = &mut grid {
         finish_bin(grid, voxel_stack.as_mut(), &mut paper)?;
@@ -200,11 +259,17 @@ fn watch<N: Number, S: Scene>(arguments: &Arguments, number: N, description: Des
 }
 
 /// The bin of a frame that no later event can reach goes out.
-fn finish_bin(grid: &mut VoxelGrid, stack: Option<&mut Stack<f32>>, paper: &mut PaperMetric) -> miette::Result<()> {
+fn finish_bin(
+    grid: &mut VoxelGrid,
+    stack: Option<&mut Stack<f32>>,
+    paper: &mut PaperMetric,
+) -> miette::Result<()> {
     if let Some(stack) = stack {
         stack.push(grid.earlier().iter().map(|plane| plane.mapv(|v| v as f32)))?;
     }
-    paper.bins.push(grid.earlier().iter().flatten().map(|v| v.abs()).sum());
+    paper
+        .bins
+        .push(grid.earlier().iter().flatten().map(|v| v.abs()).sum());
     grid.advance();
     Ok(())
 }
@@ -221,14 +286,22 @@ impl PaperMetric {
     fn value(&self) -> f64 {
         let pairs = self.bins.len().saturating_sub(1);
         let twice: f64 = self.bins.windows(2).map(|pair| pair[0] + pair[1]).sum();
-        if pairs == 0 { 0.0 } else { twice / pairs as f64 }
+        if pairs == 0 {
+            0.0
+        } else {
+            twice / pairs as f64
+        }
     }
 }
 
 impl Watched {
     fn per_pixel_second(&self) -> f64 {
         let pixel_seconds = self.size.pixels() as f64 * self.seconds;
-        if pixel_seconds > 0.0 { self.tally.total() as f64 / pixel_seconds } else { 0.0 }
+        if pixel_seconds > 0.0 {
+            self.tally.total() as f64 / pixel_seconds
+        } else {
+            0.0
+        }
     }
 
     fn bits_per_event(&self) -> u32 {
@@ -237,7 +310,11 @@ impl Watched {
 
     fn json(&self, arguments: &Arguments, description: &Description) -> serde_json::Value {
         let total = self.tally.total();
-        let (on, off) = self.tally.kinds().iter().fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
+        let (on, off) = self
+            .tally
+            .kinds()
+            .iter()
+            .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
         json!({
             "sensor": description.name,
             "scene": arguments.scene,
@@ -268,29 +345,77 @@ impl Watched {
     fn table(&self, arguments: &Arguments, description: &Description) -> String {
         let kinds = self.tally.kinds();
         let total = self.tally.total();
-        let (on, off) = kinds.iter().fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
-        let assumed = if self.fps_is_assumed { " (assumed; --fps says otherwise)" } else { "" };
+        let (on, off) = kinds
+            .iter()
+            .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
+        let assumed = if self.fps_is_assumed {
+            " (assumed; --fps says otherwise)"
+        } else {
+            ""
+        };
         let mut lines = vec![
-            format!("sensor   {} ({} {}, {})", description.name, kinds.len(), if kinds.len() == 1 { "channel" } else { "channels" }, arguments.format),
-            format!("scene    {}, {}, {} frames in {:.6} s, {} frames/s{assumed}", arguments.scene, self.size, self.frames, self.seconds, self.fps),
-            format!("events   {total} ({on} ON, {off} OFF), {:.4} per pixel per second", self.per_pixel_second()),
-            format!("bits     {} ({} an event)", total * u64::from(self.bits_per_event()), self.bits_per_event()),
+            format!(
+                "sensor   {} ({} {}, {})",
+                description.name,
+                kinds.len(),
+                if kinds.len() == 1 {
+                    "channel"
+                } else {
+                    "channels"
+                },
+                arguments.format
+            ),
+            format!(
+                "scene    {}, {}, {} frames in {:.6} s, {} frames/s{assumed}",
+                arguments.scene, self.size, self.frames, self.seconds, self.fps
+            ),
+            format!(
+                "events   {total} ({on} ON, {off} OFF), {:.4} per pixel per second",
+                self.per_pixel_second()
+            ),
+            format!(
+                "bits     {} ({} an event)",
+                total * u64::from(self.bits_per_event()),
+                self.bits_per_event()
+            ),
         ];
         if kinds.len() > 1 {
             for (channel, (on, off)) in kinds.iter().enumerate() {
-                let name = description.channels[channel].name.clone().unwrap_or_default();
+                let name = description.channels[channel]
+                    .name
+                    .clone()
+                    .unwrap_or_default();
                 lines.push(format!("  channel {channel} {name}: {on} ON, {off} OFF"));
             }
         }
         let notes = [
-            (self.report.lost_to_refractory, "crossings lost to the refractory period"),
-            (self.report.livelocked, "events of cells that fire again though nothing they see has changed: on a still scene they never stop (memory = \"raw-snap\")"),
-            (self.report.without_sign, "crossings without a sign of their own pixel, not emitted (polarity = \"pixel\")"),
+            (
+                self.report.lost_to_refractory,
+                "crossings lost to the refractory period",
+            ),
+            (
+                self.report.livelocked,
+                "events of cells that fire again though nothing they see has changed: on a still scene they never stop (memory = \"raw-snap\")",
+            ),
+            (
+                self.report.without_sign,
+                "crossings without a sign of their own pixel, not emitted (polarity = \"pixel\")",
+            ),
             (self.dropped, "events dropped: the list was full"),
         ];
-        lines.extend(notes.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("note     {count} {what}")));
+        lines.extend(
+            notes
+                .iter()
+                .filter(|(count, _)| *count > 0)
+                .map(|(count, what)| format!("note     {count} {what}")),
+        );
         let written = [&arguments.events, &arguments.counts, &arguments.voxels];
-        lines.extend(written.into_iter().flatten().map(|path| format!("wrote    {}", path.display())));
+        lines.extend(
+            written
+                .into_iter()
+                .flatten()
+                .map(|path| format!("wrote    {}", path.display())),
+        );
         lines.join("\n") + "\n"
     }
 }

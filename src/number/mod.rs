@@ -19,11 +19,13 @@ mod fixed;
 mod float;
 mod format;
 mod real;
+mod visit;
 
 pub use fixed::{Overflow, Q, Width, divide};
 pub use float::{Bf16, F16, F32, F64};
 pub use format::{FixedFormat, Format, FormatError};
 pub use real::Real;
+pub use visit::Visitor;
 
 use std::fmt::Debug;
 

@@ -21,7 +21,10 @@ impl Tally {
     /// No events yet.
     #[must_use]
     pub fn new(channels: usize) -> Self {
-        Self { kinds: vec![(0, 0); channels], bands: Vec::new() }
+        Self {
+            kinds: vec![(0, 0); channels],
+            bands: Vec::new(),
+        }
     }
 
     /// ON and OFF events of each channel.
