@@ -39,10 +39,14 @@ pub(super) struct Distances<'a, R> {
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn count<R: Real>(distances: &Distances<'_, R>, counts: &mut [R]) {
     let thresholds = distances.on.iter().zip(distances.off);
+    let half = R::of(0.5);
     for ((count, &d), (&on, &off)) in counts.iter_mut().zip(distances.to).zip(thresholds) {
         let theta = if d >= R::ZERO { on } else { off };
         let quotient = d.abs() / theta;
-        let whole = (quotient + quotient * R::TIE).floor();
+        // In single precision the tolerance of a large count would be more than an event.
+        let hair = quotient * R::TIE;
+        let hair = if hair < half { hair } else { half };
+        let whole = (quotient + hair).floor();
         *count = if d >= R::ZERO { whole } else { -whole };
     }
 }
