@@ -3,8 +3,6 @@
 //! pixel, kernels larger than the array, time that does not advance, and a sensor that would
 //! fire for ever.
 
-use std::ops::Range;
-
 use amacrine::{
     event::{Packet, Polarity},
     number::{F32, F64, Number, Q},
@@ -270,8 +268,8 @@ fn counts_beyond_an_int32_are_an_error() {
         from: 0.0,
         to: 1.0,
     };
-    let rows: [Range<usize>; 1] = [0..1];
-    let mut bands = counts.begin(pair, &rows);
+    let whole = 0..1;
+    let mut bands = counts.begin(pair, std::slice::from_ref(&whole));
     let mut row = TrainRow::<f64>::new(1);
     row.counts[0] = -3e9;
     let error = bands[0].row(&row).unwrap_err();

@@ -158,7 +158,7 @@ fn check_outputs(arguments: &Arguments) -> miette::Result<()> {
                 io::ErrorKind::NotFound
             };
             return Err(SaveError {
-                path: path.to_path_buf(),
+                path: (*path).clone(),
                 cause: cause.into(),
             }
             .into());

@@ -127,7 +127,7 @@ impl Kernel {
         let start = room.as_ptr().align_offset(ALIGNMENT).min(ALIGNMENT);
         let aligned = &mut room[start..start + bytes.len()];
         aligned.copy_from_slice(bytes);
-        let readers: [fn(&[u8]) -> Result<Plane<f64>, ViewNpyError>; 7] = [
+        let readers: [Reader; 7] = [
             |b| read::<f64>(b, |w| w),
             |b| read::<f32>(b, f64::from),
             |b| read::<i64>(b, |w| w as f64),
@@ -176,6 +176,9 @@ impl Kernel {
 
 /// More than the largest number that is read needs.
 const ALIGNMENT: usize = 64;
+
+/// Reads weights of one type of number.
+type Reader = fn(&[u8]) -> Result<Plane<f64>, ViewNpyError>;
 
 fn read<T: ViewElement + Copy>(
     bytes: &[u8],

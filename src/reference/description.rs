@@ -18,7 +18,7 @@
 //! A channel with `pattern = "2x2"` gives four kernels and four thresholds; the pixel at
 //! (x, y) uses number `2 (y mod 2) + (x mod 2)`.
 
-use std::{fmt, ops::Range};
+use std::{fmt, ops::Range, path::Path, sync::Arc};
 
 use serde::{
     Deserialize, Deserializer,
@@ -113,7 +113,7 @@ pub enum RefractoryRule {
     /// A real dead time: crossings in it are lost, and the memory moves through them.
     #[default]
     DeadTime,
-    /// The supplement's α_r and β_r, as in the released simulator.
+    /// The supplement's `α_r` and `β_r`, as in the released simulator.
     Authors,
 }
 
@@ -161,7 +161,7 @@ pub struct DescriptionError {
     #[help]
     pub advice: Option<String>,
     #[source_code]
-    source_code: miette::NamedSource<String>,
+    source_code: Arc<miette::NamedSource<String>>,
     #[label("here")]
     span: miette::SourceSpan,
 }
@@ -595,7 +595,7 @@ impl Door<'_> {
                 ),
             )
         })?;
-        let (kernel, advice) = if name.ends_with(".npy") {
+        let (kernel, advice) = if Path::new(name).extension().is_some_and(|e| e == "npy") {
             let advice = "give a two-dimensional array of numbers; in numpy: np.save(file, kernel)";
             (Kernel::from_npy(&bytes), advice)
         } else {
@@ -655,7 +655,7 @@ impl Door<'_> {
             column: before[line_start..].chars().count() + 1,
             message: message.to_owned(),
             advice: Some(advice.to_owned()),
-            source_code: miette::NamedSource::new(self.file, self.text.to_owned()),
+            source_code: miette::NamedSource::new(self.file, self.text.to_owned()).into(),
             span: (span.start, span.end.saturating_sub(span.start)).into(),
         }
     }
