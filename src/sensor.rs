@@ -36,4 +36,13 @@ pub enum SensorError {
         /// The sensor's size.
         want: Size,
     },
+    /// The sensor itself stopped.
+    #[error("{sensor} stopped: {why}")]
+    #[diagnostic(help("mend the sensor's program or settings at the place that is named"))]
+    Stopped {
+        /// Which sensor.
+        sensor: String,
+        /// What it says.
+        why: String,
+    },
 }
