@@ -5,7 +5,7 @@
 use amacrine::{
     array::{
         Address, Array, Chip, Domain, Exact, Fixed, Halves, Layout, Ledger, Place, Propagation,
-        Settings, Single,
+        Settings, Share, Single,
     },
     event::{Packet, Polarity},
     isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target},
@@ -82,14 +82,21 @@ impl<D: Domain> Twin<D> {
         sum
     }
 
-    fn stored(&self, sum: &D::Sum, share: usize) -> D::Cell {
+    fn stored(&self, sum: &D::Sum, by: usize) -> D::Cell {
         let place = Place {
             y: 0,
             x: 0,
             register: Analog(0),
             step: 0,
         };
-        self.limited(self.domain.store(sum, share as u32, place))
+        self.limited(self.domain.store(
+            sum,
+            Share {
+                by: by as u32,
+                part: None,
+            },
+            place,
+        ))
     }
 
     fn limited(&self, cell: D::Cell) -> D::Cell {
@@ -119,6 +126,7 @@ impl<D: Domain> Twin<D> {
     }
 
     /// What the word leaves in the pixel at `at`.
+    #[allow(clippy::too_many_lines)] // One table, one function.
     fn after(&self, at: Point, word: &Primitive) -> Pixel<D::Cell> {
         let before = self.at(at).unwrap();
         let mut after = before.clone();
@@ -473,7 +481,7 @@ macro_rules! every_domain {
         mod twin {
             use super::*;
             proptest! {
-                #![proptest_config(ProptestConfig::with_cases(96))]
+                #![proptest_config(ProptestConfig::with_cases(256))]
                 $(#[test]
                 fn $name(
                     size in sizes(), settings in settings(), seed: u64,

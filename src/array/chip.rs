@@ -56,7 +56,8 @@ pub struct Chip<D: Domain> {
     code: Code,
     state: State<D::Cell>,
     channels: u8,
-    started: bool,
+    /// Time of the last frame watched, in seconds.
+    watched: Option<f64>,
     /// Words since power-on.
     step: u64,
     ledger: Ledger,
@@ -146,7 +147,7 @@ impl<D: Domain> Chip<D> {
             domain,
             settings,
             code,
-            started: false,
+            watched: None,
             step: 0,
             ledger: Ledger::default(),
             ambiguous: 0,
@@ -238,6 +239,18 @@ impl<D: Domain> Chip<D> {
                 let values = host::execute(&self.domain, &mut self.state, operation);
                 let reading = values.map(|values| Reading { line, values });
                 self.readings.extend(reading);
+            }
+        }
+    }
+
+    /// Lets the registers hold what they hold for some seconds.
+    fn age(&mut self, seconds: f64) {
+        for plane in &mut self.state.analog {
+            for cell in plane {
+                match self.domain.aged(cell, seconds) {
+                    Some(aged) => *cell = aged,
+                    None => return,
+                }
             }
         }
     }
@@ -368,10 +381,10 @@ impl<D: Domain> Sensor for Chip<D> {
                 want: error.want,
             })?;
         let t = Micros::from_seconds(frame.seconds);
-        let result = if self.started {
+        let result = if let Some(before) = self.watched.replace(frame.seconds) {
+            self.age(frame.seconds - before);
             self.run_frame(t, packet)
         } else {
-            self.started = true;
             packet.span.0 = t;
             self.run_init(t, packet)
         };

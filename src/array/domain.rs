@@ -39,8 +39,8 @@ pub trait Domain {
     /// Joins two buses that drive one cell.
     fn join(&self, sum: &mut Self::Sum, other: &Self::Sum);
 
-    /// `-(sum) / share`, as it arrives in the cell at `place`.
-    fn store(&self, sum: &Self::Sum, share: u32, place: Place) -> Self::Cell;
+    /// The share of `-(sum)` that arrives in the cell at `place`.
+    fn store(&self, sum: &Self::Sum, share: Share, place: Place) -> Self::Cell;
 
     /// `gain · sum²`, as it arrives in the cell at `place`; `None` where this domain has no answer.
     fn square(&self, sum: &Self::Sum, gain: f64, place: Place) -> Option<Self::Cell>;
@@ -50,6 +50,36 @@ pub trait Domain {
 
     /// The cell, limited to [-128, 127] LSB.
     fn limit(&self, cell: Self::Cell) -> Self::Cell;
+
+    /// What the DAC makes of a value in LSB, with or without the host's calibration.
+    fn input(&self, value: f64, _calibrated: bool) -> Self::Cell {
+        self.hold(value)
+    }
+
+    /// What a cell holds some seconds later; `None` where cells keep what they hold.
+    fn aged(&self, _cell: &Self::Cell, _seconds: f64) -> Option<Self::Cell> {
+        None
+    }
+}
+
+/// What part of the bus a cell gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// The sum is divided by this.
+    pub by: u32,
+    /// Where the bus splits between several targets: which of them this is, from 0.
+    pub part: Option<u8>,
+}
+
+impl Share {
+    /// Of a bus with so many targets.
+    #[must_use]
+    pub const fn of(targets: usize, part: usize) -> Self {
+        Self {
+            by: targets as u32,
+            part: if targets > 1 { Some(part as u8) } else { None },
+        }
+    }
 }
 
 /// Which cell is written, and when: the seed of its noise.
@@ -106,9 +136,9 @@ impl Domain for Exact {
         *sum += other;
     }
     #[inline]
-    fn store(&self, sum: &f64, share: u32, _: Place) -> f64 {
+    fn store(&self, sum: &f64, share: Share, _: Place) -> f64 {
         // Not `-sum`, which would leave negative zeros behind.
-        (0.0 - sum) / f64::from(share)
+        (0.0 - sum) / f64::from(share.by)
     }
     fn square(&self, sum: &f64, gain: f64, _: Place) -> Option<f64> {
         Some(sum * sum * gain)
@@ -166,8 +196,8 @@ macro_rules! single_bus {
                 *sum += other;
             }
             #[inline]
-            fn store(&self, sum: &f32, share: u32, _: Place) -> $cell {
-                $narrow((0.0 - sum) / share as f32)
+            fn store(&self, sum: &f32, share: Share, _: Place) -> $cell {
+                $narrow((0.0 - sum) / share.by as f32)
             }
             fn square(&self, sum: &f32, gain: f64, _: Place) -> Option<$cell> {
                 let sum = f64::from(*sum);
@@ -258,11 +288,11 @@ impl<T: Width> Domain for Fixed<T> {
         *sum += other;
     }
     #[inline]
-    fn store(&self, sum: &i64, share: u32, _: Place) -> T {
-        let quotient = if share == 1 {
+    fn store(&self, sum: &i64, share: Share, _: Place) -> T {
+        let quotient = if share.by == 1 {
             -sum
         } else {
-            divide(-sum, share.into())
+            divide(-sum, share.by.into())
         };
         self.number.fit(quotient)
     }

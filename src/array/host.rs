@@ -53,10 +53,11 @@ pub(super) fn execute<D: Domain>(
 ) -> Option<Readings> {
     let size = state.layout.size;
     match host {
-        Host::LoadIn { value } | Host::LoadInRaw { value } => state.input = domain.hold(*value),
+        Host::LoadIn { value } => state.input = domain.input(*value, true),
+        Host::LoadInRaw { value } => state.input = domain.input(*value, false),
         // 16 codes to the LSB, 2048 is 0. Evidence: guess, the real map is calibrated per chip.
         Host::LoadDac { code } => {
-            state.input = domain.hold(f64::from(*code) / 16.0 - 128.0);
+            state.input = domain.input(f64::from(*code) / 16.0 - 128.0, false);
         }
         Host::Load { target, area } => {
             let bits = covered(*area, size);

@@ -17,7 +17,9 @@
 //!   its value; one that several drive holds the sum of what each puts in.
 //! - R12 is written only where R0 was 1 before the word.
 
-use super::{BitPlane, Domain, Layout, Place, Propagation, Settings, State, Undecided, bits::bit};
+use super::{
+    BitPlane, Domain, Layout, Place, Propagation, Settings, Share, State, Undecided, bits::bit,
+};
 use crate::isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target};
 
 /// Executes one instruction word on all pixels. `step` numbers the words since power-on.
@@ -91,15 +93,17 @@ struct Array<'a, D> {
 impl<D: Domain> Array<'_, D> {
     fn bus(&self, state: &mut State<D::Cell>, targets: &[Target], sources: &[Source]) {
         let news = state.layout.news;
-        let share = targets.len() as u32;
         // Which way from each NEWS cell the pixels lie that drive it.
         let mut drivers = Vec::new();
         let mut own = Vec::new();
-        for target in targets {
+        for (part, target) in targets.iter().enumerate() {
+            let share = Share::of(targets.len(), part);
             match target {
-                Target::Register(register) if *register == news => drivers.push(None),
-                Target::Register(register) => own.push(*register),
-                Target::Neighbour(direction) => drivers.push(Some(direction.opposite())),
+                Target::Register(register) if *register == news => drivers.push((None, share)),
+                Target::Register(register) => own.push((*register, share)),
+                Target::Neighbour(direction) => {
+                    drivers.push((Some(direction.opposite()), share));
+                }
             }
         }
         let reads_news = sources.iter().any(|source| match source {
@@ -108,21 +112,21 @@ impl<D: Domain> Array<'_, D> {
             Source::Pix | Source::In => false,
         });
         if drivers.len() > 1 || (reads_news && !drivers.is_empty()) {
-            self.bus_at_once(state, &own, &drivers, sources, share);
+            self.bus_at_once(state, &own, &drivers, sources);
             return;
         }
         // Nothing that is written is read in another row: row by row.
         let mut sums = Vec::new();
         for y in 0..state.layout.size.height {
             self.sum_row(state, sources, y, &mut sums);
-            for register in &own {
-                self.store_row(state, *register, y, &sums, share);
+            for (register, share) in &own {
+                self.store_row(state, *register, y, &sums, *share);
             }
-            if let [driver] = drivers[..] {
+            if let [(driver, share)] = drivers[..] {
                 self.drive_row(state, driver, y, &sums, share);
             }
         }
-        if let [Some(direction)] = drivers[..] {
+        if let [(Some(direction), share)] = drivers[..] {
             self.drive_from_outside(state, direction, sources.len(), share);
         }
     }
@@ -131,10 +135,9 @@ impl<D: Domain> Array<'_, D> {
     fn bus_at_once(
         &self,
         state: &mut State<D::Cell>,
-        own: &[Analog],
-        drivers: &[Option<Direction>],
+        own: &[(Analog, Share)],
+        drivers: &[(Option<Direction>, Share)],
         sources: &[Source],
-        share: u32,
     ) {
         let size = state.layout.size;
         let news = state.layout.news;
@@ -147,13 +150,13 @@ impl<D: Domain> Array<'_, D> {
             .collect();
         let outside = self.outside(state, sources.len());
         for (y, sums) in rows.iter().enumerate() {
-            for register in own {
-                self.store_row(state, *register, y, sums, share);
+            for (register, share) in own {
+                self.store_row(state, *register, y, sums, *share);
             }
             for x in 0..size.width {
                 let mut total = self.domain.nothing();
-                let mut driven = false;
-                for driver in drivers {
+                let mut driven = None;
+                for (driver, share) in drivers {
                     let (dy, dx) = driver.map_or((0, 0), Direction::step);
                     let (y, x) = (y.wrapping_add_signed(dy), x.wrapping_add_signed(dx));
                     let sum = match rows.get(y).and_then(|row| row.get(x)) {
@@ -162,9 +165,9 @@ impl<D: Domain> Array<'_, D> {
                         None => &outside,
                     };
                     self.domain.join(&mut total, sum);
-                    driven = true;
+                    driven = Some(*share);
                 }
-                if driven {
+                if let Some(share) = driven {
                     let cell = self.cell(&total, share, news, y, x);
                     state.analog_mut(news)[y * size.width + x] = cell;
                 }
@@ -232,7 +235,7 @@ impl<D: Domain> Array<'_, D> {
         sum
     }
 
-    fn cell(&self, sum: &D::Sum, share: u32, register: Analog, y: usize, x: usize) -> D::Cell {
+    fn cell(&self, sum: &D::Sum, share: Share, register: Analog, y: usize, x: usize) -> D::Cell {
         let place = Place {
             y,
             x,
@@ -258,7 +261,7 @@ impl<D: Domain> Array<'_, D> {
         register: Analog,
         y: usize,
         sums: &[D::Sum],
-        share: u32,
+        share: Share,
     ) {
         let width = state.layout.size.width;
         let flags = state.flag.row(y);
@@ -278,7 +281,7 @@ impl<D: Domain> Array<'_, D> {
         driver: Option<Direction>,
         y: usize,
         sums: &[D::Sum],
-        share: u32,
+        share: Share,
     ) {
         let news = state.layout.news;
         let Some(driver) = driver else {
@@ -309,7 +312,7 @@ impl<D: Domain> Array<'_, D> {
         state: &mut State<D::Cell>,
         driver: Direction,
         sources: usize,
-        share: u32,
+        share: Share,
     ) {
         let news = state.layout.news;
         let (height, width) = state.layout.size.shape();
@@ -381,7 +384,11 @@ impl<D: Domain> Array<'_, D> {
         vertical: bool,
     ) {
         let (height, width) = state.layout.size.shape();
-        let parts = u32::from(self.settings.diffusion.max(4));
+        let parts = i32::from(self.settings.diffusion.max(4));
+        let share = Share {
+            by: parts as u32,
+            part: None,
+        };
         let before = state.analog(source).to_vec();
         for y in 0..height {
             for x in 0..width {
@@ -406,9 +413,9 @@ impl<D: Domain> Array<'_, D> {
                     }
                 }
                 self.domain
-                    .add(&mut sum, &before[y * width + x], parts as i32 - links);
+                    .add(&mut sum, &before[y * width + x], parts - links);
                 if state.flag.get(y, x) {
-                    let cell = self.cell(&sum, parts, target, y, x);
+                    let cell = self.cell(&sum, share, target, y, x);
                     state.analog_mut(target)[y * width + x] = cell;
                 }
             }
