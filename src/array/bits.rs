@@ -52,7 +52,7 @@ impl BitPlane {
     /// The bit of one pixel of the array.
     #[must_use]
     pub fn get(&self, y: usize, x: usize) -> bool {
-        bit(self.row(y), x)
+        self.row(y)[x / 64] >> (x % 64) & 1 == 1
     }
 
     /// Sets the bit of one pixel of the array.
@@ -78,6 +78,11 @@ impl BitPlane {
     #[must_use]
     pub fn row(&self, y: usize) -> &[u64] {
         &self.words[y * self.stride..][..self.stride]
+    }
+
+    /// The words of one row, to be written; bits beyond the width stay 0.
+    pub(super) fn row_mut(&mut self, y: usize) -> &mut [u64] {
+        &mut self.words[y * self.stride..][..self.stride]
     }
 
     /// Clears what lies beyond the width.
@@ -156,12 +161,6 @@ impl BitPlane {
         out.cut();
         out
     }
-}
-
-/// Bit `x` of a row of words.
-#[inline]
-pub(super) fn bit(row: &[u64], x: usize) -> bool {
-    row[x / 64] >> (x % 64) & 1 == 1
 }
 
 #[cfg(test)]

@@ -17,9 +17,7 @@
 //!   its value; one that several drive holds the sum of what each puts in.
 //! - R12 is written only where R0 was 1 before the word.
 
-use super::{
-    BitPlane, Domain, Layout, Place, Propagation, Settings, Share, State, Undecided, bits::bit,
-};
+use super::{BitPlane, Domain, Layout, Place, Propagation, Settings, Share, State, Undecided};
 use crate::isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target};
 
 /// Executes one instruction word on all pixels. `step` numbers the words since power-on.
@@ -235,6 +233,7 @@ impl<D: Domain> Array<'_, D> {
         sum
     }
 
+    #[inline]
     fn cell(&self, sum: &D::Sum, share: Share, register: Analog, y: usize, x: usize) -> D::Cell {
         let place = Place {
             y,
@@ -263,14 +262,7 @@ impl<D: Domain> Array<'_, D> {
         sums: &[D::Sum],
         share: Share,
     ) {
-        let width = state.layout.size.width;
-        let flags = state.flag.row(y);
-        let cells = &mut state.analog[usize::from(register.0)][y * width..][..width];
-        for (x, (cell, sum)) in cells.iter_mut().zip(sums).enumerate() {
-            if bit(flags, x) {
-                *cell = self.cell(sum, share, register, y, x);
-            }
-        }
+        self.store_beside(state, register, (0, 0), y, sums, share);
     }
 
     /// Stores row `y` of the bus in the NEWS cells that it drives, where FLAG is 1.
@@ -283,25 +275,49 @@ impl<D: Domain> Array<'_, D> {
         sums: &[D::Sum],
         share: Share,
     ) {
-        let news = state.layout.news;
-        let Some(driver) = driver else {
-            self.store_row(state, news, y, sums, share);
-            return;
-        };
-        let size = state.layout.size;
-        let (dy, dx) = driver.opposite().step();
+        let step = driver.map_or((0, 0), |direction| direction.opposite().step());
+        self.store_beside(state, state.layout.news, step, y, sums, share);
+    }
+
+    /// Stores row `y` of the bus `(dy, dx)` beside, where the FLAG of row `y` is 1.
+    fn store_beside(
+        &self,
+        state: &mut State<D::Cell>,
+        register: Analog,
+        (dy, dx): (isize, isize),
+        y: usize,
+        sums: &[D::Sum],
+        share: Share,
+    ) {
+        let (height, width) = state.layout.size.shape();
         let to_y = y.wrapping_add_signed(dy);
-        if to_y >= size.height {
+        if to_y >= height {
             return;
         }
-        let flags = state.flag.row(y);
-        let cells = &mut state.analog[usize::from(news.0)][to_y * size.width..][..size.width];
-        for (x, sum) in sums.iter().enumerate() {
-            let to_x = x.wrapping_add_signed(dx);
-            if let Some(cell) = cells.get_mut(to_x)
-                && bit(flags, x)
-            {
-                *cell = self.cell(sum, share, news, to_y, to_x);
+        let cells = &mut state.analog[usize::from(register.0)][to_y * width..][..width];
+        // Where on the row the driving pixels lie whose target is on the array.
+        let (start, end) = (usize::from(dx < 0), width - usize::from(dx > 0));
+        for (k, flags) in state.flag.row(y).iter().enumerate() {
+            let (from, to) = ((64 * k).max(start), (64 * k + 64).min(end));
+            if from >= to || *flags == 0 {
+                continue;
+            }
+            let first = from.wrapping_add_signed(dx);
+            let cells = cells[first..][..to - from].iter_mut().zip(&sums[from..to]);
+            let cells = (first..).zip(cells);
+            let flags = flags >> (from % 64);
+            let all = !0 >> (64 - (to - from));
+            if flags & all == all {
+                // The common case has no branch inside, so that it runs in wide registers.
+                for (x, (cell, sum)) in cells {
+                    *cell = self.cell(sum, share, register, to_y, x);
+                }
+            } else {
+                for (i, (x, (cell, sum))) in cells.enumerate() {
+                    if flags >> i & 1 == 1 {
+                        *cell = self.cell(sum, share, register, to_y, x);
+                    }
+                }
             }
         }
     }
@@ -362,12 +378,13 @@ impl<D: Domain> Array<'_, D> {
         let mut sums = Vec::new();
         for y in 0..state.layout.size.height {
             self.sum_row(state, sources, y, &mut sums);
-            for (x, sum) in sums.iter().enumerate() {
-                let positive = self.domain.positive(sum);
-                let operation = "where";
-                state
-                    .flag
-                    .set(y, x, positive.ok_or(Undecided { operation })?);
+            for (sums, flags) in sums.chunks(64).zip(state.flag.row_mut(y)) {
+                *flags = 0;
+                for (i, sum) in sums.iter().enumerate() {
+                    let positive = self.domain.positive(sum);
+                    let positive = positive.ok_or(Undecided { operation: "where" })?;
+                    *flags |= u64::from(positive) << i;
+                }
             }
         }
         Ok(())
