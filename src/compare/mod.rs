@@ -1,1 +1,107 @@
-//! (room)
+//! The ruler: how two packets differ.
+//!
+//! One is the reference, the other is judged against it. A cell is one pixel, kind and sign;
+//! every metric works cell by cell, so an event at the wrong pixel, of the wrong kind or of
+//! the wrong sign is never half right. Streams are compared as multisets: the order of events
+//! at one time carries nothing.
+//!
+//! A metric is a file here, with its definition, and a function of a [`Pair`]. No single
+//! number will do: event rates are blind to wrong pixels, and counts are blind to delay.
+//!
+//! | metric | file | identical | nothing in common |
+//! |---|---|---|---|
+//! | equality, first divergence | [`equality`] | equal | the earliest event |
+//! | counts, Pearson, L1 | [`counts`] | 1, 0 | near 0, all events |
+//! | precision, recall, F1, time error | [`matching`] | 1, 1, 1, 0 | 0, 0, 0, none |
+
+pub mod counts;
+pub mod equality;
+pub mod matching;
+mod pair;
+
+pub use pair::{Cell, CompareError, Pair};
+
+use crate::{
+    event::{Packet, address},
+    unit::Micros,
+};
+use counts::{Cells, Kind};
+use equality::Divergence;
+use matching::Quantiles;
+
+/// All that `compare` measures. Pairs of numbers are [reference, judged].
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Comparison {
+    /// Both hold the same events.
+    pub equal: bool,
+    /// Where they part, when they do.
+    pub first_divergence: Option<Divergence>,
+    /// Events.
+    pub events: [u64; 2],
+    /// ON events.
+    pub on: [u64; 2],
+    /// OFF events.
+    pub off: [u64; 2],
+    /// The same by kind of cell.
+    pub kinds: Vec<Kind>,
+    /// Counts cell by cell.
+    pub cells: Cells,
+    /// Window of the matches, in microseconds.
+    pub within_us: Micros,
+    /// Events matched.
+    pub matched: u64,
+    /// Matched share of the judged events.
+    pub precision: f64,
+    /// Matched share of the reference's events.
+    pub recall: f64,
+    /// Harmonic mean of the two.
+    pub f1: f64,
+    /// Time of the judged event minus time of its match, in microseconds; none without matches.
+    pub time_error_us: Option<Quantiles>,
+    /// Bits of all events as fixed address words.
+    pub bits: [u64; 2],
+    /// Bits of one event.
+    pub bits_per_event: u32,
+    /// Events that each sensor made and could not deliver.
+    pub dropped: [u64; 2],
+}
+
+/// Judges `judged` against `reference`; events match within `within`.
+///
+/// # Errors
+/// When the packets are not of the same size and number of channels, or hold events outside
+/// of them.
+pub fn compare(
+    reference: &Packet,
+    judged: &Packet,
+    within: Micros,
+) -> Result<Comparison, CompareError> {
+    let pair = Pair::of(reference, judged)?;
+    let first_divergence = equality::first_divergence(&pair);
+    let kinds = counts::kinds(&pair);
+    let both = |count: fn(&Kind) -> [u64; 2]| {
+        kinds
+            .iter()
+            .map(count)
+            .fold([0, 0], |[a, b], [c, d]| [a + c, b + d])
+    };
+    let matches = matching::matches(&pair, within);
+    Ok(Comparison {
+        equal: first_divergence.is_none(),
+        first_divergence,
+        events: pair.events(),
+        on: both(|kind| kind.on),
+        off: both(|kind| kind.off),
+        cells: counts::cells(&pair),
+        kinds,
+        within_us: within,
+        matched: matches.matched(),
+        precision: matches.precision(),
+        recall: matches.recall(),
+        f1: matches.f1(),
+        time_error_us: matches.time_error(),
+        bits: [address::bits(reference), address::bits(judged)],
+        bits_per_event: address::AddressWord::of(reference.size, reference.channels).bits(),
+        dropped: [reference.dropped.total(), judged.dropped.total()],
+    })
+}

@@ -1,5 +1,8 @@
 //! Events and packets: all that a sensor says, and all that is compared.
 
+pub mod address;
+pub mod file;
+
 use crate::{plane::Size, unit::Micros};
 
 /// The sign of an event.

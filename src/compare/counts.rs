@@ -1,0 +1,97 @@
+//! How many events, by sign and kind, and cell by cell.
+//!
+//! With `a` and `b` the counts of a cell in the reference and in the judged packet, over all
+//! cells of the sensor, silent ones included:
+//!
+//! - L1 is the sum of `|a - b|`. ON and OFF are cells of their own, so they do not cancel.
+//! - Pearson is `cov(a, b) / sqrt(var(a) var(b))`; none when either does not vary.
+//!
+//! Both are blind to time.
+
+use super::Pair;
+use crate::event::Polarity;
+
+/// Counts of one kind of cell, [reference, judged].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Kind {
+    /// Which, from 0.
+    pub channel: u8,
+    /// ON events.
+    pub on: [u64; 2],
+    /// OFF events.
+    pub off: [u64; 2],
+}
+
+/// Counts by kind of cell, one entry a kind.
+#[must_use]
+pub fn kinds(pair: &Pair) -> Vec<Kind> {
+    let mut kinds: Vec<Kind> = (0..pair.channels())
+        .map(|channel| Kind {
+            channel,
+            ..Kind::default()
+        })
+        .collect();
+    for (cell, reference, judged) in pair.cells() {
+        // A pair holds no event of a channel that it does not have.
+        if let Some(kind) = kinds.get_mut(usize::from(cell.channel())) {
+            let [a, b] = match cell.polarity() {
+                Polarity::On => &mut kind.on,
+                Polarity::Off => &mut kind.off,
+            };
+            *a += reference.len() as u64;
+            *b += judged.len() as u64;
+        }
+    }
+    kinds
+}
+
+/// Counts compared cell by cell.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Cells {
+    /// Correlation of the counts, -1 to 1; none when either side has the same count in every
+    /// cell.
+    pub pearson: Option<f64>,
+    /// Sum of the differences, in events.
+    pub l1: u64,
+    /// The busiest cell, [reference, judged].
+    pub max: [u64; 2],
+    /// Cells that spoke, [reference, judged].
+    pub active: [u64; 2],
+}
+
+/// Compares counts cell by cell.
+#[must_use]
+pub fn cells(pair: &Pair) -> Cells {
+    let (mut max, mut active, mut l1) = ([0; 2], [0; 2], 0);
+    // Whole numbers, so that equal counts give exactly 1. Silent cells add nothing to a sum.
+    let (mut a1, mut b1, mut aa, mut bb, mut ab) = (0_i128, 0_i128, 0_i128, 0_i128, 0_i128);
+    for (_, reference, judged) in pair.cells() {
+        let counts = [reference.len() as u64, judged.len() as u64];
+        l1 += counts[0].abs_diff(counts[1]);
+        for side in 0..2 {
+            max[side] = counts[side].max(max[side]);
+            active[side] += u64::from(counts[side] > 0);
+        }
+        let [a, b] = counts.map(i128::from);
+        (a1, b1) = (a1 + a, b1 + b);
+        (aa, bb, ab) = (aa + a * a, bb + b * b, ab + a * b);
+    }
+    // Exact, and none where even 128 bits do not hold it.
+    let n = pair.cell_count();
+    let moment = |xy: i128, x: i128, y: i128| {
+        let product = n?.checked_mul(xy)?.checked_sub(x.checked_mul(y)?)?;
+        Some(product as f64)
+    };
+    let pearson = || {
+        let (va, vb) = (moment(aa, a1, a1)?, moment(bb, b1, b1)?);
+        let cov = moment(ab, a1, b1)?;
+        // In this order, equal counts give exactly 1.
+        (va > 0.0 && vb > 0.0).then(|| cov / va * (va / vb).sqrt())
+    };
+    Cells {
+        pearson: pearson(),
+        l1,
+        max,
+        active,
+    }
+}

@@ -1,0 +1,120 @@
+//! What a file says about its packet beside the events: one comment.
+//!
+//! `amacrine size=346x260 channels=2 span=0..2000000 dropped=0,0` (time in microseconds;
+//! dropped for want of a slot, then over the limit). Each part may be left out.
+
+use std::{fmt, str::FromStr};
+
+use super::Fault;
+use crate::{
+    event::{Dropped, Packet},
+    plane::Size,
+    unit::Micros,
+};
+
+/// The word that the comment starts with.
+const NAME: &str = "amacrine";
+
+/// Sides of a sensor that 16-bit addresses reach.
+const LARGEST_SIDE: usize = 1 << 16;
+
+/// What the comment says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct About {
+    /// Size of the sensor.
+    pub size: Option<Size>,
+    /// Kinds of cells.
+    pub channels: Option<u8>,
+    /// The time watched.
+    pub span: Option<(Micros, Micros)>,
+    /// What is missing.
+    pub dropped: Option<Dropped>,
+}
+
+impl About {
+    /// All of a packet but its events.
+    pub fn of(packet: &Packet) -> Self {
+        Self {
+            size: Some(packet.size),
+            channels: Some(packet.channels),
+            span: Some(packet.span),
+            dropped: Some(packet.dropped),
+        }
+    }
+
+    /// What a comment (without its `#`) says; `None` when it is somebody else's comment.
+    pub fn parse(comment: &str) -> Result<Option<Self>, Fault> {
+        let mut words = comment.split_ascii_whitespace();
+        if words.next() != Some(NAME) {
+            return Ok(None);
+        }
+        let mut about = Self::default();
+        for word in words {
+            about.read(word).ok_or_else(|| Fault::About {
+                why: format!("has a part that cannot be read: `{word}`"),
+            })?;
+        }
+        if let Some(size) = about.size {
+            within_reach(size)?;
+        }
+        Ok(Some(about))
+    }
+
+    /// One `key=value`.
+    fn read(&mut self, word: &str) -> Option<()> {
+        let (key, value) = word.split_once('=')?;
+        match key {
+            "size" if self.size.is_none() => {
+                let (width, height) = two(value, "x")?;
+                self.size = Some(Size { height, width });
+            }
+            "channels" if self.channels.is_none() => self.channels = Some(value.parse().ok()?),
+            "span" if self.span.is_none() => {
+                let (from, to) = two(value, "..")?;
+                self.span = Some((Micros(from), Micros(to)));
+            }
+            "dropped" if self.dropped.is_none() => {
+                let (no_slot, over_limit) = two(value, ",")?;
+                self.dropped = Some(Dropped {
+                    no_slot,
+                    over_limit,
+                });
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+}
+
+/// Two numbers with something between.
+fn two<T: FromStr>(text: &str, between: &str) -> Option<(T, T)> {
+    let (a, b) = text.split_once(between)?;
+    Some((a.parse().ok()?, b.parse().ok()?))
+}
+
+/// Holds a sensor to the addresses that events have.
+pub fn within_reach(size: Size) -> Result<(), Fault> {
+    if size.height > LARGEST_SIDE || size.width > LARGEST_SIDE {
+        return Err(Fault::SizeLimit { size });
+    }
+    Ok(())
+}
+
+impl fmt::Display for About {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(NAME)?;
+        if let Some(size) = self.size {
+            write!(f, " size={size}")?;
+        }
+        if let Some(channels) = self.channels {
+            write!(f, " channels={channels}")?;
+        }
+        if let Some((from, to)) = self.span {
+            write!(f, " span={}..{}", from.0, to.0)?;
+        }
+        if let Some(d) = self.dropped {
+            write!(f, " dropped={},{}", d.no_slot, d.over_limit)?;
+        }
+        Ok(())
+    }
+}

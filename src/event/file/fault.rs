@@ -1,0 +1,268 @@
+//! What can be wrong with an event file, and where.
+
+use std::{fmt, io, path::PathBuf};
+
+use super::Format;
+use crate::{plane::Size, save::SaveError};
+
+/// An event file could not be read or written.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum FileError {
+    /// The extension names no format.
+    #[error("{}: `{extension}` is not a known kind of event file; known are {}", path.display(), known())]
+    #[diagnostic(help("rename the file so that its extension says what is in it"))]
+    Extension {
+        /// Which file.
+        path: PathBuf,
+        /// What it ends in.
+        extension: String,
+    },
+    /// The file cannot be opened or read.
+    #[error("{}: {cause}", path.display())]
+    #[diagnostic(help("give a file that exists and can be read"))]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        #[source]
+        cause: io::Error,
+    },
+    /// The file is not what its format says.
+    #[error("{}:{place}: {fault}", path.display())]
+    #[diagnostic(help("{}", fault.help()))]
+    Bad {
+        /// Which file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What is wrong.
+        fault: Fault,
+    },
+    /// The format cannot hold this packet.
+    #[error("cannot write {}: event {event}: {fault}", path.display())]
+    #[diagnostic(help("{}", fault.help()))]
+    Unwritable {
+        /// Which file.
+        path: PathBuf,
+        /// Number of the event, from 0.
+        event: usize,
+        /// What is wrong.
+        fault: Fault,
+    },
+    /// The file cannot be saved.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Save(#[from] SaveError),
+}
+
+/// ".csv .npy .txt".
+fn known() -> String {
+    Format::ALL.map(|f| format!(".{}", f.extension())).join(" ")
+}
+
+/// A place in an event file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In a text file, both from 1; the column counts bytes.
+    Line {
+        /// Line.
+        line: u64,
+        /// Column.
+        column: u64,
+    },
+    /// In a binary file, from 0.
+    Byte(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line { line, column } => write!(f, "{line}:{column}"),
+            Self::Byte(at) => write!(f, " byte {at}"),
+        }
+    }
+}
+
+/// What is wrong at a place.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    /// No header, or not the one of an event file.
+    #[error("expected the header `t,x,y,p` (in any order, and perhaps `channel`), {why}")]
+    Header {
+        /// What is there instead.
+        why: String,
+    },
+    /// A line with too few or too many fields.
+    #[error("expected {want} fields, found {got}")]
+    Fields {
+        /// How many there should be.
+        want: usize,
+        /// How many there are.
+        got: usize,
+    },
+    /// A line longer than any event.
+    #[error("a line of more than {limit} bytes")]
+    LongLine {
+        /// The longest that is read.
+        limit: usize,
+    },
+    /// A field that is not a whole number.
+    #[error("`{name}` should be a whole number (at most 19 digits), found `{found}`")]
+    NotInteger {
+        /// Name of the field.
+        name: &'static str,
+        /// What is there.
+        found: String,
+    },
+    /// A time that is not in seconds.
+    #[error("`t` should be seconds, found `{found}`")]
+    NotSeconds {
+        /// What is there.
+        found: String,
+    },
+    /// A time outside of what a file can hold.
+    #[error("`t` is {t} us; event times are 0 to {} us", i64::MAX)]
+    Time {
+        /// The time.
+        t: i128,
+    },
+    /// Time runs backwards.
+    #[error("time runs backwards: {now} us comes after {before} us")]
+    Backwards {
+        /// Time of the event before.
+        before: u64,
+        /// Time of this event.
+        now: u64,
+    },
+    /// A polarity that is none.
+    #[error("`p` should be 1 for ON, 0 or -1 for OFF, found {found}")]
+    Polarity {
+        /// What is there.
+        found: i128,
+    },
+    /// A coordinate or channel that no address can hold.
+    #[error("`{name}` is {value}; it should be 0 to {limit}")]
+    Range {
+        /// Name of the field.
+        name: &'static str,
+        /// Its value.
+        value: i128,
+        /// The largest that the format holds.
+        limit: u64,
+    },
+    /// An event off the sensor.
+    #[error("the event at x {x}, y {y} is off the sensor, which is {size}")]
+    Outside {
+        /// Its column.
+        x: u16,
+        /// Its row.
+        y: u16,
+        /// The sensor.
+        size: Size,
+    },
+    /// An event of a kind that the sensor does not have.
+    #[error("the event is of channel {channel}, and there are {channels}, counted from 0")]
+    Channel {
+        /// Its channel.
+        channel: u8,
+        /// How many there are.
+        channels: u8,
+    },
+    /// More kinds of cells than the format can tell apart.
+    #[error("the packet has {channels} channels, and .{} has no place for them", format.extension())]
+    NoChannels {
+        /// How many.
+        channels: u8,
+        /// Which format.
+        format: Format,
+    },
+    /// A sensor larger than addresses reach.
+    #[error("the sensor is {size}; a side is at most 65536")]
+    SizeLimit {
+        /// Its size.
+        size: Size,
+    },
+    /// The `# amacrine …` comment does not say what it should.
+    #[error("the comment `# amacrine …` {why}")]
+    About {
+        /// What is wrong with it.
+        why: String,
+    },
+    /// Not an NPY file.
+    #[error("this is not an NPY file: expected the bytes \\x93NUMPY, then a version, 1 to 3")]
+    Magic,
+    /// The header of an NPY file is not one of events.
+    #[error("the NPY header {why}")]
+    Npy {
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The file ends too early.
+    #[error("the file ends here, in the middle of {inside}")]
+    Truncated {
+        /// Where it ends.
+        inside: String,
+    },
+    /// The file goes on after its end.
+    #[error("the file goes on after its last event")]
+    Trailing,
+}
+
+impl Fault {
+    /// What to do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Header { .. } => "let the first line name the columns: t,x,y,p",
+            Self::Fields { .. } => {
+                "give one event a line, with as many fields as there are columns"
+            }
+            Self::LongLine { .. } | Self::Magic => {
+                "check that the extension says what is in the file"
+            }
+            Self::NotInteger { .. } => {
+                "times are whole microseconds, coordinates whole pixels, without a decimal point"
+            }
+            Self::NotSeconds { .. } => "write times as decimal seconds, such as 0.001250000",
+            Self::Time { .. } => {
+                "shift the recording so that it starts at 0 or later, in microseconds"
+            }
+            Self::Backwards { .. } => "sort the events by time",
+            Self::Polarity { .. } => "write 1 for ON and 0 for OFF",
+            Self::Range { name, .. } => match name.as_bytes() {
+                b"channel" => "number the channels from 0",
+                _ => {
+                    "coordinates count from 0 at the top left; if this one is right, another format may hold it"
+                }
+            },
+            Self::Outside { .. } | Self::SizeLimit { .. } => {
+                "correct the size, or the events that lie outside"
+            }
+            Self::Channel { .. } => "correct the number of channels, or the channel of the event",
+            Self::NoChannels { .. } => "write .csv or .npy, or one file a channel",
+            Self::About { .. } => {
+                "it should read like `# amacrine size=346x260 channels=1 span=0..2000000 dropped=0,0`, before the first event, once; all but `amacrine` may be left out"
+            }
+            Self::Npy { .. } => {
+                "save a one-dimensional array of dtype [('t','<i8'),('x','<i2'),('y','<i2'),('p','i1')], and perhaps ('channel','u1')"
+            }
+            Self::Truncated { .. } => "the file was cut short: write or copy it again",
+            Self::Trailing => "store one array a file",
+        }
+    }
+}
+
+/// Why a reader stops; the name of the file is added where it is known.
+#[derive(Debug)]
+pub enum Stop {
+    /// The system failed.
+    Io(io::Error),
+    /// The file is wrong.
+    Fault(Place, Fault),
+}
+
+impl From<io::Error> for Stop {
+    fn from(cause: io::Error) -> Self {
+        Self::Io(cause)
+    }
+}

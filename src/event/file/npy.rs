@@ -1,0 +1,410 @@
+//! numpy's `.npy` with one record an event: `numpy.load(path)`.
+//!
+//! Dtype `[('t','<i8'),('x','<i2'),('y','<i2'),('p','i1')]` (the names and order that tonic
+//! wants), and `('channel','u1')` when there are several channels. Size, channels, time
+//! watched and drops travel as a comment behind the header's dictionary, `# amacrine size=…`:
+//! numpy reads the header as a Python literal, in which a comment is allowed, so `read`
+//! gives back the very packet that `write` got.
+//!
+//! Read with integers of any width and byte order, the fields in any order, padding, and
+//! booleans for `p`; versions 1 to 3. Layout: numpy's NEP 1,
+//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+
+use std::io::{self, BufRead, ErrorKind, Write};
+
+use super::{
+    Fault, Loaded, Place,
+    about::About,
+    fault::Stop,
+    intake::{Intake, Raw},
+};
+use crate::event::Packet;
+
+/// The largest coordinate that `<i2` holds.
+pub(super) const LARGEST: u16 = i16::MAX.unsigned_abs();
+
+const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// Magic, version, length of the header (version 1).
+const PREFIX: usize = 10;
+
+/// Data starts at a multiple of this.
+const ALIGN: usize = 64;
+
+/// numpy itself refuses headers above ten thousand bytes.
+const LONGEST_HEADER: usize = 1 << 16;
+
+/// No event is this long, in bytes.
+const LONGEST_RECORD: usize = 1 << 16;
+
+/// Writes the events.
+pub(super) fn write(out: &mut dyn Write, packet: &Packet) -> io::Result<()> {
+    let channels = packet.channels > 1;
+    let more = if channels { ", ('channel', '|u1')" } else { "" };
+    let mut header = format!(
+        "{{'descr': [('t', '<i8'), ('x', '<i2'), ('y', '<i2'), ('p', '|i1'){more}], \
+         'fortran_order': False, 'shape': ({},), }} # {}",
+        packet.events.len(),
+        About::of(packet)
+    );
+    while !(PREFIX + header.len() + 1).is_multiple_of(ALIGN) {
+        header.push(' ');
+    }
+    header.push('\n');
+    out.write_all(MAGIC)?;
+    out.write_all(&[1, 0])?;
+    let length = u16::try_from(header.len()).map_err(io::Error::other)?;
+    out.write_all(&length.to_le_bytes())?;
+    out.write_all(header.as_bytes())?;
+    for e in &packet.events {
+        out.write_all(&e.t.0.to_le_bytes())?;
+        out.write_all(&e.x.to_le_bytes())?;
+        out.write_all(&e.y.to_le_bytes())?;
+        out.write_all(&[e.polarity.bit()])?;
+        if channels {
+            out.write_all(&[e.channel])?;
+        }
+    }
+    Ok(())
+}
+
+/// Reads the events.
+pub(super) fn read(input: &mut dyn BufRead) -> Result<Loaded, Stop> {
+    let mut bytes = Bytes { input, at: 0 };
+    let header = header(&mut bytes)?;
+    let mut intake = Intake::new();
+    if let Some(about) = header.about {
+        intake
+            .declare(about)
+            .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    }
+    let mut record = vec![0; header.record.width];
+    for event in 0..header.events {
+        let place = Place::Byte(bytes.at);
+        bytes.fill(&mut record, || format!("event {event}"))?;
+        intake
+            .take(header.record.read(&record))
+            .map_err(|fault| Stop::Fault(place, fault))?;
+    }
+    if !bytes.input.fill_buf()?.is_empty() {
+        return Err(Stop::Fault(Place::Byte(bytes.at), Fault::Trailing));
+    }
+    Ok(intake.finish())
+}
+
+/// A stream that knows where it is.
+struct Bytes<'a> {
+    input: &'a mut dyn BufRead,
+    at: u64,
+}
+
+impl Bytes<'_> {
+    /// Fills `part`, or says in the middle of what the file ends.
+    fn fill(&mut self, part: &mut [u8], inside: impl Fn() -> String) -> Result<(), Stop> {
+        let mut got = 0;
+        while got < part.len() {
+            match self.input.read(&mut part[got..]) {
+                Ok(0) => {
+                    let inside = inside();
+                    return Err(Stop::Fault(
+                        Place::Byte(self.at),
+                        Fault::Truncated { inside },
+                    ));
+                }
+                Ok(n) => {
+                    got += n;
+                    self.at += n as u64;
+                }
+                Err(e) if e.kind() == ErrorKind::Interrupted => (),
+                Err(e) => return Err(e.into()),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the header says.
+struct Header {
+    record: Record,
+    events: u64,
+    about: Option<About>,
+}
+
+fn header(bytes: &mut Bytes<'_>) -> Result<Header, Stop> {
+    let mut start = [0; 8];
+    bytes
+        .fill(&mut start, || "the first eight bytes".into())
+        .and_then(|()| match start {
+            [magic @ .., 1..=3, 0] if magic == MAGIC => Ok(()),
+            _ => Err(Stop::Fault(Place::Byte(0), Fault::Magic)),
+        })?;
+    let mut length = [0; 4];
+    let digits = if start[6] == 1 { 2 } else { 4 };
+    bytes.fill(&mut length[..digits], || "the length of the header".into())?;
+    let length = u32::from_le_bytes(length) as usize;
+    let from = bytes.at;
+    let wrong =
+        |at: usize, why: String| Stop::Fault(Place::Byte(from + at as u64), Fault::Npy { why });
+    if length > LONGEST_HEADER {
+        return Err(wrong(
+            0,
+            format!("is {length} bytes long, which no event file needs"),
+        ));
+    }
+    let mut text = vec![0; length];
+    bytes.fill(&mut text, || "the header".into())?;
+    let text = String::from_utf8(text).map_err(|_| wrong(0, "is not text".into()))?;
+    let mut literal = Literal {
+        text: &text,
+        at: 0,
+        comment: None,
+    };
+    let (record, events) = literal.header().map_err(|why| wrong(literal.at, why))?;
+    let about = literal.comment.map_or(Ok(None), About::parse);
+    Ok(Header {
+        record,
+        events,
+        about: about.map_err(|fault| Stop::Fault(Place::Byte(from), fault))?,
+    })
+}
+
+/// How one event lies in the file.
+#[derive(Debug, Default)]
+struct Record {
+    /// Bytes of one event.
+    width: usize,
+    t: Field,
+    x: Field,
+    y: Field,
+    p: Field,
+    channel: Option<Field>,
+}
+
+impl Record {
+    fn read(&self, record: &[u8]) -> Raw {
+        Raw {
+            t: self.t.read(record),
+            x: self.x.read(record),
+            y: self.y.read(record),
+            p: self.p.read(record),
+            channel: self.channel.map_or(0, |field| field.read(record)),
+        }
+    }
+}
+
+/// One integer of a record.
+#[derive(Clone, Copy, Debug, Default)]
+struct Field {
+    offset: usize,
+    width: usize,
+    signed: bool,
+    big: bool,
+}
+
+impl Field {
+    /// A numpy type code; `None` for what is no integer.
+    fn parse(code: &str, offset: usize) -> Option<Self> {
+        let (order, kind) = match code.as_bytes() {
+            [order @ (b'<' | b'>' | b'|' | b'='), kind @ ..] => (*order, kind),
+            kind => (b'|', kind),
+        };
+        let (signed, width) = match kind {
+            [kind @ (b'i' | b'u'), width @ (b'1' | b'2' | b'4' | b'8')] => {
+                (*kind == b'i', usize::from(width - b'0'))
+            }
+            b"b1" => (false, 1),
+            _ => return None,
+        };
+        Some(Self {
+            offset,
+            width,
+            signed,
+            big: order == b'>',
+        })
+    }
+
+    fn read(self, record: &[u8]) -> i128 {
+        let mut bytes = [0; 8];
+        let field = record.iter().skip(self.offset).take(self.width);
+        for (to, from) in bytes.iter_mut().zip(field) {
+            *to = *from;
+        }
+        if self.big {
+            bytes[..self.width].reverse();
+        }
+        let value = u64::from_le_bytes(bytes);
+        if self.signed {
+            // Shifted up and down again, so that the sign fills the upper bits.
+            let unused = 64 - 8 * self.width;
+            i128::from((value << unused) as i64 >> unused)
+        } else {
+            i128::from(value)
+        }
+    }
+}
+
+/// The Python literal of the header, read from left to right.
+struct Literal<'a> {
+    text: &'a str,
+    at: usize,
+    comment: Option<&'a str>,
+}
+
+impl<'a> Literal<'a> {
+    /// The whole header: the record and the number of events.
+    fn header(&mut self) -> Result<(Record, u64), String> {
+        let (mut record, mut order, mut events) = (None, None, None);
+        self.expect("{")?;
+        while !self.take("}") {
+            let key = self.string()?;
+            self.expect(":")?;
+            match key {
+                "descr" => record = Some(self.record()?),
+                "fortran_order" => {
+                    // The same for one dimension.
+                    order = Some(self.take("True") || self.take("False"));
+                }
+                "shape" => {
+                    self.expect("(")?;
+                    events = Some(self.number()?);
+                    self.take(",");
+                    if !self.take(")") {
+                        return Err("should have a shape of one dimension, (events,)".into());
+                    }
+                }
+                other => return Err(format!("has an unknown key `{other}`")),
+            }
+            if !self.take(",") {
+                self.expect("}")?;
+                break;
+            }
+        }
+        self.skip();
+        if self.at < self.text.len() {
+            return Err("goes on after its dictionary".into());
+        }
+        match (record, order, events) {
+            (Some(record), Some(true), Some(events)) => Ok((record, events)),
+            _ => Err("should have `descr`, `fortran_order` (True or False) and `shape`".into()),
+        }
+    }
+
+    /// A list of `('name', 'type')`.
+    fn record(&mut self) -> Result<Record, String> {
+        if !self.take("[") {
+            return Err("should describe records with the fields t, x, y and p".into());
+        }
+        let [mut t, mut x, mut y, mut p, mut channel] = [None; 5];
+        let mut width = 0_usize;
+        while !self.take("]") {
+            self.expect("(")?;
+            let name = self.string()?;
+            self.expect(",")?;
+            let code = self.string()?;
+            if !self.take(")") {
+                return Err(format!(
+                    "should have one number for `{name}` in each record"
+                ));
+            }
+            let padding = code
+                .strip_prefix("|V")
+                .filter(|_| name.is_empty())
+                .and_then(|n| n.parse::<u16>().ok());
+            if let Some(padding) = padding {
+                width += usize::from(padding);
+            } else {
+                let slot = match name {
+                    "t" => &mut t,
+                    "x" => &mut x,
+                    "y" => &mut y,
+                    "p" => &mut p,
+                    "channel" => &mut channel,
+                    _ => return Err(format!("has an unknown field `{name}`")),
+                };
+                let field = Field::parse(code, width)
+                    .ok_or_else(|| format!("has `{code}` for `{name}`, which is no integer"))?;
+                if slot.replace(field).is_some() {
+                    return Err(format!("has the field `{name}` twice"));
+                }
+                width += field.width;
+            }
+            if width > LONGEST_RECORD {
+                return Err("describes records that are too long".into());
+            }
+            if !self.take(",") {
+                self.expect("]")?;
+                break;
+            }
+        }
+        let missing = |name| move || format!("has no field `{name}`");
+        Ok(Record {
+            width,
+            t: t.ok_or_else(missing("t"))?,
+            x: x.ok_or_else(missing("x"))?,
+            y: y.ok_or_else(missing("y"))?,
+            p: p.ok_or_else(missing("p"))?,
+            channel,
+        })
+    }
+
+    /// White space and comments; of the comments the last is kept.
+    fn skip(&mut self) {
+        loop {
+            let rest = self.rest();
+            let trimmed = rest.trim_ascii_start();
+            self.at += rest.len() - trimmed.len();
+            let Some(comment) = trimmed.strip_prefix('#') else {
+                return;
+            };
+            let end = comment.find('\n').unwrap_or(comment.len());
+            self.comment = Some(&comment[..end]);
+            self.at += 1 + end;
+        }
+    }
+
+    fn rest(&self) -> &'a str {
+        self.text.get(self.at..).unwrap_or("")
+    }
+
+    fn take(&mut self, token: &str) -> bool {
+        self.skip();
+        let found = self.rest().starts_with(token);
+        if found {
+            self.at += token.len();
+        }
+        found
+    }
+
+    fn expect(&mut self, token: &str) -> Result<(), String> {
+        if self.take(token) {
+            Ok(())
+        } else {
+            Err(format!("cannot be read: expected `{token}`"))
+        }
+    }
+
+    fn string(&mut self) -> Result<&'a str, String> {
+        self.skip();
+        let rest = self.rest();
+        let inside = ['\'', '"']
+            .into_iter()
+            .find_map(|quote| rest.strip_prefix(quote)?.split_once(quote))
+            .map(|(inside, _)| inside)
+            .ok_or("cannot be read: expected a name in quotes")?;
+        self.at += inside.len() + 2;
+        Ok(inside)
+    }
+
+    fn number(&mut self) -> Result<u64, String> {
+        self.skip();
+        let rest = self.rest();
+        let end = rest
+            .find(|c: char| !c.is_ascii_digit())
+            .unwrap_or(rest.len());
+        let number = rest[..end]
+            .parse()
+            .map_err(|_| "should have a shape of one dimension, (events,)")?;
+        self.at += end;
+        Ok(number)
+    }
+}

@@ -1,0 +1,64 @@
+//! Pictures of packets: what the scene showed, what both sensors said, where they differ.
+//!
+//! [`contact_sheet`] puts several moments below each other, [`write_animation`] one after the
+//! other; both show the same four panels. Single panels are in [`panel`], colours in [`ink`].
+//! An event belongs to a moment when `from < t <= to`, so moments that touch share no event.
+
+mod animation;
+pub mod ink;
+pub mod panel;
+mod sheet;
+mod text;
+
+pub use animation::write_animation;
+pub use sheet::{Moment, Show, contact_sheet};
+
+use std::{io, path::Path};
+
+use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
+
+use crate::{
+    plane::Size,
+    save::{SaveError, save},
+};
+
+/// A picture cannot be made.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum PictureError {
+    /// No moment to show.
+    #[error("there is no moment to show")]
+    #[diagnostic(help("give at least one frame"))]
+    Nothing,
+    /// Frames and packets of different sizes.
+    #[error("the {what} is {got}, the sensor is {want}")]
+    #[diagnostic(help("frames and packets of one picture have one size"))]
+    Size {
+        /// What does not fit.
+        what: &'static str,
+        /// Its size.
+        got: Size,
+        /// Size of the reference's sensor.
+        want: Size,
+    },
+    /// Larger than the file can be.
+    #[error("the picture would be {0}; a side is at most 65535")]
+    #[diagnostic(help("show fewer moments, or a part of the sensor"))]
+    TooLarge(Size),
+    /// The file cannot be saved.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Save(#[from] SaveError),
+}
+
+/// Writes a picture as PNG, whole or not at all.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_png(path: &Path, picture: &RgbImage) -> Result<(), SaveError> {
+    let (width, height) = picture.dimensions();
+    save(path, |out| {
+        PngEncoder::new(out)
+            .write_image(picture, width, height, ExtendedColorType::Rgb8)
+            .map_err(io::Error::other)
+    })
+}

@@ -1,0 +1,81 @@
+//! Captions, in a small typeface that is part of the program.
+
+use image::{Rgb, RgbImage};
+use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+
+use super::ink::Ink;
+
+const HEIGHT: RasterHeight = RasterHeight::Size16;
+
+/// Height of a line, in pixels.
+pub const LINE: u32 = 20;
+
+/// Plain or for headings.
+#[derive(Clone, Copy, Debug)]
+pub enum Weight {
+    Plain,
+    Heading,
+}
+
+impl Weight {
+    const fn font(self) -> FontWeight {
+        match self {
+            Self::Plain => FontWeight::Regular,
+            Self::Heading => FontWeight::Bold,
+        }
+    }
+}
+
+/// Characters that fit into `width` pixels.
+pub const fn fits(width: u32, weight: Weight) -> usize {
+    width as usize / get_raster_width(weight.font(), HEIGHT)
+}
+
+/// Writes a line with its upper left corner at `at`; returns where it ends.
+pub fn write(page: &mut RgbImage, at: (u32, u32), text: &str, weight: Weight, ink: Ink) -> u32 {
+    let (mut x, y) = at;
+    for c in text.chars() {
+        // The typeface has the letters of ASCII.
+        let known = |c| get_raster(c, weight.font(), HEIGHT);
+        let Some(letter) = known(c).or_else(|| known('?')) else {
+            continue;
+        };
+        for (dy, row) in (0..).zip(letter.rows()) {
+            for (dx, cover) in (0..).zip(row) {
+                if let Some(pixel) = page.get_pixel_mut_checked(x + dx, y + dy) {
+                    *pixel = blend(*pixel, ink, *cover);
+                }
+            }
+        }
+        x += letter.width() as u32;
+    }
+    x
+}
+
+/// The same, cut where it would leave `width` pixels.
+pub fn write_within(
+    page: &mut RgbImage,
+    at: (u32, u32),
+    width: u32,
+    text: &str,
+    weight: Weight,
+    ink: Ink,
+) {
+    let room = fits(width, weight);
+    if text.chars().count() <= room {
+        write(page, at, text, weight, ink);
+    } else {
+        let mut cut: String = text.chars().take(room.saturating_sub(2)).collect();
+        cut.push_str("..");
+        write(page, at, &cut, weight, ink);
+    }
+}
+
+fn blend(below: Ink, ink: Ink, cover: u8) -> Ink {
+    let mix = |a: u8, b: u8| {
+        let (a, b, cover) = (u32::from(a), u32::from(b), u32::from(cover));
+        ((a * (255 - cover) + b * cover + 127) / 255) as u8
+    };
+    let ([r, g, b], [ir, ig, ib]) = (below.0, ink.0);
+    Rgb([mix(r, ir), mix(g, ig), mix(b, ib)])
+}
