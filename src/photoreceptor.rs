@@ -1,1 +1,301 @@
-//! (room)
+//! From light to the signal that the kernels see.
+//!
+//! Four static responses, `u = R(I)` for light `I` (0 to 255 for 8-bit video):
+//!
+//! | response | `R(I)` | who uses it |
+//! |---|---|---|
+//! | `"identity"` | `I` | scenes that are a signal already; the only one that takes negative values |
+//! | `{ linear = 255 }` | `I / 255` | the released Neural Ganglion Sensors data set ("linear") |
+//! | `{ log = { white = 255, offset = 1e-5 } }` | `ln(I / white + offset)` | the same, "log"; ESIM (offset 1e-3) |
+//! | `{ lin-log = { knee = 20 } }` | `I ln(knee) / knee` up to the knee, `ln I` above | v2e |
+//!
+//! `round = "f32"` in a response rounds the result to single precision, as the released data
+//! set does before its double-precision simulator reads it.
+
+use serde::Deserialize;
+
+/// The static response of the photoreceptor.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "Written")]
+pub struct Response {
+    /// The curve.
+    pub curve: Curve,
+    /// Whether the result is rounded to single precision.
+    pub round_f32: bool,
+}
+
+/// The shape of a response.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curve {
+    /// `I`, which may be negative.
+    Identity,
+    /// `I / white`.
+    Linear {
+        /// The light that maps to 1.
+        white: f64,
+    },
+    /// `ln(I / white + offset)`.
+    Log {
+        /// The light that maps to `ln(1 + offset)`.
+        white: f64,
+        /// What keeps the logarithm of black finite.
+        offset: f64,
+    },
+    /// `I ln(knee) / knee` up to the knee, `ln I` above it.
+    LinLog {
+        /// Where the two parts meet, in units of light; v2e uses 20.
+        knee: f64,
+    },
+}
+
+/// Light that a response is not defined for.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum LightError {
+    /// NaN or infinite.
+    #[error("the light is {0}, which is not finite")]
+    NotFinite(f64),
+    /// Below zero where the response needs light.
+    #[error("the light is {0}, below zero; only response = \"identity\" takes negative values")]
+    Negative(f64),
+}
+
+impl Response {
+    /// A response of this shape in full precision.
+    #[must_use]
+    pub const fn new(curve: Curve) -> Self {
+        Self {
+            curve,
+            round_f32: false,
+        }
+    }
+
+    /// `R(light)`.
+    ///
+    /// # Errors
+    /// When the light is not finite, or negative and the response is not the identity.
+    pub fn apply(self, light: f64) -> Result<f64, LightError> {
+        if !light.is_finite() {
+            return Err(LightError::NotFinite(light));
+        }
+        if light < 0.0 && self.curve != Curve::Identity {
+            return Err(LightError::Negative(light));
+        }
+        let signal = match self.curve {
+            Curve::Identity => light,
+            Curve::Linear { white } => light / white,
+            Curve::Log { white, offset } => (light / white + offset).ln(),
+            Curve::LinLog { knee } if light <= knee => light * (knee.ln() / knee),
+            Curve::LinLog { .. } => light.ln(),
+        };
+        Ok(if self.round_f32 {
+            f64::from(signal as f32)
+        } else {
+            signal
+        })
+    }
+}
+
+const KNOWN: &str = "expected \"identity\", { linear = 255 }, \
+    { log = { white = 255, offset = 1e-5 } } or { lin-log = { knee = 20 } }";
+
+/// A response as it stands in a sensor file.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected \"identity\", { linear = 255 }, { log = { white = 255, offset = 1e-5 } } or { lin-log = { knee = 20 } }"
+)]
+enum Written {
+    Name(String),
+    Curve(Table),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct Table {
+    linear: Option<Linear>,
+    log: Option<Log>,
+    lin_log: Option<LinLog>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Linear {
+    White(f64),
+    Table {
+        white: f64,
+        #[serde(default)]
+        round: Round,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Log {
+    white: f64,
+    offset: f64,
+    #[serde(default)]
+    round: Round,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LinLog {
+    knee: f64,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Round {
+    #[default]
+    F64,
+    F32,
+}
+
+impl TryFrom<Written> for Response {
+    type Error = String;
+
+    fn try_from(written: Written) -> Result<Self, String> {
+        let positive = |name: &str, value: f64| {
+            if value > 0.0 && value.is_finite() {
+                Ok(value)
+            } else {
+                Err(format!("{name} must be a positive number, it is {value}"))
+            }
+        };
+        let (curve, round) = match written {
+            Written::Name(name) if name == "identity" => (Curve::Identity, Round::F64),
+            Written::Name(name) => return Err(format!("unknown response \"{name}\": {KNOWN}")),
+            Written::Curve(Table {
+                linear: Some(linear),
+                log: None,
+                lin_log: None,
+            }) => {
+                let (white, round) = match linear {
+                    Linear::White(white) => (white, Round::F64),
+                    Linear::Table { white, round } => (white, round),
+                };
+                let white = positive("linear (the light that maps to 1)", white)?;
+                (Curve::Linear { white }, round)
+            }
+            Written::Curve(Table {
+                linear: None,
+                log: Some(log),
+                lin_log: None,
+            }) => (
+                Curve::Log {
+                    white: positive("log.white", log.white)?,
+                    offset: positive(
+                        "log.offset (what keeps the logarithm of black finite)",
+                        log.offset,
+                    )?,
+                },
+                log.round,
+            ),
+            Written::Curve(Table {
+                linear: None,
+                log: None,
+                lin_log: Some(LinLog { knee }),
+            }) => {
+                // Below e the two parts cannot both rise.
+                if !(knee > 1.0 && knee.is_finite()) {
+                    return Err(format!("lin-log.knee must be above 1, it is {knee}"));
+                }
+                (Curve::LinLog { knee }, Round::F64)
+            }
+            Written::Curve(_) => return Err(format!("one response, not none or several: {KNOWN}")),
+        };
+        Ok(Self {
+            curve,
+            round_f32: round == Round::F32,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Response, String> {
+        #[derive(Deserialize)]
+        struct File {
+            response: Response,
+        }
+        toml::from_str::<File>(&format!("response = {text}"))
+            .map(|file| file.response)
+            .map_err(|e| e.message().to_owned())
+    }
+
+    #[test]
+    fn each_form_is_read() {
+        assert_eq!(parse("\"identity\"").unwrap().curve, Curve::Identity);
+        assert_eq!(
+            parse("{ linear = 255 }").unwrap().curve,
+            Curve::Linear { white: 255.0 }
+        );
+        let rounded = parse("{ linear = { white = 255, round = \"f32\" } }").unwrap();
+        assert!(rounded.round_f32);
+        assert_eq!(
+            parse("{ log = { white = 255, offset = 1e-5 } }")
+                .unwrap()
+                .curve,
+            Curve::Log {
+                white: 255.0,
+                offset: 1e-5
+            }
+        );
+        assert_eq!(
+            parse("{ lin-log = { knee = 20 } }").unwrap().curve,
+            Curve::LinLog { knee: 20.0 }
+        );
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        for text in [
+            "\"cubic\"",
+            "{ linear = 0 }",
+            "{ log = { white = 255, offset = 0 } }",
+            "{}",
+            "3",
+        ] {
+            let message = parse(text).unwrap_err();
+            assert!(
+                message.contains("expected") || message.contains("must be"),
+                "{text}: {message}"
+            );
+        }
+    }
+
+    #[test]
+    fn values_are_the_formulas() {
+        let at = |curve, light| Response::new(curve).apply(light).unwrap();
+        assert_eq!(at(Curve::Linear { white: 255.0 }, 51.0), 0.2);
+        assert_eq!(
+            at(
+                Curve::Log {
+                    white: 255.0,
+                    offset: 1e-5
+                },
+                0.0
+            ),
+            1e-5_f64.ln()
+        );
+        // Both parts of lin-log meet at the knee; black is finite.
+        let knee = Curve::LinLog { knee: 20.0 };
+        assert!((at(knee, 20.0) - 20f64.ln()).abs() < 1e-15);
+        assert!((at(knee, 20.0 + 1e-12) - 20f64.ln()).abs() < 1e-12);
+        assert_eq!(at(knee, 0.0), 0.0);
+    }
+
+    #[test]
+    fn impossible_light_is_refused() {
+        let log = Response::new(Curve::Log {
+            white: 255.0,
+            offset: 1e-5,
+        });
+        assert_eq!(log.apply(-1.0), Err(LightError::Negative(-1.0)));
+        assert!(log.apply(f64::NAN).is_err());
+        assert!(Response::new(Curve::Identity).apply(f64::INFINITY).is_err());
+        assert_eq!(Response::new(Curve::Identity).apply(-3.0), Ok(-3.0));
+    }
+}

@@ -1,6 +1,6 @@
 //! What the reference and the device have in common: light in, events out.
 
-use crate::{event::Packet, plane::Size, scene::Frame};
+use crate::{event::Packet, photoreceptor::LightError, plane::Size, scene::Frame};
 
 /// A sensor that watches a scene frame by frame.
 pub trait Sensor {
@@ -44,5 +44,75 @@ pub enum SensorError {
         sensor: String,
         /// What it says.
         why: String,
+    },
+    /// A sensor without pixels, or with more than addresses.
+    #[error("a sensor of {size} pixels cannot be addressed")]
+    #[diagnostic(help("width and height must be from 1 to 65536"))]
+    Addresses {
+        /// The size.
+        size: Size,
+    },
+    /// Light that the photoreceptor's response is not defined for.
+    #[error("frame {index}, x = {x}, y = {y}: {cause}")]
+    #[diagnostic(help(
+        "give finite light, not below zero; a signal that may be negative needs response = \"identity\""
+    ))]
+    Light {
+        /// Which frame.
+        index: u64,
+        /// Row.
+        y: usize,
+        /// Column.
+        x: usize,
+        /// What is wrong with it.
+        cause: LightError,
+    },
+    /// A frame that is not later than the one before.
+    #[error("frame {index} is at {seconds} s, not after the frame before it")]
+    #[diagnostic(help("frames must come in order of time"))]
+    Time {
+        /// Which frame.
+        index: u64,
+        /// Its time.
+        seconds: f64,
+    },
+    /// The event list has reached its bound.
+    #[error("the event list is full: more than {limit} events")]
+    #[diagnostic(help(
+        "raise the thresholds or the limit (--max-events), ask for --counts or --voxels instead of --events, or choose to drop (--when-full drop)"
+    ))]
+    ListFull {
+        /// How many events it may hold.
+        limit: usize,
+    },
+    /// More events of one cell in one frame pair than 32 bits can count.
+    #[error(
+        "the cell at x = {x}, y = {y} of channel {channel} made {count} events in one frame pair, more than an int32 can hold"
+    )]
+    #[diagnostic(help("raise the threshold, or check the scale of the light against it"))]
+    CountOverflow {
+        /// Kind of cell.
+        channel: usize,
+        /// Row.
+        y: usize,
+        /// Column.
+        x: usize,
+        /// How many, with sign.
+        count: f64,
+    },
+    /// More steps of a memory than a double can count.
+    #[error(
+        "the memory of the cell at x = {x}, y = {y} of channel {channel} took more than 2^53 steps"
+    )]
+    #[diagnostic(help(
+        "the thresholds are too small for this light: raise them, or check the response"
+    ))]
+    Uncountable {
+        /// Kind of cell.
+        channel: usize,
+        /// Row.
+        y: usize,
+        /// Column.
+        x: usize,
     },
 }

@@ -4,6 +4,7 @@ pub mod asm;
 pub mod compare;
 pub mod demo;
 pub mod exec;
+mod progress;
 pub mod run;
 
 use std::process::ExitCode;

@@ -1,13 +1,421 @@
-//! `amacrine run`.
+//! `amacrine run`: a scene through a sensor file.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use miette::{WrapErr, miette};
+use serde_json::json;
+
+use crate::{
+    event::{Packet, address::AddressWord, file},
+    number::{Format, Number, Visitor},
+    plane::Size,
+    reference::{
+        Counts, Description, EventList, Limit, Reference, Report, Tally, VoxelGrid, WhenFull,
+    },
+    save::Stack,
+    scene::{
+        OpenOptions, Scene, open,
+        upsample::{Bound, Upsampled, Upsampling},
+    },
+    unit::Micros,
+};
+
+use super::progress::Progress;
 
 /// What `run` is asked to do.
-#[derive(Debug, Default, clap::Args)]
-pub struct Arguments {}
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: amacrine run --scene clips/vtest_256x256.apng --sensor sensors/rgc.toml --upsample 0.1 --events out/events.npy"
+)]
+pub struct Arguments {
+    /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), or pattern:NAME?key=value
+    #[arg(long)]
+    scene: String,
+    /// The sensor file
+    #[arg(long)]
+    sensor: PathBuf,
+    /// Frames per second, instead of what the scene says
+    #[arg(long)]
+    fps: Option<f64>,
+    /// Insert frames so that no pixel's light changes by more than this from one to the next, in ln units
+    #[arg(long, value_name = "CONTRAST")]
+    upsample: Option<f64>,
+    /// Chooses mismatch and noise
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// The number format of signals, weights and memory: f64, f32, f16, bf16, q8.8, …
+    #[arg(long, default_value = "f64")]
+    format: Format,
+    /// Write the events (.csv, .npy, .txt)
+    #[arg(long)]
+    events: Option<PathBuf>,
+    /// Write signed event counts, int32 (P,K,H,W)
+    #[arg(long, value_name = "C.npy")]
+    counts: Option<PathBuf>,
+    /// Write voxels, float32 (P+1,K,H,W): each event shared between the two nearest frame times
+    #[arg(long, value_name = "V.npy")]
+    voxels: Option<PathBuf>,
+    /// The most events a list may hold
+    #[arg(long, default_value_t = Limit::default().events)]
+    max_events: usize,
+    /// What to do when a frame pair's events do not fit in the list
+    #[arg(long, value_enum, default_value = "stop")]
+    when_full: Full,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Full {
+    /// Stop with an error, write nothing
+    Stop,
+    /// Drop that pair's events, count them, go on
+    Drop,
+}
 
 /// Runs the verb.
 ///
 /// # Errors
-/// One diagnostic that names what was wrong.
-pub fn run(_arguments: &Arguments) -> miette::Result<()> {
-    Err(miette::miette!("not built yet"))
+/// When the scene or the sensor file is not what it should be, or an output cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let description = read_sensor(&arguments.sensor)?;
+    if let Some(events) = &arguments.events {
+        file::Format::of(events)?;
+    }
+    let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
+    let sensor = description.clone();
+    let watched = match arguments.upsample {
+        None => arguments.format.visit(Run {
+            arguments,
+            description: sensor,
+            scene,
+        }),
+        Some(contrast) => {
+            let bound = Bound::Contrast {
+                contrast,
+                offset: 1.0,
+            };
+            let scene = Upsampled::new(
+                scene,
+                Upsampling {
+                    bound,
+                    ..Upsampling::default()
+                },
+            )?;
+            arguments.format.visit(Run {
+                arguments,
+                description: sensor,
+                scene,
+            })
+        }
+    };
+    let watched = watched
+        .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
+    if arguments.json {
+        println!("{}", watched.json(arguments, &description));
+    } else {
+        print!("{}", watched.table(arguments, &description));
+    }
+    Ok(())
+}
+
+/// Reads a sensor file; the kernel files it names are looked for beside it.
+///
+/// # Errors
+/// When a file cannot be read, or is not what it should be.
+pub fn read_sensor(path: &Path) -> miette::Result<Description> {
+    let shown = path.display().to_string();
+    let text = fs::read_to_string(path).map_err(|e| {
+        miette!(
+            help = "give a sensor file; sensors/ has some to start from",
+            "{shown}: {e}"
+        )
+    })?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let read = move |name: &str| fs::read_to_string(folder.join(name));
+    Ok(Description::parse(&shown, &text, &read)?)
+}
+
+/// What a run has to say.
+struct Watched {
+    size: Size,
+    frames: u64,
+    fps: f64,
+    fps_is_assumed: bool,
+    seconds: f64,
+    tally: Tally,
+    report: Report,
+    dropped: u64,
+    paper_metric: Option<f64>,
+}
+
+/// The run, in whatever number format is asked for.
+struct Run<'a, S> {
+    arguments: &'a Arguments,
+    description: Description,
+    scene: S,
+}
+
+impl<S: Scene> Visitor for Run<'_, S> {
+    type Output = miette::Result<Watched>;
+
+    fn visit<N: Number>(self, number: N) -> miette::Result<Watched> {
+        watch(self.arguments, number, self.description, self.scene)
+    }
+}
+
+fn watch<N: Number, S: Scene>(
+    arguments: &Arguments,
+    number: N,
+    description: Description,
+    mut scene: S,
+) -> miette::Result<Watched> {
+    let size = scene.size();
+    let channels = description.channels.len();
+    let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
+    let mut packet = Packet::new(size, channels as u8);
+    let limit = Limit {
+        events: arguments.max_events,
+        when_full: match arguments.when_full {
+            Full::Stop => WhenFull::Stop,
+            Full::Drop => WhenFull::Drop,
+        },
+    };
+    let mut tally = Tally::new(channels);
+    let mut counts = arguments
+        .counts
+        .as_ref()
+        .map(|_| Counts::new(size, channels));
+    let mut count_stack = arguments
+        .counts
+        .as_ref()
+        .map(|path| Stack::<i32>::create(path, channels, size))
+        .transpose()?;
+    let mut grid =
+        (arguments.voxels.is_some() || arguments.json).then(|| VoxelGrid::new(size, channels));
+    let mut voxel_stack = arguments
+        .voxels
+        .as_ref()
+        .map(|path| Stack::<f32>::create(path, channels, size))
+        .transpose()?;
+    let mut paper = PaperMetric::default();
+    let progress = Progress::new("watching", scene.frames());
+
+    let (mut frames, mut first, mut last) = (0, None, 0.0);
+    while let Some(frame) = scene.next_frame()? {
+        let mut list = arguments
+            .events
+            .as_ref()
+            .map(|_| EventList::new(&mut packet, limit));
+        reference.watch_into(
+            &frame,
+            &mut ((&mut tally, &mut list), (&mut counts, &mut grid)),
+        )?;
+        if frames > 0 {
+            if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
+                stack.push(counts.planes().iter().cloned())?;
+            }
+            if let Some(grid) = &mut grid {
+                finish_bin(grid, voxel_stack.as_mut(), &mut paper)?;
+            }
+        }
+        frames += 1;
+        first.get_or_insert(frame.seconds);
+        last = frame.seconds;
+        progress.tick();
+    }
+    if frames == 0 {
+        return Err(miette!(
+            help = "give a scene with at least one frame",
+            "the scene has no frames"
+        ));
+    }
+    if let Some(grid) = &mut grid {
+        finish_bin(grid, voxel_stack.as_mut(), &mut paper)?;
+    }
+    progress.finish();
+    let first = first.unwrap_or(0.0);
+    packet.span = (Micros::from_seconds(first), Micros::from_seconds(last));
+    if let Some(path) = &arguments.events {
+        file::write(path, &packet)?;
+    }
+    count_stack.map(Stack::finish).transpose()?;
+    voxel_stack.map(Stack::finish).transpose()?;
+    Ok(Watched {
+        size,
+        frames,
+        fps: scene.fps(),
+        fps_is_assumed: scene.fps_is_assumed(),
+        seconds: last - first,
+        tally,
+        report: reference.report(),
+        dropped: packet.dropped.total(),
+        paper_metric: grid.is_some().then(|| paper.value()),
+    })
+}
+
+/// The bin of a frame that no later event can reach goes out.
+fn finish_bin(
+    grid: &mut VoxelGrid,
+    stack: Option<&mut Stack<f32>>,
+    paper: &mut PaperMetric,
+) -> miette::Result<()> {
+    if let Some(stack) = stack {
+        stack.push(grid.earlier().iter().map(|plane| plane.mapv(|v| v as f32)))?;
+    }
+    paper
+        .bins
+        .push(grid.earlier().iter().flatten().map(|v| v.abs()).sum());
+    grid.advance();
+    Ok(())
+}
+
+/// "Events per bin" as the paper's evaluation computes it: the sum of |voxel| over pairs and
+/// their two bins, after neighbouring pairs have been added up, divided by the pairs. Interior
+/// bins count twice and opposite signs cancel: it is not a number of events.
+#[derive(Default)]
+struct PaperMetric {
+    bins: Vec<f64>,
+}
+
+impl PaperMetric {
+    fn value(&self) -> f64 {
+        let pairs = self.bins.len().saturating_sub(1);
+        let twice: f64 = self.bins.windows(2).map(|pair| pair[0] + pair[1]).sum();
+        if pairs == 0 {
+            0.0
+        } else {
+            twice / pairs as f64
+        }
+    }
+}
+
+impl Watched {
+    fn per_pixel_second(&self) -> f64 {
+        let pixel_seconds = self.size.pixels() as f64 * self.seconds;
+        if pixel_seconds > 0.0 {
+            self.tally.total() as f64 / pixel_seconds
+        } else {
+            0.0
+        }
+    }
+
+    fn bits_per_event(&self) -> u32 {
+        AddressWord::of(self.size, self.tally.kinds().len() as u8).bits()
+    }
+
+    fn json(&self, arguments: &Arguments, description: &Description) -> serde_json::Value {
+        let total = self.tally.total();
+        let (on, off) = self
+            .tally
+            .kinds()
+            .iter()
+            .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
+        json!({
+            "sensor": description.name,
+            "scene": arguments.scene,
+            "format": arguments.format.to_string(),
+            "width": self.size.width,
+            "height": self.size.height,
+            "channels": self.tally.kinds().len(),
+            "frames": self.frames,
+            "pairs": self.frames - 1,
+            "fps": self.fps,
+            "fps_is_assumed": self.fps_is_assumed,
+            "seconds": self.seconds,
+            "events": total,
+            "on": on,
+            "off": off,
+            "kinds": self.tally.kinds().iter().map(|(on, off)| json!({"on": on, "off": off})).collect::<Vec<_>>(),
+            "events_per_pixel_per_second": self.per_pixel_second(),
+            "bits_per_event": self.bits_per_event(),
+            "bits": total * u64::from(self.bits_per_event()),
+            "paper_events_per_bin": self.paper_metric,
+            "lost_to_refractory": self.report.lost_to_refractory,
+            "livelocked": self.report.livelocked,
+            "without_sign": self.report.without_sign,
+            "dropped": self.dropped,
+        })
+    }
+
+    fn table(&self, arguments: &Arguments, description: &Description) -> String {
+        let kinds = self.tally.kinds();
+        let total = self.tally.total();
+        let (on, off) = kinds
+            .iter()
+            .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
+        let assumed = if self.fps_is_assumed {
+            " (assumed; --fps says otherwise)"
+        } else {
+            ""
+        };
+        let mut lines = vec![
+            format!(
+                "sensor   {} ({} {}, {})",
+                description.name,
+                kinds.len(),
+                if kinds.len() == 1 {
+                    "channel"
+                } else {
+                    "channels"
+                },
+                arguments.format
+            ),
+            format!(
+                "scene    {}, {}, {} frames in {:.6} s, {} frames/s{assumed}",
+                arguments.scene, self.size, self.frames, self.seconds, self.fps
+            ),
+            format!(
+                "events   {total} ({on} ON, {off} OFF), {:.4} per pixel per second",
+                self.per_pixel_second()
+            ),
+            format!(
+                "bits     {} ({} an event)",
+                total * u64::from(self.bits_per_event()),
+                self.bits_per_event()
+            ),
+        ];
+        if kinds.len() > 1 {
+            for (channel, (on, off)) in kinds.iter().enumerate() {
+                let name = description.channels[channel]
+                    .name
+                    .clone()
+                    .unwrap_or_default();
+                lines.push(format!("  channel {channel} {name}: {on} ON, {off} OFF"));
+            }
+        }
+        let notes = [
+            (
+                self.report.lost_to_refractory,
+                "crossings lost to the refractory period",
+            ),
+            (
+                self.report.livelocked,
+                "events of cells that fire again though nothing they see has changed: on a still scene they never stop (memory = \"raw-snap\")",
+            ),
+            (
+                self.report.without_sign,
+                "crossings without a sign of their own pixel, not emitted (polarity = \"pixel\")",
+            ),
+            (self.dropped, "events dropped: the list was full"),
+        ];
+        lines.extend(
+            notes
+                .iter()
+                .filter(|(count, _)| *count > 0)
+                .map(|(count, what)| format!("note     {count} {what}")),
+        );
+        let written = [&arguments.events, &arguments.counts, &arguments.voxels];
+        lines.extend(
+            written
+                .into_iter()
+                .flatten()
+                .map(|path| format!("wrote    {}", path.display())),
+        );
+        lines.join("\n") + "\n"
+    }
 }

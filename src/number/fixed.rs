@@ -98,6 +98,7 @@ impl<T: Width> Q<T> {
 
 impl<T: Width> Number for Q<T> {
     type Held = T;
+    type Real = f64;
     const ZERO: T = T::ZERO;
 
     fn format(&self) -> Format {
@@ -119,6 +120,14 @@ impl<T: Width> Number for Q<T> {
     fn value(&self, held: T) -> f64 {
         let steps: i64 = held.into();
         steps as f64 / self.one() as f64
+    }
+
+    fn real(&self, held: T) -> f64 {
+        self.value(held)
+    }
+
+    fn hold_real(&self, real: f64) -> T {
+        self.hold(real)
     }
 
     fn add(&self, a: T, b: T) -> T {

@@ -22,23 +22,39 @@ pub struct Bf16;
 
 impl Number for F64 {
     type Held = f64;
+    type Real = f64;
     const ZERO: f64 = 0.0;
+
+    #[inline]
 
     fn format(&self) -> Format {
         Format::F64
     }
+    #[inline]
     fn hold(&self, real: f64) -> f64 {
         real
     }
+    #[inline]
     fn value(&self, held: f64) -> f64 {
         held
     }
+    #[inline]
+    fn real(&self, held: f64) -> f64 {
+        held
+    }
+    #[inline]
+    fn hold_real(&self, real: f64) -> f64 {
+        real
+    }
+    #[inline]
     fn add(&self, a: f64, b: f64) -> f64 {
         a + b
     }
+    #[inline]
     fn sub(&self, a: f64, b: f64) -> f64 {
         a - b
     }
+    #[inline]
     fn mul(&self, a: f64, b: f64) -> f64 {
         a * b
     }
@@ -46,23 +62,39 @@ impl Number for F64 {
 
 impl Number for F32 {
     type Held = f32;
+    type Real = f32;
     const ZERO: f32 = 0.0;
+
+    #[inline]
 
     fn format(&self) -> Format {
         Format::F32
     }
+    #[inline]
     fn hold(&self, real: f64) -> f32 {
         real as f32
     }
+    #[inline]
     fn value(&self, held: f32) -> f64 {
         f64::from(held)
     }
+    #[inline]
+    fn real(&self, held: f32) -> f32 {
+        held
+    }
+    #[inline]
+    fn hold_real(&self, real: f32) -> f32 {
+        real
+    }
+    #[inline]
     fn add(&self, a: f32, b: f32) -> f32 {
         a + b
     }
+    #[inline]
     fn sub(&self, a: f32, b: f32) -> f32 {
         a - b
     }
+    #[inline]
     fn mul(&self, a: f32, b: f32) -> f32 {
         a * b
     }
@@ -74,23 +106,39 @@ macro_rules! half_number {
     ($name:ident, $held:ident, $format:expr) => {
         impl Number for $name {
             type Held = $held;
+            type Real = f32;
             const ZERO: $held = $held::ZERO;
+
+            #[inline]
 
             fn format(&self) -> Format {
                 $format
             }
+            #[inline]
             fn hold(&self, real: f64) -> $held {
                 $held::from_f32(narrow_to_odd(real))
             }
+            #[inline]
             fn value(&self, held: $held) -> f64 {
                 held.to_f64()
             }
+            #[inline]
+            fn real(&self, held: $held) -> f32 {
+                held.to_f32()
+            }
+            #[inline]
+            fn hold_real(&self, real: f32) -> $held {
+                $held::from_f32(real)
+            }
+            #[inline]
             fn add(&self, a: $held, b: $held) -> $held {
                 self.hold(a.to_f64() + b.to_f64())
             }
+            #[inline]
             fn sub(&self, a: $held, b: $held) -> $held {
                 self.hold(a.to_f64() - b.to_f64())
             }
+            #[inline]
             fn mul(&self, a: $held, b: $held) -> $held {
                 self.hold(a.to_f64() * b.to_f64())
             }

@@ -18,10 +18,14 @@
 mod fixed;
 mod float;
 mod format;
+mod real;
+mod visit;
 
 pub use fixed::{Overflow, Q, Width, divide};
 pub use float::{Bf16, F16, F32, F64};
 pub use format::{FixedFormat, Format, FormatError};
+pub use real::Real;
+pub use visit::Visitor;
 
 use std::fmt::Debug;
 
@@ -29,6 +33,10 @@ use std::fmt::Debug;
 pub trait Number: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// What is stored.
     type Held: Copy + Debug + Default + PartialOrd + Send + Sync + 'static;
+
+    /// The float in which what follows from held numbers is computed: f32 where that holds
+    /// them all, f64 otherwise.
+    type Real: Real;
 
     /// Nought, as it is held.
     const ZERO: Self::Held;
@@ -44,6 +52,12 @@ pub trait Number: Copy + Debug + PartialEq + Send + Sync + 'static {
 
     /// What is held, exactly.
     fn value(&self, held: Self::Held) -> f64;
+
+    /// What is held, exactly.
+    fn real(&self, held: Self::Held) -> Self::Real;
+
+    /// The nearest that can be held, as [`Number::hold`].
+    fn hold_real(&self, real: Self::Real) -> Self::Held;
 
     /// The sum, rounded once.
     fn add(&self, a: Self::Held, b: Self::Held) -> Self::Held;

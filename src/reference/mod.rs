@@ -1,1 +1,367 @@
-//! (room)
+//! The float model: ganglion cells that watch through a kernel and fire on change.
+//!
+//! One file a step, in the order of the paper (So & Wetzstein, *Neural Ganglion Sensors*,
+//! arXiv 2504.13457):
+//!
+//! ```text
+//! light ─ response ─ [drive] W * u ─ [memory] distance d ─ [fire] |d| > θ ─ [refractory] ─ trains ─┬─ [voxel] counts, voxels
+//!                                        └──────────── what an event does to it ──────────────┘     └─ [list] events
+//! ```
+//!
+//! `docs/reference.md` states every rule, and where the paper, the released code and this
+//! model part.
+
+mod band;
+mod counts;
+mod description;
+mod drive;
+mod fire;
+mod hash;
+mod list;
+mod memory;
+mod noise;
+mod refractory;
+mod signal;
+mod sinks;
+mod tally;
+mod train;
+mod voxel;
+
+pub use counts::{CountBand, Counts};
+pub use description::{
+    Border, Channel, Description, DescriptionError, MemoryRule, PolarityRule, ReadFile, Refractory,
+    RefractoryRule, Threshold,
+};
+pub use list::{EventList, Limit, ListBand, WhenFull};
+pub use noise::Noise;
+pub use tally::{Tally, TallyBand};
+pub use train::{BandSink, Pair, Sink, Train, TrainRow};
+pub use voxel::{VoxelBand, VoxelGrid, bins};
+
+use std::{convert::Infallible, ops::Range};
+
+use rayon::prelude::*;
+
+use crate::{
+    event::Packet,
+    kernel::Kernel,
+    number::{F64, Number},
+    plane::{Plane, Size},
+    scene::Frame,
+    sensor::{Sensor, SensorError},
+    unit::Micros,
+};
+
+use self::{
+    band::{Band, Plan},
+    noise::LowPass,
+    signal::{Padded, Photoreceptors},
+};
+
+/// Below so many pixels, sharing out the work costs more than it gives.
+const SMALL: usize = 1 << 13;
+
+/// Rows of a band: small enough that a band's scratch stays in cache, large enough to be
+/// worth sharing out. The events do not depend on it.
+const BAND_ROWS: usize = 32;
+
+/// The float model of one sensor, in one number format.
+#[derive(Clone, Debug)]
+pub struct Reference<N: Number = F64> {
+    plan: Plan<N>,
+    size: Size,
+    limit: Limit,
+    photoreceptors: Photoreceptors<N>,
+    low_pass: Option<LowPass>,
+    signal: Padded<N::Held>,
+    /// A pixel memory, or the signal's distance from it.
+    pixels: Padded<N::Held>,
+    cut: Vec<Range<usize>>,
+    bands: Vec<Band<N>>,
+    /// Times of the first frame and of the last, in seconds.
+    seen: Option<(f64, f64)>,
+    pairs: u64,
+}
+
+/// What a run noticed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Report {
+    /// Events made.
+    pub events: u64,
+    /// Crossings lost to the refractory period.
+    pub lost_to_refractory: u64,
+    /// Events of `raw-snap` cells that fired again though nothing they see had changed: on a
+    /// still scene they go on for ever.
+    pub livelocked: u64,
+    /// Cells that fired without a sign of their own (`polarity = "pixel"`), and emitted nothing.
+    pub without_sign: u64,
+}
+
+impl Reference<F64> {
+    /// A sensor of `size` as `description` says, in double precision; `seed` chooses its
+    /// mismatch and noise.
+    ///
+    /// # Errors
+    /// When the size is empty, or larger than event addresses.
+    pub fn new(description: Description, size: Size, seed: u64) -> Result<Self, SensorError> {
+        Self::with_number(F64, description, size, seed)
+    }
+}
+
+impl<N: Number> Reference<N> {
+    /// A sensor whose signals, weights and memory are held in this number format.
+    ///
+    /// # Errors
+    /// As [`Reference::new`].
+    pub fn with_number(
+        number: N,
+        description: Description,
+        size: Size,
+        seed: u64,
+    ) -> Result<Self, SensorError> {
+        let addresses = 1..=1 << 16;
+        if !addresses.contains(&size.width) || !addresses.contains(&size.height) {
+            return Err(SensorError::Addresses { size });
+        }
+        let reach = description
+            .channels
+            .iter()
+            .flat_map(|channel| channel.kernels.iter().chain(&channel.memory_kernel))
+            .map(Kernel::reach)
+            .fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+        let band = if size.pixels() < SMALL {
+            size.height
+        } else {
+            BAND_ROWS
+        };
+        let cut = (0..size.height)
+            .step_by(band)
+            .map(|top| top..(top + band).min(size.height))
+            .collect();
+        let held_pixels = matches!(
+            description.memory,
+            MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
+        );
+        let padded = Padded::new(size, reach, N::ZERO);
+        Ok(Self {
+            size,
+            limit: Limit::default(),
+            photoreceptors: Photoreceptors::new(number, description.response),
+            low_pass: (description.noise.cutoff_hz > 0.0).then(|| LowPass::new(size)),
+            pixels: if held_pixels {
+                padded.clone()
+            } else {
+                Padded::new(Size::new(1, 1), (0, 0), N::ZERO)
+            },
+            signal: padded,
+            cut,
+            bands: Vec::new(),
+            seen: None,
+            pairs: 0,
+            plan: Plan::new(number, description, size, seed),
+        })
+    }
+
+    /// Sets the bound on event lists that [`Sensor::watch`] keeps.
+    #[must_use]
+    pub const fn with_limit(mut self, limit: Limit) -> Self {
+        self.limit = limit;
+        self
+    }
+
+    /// What this sensor is.
+    #[must_use]
+    pub const fn description(&self) -> &Description {
+        &self.plan.description
+    }
+
+    /// What the run so far noticed.
+    #[must_use]
+    pub fn report(&self) -> Report {
+        let mut all = Report::default();
+        for Band { report, .. } in &self.bands {
+            all.events += report.events;
+            all.lost_to_refractory += report.lost_to_refractory;
+            all.livelocked += report.livelocked;
+            all.without_sign += report.without_sign;
+        }
+        all
+    }
+
+    /// The memory of a channel, `[y, x]`, in the unit of the drive (or of the signal, for
+    /// pixel memories); `None` before the first frame, or for a channel that is not there.
+    #[must_use]
+    pub fn memory(&self, channel: usize) -> Option<Plane<f64>> {
+        if channel >= self.plan.weights.len() || self.bands.is_empty() {
+            return None;
+        }
+        let mut plane = Plane::zeros(self.size.shape());
+        let mut held = vec![N::ZERO; self.size.width];
+        for band in &self.bands {
+            for y in band.rows.clone() {
+                band.memory_row(&self.plan, channel, y, &mut held);
+                for (to, held) in plane.row_mut(y).iter_mut().zip(&held) {
+                    *to = self.plan.number.value(*held);
+                }
+            }
+        }
+        Some(plane)
+    }
+
+    /// Watches one frame and tells `sink` of the trains since the frame before.
+    ///
+    /// The first frame sets the memory; the sink hears nothing of it.
+    ///
+    /// # Errors
+    /// When the frame has another size, is not later than the last, holds light that the
+    /// response is not defined for, or the sink or the memory cannot take more.
+    pub fn watch_into<S: Sink>(&mut self, frame: &Frame, sink: &mut S) -> Result<(), SensorError> {
+        let (index, seconds) = (frame.index, frame.seconds);
+        let got = Size::of(&frame.light);
+        if got != self.size {
+            return Err(SensorError::Size {
+                index,
+                got,
+                want: self.size,
+            });
+        }
+        let later = self.seen.is_none_or(|(_, last)| seconds > last);
+        if !seconds.is_finite() || !later {
+            return Err(SensorError::Time { index, seconds });
+        }
+        self.see(frame)?;
+        let Some((start, from)) = self.seen else {
+            self.seen = Some((seconds, seconds));
+            let settle = |rows: &Range<usize>| {
+                Band::settle(&self.plan, rows.clone(), self.size.width, &self.signal)
+            };
+            self.bands = self.cut.par_iter().map(settle).collect();
+            return Ok(());
+        };
+        self.seen = Some((start, seconds));
+        let pair = Pair {
+            index: self.pairs,
+            from,
+            to: seconds,
+        };
+        self.pairs += 1;
+        self.advance(pair, seconds - start, sink)
+    }
+
+    /// Light to signal, with a rim.
+    fn see(&mut self, frame: &Frame) -> Result<(), SensorError> {
+        let Self {
+            photoreceptors,
+            low_pass,
+            signal,
+            plan,
+            seen,
+            ..
+        } = self;
+        let border = plan.description.border;
+        if let Some(low_pass) = low_pass {
+            let dt = seen.map_or(f64::INFINITY, |(_, last)| frame.seconds - last);
+            low_pass.see(&plan.description, frame, dt)?;
+            let held = |y: usize, row: &mut [N::Held]| {
+                for (to, value) in row.iter_mut().zip(low_pass.row(y)) {
+                    *to = plan.number.hold(*value);
+                }
+                Ok(())
+            };
+            return signal.fill(border, N::ZERO, held);
+        }
+        signal.fill(border, N::ZERO, |y, row| photoreceptors.row(frame, y, row))
+    }
+
+    fn advance<S: Sink>(
+        &mut self,
+        pair: Pair,
+        elapsed: f64,
+        sink: &mut S,
+    ) -> Result<(), SensorError> {
+        let times = sink.wants_times();
+        let mut parts = sink.begin(pair, &self.cut);
+        for channel in 0..self.plan.weights.len() {
+            self.lay_out_pixels(channel);
+            let Self {
+                plan,
+                signal,
+                pixels,
+                bands,
+                ..
+            } = self;
+            let seen = match plan.description.memory {
+                MemoryRule::RawSnap => &*pixels,
+                _ => &*signal,
+            };
+            let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| {
+                band.advance(
+                    plan,
+                    channel,
+                    (signal, seen, pixels),
+                    pair,
+                    elapsed,
+                    times,
+                    part,
+                )
+            };
+            if bands.len() == 1 {
+                bands.iter_mut().zip(&mut parts).try_for_each(one)?;
+            } else {
+                bands.par_iter_mut().zip(&mut parts).try_for_each(one)?;
+            }
+        }
+        drop(parts);
+        sink.end()
+    }
+
+    /// Lays out a pixel memory (or the distance from it) as a plane that kernels can read.
+    fn lay_out_pixels(&mut self, channel: usize) {
+        let Self {
+            plan,
+            signal,
+            pixels,
+            bands,
+            ..
+        } = self;
+        let rule = plan.description.memory;
+        if !matches!(rule, MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep) {
+            return;
+        }
+        let rows = |y: usize, row: &mut [N::Held]| {
+            if let Some(band) = bands.iter().find(|band| band.rows.contains(&y)) {
+                band.memory_row(plan, channel, y, row);
+            }
+            if rule == MemoryRule::RawSnap {
+                for (held, now) in row.iter_mut().zip(signal.inner(y)) {
+                    *held = plan.number.sub(*now, *held);
+                }
+            }
+            Ok::<(), Infallible>(())
+        };
+        let Ok(()) = pixels.fill(plan.description.border, N::ZERO, rows);
+    }
+}
+
+impl<N: Number> Sensor for Reference<N> {
+    fn name(&self) -> &str {
+        &self.plan.description.name
+    }
+
+    fn size(&self) -> Size {
+        self.size
+    }
+
+    fn channels(&self) -> u8 {
+        self.plan.weights.len() as u8
+    }
+
+    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        if self.seen.is_none() {
+            packet.span.0 = Micros::from_seconds(frame.seconds);
+        }
+        self.watch_into(frame, &mut EventList::new(packet, self.limit))?;
+        packet.span.1 = Micros::from_seconds(frame.seconds);
+        Ok(())
+    }
+}

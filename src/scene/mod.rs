@@ -1,8 +1,44 @@
 //! Light over time: one frame after another, pushed one way.
 //!
 //! A [`Scene`] is read once, frame by frame, so memory does not grow with a clip's length.
-//! Frame `n` is at `n / fps` seconds, computed from `n` (never accumulated), so time does
-//! not drift.
+//! Frame `n` of a source is at `n / fps` seconds, computed from `n` (never accumulated), so
+//! time does not drift. [`upsample::Upsampled`] puts frames between those of a source.
+//!
+//! | [`open()`] takes | what it is | frames per second |
+//! |---|---|---|
+//! | `clip.y4m` | raw video, 8 to 16 bits, its luma | from its header |
+//! | `clip.mp4` | H.264 video, its luma (feature `mp4`) | from its time table |
+//! | `clip.gif` `clip.apng` | an animation | from its delays |
+//! | `folder/` | PNG and PGM pictures in natural order | assumed: [`ASSUMED_FPS`] |
+//! | `still.png` `still.pgm` | one frame | assumed |
+//! | `light.npy` | numbers `(T, H, W)`, used as given | assumed |
+//! | `pattern:NAME?key=value` | drawn, with exact optical flow | a parameter |
+//!
+//! Video is used as it is coded: 0 to 255, no gamma undone, limited range not stretched, as
+//! the authors of the RGC sensor feed their simulator. Colour becomes gray by Rec. 601
+//! (0.299 R + 0.587 G + 0.114 B, the weights of video luma and of `OpenCV`), not rounded.
+
+mod animation;
+mod bundled;
+mod canvas;
+mod error;
+mod folder;
+mod gray;
+mod light;
+mod mp4;
+mod npy;
+mod open;
+mod rate;
+mod still;
+mod y4m;
+
+pub mod pattern;
+pub mod upsample;
+
+pub use bundled::bundled;
+pub use error::SceneError;
+pub use open::{OpenOptions, open};
+pub use rate::ASSUMED_FPS;
 
 use crate::plane::{Plane, Size};
 
@@ -22,8 +58,14 @@ pub trait Scene: Send {
     /// Size of every frame.
     fn size(&self) -> Size;
 
-    /// Frames per second.
+    /// Frames of the source per second.
     fn fps(&self) -> f64;
+
+    /// Whether [`fps`](Self::fps) is [`ASSUMED_FPS`], because neither the source nor the
+    /// caller said one. Whoever shows results should then say so.
+    fn fps_is_assumed(&self) -> bool {
+        false
+    }
 
     /// How many frames there are, where that is known beforehand.
     fn frames(&self) -> Option<u64>;
@@ -35,16 +77,20 @@ pub trait Scene: Send {
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError>;
 }
 
-/// Why a scene cannot be read.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub enum SceneError {
-    /// The file cannot be opened or read.
-    #[error("{path}: {cause}")]
-    #[diagnostic(help("give a file that exists and can be read"))]
-    Unreadable {
-        /// Which file.
-        path: std::path::PathBuf,
-        /// What the system said.
-        cause: std::io::Error,
-    },
+impl<S: Scene + ?Sized> Scene for Box<S> {
+    fn size(&self) -> Size {
+        (**self).size()
+    }
+    fn fps(&self) -> f64 {
+        (**self).fps()
+    }
+    fn fps_is_assumed(&self) -> bool {
+        (**self).fps_is_assumed()
+    }
+    fn frames(&self) -> Option<u64> {
+        (**self).frames()
+    }
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        (**self).next_frame()
+    }
 }

@@ -3,6 +3,10 @@
 //! Everything is written to a temporary name in the same folder and renamed at the end, so
 //! that an error, a full disk or a kill leaves no half-written file behind.
 
+mod stack;
+
+pub use stack::{Element, Stack};
+
 use std::{
     fs,
     io::{self, BufWriter, Write},
@@ -32,11 +36,7 @@ where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
 {
     let write = || -> io::Result<()> {
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let mut file = BufWriter::new(tempfile::NamedTempFile::new_in(folder)?);
+        let mut file = BufWriter::new(temporary_beside(path)?);
         fill(&mut file)?;
         let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
         give_ordinary_permissions(file.as_file())?;
@@ -47,6 +47,15 @@ where
         path: path.to_owned(),
         cause,
     })
+}
+
+/// A file without a name yet, in the folder where it will get one.
+fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    tempfile::NamedTempFile::new_in(folder)
 }
 
 /// Temporary files are private; what a user asked for is not.

@@ -1,0 +1,510 @@
+//! A band of rows: its cells' state, and one pair of frames for all of them, row by row, with
+//! the row in cache: drive, distance from memory, fire, refractory, what it does to the memory.
+
+use std::ops::Range;
+
+use crate::{
+    number::{Number, Real},
+    plane::Size,
+    sensor::SensorError,
+};
+
+use super::{
+    Report,
+    description::{Description, MemoryRule, PolarityRule, RefractoryRule},
+    drive::{Weights, log_temporal},
+    fire::{self, Distances},
+    hash::Place,
+    memory::{self, Memory, Stepped},
+    noise::Thresholds,
+    refractory,
+    signal::Padded,
+    train::{BandSink, Pair, Train, TrainRow},
+};
+
+/// What all bands of a sensor share.
+#[derive(Clone, Debug)]
+pub(super) struct Plan<N: Number> {
+    pub(super) number: N,
+    pub(super) description: Description,
+    pub(super) seed: u64,
+    /// For each channel.
+    pub(super) weights: Vec<Weights<N::Held>>,
+    pub(super) memory_weights: Vec<Option<Weights<N::Held>>>,
+    pub(super) thresholds: Vec<Thresholds<N::Real>>,
+}
+
+impl<N: Number> Plan<N> {
+    pub(super) fn new(number: N, description: Description, size: Size, seed: u64) -> Self {
+        let channels = &description.channels;
+        let weights = channels
+            .iter()
+            .map(|c| Weights::new(&number, &c.kernels))
+            .collect();
+        let memory_weights = channels
+            .iter()
+            .map(|c| {
+                c.memory_kernel
+                    .as_ref()
+                    .map(|k| Weights::new(&number, std::slice::from_ref(k)))
+            })
+            .collect();
+        let thresholds = channels
+            .iter()
+            .enumerate()
+            .map(|(number, channel)| Thresholds::new(&channel.thresholds, size, seed, number))
+            .collect();
+        Self {
+            number,
+            weights,
+            memory_weights,
+            thresholds,
+            description,
+            seed,
+        }
+    }
+
+    fn refractory(&self) -> f64 {
+        self.description.refractory.us * 1e-6
+    }
+}
+
+/// The cells of some rows, all channels.
+#[derive(Clone, Debug)]
+pub(super) struct Band<N: Number> {
+    pub(super) rows: Range<usize>,
+    width: usize,
+    channels: Vec<Cells<N>>,
+    scratch: Scratch<N>,
+    pub(super) report: Report,
+}
+
+/// The cells of one channel in a band, row after row.
+#[derive(Clone, Debug)]
+struct Cells<N: Number> {
+    memory: Memory<N>,
+    /// `W * u` at the frame before, for a memory that steps.
+    before: Vec<N::Held>,
+    /// When each cell last fired, in seconds; only with a refractory period.
+    fired: Vec<f64>,
+    /// How far each memory falls in a second; only with leak.
+    leak: Vec<N::Real>,
+}
+
+/// One row of everything.
+#[derive(Clone, Debug)]
+struct Scratch<N: Number> {
+    drive: Vec<N::Held>,
+    other: Vec<N::Held>,
+    memory: Vec<N::Held>,
+    from: Vec<N::Real>,
+    to: Vec<N::Real>,
+    trains: TrainRow<N::Real>,
+}
+
+impl<N: Number> Band<N> {
+    /// A band whose memory is what it sees at the first frame.
+    pub(super) fn settle(
+        plan: &Plan<N>,
+        rows: Range<usize>,
+        width: usize,
+        signal: &Padded<N::Held>,
+    ) -> Self {
+        let mut scratch = Scratch {
+            drive: vec![N::ZERO; width],
+            other: vec![N::ZERO; width],
+            memory: vec![N::ZERO; width],
+            from: vec![N::Real::ZERO; width],
+            to: vec![N::Real::ZERO; width],
+            trains: TrainRow::new(width),
+        };
+        let channels = (0..plan.weights.len())
+            .map(|channel| Cells::settle(plan, channel, &rows, signal, &mut scratch))
+            .collect();
+        Self {
+            rows,
+            width,
+            channels,
+            scratch,
+            report: Report::default(),
+        }
+    }
+
+    /// Row `y` of a pixel memory, or of the filtered one.
+    pub(super) fn memory_row(&self, plan: &Plan<N>, channel: usize, y: usize, out: &mut [N::Held]) {
+        let range = self.range(y);
+        match &self.channels[channel].memory {
+            Memory::RawSnap { pixels, .. } => out.copy_from_slice(&pixels[range]),
+            Memory::FilteredSnap { filtered, .. } => out.copy_from_slice(&filtered[range]),
+            Memory::FilteredStep(stepped) | Memory::PixelStep(stepped) => {
+                let (on, off) = plan.thresholds[channel].row(y);
+                stepped.values(&plan.number, range, on, off, out);
+            }
+        }
+    }
+
+    /// The cells of row `y` in the band's own arrays.
+    fn range(&self, y: usize) -> Range<usize> {
+        let start = (y - self.rows.start) * self.width;
+        start..start + self.width
+    }
+
+    /// One pair of frames for one channel. `seen` is the signal, or for a pixel memory that
+    /// snaps, its distance from the memory; `remembered` is a pixel memory that steps.
+    pub(super) fn advance<S: BandSink>(
+        &mut self,
+        plan: &Plan<N>,
+        channel: usize,
+        (signal, seen, remembered): (&Padded<N::Held>, &Padded<N::Held>, &Padded<N::Held>),
+        pair: Pair,
+        elapsed: f64,
+        times: bool,
+        sink: &mut S,
+    ) -> Result<(), SensorError> {
+        for y in self.rows.clone() {
+            self.row(
+                plan,
+                channel,
+                y,
+                (signal, seen, remembered),
+                pair,
+                elapsed,
+                times,
+            )?;
+            let row = &self.scratch.trains;
+            self.report.events += row
+                .counts
+                .iter()
+                .map(|count| count.abs().to_f64())
+                .sum::<f64>() as u64;
+            sink.row(row)?;
+            if plan.description.noise.fires() {
+                self.disturb(plan, channel, y, pair);
+                let row = &self.scratch.trains;
+                self.report.events += row
+                    .counts
+                    .iter()
+                    .map(|count| count.abs().to_f64())
+                    .sum::<f64>() as u64;
+                sink.row(row)?;
+            }
+        }
+        Ok(())
+    }
+
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the same as `advance`, for one row"
+    )]
+    fn row(
+        &mut self,
+        plan: &Plan<N>,
+        channel: usize,
+        y: usize,
+        (signal, seen, remembered): (&Padded<N::Held>, &Padded<N::Held>, &Padded<N::Held>),
+        pair: Pair,
+        elapsed: f64,
+        times: bool,
+    ) -> Result<(), SensorError> {
+        let range = self.range(y);
+        let (number, description) = (&plan.number, &plan.description);
+        let Self {
+            channels,
+            scratch,
+            report,
+            ..
+        } = self;
+        let Scratch {
+            drive,
+            other,
+            memory,
+            from,
+            to,
+            trains,
+        } = scratch;
+        let Cells {
+            memory: state,
+            before,
+            fired,
+            leak,
+        } = &mut channels[channel];
+        let (on, off) = plan.thresholds[channel].row(y);
+        let authors = description.refractory.rule == RefractoryRule::Authors;
+        (trains.channel, trains.y) = (channel, y);
+
+        plan.weights[channel].row(number, seen, y, drive, other);
+        if description.channels[channel].log_temporal {
+            log_temporal(number, drive, 1e-8);
+        }
+        match state {
+            Memory::FilteredStep(stepped) => {
+                stepped.values(number, range.clone(), on, off, memory);
+                memory::distance(number, drive, memory, to);
+                if !authors {
+                    memory::distance(number, &before[range.clone()], memory, from);
+                    before[range.clone()].copy_from_slice(drive);
+                    if !leak.is_empty() {
+                        fall(from, &leak[range.clone()], elapsed - pair.duration());
+                        fall(to, &leak[range.clone()], elapsed);
+                    }
+                    let distances = Distances { from, to, on, off };
+                    fire::count(&distances, &mut trains.counts);
+                    if times || !fired.is_empty() {
+                        fire::time(&distances, &mut trains.first, &mut trains.spacing);
+                    }
+                }
+            }
+            Memory::PixelStep(_) => {
+                let Some(weights) = &plan.memory_weights[channel] else {
+                    return Ok(());
+                };
+                let mut through = vec![N::ZERO; drive.len()];
+                weights.row(number, remembered, y, &mut through, other);
+                memory::distance(number, drive, &through, to);
+            }
+            Memory::FilteredSnap { filtered, .. } => {
+                memory::distance(number, drive, &filtered[range.clone()], to);
+                if !leak.is_empty() {
+                    fall(to, &leak[range.clone()], elapsed);
+                }
+                fire::snap(&Distances { from, to, on, off }, trains);
+            }
+            Memory::RawSnap { .. } => {
+                for (to, drive) in to.iter_mut().zip(drive.iter()) {
+                    *to = number.real(*drive);
+                }
+                fire::snap(&Distances { from, to, on, off }, trains);
+            }
+        }
+        if authors {
+            let fired = fired.get_mut(range.clone());
+            authors_row(plan, pair, (on, off), to, fired, trains);
+        }
+        let beyond = |x| SensorError::Uncountable { channel, y, x };
+        match state {
+            Memory::FilteredStep(stepped) | Memory::PixelStep(stepped) => {
+                stepped
+                    .take(range.clone(), &trains.counts)
+                    .map_err(beyond)?;
+            }
+            Memory::FilteredSnap { filtered, pixels } => {
+                for (x, cell) in range.clone().enumerate() {
+                    if trains.counts[x] == N::Real::ZERO {
+                        continue;
+                    }
+                    // The leak goes on from here.
+                    let fallen = leak
+                        .get(cell)
+                        .map_or(N::Real::ZERO, |leak| *leak * N::Real::of(elapsed));
+                    filtered[cell] = number.hold_real(number.real(drive[x]) + fallen);
+                    if let Some(pixels) = pixels {
+                        let now = signal.inner(y)[x];
+                        let own = number.real(number.sub(now, pixels[cell]));
+                        pixels[cell] = now;
+                        sign(&mut trains.counts[x], own, report);
+                    }
+                }
+            }
+            Memory::RawSnap { pixels, before } => {
+                for (x, cell) in range.clone().enumerate() {
+                    let same = before[cell] == drive[x];
+                    before[cell] = drive[x];
+                    if trains.counts[x] == N::Real::ZERO {
+                        continue;
+                    }
+                    let now = signal.inner(y)[x];
+                    let own = number.real(number.sub(now, pixels[cell]));
+                    pixels[cell] = now;
+                    report.livelocked += u64::from(same && own == N::Real::ZERO);
+                    if description.polarity == PolarityRule::Pixel {
+                        sign(&mut trains.counts[x], own, report);
+                    }
+                }
+            }
+        }
+        if !authors && !fired.is_empty() {
+            rest(plan, pair, &mut fired[range], trains, report);
+        }
+        if description.noise.jitter_us > 0.0 && times {
+            for x in 0..self.width {
+                let Some(train) = trains.get(x) else { continue };
+                let place = Place {
+                    seed: plan.seed,
+                    channel,
+                    y,
+                    x,
+                };
+                trains.set(
+                    x,
+                    Some(
+                        description
+                            .noise
+                            .jitter(train, place, pair.index, pair.duration()),
+                    ),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Replaces the row of trains by what noise makes the cells fire.
+    fn disturb(&mut self, plan: &Plan<N>, channel: usize, y: usize, pair: Pair) {
+        let range = self.range(y);
+        let trains = &mut self.scratch.trains;
+        for x in 0..self.width {
+            let place = Place {
+                seed: plan.seed,
+                channel,
+                y,
+                x,
+            };
+            trains.set(
+                x,
+                plan.description
+                    .noise
+                    .shot(place, pair.index, pair.duration()),
+            );
+        }
+        let fired = &mut self.channels[channel].fired;
+        if !fired.is_empty() {
+            rest(plan, pair, &mut fired[range], trains, &mut self.report);
+        }
+    }
+}
+
+impl<N: Number> Cells<N> {
+    fn settle(
+        plan: &Plan<N>,
+        channel: usize,
+        rows: &Range<usize>,
+        signal: &Padded<N::Held>,
+        scratch: &mut Scratch<N>,
+    ) -> Self {
+        let (number, description) = (&plan.number, &plan.description);
+        let width = scratch.drive.len();
+        let cells = rows.len() * width;
+        let mut filtered = Vec::with_capacity(cells);
+        let mut pixels = Vec::with_capacity(cells);
+        for y in rows.clone() {
+            plan.weights[channel].row(number, signal, y, &mut scratch.drive, &mut scratch.other);
+            if description.channels[channel].log_temporal {
+                log_temporal(number, &mut scratch.drive, 0.0);
+            }
+            filtered.extend_from_slice(&scratch.drive);
+            pixels.extend_from_slice(signal.inner(y));
+        }
+        let steps = description.memory == MemoryRule::FilteredStep;
+        let before = if steps { filtered.clone() } else { Vec::new() };
+        let thresholds = &plan.thresholds[channel];
+        let memory = match description.memory {
+            MemoryRule::RawSnap => Memory::RawSnap {
+                pixels,
+                before: vec![N::ZERO; cells],
+            },
+            MemoryRule::FilteredSnap => Memory::FilteredSnap {
+                filtered,
+                pixels: (description.polarity == PolarityRule::Pixel).then_some(pixels),
+            },
+            MemoryRule::FilteredStep => {
+                Memory::FilteredStep(Stepped::new(filtered, thresholds.equal))
+            }
+            MemoryRule::AuthorsPixelStep => {
+                Memory::PixelStep(Stepped::new(pixels, thresholds.equal))
+            }
+        };
+        let refractory = plan.refractory();
+        // As in the released code: before its first event, a cell is just ready.
+        let fired = if refractory > 0.0 {
+            vec![-refractory; cells]
+        } else {
+            Vec::new()
+        };
+        let noise = description.noise;
+        let leak = if noise.leak_hz > 0.0 {
+            let leak = |y, x| {
+                let place = Place {
+                    seed: plan.seed,
+                    channel,
+                    y,
+                    x,
+                };
+                N::Real::of(noise.leak(place, thresholds.row(y).0[x].to_f64()))
+            };
+            rows.clone()
+                .flat_map(|y| (0..width).map(move |x| (y, x)))
+                .map(|(y, x)| leak(y, x))
+                .collect()
+        } else {
+            Vec::new()
+        };
+        Self {
+            memory,
+            before,
+            fired,
+            leak,
+        }
+    }
+}
+
+/// The memory has fallen, so the drive stands higher above it.
+fn fall<R: Real>(distances: &mut [R], leak: &[R], seconds: f64) {
+    for (d, leak) in distances.iter_mut().zip(leak) {
+        *d = *d + *leak * R::of(seconds);
+    }
+}
+
+/// Gives an event the sign of the pixel's own change; without one there is no event.
+fn sign<R: Real>(count: &mut R, own: R, report: &mut Report) {
+    *count = if own > R::ZERO {
+        count.abs()
+    } else if own < R::ZERO {
+        -count.abs()
+    } else {
+        report.without_sign += 1;
+        R::ZERO
+    };
+}
+
+/// The dead time after an event.
+fn rest<N: Number>(
+    plan: &Plan<N>,
+    pair: Pair,
+    fired: &mut [f64],
+    trains: &mut TrainRow<N::Real>,
+    report: &mut Report,
+) {
+    let dt = pair.duration();
+    let r = plan.refractory() / dt;
+    for (x, fired) in fired.iter_mut().enumerate() {
+        let Some(train) = trains.get(x) else { continue };
+        let kept = refractory::dead_time(train, r, (pair.from - *fired) / dt);
+        report.lost_to_refractory += train.count - kept.map_or(0, |kept| kept.count);
+        if let Some(kept) = kept {
+            *fired = pair.from + kept.last() * dt;
+        }
+        if kept != Some(train) {
+            trains.set(x, kept);
+        }
+    }
+}
+
+/// The released simulator's rule for a row, in double precision.
+fn authors_row<N: Number>(
+    plan: &Plan<N>,
+    pair: Pair,
+    (on, off): (&[N::Real], &[N::Real]),
+    distances: &[N::Real],
+    mut fired: Option<&mut [f64]>,
+    trains: &mut TrainRow<N::Real>,
+) {
+    let (dt, r) = (pair.duration(), plan.refractory());
+    for (x, d) in distances.iter().enumerate() {
+        let since = fired.as_ref().map_or(0.0, |fired| pair.from - fired[x]);
+        let train: Option<Train> =
+            refractory::authors(d.to_f64(), (on[x].to_f64(), off[x].to_f64()), dt, r, since);
+        if let (Some(train), Some(fired)) = (train, &mut fired) {
+            fired[x] = pair.from + train.last() * dt;
+        }
+        trains.set(x, train);
+    }
+}

@@ -1,0 +1,95 @@
+//! Counts: signed events of each cell in a pair of frames.
+
+use std::ops::Range;
+
+use crate::{
+    number::Real,
+    plane::{Plane, Size},
+    sensor::SensorError,
+};
+
+use super::{
+    train::{BandSink, Pair, Sink, TrainRow},
+    voxel::split,
+};
+
+/// Signed events of each cell in the current pair; `[channel][y, x]`.
+#[derive(Clone, Debug)]
+pub struct Counts {
+    planes: Vec<Plane<i32>>,
+}
+
+impl Counts {
+    /// No events yet.
+    #[must_use]
+    pub fn new(size: Size, channels: usize) -> Self {
+        Self {
+            planes: vec![Plane::zeros(size.shape()); channels],
+        }
+    }
+
+    /// The counts of the current pair, one plane for each channel.
+    #[must_use]
+    pub fn planes(&self) -> &[Plane<i32>] {
+        &self.planes
+    }
+}
+
+/// The rows that a band fills, for each channel.
+#[derive(Debug)]
+pub struct CountBand<'a> {
+    top: usize,
+    width: usize,
+    rows: Vec<&'a mut [i32]>,
+}
+
+impl Sink for Counts {
+    type Band<'a> = CountBand<'a>;
+
+    fn wants_times(&self) -> bool {
+        false
+    }
+
+    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<CountBand<'_>> {
+        let width = self.planes.first().map_or(0, Plane::ncols);
+        let parts = split(&mut self.planes, bands).into_iter().zip(bands);
+        parts
+            .map(|(rows, band)| CountBand {
+                top: band.start,
+                width,
+                rows,
+            })
+            .collect()
+    }
+
+    fn end(&mut self) -> Result<(), SensorError> {
+        Ok(())
+    }
+}
+
+impl BandSink for CountBand<'_> {
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
+        let start = (row.y - self.top) * self.width;
+        let to = &mut self.rows[row.channel][start..start + self.width];
+        let limit = R::of(f64::from(i32::MAX));
+        let mut fits = true;
+        for (to, &count) in to.iter_mut().zip(&row.counts) {
+            fits &= count.abs() < limit;
+            *to = count.to_i32();
+        }
+        if fits {
+            return Ok(());
+        }
+        let x = row
+            .counts
+            .iter()
+            .position(|count| count.abs() >= limit)
+            .unwrap_or(0);
+        Err(SensorError::CountOverflow {
+            channel: row.channel,
+            y: row.y,
+            x,
+            count: row.counts[x].to_f64(),
+        })
+    }
+}

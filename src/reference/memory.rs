@@ -1,0 +1,214 @@
+//! Memory: what a cell compares with, and what an event does to it.
+//!
+//! | rule | holds | distance `d` | when a cell fires |
+//! |---|---|---|---|
+//! | `raw-snap` | pixels, `M(x)` | `W * (u - M)` | `M(x) := u(x)` (Eq. 2-4 of So & Wetzstein, arXiv 2504.13457) |
+//! | `filtered-snap` | the filtered signal | `W * u - M` | `M(x) := (W * u)(x)`: one shot a frame on a chip |
+//! | `filtered-step` | the filtered signal | `W * u - M` | `M(x) += p N θ` (the released code, v2e) |
+//! | `authors-pixel-step` | pixels | `W * u - W_m * M` | `M(x) += p N θ` (the released code's old rule) |
+//!
+//! At the first frame the memory is that frame (filtered, where it holds the filtered signal),
+//! so a still scene is silent from its start.
+//!
+//! A memory that steps is kept as a base and whole numbers of steps,
+//! `M = base + n_on θ_on - n_off θ_off`, so that it does not drift however many steps it takes.
+//!
+//! A pixel memory that snaps can fire for ever on a still scene: firing at x sets the pixel's
+//! own difference to 0, and if the neighbours' differences still add up to more than the
+//! threshold, x fires again at each frame and nothing changes. [`Report::livelocked`] counts
+//! the events that do.
+//!
+//! [`Report::livelocked`]: super::Report::livelocked
+
+use multiversion::multiversion;
+
+use crate::number::{Number, Real};
+
+/// The memory of one channel in one band of rows, row after row.
+#[derive(Clone, Debug)]
+pub(super) enum Memory<N: Number> {
+    RawSnap {
+        pixels: Vec<N::Held>,
+        /// The distances at the frame before, to notice what fires for ever.
+        before: Vec<N::Held>,
+    },
+    FilteredSnap {
+        filtered: Vec<N::Held>,
+        /// The signal when the cell last fired, where the polarity is the pixel's.
+        pixels: Option<Vec<N::Held>>,
+    },
+    FilteredStep(Stepped<N>),
+    PixelStep(Stepped<N>),
+}
+
+/// A memory that is moved by whole thresholds.
+#[derive(Clone, Debug)]
+pub(super) struct Stepped<N: Number> {
+    base: Vec<N::Held>,
+    /// ON steps less OFF steps.
+    net: Vec<i32>,
+    /// OFF steps, where the two thresholds differ.
+    off: Option<Vec<f64>>,
+}
+
+impl<N: Number> Stepped<N> {
+    /// A memory that has not moved.
+    pub(super) fn new(base: Vec<N::Held>, equal_thresholds: bool) -> Self {
+        let cells = base.len();
+        Self {
+            base,
+            net: vec![0; cells],
+            off: (!equal_thresholds).then(|| vec![0.0; cells]),
+        }
+    }
+
+    /// Where the memory of the cells in `range` is: `base + net θ_on + off (θ_on - θ_off)`.
+    ///
+    /// With equal thresholds nothing is lost, however often the memory went up and down.
+    pub(super) fn values(
+        &self,
+        number: &N,
+        range: std::ops::Range<usize>,
+        on: &[N::Real],
+        off: &[N::Real],
+        out: &mut [N::Held],
+    ) {
+        stepped(
+            number,
+            &self.base[range.clone()],
+            &self.net[range.clone()],
+            on,
+            out,
+        );
+        let Some(steps) = &self.off else { return };
+        for ((out, steps), (on, off)) in out.iter_mut().zip(&steps[range]).zip(on.iter().zip(off)) {
+            *out = number.hold_real(number.real(*out) + N::Real::of(*steps) * (*on - *off));
+        }
+    }
+
+    /// Moves the memory of the cells in `range` by `counts` steps; the column of the first
+    /// cell that took more than 2^30 of them if there is one.
+    pub(super) fn take(
+        &mut self,
+        range: std::ops::Range<usize>,
+        counts: &[N::Real],
+    ) -> Result<(), usize> {
+        if let Some(off) = &mut self.off {
+            for (off, count) in off[range.clone()].iter_mut().zip(counts) {
+                *off += (-count.to_f64()).max(0.0);
+            }
+        }
+        if take(&mut self.net[range.clone()], counts) {
+            return Ok(());
+        }
+        let beyond = self.net[range]
+            .iter()
+            .zip(counts)
+            .position(|(net, count)| !holds(*net, *count));
+        Err(beyond.unwrap_or(0))
+    }
+}
+
+/// How far a memory may move, in steps.
+const MOST: i32 = 1 << 30;
+
+fn holds<R: Real>(net: i32, count: R) -> bool {
+    net.abs() <= MOST && count.abs() <= R::of_i32(MOST)
+}
+
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn stepped<N: Number>(
+    number: &N,
+    base: &[N::Held],
+    net: &[i32],
+    on: &[N::Real],
+    out: &mut [N::Held],
+) {
+    let cells = base.iter().zip(net).zip(on);
+    for (out, ((&base, &net), &on)) in out.iter_mut().zip(cells) {
+        *out = number.hold_real(number.real(base) + N::Real::of_i32(net) * on);
+    }
+}
+
+/// Whether all cells could take their steps.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn take<R: Real>(net: &mut [i32], counts: &[R]) -> bool {
+    let mut fits = true;
+    for (net, &count) in net.iter_mut().zip(counts) {
+        *net = net.wrapping_add(count.to_i32());
+        fits &= holds(*net, count);
+    }
+    fits
+}
+
+/// `d = S - M` in the number format, as what it is worth.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn distance<N: Number>(
+    number: &N,
+    drive: &[N::Held],
+    memory: &[N::Held],
+    out: &mut [N::Real],
+) {
+    for (out, (&drive, &memory)) in out.iter_mut().zip(drive.iter().zip(memory)) {
+        *out = number.real(number.sub(drive, memory));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::{F32, F64};
+
+    fn after<N: Number>(number: &N, steps: &[f64], on: f64, off: f64) -> f64 {
+        let mut memory = Stepped::<N>::new(vec![number.hold(0.5)], on == off);
+        for &count in steps {
+            memory.take(0..1, &[N::Real::of(count)]).unwrap();
+        }
+        let mut out = [N::ZERO];
+        memory.values(
+            number,
+            0..1,
+            &[N::Real::of(on)],
+            &[N::Real::of(off)],
+            &mut out,
+        );
+        number.value(out[0])
+    }
+
+    #[test]
+    fn a_thousand_million_steps_do_not_drift() {
+        let there_and_back = [1e9, -1e9, 1e9, -1e9, 1.0];
+        assert_eq!(after(&F64, &there_and_back, 0.2, 0.2), 0.7);
+        assert_eq!(
+            after(
+                &F32,
+                &[1e6; 2]
+                    .map(|n| n)
+                    .into_iter()
+                    .chain([-2e6, 1.0])
+                    .collect::<Vec<_>>(),
+                0.2,
+                0.2
+            ),
+            f64::from(0.7f32)
+        );
+        // Adding one by one in single precision is off by a hundredth after a million.
+        let naive = (0..1_000_000).fold(0f32, |m, _| m + 0.2);
+        assert!((naive - 200_000.0).abs() > 1000.0);
+        assert_eq!(after(&F64, &[1e6], 0.2, 0.2), 200_000.5);
+    }
+
+    #[test]
+    fn unequal_thresholds_step_by_their_own() {
+        assert!((after(&F64, &[3.0, -2.0, 1.0], 0.2, 0.3) - 0.7).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_cannot_be_counted_is_refused() {
+        let mut memory = Stepped::<F64>::new(vec![0.0; 3], true);
+        assert_eq!(memory.take(0..3, &[1.0, 2e9, 0.0]), Err(1));
+        let mut memory = Stepped::<F64>::new(vec![0.0; 1], true);
+        memory.take(0..1, &[1e9]).unwrap();
+        assert_eq!(memory.take(0..1, &[1e9]), Err(0));
+    }
+}

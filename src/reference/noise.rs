@@ -1,0 +1,265 @@
+//! Noise: what disturbs a cell. Each is off by default; each is a hash of
+//! (seed, reason, channel, pixel, pair), so the same seed gives the same events in any order
+//! of work.
+//!
+//! | key of `[noise]` | unit | what it does | rate on a still scene |
+//! |---|---|---|---|
+//! | `leak-hz` | events/s | the memory falls by `leak-hz θ_on` each second (junction leakage of the reset switch; Nozaki & Delbruck, IEEE TED 64:3239, 2017) | `leak-hz` ON events per cell |
+//! | `leak-spread` | decades | each cell's own leak: log-normal with this standard deviation | |
+//! | `shot-hz` | events/s | noise events, half ON half OFF, a Poisson process in each cell | `shot-hz` |
+//! | `hot-fraction`, `hot-hz` | -, events/s | this share of the cells fires ON at this rate, whatever it sees | `hot-fraction * hot-hz` per cell |
+//! | `jitter-us` | us | the events of a cell in a pair move together by a normal draw, within the pair | |
+//! | `cutoff-hz` | Hz | the photoreceptor is a first-order low-pass whose bandwidth grows with light, `cutoff-hz (I + 20) / 275` (v2e's law; the step is the exact exponential) | |
+//!
+//! The threshold's own mismatch is `sigma` of a channel's `threshold`.
+//!
+//! v2e's rules are known to be faulty in places, and are not copied: its shot events reset the
+//! memory to the photoreceptor's value even where the memory holds something else, come at
+//! most once a frame and are stamped with the frame's end; its low-pass is an Euler step that
+//! has to be clipped. Here a shot event leaves the memory alone, comes as often as its rate
+//! says, at any time.
+
+use ndarray::ArrayView1;
+use serde::Deserialize;
+
+use crate::{
+    event::Polarity,
+    number::Real,
+    plane::{Plane, Size},
+    scene::Frame,
+    sensor::SensorError,
+};
+
+use super::{
+    description::{Description, MemoryRule, RefractoryRule, Threshold},
+    hash::{Place, Why},
+    train::Train,
+};
+
+/// What disturbs the cells of a sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+pub struct Noise {
+    /// ON events a second that leakage makes in a cell.
+    pub leak_hz: f64,
+    /// Standard deviation of the cells' leak rates, in decades.
+    pub leak_spread: f64,
+    /// Shot noise events a second in a cell, ON and OFF together.
+    pub shot_hz: f64,
+    /// Share of cells that are hot, 0 to 1.
+    pub hot_fraction: f64,
+    /// Events a second of a hot cell.
+    pub hot_hz: f64,
+    /// Standard deviation of the events' times, in microseconds.
+    pub jitter_us: f64,
+    /// Bandwidth of the photoreceptor at light 255, in hertz; 0 for no limit.
+    pub cutoff_hz: f64,
+}
+
+impl Noise {
+    /// No noise.
+    pub const NONE: Self = Self {
+        leak_hz: 0.0,
+        leak_spread: 0.0,
+        shot_hz: 0.0,
+        hot_fraction: 0.0,
+        hot_hz: 0.0,
+        jitter_us: 0.0,
+        cutoff_hz: 0.0,
+    };
+
+    /// Says what is wrong with these values under these rules.
+    pub(super) fn check(
+        self,
+        memory: MemoryRule,
+        refractory: RefractoryRule,
+    ) -> Result<(), String> {
+        let all = [
+            ("leak-hz", self.leak_hz),
+            ("leak-spread", self.leak_spread),
+            ("shot-hz", self.shot_hz),
+            ("hot-fraction", self.hot_fraction),
+            ("hot-hz", self.hot_hz),
+            ("jitter-us", self.jitter_us),
+            ("cutoff-hz", self.cutoff_hz),
+        ];
+        if let Some((name, value)) = all
+            .into_iter()
+            .find(|(_, value)| !(*value >= 0.0 && value.is_finite()))
+        {
+            return Err(format!(
+                "noise.{name} is {value}; it must be zero or a positive number"
+            ));
+        }
+        if self.hot_fraction > 1.0 {
+            return Err(format!(
+                "noise.hot-fraction is {}; it is a share, from 0 to 1",
+                self.hot_fraction
+            ));
+        }
+        let pixels = matches!(memory, MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep);
+        if pixels && self.leak_hz > 0.0 {
+            return Err("noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels; use it with memory = \"filtered-snap\" or \"filtered-step\"".to_owned());
+        }
+        if refractory == RefractoryRule::Authors && self.leak_hz > 0.0 {
+            return Err("noise.leak-hz moves the memory between frames, which the authors' refractory rule does not know; use rule = \"dead-time\"".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Whether cells fire for other reasons than what they see.
+    pub(super) fn fires(&self) -> bool {
+        self.shot_hz > 0.0 || (self.hot_hz > 0.0 && self.hot_fraction > 0.0)
+    }
+
+    /// How far the memory of a cell falls in a second, in the unit of its threshold.
+    pub(super) fn leak(&self, place: Place, threshold: f64) -> f64 {
+        let spread = if self.leak_spread > 0.0 {
+            10f64.powf(self.leak_spread * place.normal(Why::LeakRate, 0))
+        } else {
+            1.0
+        };
+        self.leak_hz * spread * threshold
+    }
+
+    /// The events of a cell in a pair of `dt` seconds that nothing in the scene made.
+    pub(super) fn shot(&self, place: Place, pair: u64, dt: f64) -> Option<Train> {
+        let hot = self.hot_fraction > 0.0 && place.uniform(Why::HotPixel, 0) < self.hot_fraction;
+        let (why, rate, spot) = if hot {
+            (Why::HotCount, self.hot_hz, Why::HotPlace)
+        } else {
+            (Why::ShotCount, self.shot_hz, Why::ShotPlace)
+        };
+        let count = place.poisson(why, pair, rate * dt);
+        if count == 0 {
+            return None;
+        }
+        let on = hot || place.uniform(Why::ShotSign, pair) < 0.5;
+        let spacing = 1.0 / count as f64;
+        Some(Train {
+            polarity: if on { Polarity::On } else { Polarity::Off },
+            count,
+            first: spacing * place.uniform(spot, pair),
+            spacing,
+        })
+    }
+
+    /// Moves a train by the cell's jitter, within the pair.
+    pub(super) fn jitter(&self, train: Train, place: Place, pair: u64, dt: f64) -> Train {
+        let shift = self.jitter_us * 1e-6 / dt * place.normal(Why::Jitter, pair);
+        let length = train.last() - train.first;
+        Train {
+            first: (train.first + shift).clamp(0.0, 1.0 - length),
+            ..train
+        }
+    }
+
+    /// How much of the way to its input a photoreceptor goes in `dt` seconds.
+    pub(super) fn low_pass(&self, light: f64, dt: f64) -> f64 {
+        let bandwidth = self.cutoff_hz * (light.max(0.0) + 20.0) / 275.0;
+        -(-std::f64::consts::TAU * bandwidth * dt).exp_m1()
+    }
+}
+
+/// Photoreceptors that take their time: a first-order low-pass for each pixel, settled at the
+/// first frame.
+#[derive(Clone, Debug)]
+pub(super) struct LowPass {
+    state: Plane<f64>,
+}
+
+impl LowPass {
+    pub(super) fn new(size: Size) -> Self {
+        Self {
+            state: Plane::zeros(size.shape()),
+        }
+    }
+
+    /// Moves towards the response to `frame`, `dt` seconds after the last (infinite at first).
+    pub(super) fn see(
+        &mut self,
+        description: &Description,
+        frame: &Frame,
+        dt: f64,
+    ) -> Result<(), SensorError> {
+        for ((y, x), state) in self.state.indexed_iter_mut() {
+            let light = frame.light[[y, x]];
+            let index = frame.index;
+            let signal = description.response.apply(light);
+            let signal = signal.map_err(|cause| SensorError::Light { index, y, x, cause })?;
+            *state += description.noise.low_pass(light, dt) * (signal - *state);
+        }
+        Ok(())
+    }
+
+    /// Row `y` of the filtered signal.
+    pub(super) fn row(&self, y: usize) -> ArrayView1<'_, f64> {
+        self.state.row(y)
+    }
+}
+
+/// The thresholds of one channel: the nominal ones, and what silicon made of them.
+///
+/// A fixed pattern: each pixel keeps its own as long as the sensor lives (the released
+/// simulator draws anew for each clip). No threshold falls below a twentieth of its nominal
+/// value, the released simulator's 0.01 at its 0.2.
+#[derive(Clone, Debug)]
+pub(super) struct Thresholds<R> {
+    on: Vec<R>,
+    off: Vec<R>,
+    width: usize,
+    /// How many different rows there are: 1, 2 for a 2x2 pattern, or all.
+    rows: usize,
+    pub(super) equal: bool,
+}
+
+impl<R: Real> Thresholds<R> {
+    pub(super) fn new(nominal: &[Threshold], size: Size, seed: u64, channel: usize) -> Self {
+        let mismatch = nominal.iter().any(|t| t.sigma > 0.0);
+        let rows = match nominal {
+            _ if mismatch => size.height,
+            [_] => 1,
+            _ => 2,
+        };
+        let cells = (0..rows).flat_map(|y| (0..size.width).map(move |x| (y, x)));
+        let drawn = |(y, x)| {
+            let mean = match nominal {
+                [one] => *one,
+                four => four[2 * (y % 2) + x % 2],
+            };
+            let place = Place {
+                seed,
+                channel,
+                y,
+                x,
+            };
+            let draw =
+                |why, value: f64| (value + mean.sigma * place.normal(why, 0)).max(value / 20.0);
+            if mean.sigma > 0.0 {
+                (
+                    R::of(draw(Why::ThresholdOn, mean.on)),
+                    R::of(draw(Why::ThresholdOff, mean.off)),
+                )
+            } else {
+                (R::of(mean.on), R::of(mean.off))
+            }
+        };
+        let (on, off): (Vec<R>, Vec<R>) = cells.map(drawn).unzip();
+        Self {
+            equal: on == off,
+            on,
+            off,
+            width: size.width,
+            rows,
+        }
+    }
+
+    /// The ON and OFF thresholds of row `y`.
+    pub(super) fn row(&self, y: usize) -> (&[R], &[R]) {
+        let start = y % self.rows * self.width;
+        (
+            &self.on[start..start + self.width],
+            &self.off[start..start + self.width],
+        )
+    }
+}

@@ -1,0 +1,82 @@
+//! Sinks side by side: one that may not be wanted, and several at once.
+
+use std::ops::Range;
+
+use crate::{number::Real, sensor::SensorError};
+
+use super::train::{BandSink, Pair, Sink, TrainRow};
+
+impl<S: Sink> Sink for &mut S {
+    type Band<'a>
+        = S::Band<'a>
+    where
+        Self: 'a;
+
+    fn wants_times(&self) -> bool {
+        S::wants_times(self)
+    }
+
+    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<S::Band<'_>> {
+        S::begin(self, pair, bands)
+    }
+
+    fn end(&mut self) -> Result<(), SensorError> {
+        S::end(self)
+    }
+}
+
+impl<S: Sink> Sink for Option<S> {
+    type Band<'a>
+        = Option<S::Band<'a>>
+    where
+        Self: 'a;
+
+    fn wants_times(&self) -> bool {
+        self.as_ref().is_some_and(S::wants_times)
+    }
+
+    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<Self::Band<'_>> {
+        match self {
+            Some(sink) => sink.begin(pair, bands).into_iter().map(Some).collect(),
+            None => bands.iter().map(|_| None).collect(),
+        }
+    }
+
+    fn end(&mut self) -> Result<(), SensorError> {
+        self.as_mut().map_or(Ok(()), S::end)
+    }
+}
+
+impl<B: BandSink> BandSink for Option<B> {
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
+        self.as_mut().map_or(Ok(()), |sink| sink.row(row))
+    }
+}
+
+impl<A: Sink, B: Sink> Sink for (A, B) {
+    type Band<'a>
+        = (A::Band<'a>, B::Band<'a>)
+    where
+        Self: 'a;
+
+    fn wants_times(&self) -> bool {
+        self.0.wants_times() || self.1.wants_times()
+    }
+
+    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<Self::Band<'_>> {
+        let first = self.0.begin(pair, bands);
+        first.into_iter().zip(self.1.begin(pair, bands)).collect()
+    }
+
+    fn end(&mut self) -> Result<(), SensorError> {
+        self.0.end()?;
+        self.1.end()
+    }
+}
+
+impl<A: BandSink, B: BandSink> BandSink for (A, B) {
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
+        self.0.row(row)?;
+        self.1.row(row)
+    }
+}

@@ -1,0 +1,79 @@
+//! Tally: how many events of each kind and sign.
+
+use std::ops::Range;
+
+use crate::{number::Real, sensor::SensorError};
+
+use super::train::{BandSink, Pair, Sink, TrainRow};
+
+/// Events of each channel, `(on, off)`, over all pairs told.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tally {
+    kinds: Vec<(u64, u64)>,
+    bands: Vec<Vec<(u64, u64)>>,
+}
+
+/// The part of a tally that a band of rows adds to.
+#[derive(Debug)]
+pub struct TallyBand<'a>(&'a mut Vec<(u64, u64)>);
+
+impl Tally {
+    /// No events yet.
+    #[must_use]
+    pub fn new(channels: usize) -> Self {
+        Self {
+            kinds: vec![(0, 0); channels],
+            bands: Vec::new(),
+        }
+    }
+
+    /// ON and OFF events of each channel.
+    #[must_use]
+    pub fn kinds(&self) -> &[(u64, u64)] {
+        &self.kinds
+    }
+
+    /// All events.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.kinds.iter().map(|(on, off)| on + off).sum()
+    }
+}
+
+impl Sink for Tally {
+    type Band<'a> = TallyBand<'a>;
+
+    fn wants_times(&self) -> bool {
+        false
+    }
+
+    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<TallyBand<'_>> {
+        let none = vec![(0, 0); self.kinds.len()];
+        self.bands = vec![none; bands.len()];
+        self.bands.iter_mut().map(TallyBand).collect()
+    }
+
+    fn end(&mut self) -> Result<(), SensorError> {
+        for band in &self.bands {
+            for (all, own) in self.kinds.iter_mut().zip(band) {
+                all.0 += own.0;
+                all.1 += own.1;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl BandSink for TallyBand<'_> {
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
+        let (mut all, mut net) = (0.0, 0.0);
+        for count in &row.counts {
+            all += count.abs().to_f64();
+            net += count.to_f64();
+        }
+        let (on, off) = &mut self.0[row.channel];
+        *on += f64::midpoint(all, net) as u64;
+        *off += f64::midpoint(all, -net) as u64;
+        Ok(())
+    }
+}

@@ -1,0 +1,155 @@
+//! A train: the events of one cell in one pair of frames.
+//!
+//! Between two frames the drive is a straight line, so the crossings of equally spaced
+//! levels are equally spaced in time, and so are those that a refractory period leaves.
+//! Every model therefore says the same thing about a cell and a pair: how many events, the
+//! first one's place, the spacing. Counts, voxels and event lists are all made from that,
+//! the voxels in closed form.
+
+use std::ops::Range;
+
+use crate::{event::Polarity, number::Real, sensor::SensorError};
+
+/// Equally spaced events of one cell between two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Train {
+    /// Sign of all of them.
+    pub polarity: Polarity,
+    /// How many, one or more.
+    pub count: u64,
+    /// When the first one happens: 0 at the earlier frame, 1 at the later.
+    pub first: f64,
+    /// From one event to the next, in the same unit.
+    pub spacing: f64,
+}
+
+impl Train {
+    /// When event `i` happens, from 0: 0 at the earlier frame, 1 at the later.
+    #[must_use]
+    pub fn at(&self, i: u64) -> f64 {
+        (self.first + self.spacing * i as f64).clamp(0.0, 1.0)
+    }
+
+    /// When the last one happens.
+    #[must_use]
+    pub fn last(&self) -> f64 {
+        self.at(self.count.saturating_sub(1))
+    }
+}
+
+/// The trains of a row of cells, one place for each column; a count of 0 is no train.
+#[derive(Clone, Debug)]
+pub struct TrainRow<R> {
+    /// Kind of cell, from 0.
+    pub channel: usize,
+    /// Row.
+    pub y: usize,
+    /// Whole numbers, with the sign of the events.
+    pub counts: Vec<R>,
+    /// As [`Train::first`]; anything where there is no train.
+    pub first: Vec<R>,
+    /// As [`Train::spacing`]; anything where there is no train.
+    pub spacing: Vec<R>,
+}
+
+impl<R: Real> TrainRow<R> {
+    /// A row of `width` silent cells.
+    #[must_use]
+    pub fn new(width: usize) -> Self {
+        Self {
+            channel: 0,
+            y: 0,
+            counts: vec![R::ZERO; width],
+            first: vec![R::ZERO; width],
+            spacing: vec![R::ZERO; width],
+        }
+    }
+
+    /// The train in column `x`.
+    #[must_use]
+    pub fn get(&self, x: usize) -> Option<Train> {
+        let count = self.counts[x].to_f64();
+        (count != 0.0).then(|| Train {
+            polarity: if count > 0.0 {
+                Polarity::On
+            } else {
+                Polarity::Off
+            },
+            count: count.abs() as u64,
+            first: self.first[x].to_f64(),
+            spacing: self.spacing[x].to_f64(),
+        })
+    }
+
+    /// Puts a train, or none, into column `x`.
+    pub(super) fn set(&mut self, x: usize, train: Option<Train>) {
+        match train {
+            None => self.counts[x] = R::ZERO,
+            Some(train) => {
+                let count = R::of(train.count as f64);
+                self.counts[x] = if train.polarity == Polarity::On {
+                    count
+                } else {
+                    -count
+                };
+                self.first[x] = R::of(train.first);
+                self.spacing[x] = R::of(train.spacing);
+            }
+        }
+    }
+
+    /// The columns with a train, and the trains.
+    pub fn trains(&self) -> impl Iterator<Item = (usize, Train)> {
+        (0..self.counts.len()).filter_map(|x| Some((x, self.get(x)?)))
+    }
+}
+
+/// The two frames a train lies between, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Number of the pair, from 0.
+    pub index: u64,
+    /// Time of the earlier frame.
+    pub from: f64,
+    /// Time of the later frame.
+    pub to: f64,
+}
+
+impl Pair {
+    /// The time between the frames, in seconds.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.to - self.from
+    }
+}
+
+/// Something that is told of every train, pair after pair.
+///
+/// A pair is told in bands of rows, which may be told at the same time.
+pub trait Sink {
+    /// The part of a sink that a band of rows is told to.
+    type Band<'a>: BandSink + Send
+    where
+        Self: 'a;
+
+    /// Whether the times of the events matter, or only their number.
+    fn wants_times(&self) -> bool;
+
+    /// A new pair begins; one part for each band of rows, in order.
+    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<Self::Band<'_>>;
+
+    /// The pair has ended.
+    ///
+    /// # Errors
+    /// When the sink cannot hold what it was told.
+    fn end(&mut self) -> Result<(), SensorError>;
+}
+
+/// The part of a sink that one band of rows is told to.
+pub trait BandSink {
+    /// One row of one channel. Channels come in turn; rows in order within a channel.
+    ///
+    /// # Errors
+    /// When the sink cannot hold it.
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError>;
+}

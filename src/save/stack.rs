@@ -1,0 +1,175 @@
+//! A stack of planes as one `.npy` array, written plane by plane.
+//!
+//! Memory does not grow with the length of the stack: the header, which must say how many
+//! planes there are, is written last (NPY format 1.0, NEP 1).
+
+use std::{
+    fs::File,
+    io::{self, BufWriter, Seek, SeekFrom, Write},
+    marker::PhantomData,
+    path::{Path, PathBuf},
+};
+
+use tempfile::NamedTempFile;
+
+use super::{SaveError, give_ordinary_permissions, temporary_beside};
+use crate::plane::{Plane, Size};
+
+/// Bytes kept for the header, a multiple of 64 as the format asks.
+const HEADER: usize = 128;
+
+/// A number that an array file can hold.
+pub trait Element: Copy {
+    /// Its name in the header.
+    const DESCRIPTION: &'static str;
+
+    /// Its bytes, little-endian.
+    fn bytes(self) -> [u8; 4];
+}
+
+impl Element for i32 {
+    const DESCRIPTION: &'static str = "<i4";
+
+    fn bytes(self) -> [u8; 4] {
+        self.to_le_bytes()
+    }
+}
+
+impl Element for f32 {
+    const DESCRIPTION: &'static str = "<f4";
+
+    fn bytes(self) -> [u8; 4] {
+        self.to_le_bytes()
+    }
+}
+
+/// A growing array of shape (layers, planes, height, width).
+#[derive(Debug)]
+pub struct Stack<T> {
+    path: PathBuf,
+    file: BufWriter<NamedTempFile>,
+    planes: usize,
+    size: Size,
+    layers: usize,
+    element: PhantomData<T>,
+}
+
+impl<T: Element> Stack<T> {
+    /// An empty stack that will be at `path`, with `planes` planes of `size` in each layer.
+    ///
+    /// # Errors
+    /// When no file can be made in that folder.
+    pub fn create(path: &Path, planes: usize, size: Size) -> Result<Self, SaveError> {
+        let create = || -> io::Result<_> {
+            let mut file = BufWriter::new(temporary_beside(path)?);
+            file.write_all(&[0; HEADER])?;
+            Ok(file)
+        };
+        let file = create().map_err(|cause| SaveError {
+            path: path.to_owned(),
+            cause,
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            planes,
+            size,
+            layers: 0,
+            element: PhantomData,
+        })
+    }
+
+    /// Adds one layer of planes.
+    ///
+    /// # Errors
+    /// When the disk does not take it.
+    ///
+    /// # Panics
+    /// When the layer has another number of planes, or planes of another size.
+    pub fn push(&mut self, layer: impl IntoIterator<Item = Plane<T>>) -> Result<(), SaveError> {
+        let mut planes = 0;
+        for plane in layer {
+            assert_eq!(Size::of(&plane), self.size, "a plane of another size");
+            planes += 1;
+            for value in &plane {
+                let written = self.file.write_all(&value.bytes());
+                written.map_err(|cause| SaveError {
+                    path: self.path.clone(),
+                    cause,
+                })?;
+            }
+        }
+        assert_eq!(planes, self.planes, "a layer of another number of planes");
+        self.layers += 1;
+        Ok(())
+    }
+
+    /// Writes the header and gives the file its name.
+    ///
+    /// # Errors
+    /// When the disk does not take it; whatever was at the path is then as it was.
+    pub fn finish(self) -> Result<(), SaveError> {
+        let Self {
+            path,
+            file,
+            planes,
+            size,
+            layers,
+            ..
+        } = self;
+        let finish = || -> io::Result<()> {
+            let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            file.seek(SeekFrom::Start(0))?;
+            file.write_all(&header(
+                T::DESCRIPTION,
+                [layers, planes, size.height, size.width],
+            ))?;
+            give_ordinary_permissions(file.as_file())?;
+            let _: File = file.persist(&path).map_err(|e| e.error)?;
+            Ok(())
+        };
+        finish().map_err(|cause| SaveError {
+            path: path.clone(),
+            cause,
+        })
+    }
+}
+
+fn header(description: &str, shape: [usize; 4]) -> Vec<u8> {
+    let [a, b, c, d] = shape;
+    let text = format!(
+        "{{'descr': '{description}', 'fortran_order': False, 'shape': ({a}, {b}, {c}, {d}), }}"
+    );
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend(((HEADER - 10) as u16).to_le_bytes());
+    header.extend(text.as_bytes());
+    header.resize(HEADER - 1, b' ');
+    header.push(b'\n');
+    header
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array4;
+
+    #[test]
+    fn a_stack_reads_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("stack.npy");
+        let mut stack = Stack::<i32>::create(&path, 2, Size::new(2, 3)).unwrap();
+        for layer in 0..5 {
+            let plane = |k| {
+                Plane::from_shape_fn((2, 3), |(y, x)| 100 * layer + 10 * k + (3 * y + x) as i32)
+            };
+            stack.push([plane(0), plane(1)]).unwrap();
+        }
+        assert!(!path.exists());
+        stack.finish().unwrap();
+        let read: Array4<i32> = ndarray_npy::read_npy(&path).unwrap();
+        assert_eq!(read.shape(), [5, 2, 2, 3]);
+        assert_eq!(read[[4, 1, 1, 2]], 415);
+        // The largest shape still leaves room in the header.
+        assert_eq!(header("<f4", [usize::MAX; 4]).len(), HEADER);
+    }
+}

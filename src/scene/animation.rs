@@ -1,0 +1,374 @@
+//! Animations, GIF and APNG: decoded frame by frame onto a canvas.
+//!
+//! The delays must be even to within the unit in which they are written (a GIF of 30
+//! frames/s says 3, 3, 4 hundredths); the rate is then their mean. The last frame's delay
+//! says when the animation begins again and does not count. To know all this beforehand the
+//! file is read twice. Where nothing is drawn there is black.
+
+use std::{
+    io::{BufRead, Cursor, Seek},
+    path::{Path, PathBuf},
+};
+
+use super::{
+    Frame, Scene, SceneError,
+    canvas::{Area, Canvas, Delay, Leave, Patch},
+    gray::{self, Layout},
+    light,
+    rate::Rate,
+};
+use crate::plane::Size;
+
+type Cause = Box<dyn std::error::Error + Send + Sync>;
+
+/// A file of patches.
+trait Patches: Send {
+    /// Size of the canvas.
+    fn size(&self) -> Size;
+
+    /// The unit of the delays, in seconds.
+    fn unit(&self) -> f64;
+
+    /// The next patch.
+    fn next_patch(&mut self) -> Result<Option<Patch>, Cause>;
+}
+
+/// An animation being shown.
+struct Animation {
+    path: PathBuf,
+    patches: Box<dyn Patches>,
+    size: Size,
+    canvas: Canvas,
+    rate: Rate,
+    count: u64,
+    next: u64,
+}
+
+/// Opens a GIF.
+pub(super) fn open_gif(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
+    Animation::new(path, asked, &|| {
+        Ok(Box::new(Gif::new(path, light::open_file(path)?)?))
+    })
+}
+
+/// Opens an animated PNG.
+pub(super) fn open_apng(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
+    Animation::new(path, asked, &|| {
+        Ok(Box::new(Apng::new(path, light::open_file(path)?)?))
+    })
+}
+
+/// Plays an animated PNG that is in memory; `name` is for messages.
+pub(super) fn play_apng(
+    name: &Path,
+    bytes: &'static [u8],
+) -> Result<impl Scene + use<>, SceneError> {
+    Animation::new(name, None, &|| {
+        Ok(Box::new(Apng::new(name, Cursor::new(bytes))?))
+    })
+}
+
+/// Whether a PNG is animated.
+pub(super) fn is_apng(path: &Path) -> Result<bool, SceneError> {
+    let file = light::open_file(path)?;
+    match png::Decoder::new(file).read_info() {
+        Ok(reader) => Ok(reader.info().animation_control.is_some()),
+        Err(cause) => Err(SceneError::Picture {
+            path: path.into(),
+            frame: 0,
+            cause: cause.into(),
+        }),
+    }
+}
+
+impl Animation {
+    fn new(
+        path: &Path,
+        asked: Option<f64>,
+        start: &dyn Fn() -> Result<Box<dyn Patches>, Cause>,
+    ) -> Result<Self, SceneError> {
+        let damaged = |frame, cause: Cause| match cause.downcast() {
+            Ok(scene_error) => *scene_error,
+            Err(cause) => SceneError::Picture {
+                path: path.into(),
+                frame,
+                cause,
+            },
+        };
+        let mut patches = start().map_err(|e| damaged(0, e))?;
+        let mut delays = Vec::new();
+        while let Some(patch) = patches
+            .next_patch()
+            .map_err(|e| damaged(delays.len() as u64, e))?
+        {
+            delays.push(patch.delay);
+        }
+        let found = match asked {
+            Some(_) => None,
+            None => even_rate(path, &delays, patches.unit())?,
+        };
+        let rate = match delays.len() {
+            0 => {
+                return Err(SceneError::Empty {
+                    path: path.into(),
+                    missing: "frame",
+                });
+            }
+            // One frame has no rate to be wrong about.
+            1 => Rate::asked_or_assumed(asked),
+            _ => Rate::asked_or_found(asked, found, path)?,
+        };
+        let patches = start().map_err(|e| damaged(0, e))?;
+        let size = patches.size();
+        Ok(Self {
+            path: path.into(),
+            patches,
+            size,
+            canvas: Canvas::new(size),
+            rate,
+            count: delays.len() as u64,
+            next: 0,
+        })
+    }
+}
+
+/// The rate of evenly spaced frames; `None` when the delays are 0.
+fn even_rate(path: &Path, delays: &[Delay], unit: f64) -> Result<Option<f64>, SceneError> {
+    let Some((_, shown)) = delays.split_last() else {
+        return Ok(None);
+    };
+    let (mut length, mut exact) = (0.0, Some(0_u64));
+    let denominator = shown.first().map_or(1, |delay| delay.denominator);
+    for delay in shown {
+        length += delay.seconds();
+        exact = exact
+            .filter(|_| delay.denominator == denominator)
+            .map(|sum| sum + u64::from(delay.numerator));
+    }
+    let count = shown.len() as f64;
+    let mut got = 0.0;
+    for (before, delay) in shown.iter().enumerate() {
+        got += delay.seconds();
+        let want = (before + 1) as f64 * length / count;
+        if (got - want).abs() > unit + 1e-9 {
+            let frame = before as u64 + 1;
+            return Err(SceneError::Uneven {
+                path: path.into(),
+                frame,
+                got,
+                want,
+            });
+        }
+    }
+    // Summed as fractions where they share a denominator, so that 1/10 s gives exactly 10.
+    Ok((length > 0.0).then(|| match exact {
+        Some(sum) => count * f64::from(denominator) / sum as f64,
+        None => count / length,
+    }))
+}
+
+impl Scene for Animation {
+    fn size(&self) -> Size {
+        self.size
+    }
+    fn fps(&self) -> f64 {
+        self.rate.fps
+    }
+    fn fps_is_assumed(&self) -> bool {
+        self.rate.assumed
+    }
+    fn frames(&self) -> Option<u64> {
+        Some(self.count)
+    }
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let index = self.next;
+        let damaged = |cause| SceneError::Picture {
+            path: self.path.clone(),
+            frame: index,
+            cause,
+        };
+        let Some(patch) = self.patches.next_patch().map_err(damaged)? else {
+            return Ok(None);
+        };
+        let light = self
+            .canvas
+            .draw(&patch)
+            .ok_or_else(|| damaged("it does not fit on the canvas".into()))?
+            .clone();
+        self.next += 1;
+        Ok(Some(Frame {
+            index,
+            seconds: self.rate.seconds(index),
+            light,
+        }))
+    }
+}
+
+/// A GIF.
+struct Gif<R: BufRead> {
+    decoder: gif::Decoder<R>,
+    size: Size,
+}
+
+impl<R: BufRead> Gif<R> {
+    fn new(path: &Path, stream: R) -> Result<Self, Cause> {
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        options.check_frame_consistency(true);
+        let decoder = options.read_info(stream)?;
+        let size = light::checked_size(path, decoder.height().into(), decoder.width().into())?;
+        Ok(Self { decoder, size })
+    }
+}
+
+impl<R: BufRead + Send> Patches for Gif<R> {
+    fn size(&self) -> Size {
+        self.size
+    }
+    fn unit(&self) -> f64 {
+        0.01
+    }
+    fn next_patch(&mut self) -> Result<Option<Patch>, Cause> {
+        let Some(frame) = self.decoder.read_next_frame()? else {
+            return Ok(None);
+        };
+        let samples: Vec<f64> = frame.buffer.iter().map(|&b| b.into()).collect();
+        let layout = Layout {
+            channels: 4,
+            most: 255.0,
+        };
+        Ok(Some(Patch {
+            area: Area {
+                y: frame.top.into(),
+                x: frame.left.into(),
+                size: Size::new(frame.height.into(), frame.width.into()),
+            },
+            pixels: gray::pixels(layout, &samples).collect(),
+            over: true,
+            leave: match frame.dispose {
+                gif::DisposalMethod::Any | gif::DisposalMethod::Keep => Leave::Stay,
+                gif::DisposalMethod::Background => Leave::Clear,
+                gif::DisposalMethod::Previous => Leave::Restore,
+            },
+            delay: Delay {
+                numerator: frame.delay,
+                denominator: 100,
+            },
+        }))
+    }
+}
+
+/// An animated PNG.
+struct Apng<R: BufRead + Seek> {
+    reader: png::Reader<R>,
+    size: Size,
+    left: u32,
+    bytes: Vec<u8>,
+}
+
+impl<R: BufRead + Seek> Apng<R> {
+    fn new(path: &Path, stream: R) -> Result<Self, Cause> {
+        let mut decoder = png::Decoder::new(stream);
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info()?;
+        let info = reader.info();
+        let left = info.animation_control.map_or(0, |a| a.num_frames);
+        let is_apart = info.frame_control.is_none();
+        let size = light::checked_size(path, info.height as usize, info.width as usize)?;
+        let mut bytes = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
+        // A first picture outside the animation is for viewers that show none.
+        if is_apart {
+            reader.next_frame(&mut bytes)?;
+        }
+        Ok(Self {
+            reader,
+            size,
+            left,
+            bytes,
+        })
+    }
+}
+
+impl<R: BufRead + Seek + Send> Patches for Apng<R> {
+    fn size(&self) -> Size {
+        self.size
+    }
+    fn unit(&self) -> f64 {
+        0.001
+    }
+    fn next_patch(&mut self) -> Result<Option<Patch>, Cause> {
+        if self.left == 0 {
+            return Ok(None);
+        }
+        self.left -= 1;
+        let drawn = self.reader.next_frame(&mut self.bytes)?;
+        let control = self
+            .reader
+            .info()
+            .frame_control
+            .ok_or("it has no frame control")?;
+        let channels = drawn.color_type.samples();
+        let bytes = self
+            .bytes
+            .get(..drawn.buffer_size())
+            .ok_or("it is too large")?;
+        let (samples, most): (Vec<f64>, f64) = match drawn.bit_depth {
+            png::BitDepth::Eight => (bytes.iter().map(|&b| b.into()).collect(), 255.0),
+            png::BitDepth::Sixteen => {
+                let pairs = bytes.as_chunks().0.iter();
+                let samples = pairs.map(|&pair| u16::from_be_bytes(pair).into());
+                (samples.collect(), 65535.0)
+            }
+            png::BitDepth::One | png::BitDepth::Two | png::BitDepth::Four => {
+                return Err("its samples were not unpacked".into());
+            }
+        };
+        // The standard: a denominator of 0 means hundredths.
+        let denominator = if control.delay_den == 0 {
+            100
+        } else {
+            control.delay_den
+        };
+        Ok(Some(Patch {
+            area: Area {
+                y: control.y_offset as usize,
+                x: control.x_offset as usize,
+                size: Size::new(drawn.height as usize, drawn.width as usize),
+            },
+            pixels: gray::pixels(Layout { channels, most }, &samples).collect(),
+            over: control.blend_op == png::BlendOp::Over,
+            leave: match control.dispose_op {
+                png::DisposeOp::None => Leave::Stay,
+                png::DisposeOp::Background => Leave::Clear,
+                png::DisposeOp::Previous => Leave::Restore,
+            },
+            delay: Delay {
+                numerator: control.delay_num,
+                denominator,
+            },
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounded_delays_are_even_and_others_are_not() {
+        let rate = |hundredths: &[u16]| {
+            let delay = |n: &u16| Delay {
+                numerator: *n,
+                denominator: 100,
+            };
+            let delays: Vec<_> = hundredths.iter().map(delay).collect();
+            even_rate(Path::new("a.gif"), &delays, 0.01)
+        };
+        let thirty: Vec<u16> = [3, 3, 4].into_iter().cycle().take(31).collect();
+        assert_eq!(rate(&thirty).unwrap(), Some(30.0));
+        assert_eq!(rate(&[0, 0, 50]).unwrap(), None);
+        assert_eq!(rate(&[10, 10, 900]).unwrap(), Some(10.0));
+        let message = rate(&[10, 10, 30, 10]).unwrap_err().to_string();
+        assert!(message.contains("frame 1 is at 0.100000 s"), "{message}");
+    }
+}

@@ -1,0 +1,19 @@
+//! The clip that comes with the program.
+
+use std::path::Path;
+
+use super::{Scene, SceneError, animation};
+
+/// People walking past a still camera: a crop of `vtest.avi`, which comes with `OpenCV`, as
+/// gray 8-bit video of 256x256 at 10 frames/s.
+///
+/// It is compiled in, so it needs no file and no feature. `clips/README.md` has its source
+/// and licence.
+///
+/// # Errors
+/// None in a sound build; the type is that of every other scene.
+pub fn bundled() -> Result<Box<dyn Scene>, SceneError> {
+    const CLIP: &[u8] = include_bytes!("../../clips/vtest_256x256.apng");
+    let name = Path::new("clips/vtest_256x256.apng");
+    Ok(Box::new(animation::play_apng(name, CLIP)?))
+}

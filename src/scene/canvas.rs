@@ -1,0 +1,166 @@
+//! The canvas of an animation, on which each frame may draw only a part.
+//!
+//! What is kept is the light that a viewer sees on a black wall. Laying a half-transparent
+//! picture over another is linear in that light, so no colours need to be kept.
+
+use super::gray::Pixel;
+use crate::plane::{Plane, Size};
+
+/// A canvas, black at first.
+pub(super) struct Canvas {
+    light: Plane<f64>,
+    /// How the last patch leaves before the next one comes.
+    leave: Option<(Area, Leave)>,
+    /// The canvas before the last patch, where that one asks for it.
+    before: Plane<f64>,
+}
+
+/// How a patch leaves the canvas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Leave {
+    /// It stays.
+    Stay,
+    /// Its area becomes black.
+    Clear,
+    /// Its area becomes what it was before.
+    Restore,
+}
+
+/// Where a patch is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Area {
+    pub y: usize,
+    pub x: usize,
+    pub size: Size,
+}
+
+/// One step of an animation.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Patch {
+    pub area: Area,
+    /// In row order, as many as the area has.
+    pub pixels: Vec<Pixel>,
+    /// Whether it lies over what is there, or takes its place.
+    pub over: bool,
+    pub leave: Leave,
+    /// How long it is shown.
+    pub delay: Delay,
+}
+
+/// A time in seconds, as a fraction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Delay {
+    pub numerator: u16,
+    pub denominator: u16,
+}
+
+impl Delay {
+    pub fn seconds(self) -> f64 {
+        f64::from(self.numerator) / f64::from(self.denominator)
+    }
+}
+
+impl Canvas {
+    pub fn new(size: Size) -> Self {
+        Self {
+            light: Plane::zeros(size.shape()),
+            leave: None,
+            before: Plane::zeros(size.shape()),
+        }
+    }
+
+    /// Draws a patch and gives what is then seen; `None` when it does not fit.
+    pub fn draw(&mut self, patch: &Patch) -> Option<&Plane<f64>> {
+        match self.leave.take() {
+            None | Some((_, Leave::Stay)) => {}
+            Some((area, Leave::Clear)) => area.of(&mut self.light)?.fill(0.0),
+            Some((area, Leave::Restore)) => {
+                let before = area.of(&mut self.before)?;
+                area.of(&mut self.light)?.assign(&before);
+            }
+        }
+        if patch.leave == Leave::Restore {
+            self.before.assign(&self.light);
+        }
+        let mut there = patch.area.of(&mut self.light)?;
+        if there.len() != patch.pixels.len() {
+            return None;
+        }
+        for (there, pixel) in there.iter_mut().zip(&patch.pixels) {
+            let kept = if patch.over { 1.0 - pixel.cover } else { 0.0 };
+            *there = pixel.light + *there * kept;
+        }
+        self.leave = Some((patch.area, patch.leave));
+        Some(&self.light)
+    }
+}
+
+impl Area {
+    fn of(self, plane: &mut Plane<f64>) -> Option<ndarray::ArrayViewMut2<'_, f64>> {
+        let (height, width) = plane.dim();
+        let bottom = self.y.checked_add(self.size.height)?;
+        let right = self.x.checked_add(self.size.width)?;
+        (bottom <= height && right <= width)
+            .then(|| plane.slice_mut(ndarray::s![self.y..bottom, self.x..right]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn patch(x: usize, light: f64, cover: f64, over: bool, leave: Leave) -> Patch {
+        let size = Size::new(1, 2);
+        let pixels = vec![Pixel { light, cover }; 2];
+        let area = Area { y: 0, x, size };
+        Patch {
+            area,
+            pixels,
+            over,
+            leave,
+            delay: Delay {
+                numerator: 1,
+                denominator: 10,
+            },
+        }
+    }
+
+    #[test]
+    fn patches_stay_leave_and_cover() {
+        let mut canvas = Canvas::new(Size::new(1, 4));
+        let mut row = |patch: Patch| {
+            canvas
+                .draw(&patch)
+                .unwrap()
+                .iter()
+                .copied()
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            row(patch(0, 8.0, 1.0, false, Leave::Stay)),
+            [8.0, 8.0, 0.0, 0.0]
+        );
+        assert_eq!(
+            row(patch(1, 4.0, 0.5, true, Leave::Restore)),
+            [8.0, 8.0, 4.0, 0.0]
+        );
+        assert_eq!(
+            row(patch(2, 1.0, 0.5, false, Leave::Clear)),
+            [8.0, 8.0, 1.0, 1.0]
+        );
+        assert_eq!(
+            row(patch(0, 0.0, 0.0, true, Leave::Stay)),
+            [8.0, 8.0, 0.0, 0.0]
+        );
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let mut canvas = Canvas::new(Size::new(1, 4));
+        assert_eq!(canvas.draw(&patch(3, 1.0, 1.0, true, Leave::Stay)), None);
+        assert_eq!(
+            canvas.draw(&patch(usize::MAX, 1.0, 1.0, true, Leave::Stay)),
+            None
+        );
+    }
+}

@@ -1,0 +1,406 @@
+//! Why a scene cannot be read: one variant a cause, each with what to do.
+
+use std::{io, path::PathBuf};
+
+use crate::plane::Size;
+
+/// Why a scene cannot be read.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum SceneError {
+    /// The file cannot be opened or read.
+    #[error("{path}: {cause}")]
+    #[diagnostic(help("give a file that exists and can be read"))]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+
+    /// A file, folder or clip with nothing in it.
+    #[error("{path}: there is no {missing} in it")]
+    #[diagnostic(help("give a clip with at least one frame; was it written to the end?"))]
+    Empty {
+        /// Which file or folder.
+        path: PathBuf,
+        /// What was looked for.
+        missing: &'static str,
+    },
+
+    /// A file name that says nothing known.
+    #[error("{path}: {} is no known kind of scene", kind(path))]
+    #[diagnostic(help(
+        "known: .y4m .mp4 .gif .apng .png .pgm .npy, a folder of .png or .pgm pictures, \
+         pattern:NAME; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m"
+    ))]
+    UnknownKind {
+        /// Which file.
+        path: PathBuf,
+    },
+
+    /// The first bytes say another kind of file than the name.
+    #[error("{path}: the name says {said}, but the content is {found}")]
+    #[diagnostic(help("give the file the ending that its content has, or write it anew"))]
+    Disguised {
+        /// Which file.
+        path: PathBuf,
+        /// The kind that the name promises.
+        said: &'static str,
+        /// What the first bytes are.
+        found: &'static str,
+    },
+
+    /// A field of a file's header that cannot be understood.
+    #[error("{path}: header field {field}: got {got}, expected {want}")]
+    #[diagnostic(help("write the file anew; for video: ffmpeg -i FILE -pix_fmt gray clip.y4m"))]
+    Header {
+        /// Which file.
+        path: PathBuf,
+        /// Which field.
+        field: &'static str,
+        /// What stands there.
+        got: String,
+        /// What should.
+        want: &'static str,
+    },
+
+    /// A y4m colour space without a luma plane that can be read.
+    #[error("{path}: colour space C{got} cannot be read")]
+    #[diagnostic(help(
+        "known: mono, 420, 420jpeg, 420mpeg2, 420paldv, 411, 422, 440, 444, 444alpha, and mono, 420p, \
+         422p, 444p with 9, 10, 12, 14 or 16 bits; ffmpeg -i FILE -pix_fmt gray clip.y4m makes mono"
+    ))]
+    ColourSpace {
+        /// Which file.
+        path: PathBuf,
+        /// What its header says.
+        got: String,
+    },
+
+    /// Video of half frames.
+    #[error("{path}: interlaced video (I{got}): its lines are from two moments")]
+    #[diagnostic(help(
+        "take the lines apart first: ffmpeg -i FILE -vf yadif -pix_fmt gray clip.y4m"
+    ))]
+    Interlaced {
+        /// Which file.
+        path: PathBuf,
+        /// What its header says.
+        got: String,
+    },
+
+    /// An `.npy` whose numbers cannot be taken as light.
+    #[error("{path}: numbers of type {got} cannot be read as light")]
+    #[diagnostic(help(
+        "known: f2 f4 f8 u1 u2 u4 u8 i1 i2 i4 i8, little or big end first; in numpy: a.astype('<f8')"
+    ))]
+    NumberType {
+        /// Which file.
+        path: PathBuf,
+        /// The `descr` in its header.
+        got: String,
+    },
+
+    /// An `.npy` with other than three axes.
+    #[error("{path}: shape ({}) has {} axes, expected 3: (frames, height, width)", join(shape), shape.len())]
+    #[diagnostic(help(
+        "in numpy: one picture is a[None, :, :]; a clip of colour needs gray first"
+    ))]
+    Axes {
+        /// Which file.
+        path: PathBuf,
+        /// Its shape.
+        shape: Vec<u64>,
+    },
+
+    /// An `.npy` whose frames do not stand one after another.
+    #[error(
+        "{path}: numbers stand column by column (Fortran order), so frames cannot be read one by one"
+    )]
+    #[diagnostic(help("in numpy: np.save(path, np.ascontiguousarray(a))"))]
+    FortranOrder {
+        /// Which file.
+        path: PathBuf,
+    },
+
+    /// A whole number too large to be light exactly.
+    #[error("{path}: frame {frame}, y {y}, x {x}: {value} has no exact 64-bit real")]
+    #[diagnostic(help("light must be below 2^53; save the clip as f8"))]
+    Inexact {
+        /// Which file.
+        path: PathBuf,
+        /// Which frame.
+        frame: u64,
+        /// Row.
+        y: usize,
+        /// Column.
+        x: usize,
+        /// The number.
+        value: i128,
+    },
+
+    /// More or fewer bytes than the header says.
+    #[error("{path}: {got} bytes of numbers, but the header says {want}")]
+    #[diagnostic(help("the file was cut short or added to: write it anew"))]
+    Length {
+        /// Which file.
+        path: PathBuf,
+        /// Bytes after the header.
+        got: u64,
+        /// Bytes that the header promises.
+        want: u128,
+    },
+
+    /// Frames without pixels.
+    #[error("{path}: frames of {size} have no pixels")]
+    #[diagnostic(help("width and height must be at least 1"))]
+    NoPixels {
+        /// Which file.
+        path: PathBuf,
+        /// Their size.
+        size: Size,
+    },
+
+    /// Frames larger than any sensor.
+    #[error("{path}: frames of {size} are larger than {most} pixels")]
+    #[diagnostic(help("is the header damaged? if not, scale the clip down first"))]
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// Their size.
+        size: Size,
+        /// The most pixels that are read.
+        most: usize,
+    },
+
+    /// No frame rate in the file.
+    #[error("{path}: the file does not say how many frames there are per second")]
+    #[diagnostic(help("say it: --fps N"))]
+    NoRate {
+        /// Which file.
+        path: PathBuf,
+    },
+
+    /// A frame rate that is no rate.
+    #[error("{fps} frames per second is no rate")]
+    #[diagnostic(help("give a finite number above 0, such as --fps 240"))]
+    BadRate {
+        /// What was asked.
+        fps: f64,
+    },
+
+    /// Frames that are not evenly spaced in time.
+    #[error("{path}: frame {frame} is at {got:.6} s, even spacing puts it at {want:.6} s")]
+    #[diagnostic(help(
+        "frames must be evenly spaced; take them as such with --fps N, or space them: ffmpeg -i FILE -vf fps=N -pix_fmt gray clip.y4m"
+    ))]
+    Uneven {
+        /// Which file.
+        path: PathBuf,
+        /// Which frame.
+        frame: u64,
+        /// When it is, in seconds.
+        got: f64,
+        /// When it should be, in seconds.
+        want: f64,
+    },
+
+    /// The file ends inside a frame.
+    #[error("{path}: the file ends inside frame {frame}: {got} of {want} bytes")]
+    #[diagnostic(help("the clip was cut short: copy or write it anew"))]
+    Truncated {
+        /// Which file.
+        path: PathBuf,
+        /// Which frame.
+        frame: u64,
+        /// Bytes that are there.
+        got: u64,
+        /// Bytes of a whole frame.
+        want: u64,
+    },
+
+    /// Something else where a y4m frame should begin.
+    #[error("{path}: frame {frame} begins with {got:?}, expected \"FRAME\"")]
+    #[diagnostic(help("the clip is damaged or its header has the wrong size: write it anew"))]
+    NoFrame {
+        /// Which file.
+        path: PathBuf,
+        /// Which frame.
+        frame: u64,
+        /// What stands there.
+        got: String,
+    },
+
+    /// A frame of another size than the first.
+    #[error("{path}: frame {frame} is {got}, the first is {want}")]
+    #[diagnostic(help("all frames of a scene must have one size: scale or crop them first"))]
+    OddSize {
+        /// Which file.
+        path: PathBuf,
+        /// Which frame.
+        frame: u64,
+        /// Its size.
+        got: Size,
+        /// The size of the first.
+        want: Size,
+    },
+
+    /// Something other than a picture in a folder of pictures.
+    #[error("{path}: not a picture, and nothing in a folder of pictures is passed over")]
+    #[diagnostic(help(
+        "a folder may hold .png, .pgm, .ppm and .pnm pictures and hidden files: move this one out"
+    ))]
+    NotAPicture {
+        /// Which file.
+        path: PathBuf,
+    },
+
+    /// A picture or animation that cannot be decoded.
+    #[error("{path}: frame {frame} cannot be decoded: {cause}")]
+    #[diagnostic(help("the file is damaged or cut short: copy or write it anew"))]
+    Picture {
+        /// Which file.
+        path: PathBuf,
+        /// Which frame.
+        frame: u64,
+        /// What the decoder said.
+        cause: Box<dyn std::error::Error + Send + Sync>,
+    },
+
+    /// Light that is not a finite number.
+    #[error("{path}: frame {frame}, y {y}, x {x}: light is {value}, expected a finite number")]
+    #[diagnostic(help("find where it comes from; in numpy: np.argwhere(~np.isfinite(a))"))]
+    NotFinite {
+        /// Which file.
+        path: PathBuf,
+        /// Which frame.
+        frame: u64,
+        /// Row.
+        y: usize,
+        /// Column.
+        x: usize,
+        /// The value.
+        value: f64,
+    },
+
+    /// This build cannot read mp4.
+    #[error("{path}: this build cannot read mp4 (it was made without the feature \"mp4\")")]
+    #[diagnostic(help("build with --features mp4, or: ffmpeg -i FILE -pix_fmt gray clip.y4m"))]
+    NoMp4 {
+        /// Which file.
+        path: PathBuf,
+    },
+
+    /// An mp4 that is damaged, or not H.264 in 8 bits.
+    #[error("{path}: {what}")]
+    #[diagnostic(help(
+        "mp4 is read with 8-bit H.264 video only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m"
+    ))]
+    Mp4 {
+        /// Which file.
+        path: PathBuf,
+        /// What was wrong with it.
+        what: String,
+    },
+
+    /// No pattern of that name.
+    #[error("pattern:{got}: there is no pattern {got:?}")]
+    #[diagnostic(help("known: {known}"))]
+    UnknownPattern {
+        /// The name given.
+        got: String,
+        /// All names.
+        known: String,
+    },
+
+    /// No parameter of that name.
+    #[error("pattern:{pattern}: there is no parameter {got:?}")]
+    #[diagnostic(help("known, with their defaults: {known}"))]
+    UnknownParameter {
+        /// Which pattern.
+        pattern: String,
+        /// The key given.
+        got: String,
+        /// All keys with their defaults.
+        known: String,
+    },
+
+    /// A parameter with a value that it cannot have.
+    #[error("pattern:{pattern}: {given}: expected {want}")]
+    #[diagnostic(help("write pattern:{pattern}?key=value&key=value; {default}"))]
+    Parameter {
+        /// Which pattern.
+        pattern: String,
+        /// The parameter and its value, as given.
+        given: String,
+        /// What it may be.
+        want: String,
+        /// What it is when not given.
+        default: String,
+    },
+
+    /// Two frames too far apart to be bridged.
+    #[error("more than {most} steps between source frames {pair} and {}", pair + 1)]
+    #[diagnostic(help(
+        "give a larger contrast per step, a larger offset (it rules how dark pixels count), or more steps"
+    ))]
+    TooManySteps {
+        /// The first of the two frames.
+        pair: u64,
+        /// The most steps allowed.
+        most: u32,
+    },
+
+    /// Light without a logarithm.
+    #[error(
+        "source frame {frame}, y {y}, x {x}: light {value} + offset {offset} is not above 0, so it has no logarithm"
+    )]
+    #[diagnostic(help("give a larger offset, or bound the steps in light instead of in contrast"))]
+    NoLogarithm {
+        /// Which frame.
+        frame: u64,
+        /// Row.
+        y: usize,
+        /// Column.
+        x: usize,
+        /// The light there.
+        value: f64,
+        /// What is added to it.
+        offset: f64,
+    },
+
+    /// A bound of the upsampling that bounds nothing.
+    #[error("upsampling: {name} is {got}, expected {want}")]
+    #[diagnostic(help("a contrast of 0.1 and an offset of 1 suit 8-bit video"))]
+    BadBound {
+        /// Which setting.
+        name: &'static str,
+        /// Its value.
+        got: f64,
+        /// What it may be.
+        want: &'static str,
+    },
+}
+
+impl SceneError {
+    /// The file at `path` cannot be read.
+    pub(super) fn unreadable(path: impl Into<PathBuf>, cause: io::Error) -> Self {
+        Self::Unreadable {
+            path: path.into(),
+            cause,
+        }
+    }
+}
+
+/// The ending of a file name, as the user would say it.
+fn kind(path: &std::path::Path) -> String {
+    match path.extension() {
+        Some(ending) => format!(".{}", ending.display()),
+        None => "a file without an ending".into(),
+    }
+}
+
+fn join(shape: &[u64]) -> String {
+    let words: Vec<_> = shape.iter().map(u64::to_string).collect();
+    words.join(", ")
+}

@@ -1,0 +1,188 @@
+//! A folder of pictures, in the order in which a person would count them.
+
+use std::{
+    cmp::Ordering,
+    collections::VecDeque,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use super::{Frame, Scene, SceneError, rate::Rate, still};
+use crate::plane::Size;
+
+/// Endings of pictures that are read.
+pub(super) const ENDINGS: [&str; 4] = ["png", "pgm", "ppm", "pnm"];
+
+/// Pictures still to be read.
+struct Folder {
+    left: VecDeque<PathBuf>,
+    count: u64,
+    next: u64,
+    size: Size,
+    /// The first picture, read early for its size.
+    first: Option<Frame>,
+    rate: Rate,
+}
+
+/// Opens a folder.
+pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
+    let unreadable = |cause| SceneError::unreadable(path, cause);
+    let mut pictures = Vec::new();
+    for entry in fs::read_dir(path).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?.path();
+        let name = entry.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with('.') {
+            continue;
+        }
+        let ending = entry.extension().unwrap_or_default().to_ascii_lowercase();
+        if entry.is_dir() || !ENDINGS.iter().any(|known| ending == *known) {
+            return Err(SceneError::NotAPicture { path: entry });
+        }
+        pictures.push(entry);
+    }
+    pictures.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    let mut left = VecDeque::from(pictures);
+    let count = left.len() as u64;
+    let Some(first) = left.pop_front() else {
+        return Err(SceneError::Empty {
+            path: path.into(),
+            missing: "picture",
+        });
+    };
+    let light = still::read(&first, 0)?;
+    Ok(Folder {
+        left,
+        count,
+        next: 1,
+        size: Size::of(&light),
+        first: Some(Frame {
+            index: 0,
+            seconds: 0.0,
+            light,
+        }),
+        rate: Rate::asked_or_assumed(asked),
+    })
+}
+
+impl Scene for Folder {
+    fn size(&self) -> Size {
+        self.size
+    }
+    fn fps(&self) -> f64 {
+        self.rate.fps
+    }
+    fn fps_is_assumed(&self) -> bool {
+        self.rate.assumed
+    }
+    fn frames(&self) -> Option<u64> {
+        Some(self.count)
+    }
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        if let Some(first) = self.first.take() {
+            return Ok(Some(first));
+        }
+        let Some(path) = self.left.pop_front() else {
+            return Ok(None);
+        };
+        let index = self.next;
+        let light = still::read(&path, index)?;
+        if Size::of(&light) != self.size {
+            return Err(SceneError::OddSize {
+                path,
+                frame: index,
+                got: Size::of(&light),
+                want: self.size,
+            });
+        }
+        self.next += 1;
+        Ok(Some(Frame {
+            index,
+            seconds: self.rate.seconds(index),
+            light,
+        }))
+    }
+}
+
+/// Text order, but runs of digits by their value: `f2` before `f10`.
+fn natural(a: &str, b: &str) -> Ordering {
+    let (mut left, mut right) = (a, b);
+    loop {
+        let (x, rest_x) = word(left);
+        let (y, rest_y) = word(right);
+        let order = match (digits(x), digits(y)) {
+            // Without leading zeros, the longer run is the larger number.
+            (Some(m), Some(n)) => m.len().cmp(&n.len()).then_with(|| m.cmp(n)),
+            _ => x.cmp(y),
+        };
+        if order.is_ne() {
+            return order;
+        }
+        if x.is_empty() {
+            // `1.png` and `01.png` are one number: the text decides.
+            return a.cmp(b);
+        }
+        (left, right) = (rest_x, rest_y);
+    }
+}
+
+/// The first run of digits, or of anything else, and what follows.
+fn word(text: &str) -> (&str, &str) {
+    let is_digit = |c: char| c.is_ascii_digit();
+    let first = text.starts_with(is_digit);
+    let end = text.find(|c| is_digit(c) != first).unwrap_or(text.len());
+    text.split_at(end)
+}
+
+/// A run of digits without its leading zeros.
+fn digits(word: &str) -> Option<&str> {
+    word.starts_with(|c: char| c.is_ascii_digit())
+        .then(|| word.trim_start_matches('0'))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn numbers_are_counted() {
+        let mut names = [
+            "f10",
+            "f9",
+            "f1b",
+            "f1a2",
+            "f1a10",
+            "g",
+            "f",
+            "f009x",
+            "f99999999999999999999",
+        ];
+        names.sort_by(|a, b| natural(a, b));
+        assert_eq!(
+            names,
+            [
+                "f",
+                "f1a2",
+                "f1a10",
+                "f1b",
+                "f9",
+                "f009x",
+                "f10",
+                "f99999999999999999999",
+                "g"
+            ]
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_an_order(a in "[a01.é]{0,6}", b in "[a01.é]{0,6}", c in "[a01.é]{0,6}") {
+            prop_assert_eq!(natural(&a, &b), natural(&b, &a).reverse());
+            prop_assert_eq!(natural(&a, &b).is_eq(), a == b);
+            if natural(&a, &b).is_le() && natural(&b, &c).is_le() {
+                prop_assert!(natural(&a, &c).is_le());
+            }
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! From what the user wrote to a scene.
+
+use std::{io::Read, path::Path};
+
+use super::{
+    Scene, SceneError, animation, folder, light, mp4, npy, pattern::Pattern, rate, still, y4m,
+};
+
+/// What may be asked of any scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OpenOptions {
+    /// Frames per second; instead of what the file says.
+    pub fps: Option<f64>,
+}
+
+/// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.
+///
+/// A file's kind is what its name says; its first bytes must agree.
+///
+/// # Errors
+/// When the scene cannot be opened, is of an unknown kind, or its header makes no sense.
+///
+/// # Examples
+/// ```
+/// use amacrine::scene::{OpenOptions, Scene, open};
+///
+/// let mut scene = open("pattern:bar?width=32&height=24&frames=3", &OpenOptions::default())?;
+/// assert_eq!(scene.size().to_string(), "32x24");
+/// while let Some(frame) = scene.next_frame()? {
+///     assert_eq!(frame.seconds, frame.index as f64 / scene.fps());
+/// }
+/// # Ok::<(), amacrine::scene::SceneError>(())
+/// ```
+pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
+    let asked = options.fps;
+    if let Some(fps) = asked.filter(|fps| !rate::usable(*fps)) {
+        return Err(SceneError::BadRate { fps });
+    }
+    if let Some(pattern) = spec.strip_prefix("pattern:") {
+        return Ok(Box::new(Pattern::parse(pattern, asked)?));
+    }
+    let path = Path::new(spec);
+    let data = path
+        .metadata()
+        .map_err(|cause| SceneError::unreadable(path, cause))?;
+    if data.is_dir() {
+        return Ok(Box::new(folder::open(path, asked)?));
+    }
+    let kind = Kind::of_name(path)?;
+    kind.check_content(path)?;
+    Ok(match kind {
+        Kind::Y4m => Box::new(y4m::open(path, asked)?),
+        Kind::Npy => Box::new(npy::open(path, asked)?),
+        Kind::Gif => Box::new(animation::open_gif(path, asked)?),
+        Kind::Png if animation::is_apng(path)? => Box::new(animation::open_apng(path, asked)?),
+        Kind::Png | Kind::Pnm => Box::new(still::open(path, asked)?),
+        Kind::Mp4 => mp4::open(path, asked)?,
+    })
+}
+
+/// The kinds of files.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Y4m,
+    Npy,
+    Gif,
+    Png,
+    Pnm,
+    Mp4,
+}
+
+impl Kind {
+    const ALL: [Self; 6] = [
+        Self::Y4m,
+        Self::Npy,
+        Self::Gif,
+        Self::Png,
+        Self::Pnm,
+        Self::Mp4,
+    ];
+
+    fn of_name(path: &Path) -> Result<Self, SceneError> {
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match ending.to_string_lossy().as_ref() {
+            "y4m" => Ok(Self::Y4m),
+            "npy" => Ok(Self::Npy),
+            "gif" => Ok(Self::Gif),
+            "png" | "apng" => Ok(Self::Png),
+            "pgm" | "ppm" | "pnm" => Ok(Self::Pnm),
+            "mp4" | "m4v" | "mov" => Ok(Self::Mp4),
+            _ => Err(SceneError::UnknownKind { path: path.into() }),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Y4m => "y4m video",
+            Self::Npy => "an npy array",
+            Self::Gif => "a GIF",
+            Self::Png => "a PNG",
+            Self::Pnm => "a PGM, PPM or PNM picture",
+            Self::Mp4 => "an mp4",
+        }
+    }
+
+    /// Whether a file that begins so is of this kind.
+    fn is(self, start: &[u8]) -> bool {
+        match self {
+            Self::Y4m => start.starts_with(y4m::MAGIC),
+            Self::Npy => start.starts_with(npy::MAGIC),
+            Self::Gif => start.starts_with(b"GIF8"),
+            Self::Png => start.starts_with(b"\x89PNG"),
+            Self::Pnm => {
+                matches!(start, [b'P', b'1'..=b'7', space, ..] if space.is_ascii_whitespace())
+            }
+            Self::Mp4 => matches!(start, [_, _, _, _, b'f', b't', b'y', b'p', ..]),
+        }
+    }
+
+    /// Holds the first bytes against the name.
+    fn check_content(self, path: &Path) -> Result<(), SceneError> {
+        let mut start = Vec::new();
+        light::open_file(path)?
+            .take(16)
+            .read_to_end(&mut start)
+            .map_err(|cause| SceneError::unreadable(path, cause))?;
+        if start.is_empty() {
+            return Err(SceneError::Empty {
+                path: path.into(),
+                missing: "byte",
+            });
+        }
+        if self.is(&start) {
+            return Ok(());
+        }
+        let found = Self::ALL.into_iter().find(|kind| kind.is(&start));
+        Err(SceneError::Disguised {
+            path: path.into(),
+            said: self.name(),
+            found: found.map_or("something else", Self::name),
+        })
+    }
+}

@@ -1,0 +1,234 @@
+//! What is drawn, and how it moves.
+
+use super::{
+    SceneError, draw,
+    parameters::Parameters,
+    texture::{Border, Texture},
+};
+use crate::plane::Plane;
+
+/// A figure in motion. Places are `(x, y)` in pixels from the middle of the picture.
+#[derive(Debug)]
+pub(super) struct Motif {
+    figure: Figure,
+    motion: Motion,
+    low: f64,
+    high: f64,
+}
+
+/// What is drawn, from 0 (low light) to 1 (high light); a picture, in its own light.
+#[derive(Debug)]
+enum Figure {
+    Bar { thickness: f64, along: Direction },
+    Edge { along: Direction },
+    Grating { period: f64, along: Direction },
+    Checker { square: f64 },
+    Disc { radius: f64 },
+    Spot { sigma: f64 },
+    Texture(Texture),
+    Flicker { frequency: f64, wave: Wave },
+}
+
+/// How the figure moves.
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    /// In the middle at `middle` seconds, then on by `x`, `y` pixels a second.
+    Straight {
+        x: f64,
+        y: f64,
+        middle: f64,
+    },
+    /// Radians per second, from right to down.
+    Turn(f64),
+    /// Sizes grow by `e` to this power each second.
+    Grow(f64),
+    Rest,
+}
+
+/// The picture if there is one, else blobs.
+fn texture(given: &mut Parameters, image: Option<Plane<f64>>) -> Result<Texture, SceneError> {
+    let words = [("replicate", Border::Replicate), ("wrap", Border::Wrap)];
+    if let Some(picture) = image {
+        let border = given.choice("border", words)?;
+        return Ok(Texture::Picture { picture, border });
+    }
+    Ok(Texture::Blobs {
+        grain: given.real("grain", 4.0, 1e-3..=1e6)?,
+        seed: given.whole("seed", 1, 0..=u64::MAX)?,
+    })
+}
+
+/// A unit vector.
+#[derive(Clone, Copy, Debug)]
+struct Direction {
+    x: f64,
+    y: f64,
+}
+
+impl Direction {
+    /// Exact for quarter turns, so that a pattern along a row is the same in every row.
+    fn degrees(angle: f64) -> Self {
+        let quarter = (angle / 90.0).round();
+        let (sin, cos) = (angle - quarter * 90.0).to_radians().sin_cos();
+        let (x, y) = match quarter.rem_euclid(4.0) {
+            0.0 => (cos, sin),
+            1.0 => (-sin, cos),
+            2.0 => (-cos, -sin),
+            _ => (sin, -cos),
+        };
+        Self { x, y }
+    }
+
+    /// How far along this direction a place is.
+    fn of(self, (x, y): (f64, f64)) -> f64 {
+        x * self.x + y * self.y
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Wave {
+    Sine,
+    Square,
+}
+
+impl Motif {
+    /// Takes the parameters that the named pattern has; `middle` is its half time, seconds.
+    pub fn take(
+        given: &mut Parameters,
+        image: Option<Plane<f64>>,
+        middle: f64,
+    ) -> Result<Self, SceneError> {
+        // A picture brings its own light: as it is from 0 to 1.
+        let (low, high) = match &image {
+            Some(_) => (0.0, 1.0),
+            None => (
+                given.real("low", 51.0, 0.0..=1e9)?,
+                given.real("high", 204.0, 0.0..=1e9)?,
+            ),
+        };
+        let name = given.pattern.clone();
+        let mut along = Direction::degrees(0.0);
+        let motion = match name.as_str() {
+            "flicker" | "static" => Motion::Rest,
+            "rotate" => Motion::Turn(given.real("turn", 90.0, -1e6..=1e6)?.to_radians()),
+            "zoom" => Motion::Grow(given.real("growth", 0.5, -100.0..=100.0)?),
+            _ => {
+                let speed = given.real("speed", 60.0, -1e9..=1e9)?;
+                along = Direction::degrees(given.real("angle", 0.0, -360.0..=360.0)?);
+                Motion::Straight {
+                    x: speed * along.x,
+                    y: speed * along.y,
+                    middle,
+                }
+            }
+        };
+        let mut length = |key, default| given.real(key, default, 1e-3..=1e6);
+        let figure = match name.as_str() {
+            "bar" => Figure::Bar {
+                thickness: length("thickness", 10.0)?,
+                along,
+            },
+            "edge" => Figure::Edge { along },
+            "grating" => Figure::Grating {
+                period: length("period", 20.0)?,
+                along,
+            },
+            "checker" => Figure::Checker {
+                // Below a pixel the mean over a pixel would need more than two squares.
+                square: given.real("square", 16.0, 1.0..=1e6)?,
+            },
+            "disc" => Figure::Disc {
+                radius: length("radius", 16.0)?,
+            },
+            "spot" => Figure::Spot {
+                sigma: length("sigma", 8.0)?,
+            },
+            "flicker" => Figure::Flicker {
+                frequency: given.real("frequency", 10.0, 0.0..=1e9)?,
+                wave: given.choice("wave", [("sine", Wave::Sine), ("square", Wave::Square)])?,
+            },
+            _ => Figure::Texture(texture(given, image)?),
+        };
+        Ok(Self {
+            figure,
+            motion,
+            low,
+            high,
+        })
+    }
+
+    /// The light at each place, at one time.
+    pub fn at(&self, seconds: f64) -> impl Fn((f64, f64)) -> f64 {
+        move |place| {
+            let home = self.motion.home(seconds, place);
+            self.low + (self.high - self.low) * self.figure.share(home, seconds)
+        }
+    }
+
+    /// How fast what is at a place moves: `(x, y)`, pixels per second.
+    pub fn flow(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        match self.motion {
+            Motion::Straight { x, y, middle: _ } => (x, y),
+            Motion::Turn(rate) => (-rate * y, rate * x),
+            Motion::Grow(rate) => (rate * x, rate * y),
+            Motion::Rest => (0.0, 0.0),
+        }
+    }
+}
+
+impl Motion {
+    /// Where in the figure the place is that is now at `(x, y)`.
+    fn home(self, seconds: f64, (x, y): (f64, f64)) -> (f64, f64) {
+        match self {
+            Self::Straight {
+                x: vx,
+                y: vy,
+                middle,
+            } => {
+                let t = seconds - middle;
+                (x - vx * t, y - vy * t)
+            }
+            Self::Turn(rate) => {
+                let (sin, cos) = (rate * seconds).sin_cos();
+                (cos * x + sin * y, cos * y - sin * x)
+            }
+            Self::Grow(rate) => {
+                let scale = (-rate * seconds).exp();
+                (x * scale, y * scale)
+            }
+            Self::Rest => (x, y),
+        }
+    }
+}
+
+impl Figure {
+    /// The share of high light in the pixel around a place.
+    fn share(&self, place: (f64, f64), seconds: f64) -> f64 {
+        match self {
+            Self::Bar { thickness, along } => {
+                let s = along.of(place);
+                let within = |edge: f64| draw::half_plane(edge - s, along.x, along.y);
+                within(thickness / 2.0) - within(-thickness / 2.0)
+            }
+            Self::Edge { along } => draw::half_plane(-along.of(place), along.x, along.y),
+            Self::Grating { period, along } => {
+                draw::grating(along.of(place), *period, along.x, along.y)
+            }
+            Self::Checker { square } => draw::checker(place, *square),
+            Self::Disc { radius } => draw::disc(place, *radius),
+            Self::Spot { sigma } => {
+                let (x, y) = place;
+                (-(x * x + y * y) / (2.0 * sigma * sigma)).exp()
+            }
+            Self::Texture(texture) => texture.at(place),
+            Self::Flicker { frequency, wave } => {
+                let turns = frequency * seconds;
+                match wave {
+                    Wave::Sine => 0.5 + 0.5 * (std::f64::consts::TAU * turns).sin(),
+                    Wave::Square if turns.rem_euclid(1.0) < 0.5 => 1.0,
+                    Wave::Square => 0.0,
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The parameters of a pattern: taken one by one, and none left over.
+
+use std::{collections::BTreeMap, ops::RangeInclusive};
+
+use super::{PATTERNS, SceneError};
+
+/// What was given, and what has been asked for so far.
+pub(super) struct Parameters {
+    /// The name of the pattern.
+    pub pattern: String,
+    given: BTreeMap<String, String>,
+    /// `key=default` of all that were asked for.
+    known: Vec<String>,
+}
+
+impl Parameters {
+    /// Reads `key=value&key=value` for a pattern that must exist.
+    pub fn parse(pattern: &str, text: &str) -> Result<Self, SceneError> {
+        if !PATTERNS.iter().any(|(name, _)| *name == pattern) {
+            let names: Vec<_> = PATTERNS.iter().map(|(name, _)| *name).collect();
+            return Err(SceneError::UnknownPattern {
+                got: pattern.into(),
+                known: names.join(", "),
+            });
+        }
+        let wrong = |key: &str, got: &str, want: &str| SceneError::Parameter {
+            pattern: pattern.into(),
+            given: format!("{key}={got}"),
+            want: want.into(),
+            default: "leave a key out for its default".into(),
+        };
+        let mut given = BTreeMap::new();
+        for word in text.split('&').filter(|word| !word.is_empty()) {
+            let (key, value) = word.split_once('=').unwrap_or((word, ""));
+            if value.is_empty() {
+                return Err(wrong(key, value, "a value"));
+            }
+            if given.insert(key.to_owned(), value.to_owned()).is_some() {
+                return Err(wrong(key, value, "each key once"));
+            }
+        }
+        Ok(Self {
+            pattern: pattern.into(),
+            given,
+            known: Vec::new(),
+        })
+    }
+
+    /// Whether this pattern can show a picture.
+    pub fn takes_image(&self) -> bool {
+        matches!(self.pattern.as_str(), "pan" | "rotate" | "zoom" | "static")
+    }
+
+    /// A text, if given.
+    pub fn text(&mut self, key: &str, default: &str) -> Option<String> {
+        self.known.push(format!("{key}={default}"));
+        self.given.remove(key)
+    }
+
+    /// One of a few words.
+    pub fn choice<T: Copy>(&mut self, key: &str, words: [(&str, T); 2]) -> Result<T, SceneError> {
+        let [(first, default), (second, other)] = words;
+        match self.text(key, first) {
+            None => Ok(default),
+            Some(word) if word == first => Ok(default),
+            Some(word) if word == second => Ok(other),
+            Some(word) => Err(self.wrong(key, &word, format!("{first} or {second}"), first)),
+        }
+    }
+
+    /// A real number in a range.
+    pub fn real(
+        &mut self,
+        key: &str,
+        default: f64,
+        range: RangeInclusive<f64>,
+    ) -> Result<f64, SceneError> {
+        let Some(word) = self.text(key, &default.to_string()) else {
+            return Ok(default);
+        };
+        match word.parse() {
+            Ok(number) if range.contains(&number) => Ok(number),
+            _ => {
+                let want = format!("a number from {} to {}", range.start(), range.end());
+                Err(self.wrong(key, &word, want, &default.to_string()))
+            }
+        }
+    }
+
+    /// A whole number in a range.
+    pub fn whole(
+        &mut self,
+        key: &str,
+        default: u64,
+        range: RangeInclusive<u64>,
+    ) -> Result<u64, SceneError> {
+        let Some(word) = self.text(key, &default.to_string()) else {
+            return Ok(default);
+        };
+        match word.parse() {
+            Ok(number) if range.contains(&number) => Ok(number),
+            _ => {
+                let want = format!("a whole number from {} to {}", range.start(), range.end());
+                Err(self.wrong(key, &word, want, &default.to_string()))
+            }
+        }
+    }
+
+    /// Refuses what nobody asked for.
+    pub fn finish(self) -> Result<(), SceneError> {
+        match self.given.into_keys().next() {
+            None => Ok(()),
+            Some(got) => Err(SceneError::UnknownParameter {
+                pattern: self.pattern,
+                got,
+                known: self.known.join(", "),
+            }),
+        }
+    }
+
+    fn wrong(&self, key: &str, got: &str, want: String, default: &str) -> SceneError {
+        SceneError::Parameter {
+            pattern: self.pattern.clone(),
+            given: format!("{key}={got}"),
+            want,
+            default: format!("the default is {key}={default}"),
+        }
+    }
+}

@@ -1,0 +1,407 @@
+//! More frames between the frames of a source, where light changes fast.
+//!
+//! Real clips have 10 to 30 frames a second; an event sensor sees thousands of moments. As
+//! in ESIM's adaptive sampling by brightness (Rebecq et al., `CoRL` 2018), no pixel moves by
+//! more than a set bound from one frame to the next. Between two source frames each pixel's
+//! light is a straight line in time: things fade, they do not move. Each step is as long as
+//! the bound allows for the fastest pixel, so steps are not of one length.
+
+use ndarray::Zip;
+
+use super::{Frame, Scene, SceneError};
+use crate::plane::{Plane, Size};
+
+/// By how much a pixel may move in one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// In natural logarithm: `|ln((b + offset) / (a + offset))| <= contrast`.
+    Contrast {
+        /// The most change, in ln units.
+        contrast: f64,
+        /// What is added to light, in its unit, so that black has a logarithm.
+        offset: f64,
+    },
+    /// In light itself: `|b - a| <= light`.
+    Light {
+        /// The most change, in the unit of light.
+        light: f64,
+    },
+}
+
+/// How to upsample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Upsampling {
+    /// By how much a pixel may move in one step.
+    pub bound: Bound,
+    /// The most steps from one source frame to the next. More are an error, never a bound
+    /// that is quietly passed.
+    pub most_steps: u32,
+}
+
+impl Default for Upsampling {
+    /// Contrast 0.1, offset 1 (of 255), at most 1000 steps.
+    fn default() -> Self {
+        Self {
+            bound: Bound::Contrast {
+                contrast: 0.1,
+                offset: 1.0,
+            },
+            most_steps: 1000,
+        }
+    }
+}
+
+/// A scene with frames inserted.
+///
+/// All frames of the source are among the frames, unchanged and at their own times; their
+/// number is then that in the upsampled scene. [`Scene::fps`] stays that of the source.
+#[derive(Debug)]
+pub struct Upsampled<S> {
+    source: S,
+    how: Upsampling,
+    between: Option<Between>,
+    given: u64,
+    inserted: u64,
+}
+
+/// Where the next frame lies: after one source frame, up to another.
+#[derive(Debug)]
+struct Between {
+    from: Frame,
+    to: Frame,
+    /// The light that was given last.
+    now: Plane<f64>,
+    /// How far from `from` to `to` that was.
+    share: f64,
+    /// Steps so far.
+    steps: u32,
+}
+
+impl<S: Scene> Upsampled<S> {
+    /// Upsamples `source`.
+    ///
+    /// # Errors
+    /// When the bound is not a finite number above 0, or no step is allowed.
+    pub fn new(source: S, how: Upsampling) -> Result<Self, SceneError> {
+        let check = |name, got: f64| {
+            (got.is_finite() && got > 0.0)
+                .then_some(())
+                .ok_or(SceneError::BadBound {
+                    name,
+                    got,
+                    want: "a finite number above 0",
+                })
+        };
+        match how.bound {
+            Bound::Contrast { contrast, offset } => {
+                check("contrast", contrast)?;
+                check("offset", offset)?;
+            }
+            Bound::Light { light } => check("light", light)?,
+        }
+        check("most_steps", how.most_steps.into())?;
+        Ok(Self {
+            source,
+            how,
+            between: None,
+            given: 0,
+            inserted: 0,
+        })
+    }
+
+    /// How many frames were inserted so far.
+    #[must_use]
+    pub fn inserted(&self) -> u64 {
+        self.inserted
+    }
+
+    /// The scene underneath.
+    #[must_use]
+    pub fn source(&self) -> &S {
+        &self.source
+    }
+
+    fn give(&mut self, seconds: f64, light: Plane<f64>) -> Frame {
+        let index = self.given;
+        self.given += 1;
+        Frame {
+            index,
+            seconds,
+            light,
+        }
+    }
+}
+
+impl<S: Scene> Scene for Upsampled<S> {
+    fn size(&self) -> Size {
+        self.source.size()
+    }
+
+    /// Frames of the source per second.
+    fn fps(&self) -> f64 {
+        self.source.fps()
+    }
+
+    fn fps_is_assumed(&self) -> bool {
+        self.source.fps_is_assumed()
+    }
+
+    /// Not known beforehand; [`source`](Upsampled::source) knows how many it has.
+    fn frames(&self) -> Option<u64> {
+        None
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let Some(between) = &mut self.between else {
+            // The very first frame, or the end.
+            let Some(first) = self.source.next_frame()? else {
+                return Ok(None);
+            };
+            self.how.bound.check(&first)?;
+            return self.begin(first);
+        };
+        if between.steps == self.how.most_steps {
+            return Err(SceneError::TooManySteps {
+                pair: between.from.index,
+                most: self.how.most_steps,
+            });
+        }
+        between.steps += 1;
+        between.share += self.how.bound.longest_step(between);
+        let share = between.share;
+        if share < 1.0 {
+            let (from, to) = (&between.from, &between.to);
+            Zip::from(&mut between.now)
+                .and(&from.light)
+                .and(&to.light)
+                .for_each(|now, a, b| *now = a + (b - a) * share);
+            let seconds = from.seconds + (to.seconds - from.seconds) * share;
+            let light = between.now.clone();
+            self.inserted += 1;
+            return Ok(Some(self.give(seconds, light)));
+        }
+        match self.between.take() {
+            Some(between) => self.begin(between.to),
+            None => Ok(None),
+        }
+    }
+}
+
+impl<S: Scene> Upsampled<S> {
+    /// Gives a source frame and looks for the one after it.
+    fn begin(&mut self, from: Frame) -> Result<Option<Frame>, SceneError> {
+        let frame = self.give(from.seconds, from.light.clone());
+        if let Some(to) = self.source.next_frame()? {
+            self.how.bound.check(&to)?;
+            self.between = Some(Between {
+                now: from.light.clone(),
+                from,
+                to,
+                share: 0.0,
+                steps: 0,
+            });
+        }
+        Ok(Some(frame))
+    }
+}
+
+impl Bound {
+    /// Whether the light of a source frame can be bounded.
+    fn check(self, frame: &Frame) -> Result<(), SceneError> {
+        let Self::Contrast { offset, .. } = self else {
+            return Ok(());
+        };
+        let dark = frame
+            .light
+            .indexed_iter()
+            .find(|(_, v)| **v + offset <= 0.0);
+        match dark {
+            None => Ok(()),
+            Some(((y, x), value)) => Err(SceneError::NoLogarithm {
+                frame: frame.index,
+                y,
+                x,
+                value: *value,
+                offset,
+            }),
+        }
+    }
+
+    /// How far, as a share of the way from one source frame to the other, the light may go
+    /// on from where it is; infinite where nothing changes.
+    fn longest_step(self, between: &Between) -> f64 {
+        let (from, to) = (&between.from.light, &between.to.light);
+        match self {
+            Self::Light { light } => {
+                let fastest = Zip::from(from)
+                    .and(to)
+                    .fold(0.0_f64, |most, a, b| most.max((b - a).abs()));
+                light / fastest
+            }
+            Self::Contrast { contrast, offset } => {
+                // Up by e^c - 1 of what there is, or down by 1 - e^-c of it.
+                let (up, down) = (contrast.exp_m1(), (-contrast).exp_m1());
+                let changes = Zip::from(from).and(to).and(&between.now);
+                changes.fold(f64::INFINITY, |longest, a, b, now| {
+                    let change = b - a;
+                    let may = (now + offset) * if change > 0.0 { up } else { down };
+                    // Where nothing changes this is infinite: light + offset is above 0.
+                    longest.min((may / change).abs())
+                })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::unit::Micros;
+
+    /// Frames in memory.
+    struct Clip(Vec<Plane<f64>>, usize);
+
+    impl Scene for Clip {
+        fn size(&self) -> Size {
+            Size::of(&self.0[0])
+        }
+        fn fps(&self) -> f64 {
+            10.0
+        }
+        fn frames(&self) -> Option<u64> {
+            Some(self.0.len() as u64)
+        }
+        fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+            let index = self.1;
+            self.1 += 1;
+            Ok(self.0.get(index).map(|light| Frame {
+                index: index as u64,
+                seconds: index as f64 / 10.0,
+                light: light.clone(),
+            }))
+        }
+    }
+
+    fn clip(lights: &[Vec<f64>]) -> Clip {
+        let plane = |row: &Vec<f64>| Plane::from_shape_vec((1, row.len()), row.clone()).unwrap();
+        Clip(lights.iter().map(plane).collect(), 0)
+    }
+
+    fn all(mut scene: Upsampled<Clip>) -> Result<(Vec<Frame>, u64), SceneError> {
+        let mut frames = Vec::new();
+        while let Some(frame) = scene.next_frame()? {
+            frames.push(frame);
+        }
+        Ok((frames, scene.inserted()))
+    }
+
+    fn how(bound: Bound) -> Upsampling {
+        Upsampling {
+            bound,
+            most_steps: 1000,
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_pixel_moves_too_far_and_the_source_is_kept(
+            lights in prop::collection::vec(prop::collection::vec(0.0..255.0, 3), 1..5),
+            contrast in 0.05..1.0,
+            offset in 0.5..5.0,
+        ) {
+            let (contrast, offset): (f64, f64) = (contrast, offset);
+            let bound = Bound::Contrast { contrast, offset };
+            let (frames, inserted) = all(Upsampled::new(clip(&lights), how(bound)).unwrap()).unwrap();
+            prop_assert_eq!(frames.len() as u64, lights.len() as u64 + inserted);
+            for (count, pair) in frames.windows(2).enumerate() {
+                prop_assert_eq!(pair[1].index, count as u64 + 1);
+                prop_assert!(pair[0].seconds < pair[1].seconds);
+                for (a, b) in pair[0].light.iter().zip(&pair[1].light) {
+                    let moved = ((b + offset) / (a + offset)).ln().abs();
+                    prop_assert!(moved <= contrast + 1e-9, "{}", moved);
+                }
+            }
+            // Every source frame is there, as it was and when it was; all others lie on the
+            // straight line between their neighbours.
+            for (n, light) in lights.iter().enumerate() {
+                let seconds = n as f64 / 10.0;
+                let frame = frames.iter().find(|f| f.seconds == seconds).unwrap();
+                prop_assert_eq!(&frame.light.iter().copied().collect::<Vec<_>>(), light);
+            }
+            for frame in &frames {
+                let n = (frame.seconds * 10.0).floor() as usize;
+                let (a, b) = (&lights[n], &lights[(n + 1).min(lights.len() - 1)]);
+                let share = frame.seconds * 10.0 - n as f64;
+                for ((v, a), b) in frame.light.iter().zip(a).zip(b) {
+                    prop_assert!((v - (a + (b - a) * share)).abs() < 1e-9);
+                }
+            }
+        }
+
+        #[test]
+        fn the_last_step_is_the_only_one_that_could_be_longer(
+            lights in prop::collection::vec(prop::collection::vec(0.0..255.0, 2), 2),
+        ) {
+            let bound = Bound::Contrast { contrast: 0.2, offset: 1.0 };
+            let (frames, _) = all(Upsampled::new(clip(&lights), how(bound)).unwrap()).unwrap();
+            for pair in frames[..frames.len() - 1].windows(2) {
+                let most = pair[0].light.iter().zip(&pair[1].light)
+                    .map(|(a, b)| ((b + 1.0) / (a + 1.0)).ln().abs())
+                    .fold(0.0, f64::max);
+                prop_assert!((most - 0.2).abs() < 1e-9, "{}", most);
+            }
+        }
+    }
+
+    #[test]
+    fn light_can_be_bounded_itself() {
+        let lights = [vec![0.0, 9.0], vec![10.0, 9.0], vec![10.0, 9.0]];
+        let bound = Bound::Light { light: 4.0 };
+        let (frames, inserted) = all(Upsampled::new(clip(&lights), how(bound)).unwrap()).unwrap();
+        let dots: Vec<_> = frames
+            .iter()
+            .map(|f| (f.index, Micros::from_seconds(f.seconds).0, f.light[(0, 0)]))
+            .collect();
+        assert_eq!(inserted, 2);
+        assert_eq!(
+            dots,
+            [
+                (0, 0, 0.0),
+                (1, 40_000, 4.0),
+                (2, 80_000, 8.0),
+                (3, 100_000, 10.0),
+                (4, 200_000, 10.0)
+            ]
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_bounded_is_an_error() {
+        let far = [vec![0.0], vec![255.0]];
+        let few = Upsampling {
+            most_steps: 10,
+            ..Upsampling::default()
+        };
+        let message = all(Upsampled::new(clip(&far), few).unwrap())
+            .unwrap_err()
+            .to_string();
+        assert_eq!(message, "more than 10 steps between source frames 0 and 1");
+        let dark = [vec![3.0], vec![-1.0]];
+        let message = all(Upsampled::new(clip(&dark), Upsampling::default()).unwrap());
+        assert!(
+            message
+                .unwrap_err()
+                .to_string()
+                .starts_with("source frame 1, y 0, x 0: light -1")
+        );
+        for contrast in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let bound = Bound::Contrast {
+                contrast,
+                offset: 1.0,
+            };
+            assert!(Upsampled::new(clip(&far), how(bound)).is_err());
+        }
+    }
+}

@@ -1,0 +1,419 @@
+//! YUV4MPEG2, the raw video that `ffmpeg` and `mplayer` write; its luma.
+//!
+//! Samples are used as they are coded: full range is not told from limited (16 to 235), and
+//! more than 8 bits are scaled to 0..255 as real numbers, so that all depths share a scale.
+//! Format: the man page `yuv4mpeg(5)` of mjpegtools; depths above 8 as ffmpeg writes them.
+
+use std::{
+    io::{BufRead, Read},
+    path::{Path, PathBuf},
+};
+
+use super::{Frame, Scene, SceneError, light, rate::Rate};
+use crate::plane::Size;
+
+/// The first word of every file.
+pub(super) const MAGIC: &[u8] = b"YUV4MPEG2";
+
+/// The longest header or frame line that is read.
+const LONGEST_LINE: u64 = 4096;
+
+/// A y4m stream.
+pub(super) struct Y4m<R> {
+    path: PathBuf,
+    stream: R,
+    size: Size,
+    samples: Samples,
+    rate: Rate,
+    frames: Option<u64>,
+    next: u64,
+    bytes: Vec<u8>,
+}
+
+/// How the samples of one frame are laid out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Samples {
+    /// Bits of a sample; above 8 they take two bytes, little end first.
+    bits: u32,
+    /// Bytes of luma, the first plane of a frame.
+    luma: u64,
+    /// Bytes of a whole frame.
+    frame: u64,
+}
+
+/// Opens a y4m file.
+pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
+    let stream = light::open_file(path)?;
+    let length = stream
+        .get_ref()
+        .metadata()
+        .ok()
+        .filter(std::fs::Metadata::is_file)
+        .map(|data| data.len());
+    Y4m::new(path, stream, length, asked)
+}
+
+impl<R: BufRead + Send> Y4m<R> {
+    /// Reads the header; `length` is that of the whole stream, where it is known.
+    fn new(
+        path: &Path,
+        mut stream: R,
+        length: Option<u64>,
+        asked: Option<f64>,
+    ) -> Result<Self, SceneError> {
+        let header = match line(&mut stream, path)? {
+            Line::Whole(text) => text,
+            Line::Nothing => {
+                return Err(SceneError::Empty {
+                    path: path.into(),
+                    missing: "header",
+                });
+            }
+            Line::Broken(got) => {
+                return Err(SceneError::Header {
+                    path: path.into(),
+                    field: "first line",
+                    got: format!("{got:?}"),
+                    want: "YUV4MPEG2 and its fields, ended by a new line",
+                });
+            }
+        };
+        let fields = Fields::parse(path, &header)?;
+        let size = light::checked_size(path, fields.height, fields.width)?;
+        let samples = samples(&fields.colour, size).ok_or_else(|| SceneError::ColourSpace {
+            path: path.into(),
+            got: fields.colour.clone(),
+        })?;
+        let rate = Rate::asked_or_found(asked, fields.fps, path)?;
+        // Frame lines may carry fields; the count is known only where none does.
+        let frames = length
+            .and_then(|length| length.checked_sub(header.len() as u64 + 1))
+            .and_then(|body| {
+                let step = samples.frame + 6;
+                (body % step == 0).then_some(body / step)
+            });
+        if frames == Some(0) {
+            return Err(SceneError::Empty {
+                path: path.into(),
+                missing: "frame",
+            });
+        }
+        Ok(Self {
+            path: path.into(),
+            stream,
+            size,
+            samples,
+            rate,
+            frames,
+            next: 0,
+            bytes: Vec::new(),
+        })
+    }
+}
+
+impl<R: BufRead + Send> Scene for Y4m<R> {
+    fn size(&self) -> Size {
+        self.size
+    }
+    fn fps(&self) -> f64 {
+        self.rate.fps
+    }
+    fn frames(&self) -> Option<u64> {
+        self.frames
+    }
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let index = self.next;
+        let no_frame = |got: String| SceneError::NoFrame {
+            path: self.path.clone(),
+            frame: index,
+            got,
+        };
+        match line(&mut self.stream, &self.path)? {
+            Line::Nothing if index == 0 => {
+                return Err(SceneError::Empty {
+                    path: self.path.clone(),
+                    missing: "frame",
+                });
+            }
+            Line::Nothing => return Ok(None),
+            Line::Whole(text) if text == "FRAME" || text.starts_with("FRAME ") => {}
+            Line::Whole(text) => return Err(no_frame(text.chars().take(20).collect())),
+            Line::Broken(text) => return Err(no_frame(text)),
+        }
+        // Reading through `take` allocates what is there, not what the header claims.
+        self.bytes.clear();
+        let got = (&mut self.stream)
+            .take(self.samples.frame)
+            .read_to_end(&mut self.bytes)
+            .map_err(|cause| SceneError::unreadable(&self.path, cause))? as u64;
+        let truncated = || SceneError::Truncated {
+            path: self.path.clone(),
+            frame: index,
+            got,
+            want: self.samples.frame,
+        };
+        if got < self.samples.frame {
+            return Err(truncated());
+        }
+        let luma = self
+            .bytes
+            .get(..self.samples.luma as usize)
+            .ok_or_else(truncated)?;
+        let numbers = if self.samples.bits == 8 {
+            luma.iter().map(|&b| f64::from(b)).collect()
+        } else {
+            let most = f64::from((1_u32 << self.samples.bits) - 1);
+            luma.as_chunks()
+                .0
+                .iter()
+                .map(|&pair| f64::from(u16::from_le_bytes(pair)) * 255.0 / most)
+                .collect()
+        };
+        let light = light::plane(self.size, numbers).ok_or_else(truncated)?;
+        self.next += 1;
+        Ok(Some(Frame {
+            index,
+            seconds: self.rate.seconds(index),
+            light,
+        }))
+    }
+}
+
+/// The fields of the header that matter here.
+struct Fields {
+    width: usize,
+    height: usize,
+    fps: Option<f64>,
+    colour: String,
+}
+
+impl Fields {
+    fn parse(path: &Path, header: &str) -> Result<Self, SceneError> {
+        let bad = |field, got: &str, want| SceneError::Header {
+            path: path.into(),
+            field,
+            got: format!("{got:?}"),
+            want,
+        };
+        let mut words = header.split(' ').filter(|word| !word.is_empty());
+        match words.next() {
+            Some("YUV4MPEG2") => {}
+            other => return Err(bad("first word", other.unwrap_or(""), "YUV4MPEG2")),
+        }
+        let (mut width, mut height, mut fps) = (None, None, None);
+        // What the format means when the field is missing.
+        let mut colour = "420jpeg".to_owned();
+        for word in words {
+            let Some(tag) = word.chars().next() else {
+                continue;
+            };
+            let value = &word[tag.len_utf8()..];
+            match tag {
+                'W' => width = Some(whole(value).ok_or_else(|| bad("W", value, "a width"))?),
+                'H' => height = Some(whole(value).ok_or_else(|| bad("H", value, "a height"))?),
+                'F' => {
+                    let rate = ratio(value);
+                    fps = Some(rate.ok_or_else(|| bad("F", value, "frames per second as a:b"))?);
+                }
+                'C' => value.clone_into(&mut colour),
+                'I' if matches!(value, "t" | "b" | "m") => {
+                    return Err(SceneError::Interlaced {
+                        path: path.into(),
+                        got: value.into(),
+                    });
+                }
+                'I' if matches!(value, "p" | "?") => {}
+                'I' => return Err(bad("I", value, "p, t, b, m or ?")),
+                // The shape of a pixel, and comments: nothing that changes light.
+                'A' | 'X' => {}
+                _ => return Err(bad("(unknown)", word, "one of W H F I A C X")),
+            }
+        }
+        Ok(Self {
+            width: width.ok_or_else(|| bad("W", "nothing", "a width"))?,
+            height: height.ok_or_else(|| bad("H", "nothing", "a height"))?,
+            fps,
+            colour,
+        })
+    }
+}
+
+fn whole(text: &str) -> Option<usize> {
+    text.parse().ok()
+}
+
+/// `a:b` as a rate; `0:0`, which means "unknown", is no usable rate.
+fn ratio(text: &str) -> Option<f64> {
+    let (a, b) = text.split_once(':')?;
+    let (a, b): (u64, u64) = (a.parse().ok()?, b.parse().ok()?);
+    Some(a as f64 / b as f64)
+}
+
+/// The layout that a colour space means; `None` where it is not known.
+fn samples(colour: &str, size: Size) -> Option<Samples> {
+    let (layout, bits) = match colour {
+        "420" | "420jpeg" | "420mpeg2" | "420paldv" => ("420", 8),
+        "mono" | "411" | "422" | "440" | "444" | "444alpha" => (colour, 8),
+        deep => {
+            let (layout, bits) = deep
+                .strip_prefix("mono")
+                .map(|bits| ("mono", bits))
+                .or_else(|| deep.split_once('p'))?;
+            match (layout, bits) {
+                ("mono" | "420" | "422" | "444", "9" | "10" | "12" | "14" | "16") => {
+                    (layout, bits.parse().ok()?)
+                }
+                _ => return None,
+            }
+        }
+    };
+    let (height, width) = (size.height as u64, size.width as u64);
+    let luma = height * width;
+    let others = match layout {
+        "mono" => 0,
+        "420" => 2 * width.div_ceil(2) * height.div_ceil(2),
+        "411" => 2 * width.div_ceil(4) * height,
+        "422" => 2 * width.div_ceil(2) * height,
+        "440" => 2 * width * height.div_ceil(2),
+        "444" => 2 * luma,
+        "444alpha" => 3 * luma,
+        _ => return None,
+    };
+    let bytes = if bits > 8 { 2 } else { 1 };
+    Some(Samples {
+        bits,
+        luma: luma * bytes,
+        frame: (luma + others) * bytes,
+    })
+}
+
+/// What stood where a line was expected.
+enum Line {
+    /// A line of text, without its end.
+    Whole(String),
+    /// No end of line, or no text: how it begins.
+    Broken(String),
+    /// The end of the stream.
+    Nothing,
+}
+
+fn line(stream: &mut impl BufRead, path: &Path) -> Result<Line, SceneError> {
+    let mut bytes = Vec::new();
+    stream
+        .take(LONGEST_LINE)
+        .read_until(b'\n', &mut bytes)
+        .map_err(|cause| SceneError::unreadable(path, cause))?;
+    if bytes.is_empty() {
+        return Ok(Line::Nothing);
+    }
+    if bytes.pop_if(|last| *last == b'\n').is_some() {
+        match String::from_utf8(bytes) {
+            Ok(text) => return Ok(Line::Whole(text)),
+            Err(error) => bytes = error.into_bytes(),
+        }
+    }
+    bytes.truncate(20);
+    Ok(Line::Broken(bytes.escape_ascii().to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn read(bytes: &[u8]) -> Result<Vec<Frame>, SceneError> {
+        let mut scene = Y4m::new(Path::new("a.y4m"), bytes, Some(bytes.len() as u64), None)?;
+        let mut frames = Vec::new();
+        while let Some(frame) = scene.next_frame()? {
+            frames.push(frame);
+        }
+        Ok(frames)
+    }
+
+    #[test]
+    fn every_colour_space_gives_its_luma() {
+        // 3x3, so that halves are rounded up: planes of chroma must be passed over exactly.
+        for (colour, bits, others) in [
+            ("mono", 8, 0),
+            ("420jpeg", 8, 8),
+            ("420paldv", 8, 8),
+            ("411", 8, 6),
+            ("422", 8, 12),
+            ("440", 8, 12),
+            ("444", 8, 18),
+            ("444alpha", 8, 27),
+            ("mono16", 16, 0),
+            ("420p10", 10, 8),
+            ("422p12", 12, 12),
+        ] {
+            let mut bytes = format!("YUV4MPEG2 W3 H3 F30000:1001 Ip C{colour}\n").into_bytes();
+            for frame in 0..2_u8 {
+                bytes.extend(b"FRAME\n");
+                for place in 0..9_u8 {
+                    bytes.push(10 * frame + place);
+                    if bits > 8 {
+                        bytes.push(0);
+                    }
+                }
+                let wide = if bits > 8 { 2 } else { 1 };
+                bytes.extend(vec![200; others * wide]);
+            }
+            let frames = read(&bytes).unwrap();
+            assert_eq!(frames.len(), 2, "{colour}");
+            assert_eq!(frames[1].seconds, 1001.0 / 30000.0);
+            let scale = 255.0 / f64::from((1 << bits) - 1);
+            for (place, light) in frames[1].light.iter().enumerate() {
+                assert!(
+                    (light - (10 + place) as f64 * scale).abs() < 1e-12,
+                    "{colour}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_missing_colour_space_is_420() {
+        let mut bytes = b"YUV4MPEG2 W2 H2 F25:1\nFRAME Ip\n".to_vec();
+        bytes.extend([1, 2, 3, 4, 128, 128]);
+        assert_eq!(read(&bytes).unwrap()[0].light[(1, 0)], 3.0);
+    }
+
+    #[test]
+    fn the_count_of_frames_is_known_beforehand() {
+        let bytes = b"YUV4MPEG2 W1 H1 F25:1 Cmono\nFRAME\n1FRAME\n2";
+        let scene = Y4m::new(Path::new("a"), &bytes[..], Some(bytes.len() as u64), None).unwrap();
+        assert_eq!(scene.frames(), Some(2));
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_are_read_or_refused(bytes: Vec<u8>) {
+            let _ = read(&bytes);
+            let mut after = b"YUV4MPEG2 ".to_vec();
+            after.extend(&bytes);
+            let _ = read(&after);
+            let mut framed = b"YUV4MPEG2 W2 H1 F1:1 Cmono\n".to_vec();
+            framed.extend(&bytes);
+            prop_assert!(read(&framed).is_err() || bytes.starts_with(b"FRAME"));
+        }
+
+        #[test]
+        fn any_header_is_read_or_refused(header in "YUV4MPEG2( [WHFICAX][0-9a-z:]{0,6}){0,6}\nFRAME\n.{0,9}") {
+            let _ = read(header.as_bytes());
+        }
+
+        #[test]
+        fn a_cut_clip_is_an_error_unless_cut_between_frames(cut in 0_usize..57) {
+            let mut bytes = b"YUV4MPEG2 W3 H1 F1:1 Cmono\n".to_vec();
+            let header = bytes.len();
+            for frame in 0..3 {
+                bytes.extend(b"FRAME\n");
+                bytes.extend([frame; 3]);
+            }
+            let cut = cut.min(bytes.len());
+            let whole = cut > header && (cut - header).is_multiple_of(9);
+            prop_assert_eq!(read(&bytes[..cut]).is_ok(), whole);
+        }
+    }
+}
