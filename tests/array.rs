@@ -4,14 +4,14 @@
 
 use amacrine::{
     array::{
-        Address, Array, Chip, Domain, Exact, Fixed, Halves, Layout, Ledger, Place, Propagation,
-        Settings, Share, Single,
+        Address, Array, Chip, Domain, Exact, Fixed, Halves, Place, Propagation, Settings, Share,
+        Single,
     },
     event::{Packet, Polarity},
-    isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target},
+    isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
     number::{Overflow, Q},
     plane::{At, Plane, Size},
-    program::{Action, Code, Host, Step},
+    program::{Action, Code, Cost, Host, Step},
     unit::Micros,
 };
 use half::{bf16, f16};
@@ -346,6 +346,10 @@ fn word() -> impl Strategy<Value = Primitive> {
     ]
 }
 
+fn defaults() -> Settings {
+    Settings::of(&Device::scamp5())
+}
+
 fn sizes() -> impl Strategy<Value = Size> {
     prop_oneof![
         12 => (1usize..8, 1usize..8),
@@ -367,7 +371,7 @@ fn settings() -> impl Strategy<Value = Settings> {
         propagation,
         diffusion,
         square_gain: 1.0 / 128.0,
-        ..Settings::default()
+        ..defaults()
     })
 }
 
@@ -400,8 +404,15 @@ fn agrees<D: Domain + Clone>(
         }],
         frame: words(program),
     };
-    let layout = Layout::scamp5(size);
-    let mut chip = Chip::new("test", domain.clone(), code, layout, settings).unwrap();
+    let mut chip = Chip::new(
+        "test",
+        domain.clone(),
+        code,
+        &Device::scamp5(),
+        size,
+        settings,
+    )
+    .unwrap();
     let planes: Vec<Plane<f64>> = (0..21)
         .map(|k| {
             let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);
@@ -556,7 +567,7 @@ fn on(settings: Settings, size: Size, program: &[Primitive]) -> Chip<Exact> {
         init: vec![],
         frame: words(program),
     };
-    Chip::new("test", Exact, code, Layout::scamp5(size), settings).unwrap()
+    Chip::new("test", Exact, code, &Device::scamp5(), size, settings).unwrap()
 }
 
 fn run(chip: &mut Chip<Exact>) -> Packet {
@@ -574,10 +585,7 @@ fn a_move_reads_from_the_neighbour_it_names_and_the_edge_beyond() {
     let size = Size::new(4, 5);
     for edge in [0.0, 50.0] {
         for direction in Direction::ALL {
-            let settings = Settings {
-                edge,
-                ..Settings::default()
-            };
+            let settings = Settings { edge, ..defaults() };
             let mut chip = on(settings, size, &movx(B, A, direction));
             let light = ramp(size);
             chip.set_analog(A, &light).unwrap();
@@ -600,7 +608,7 @@ fn a_transfer_needs_the_driver_first_and_the_reader_then() {
         sources: vec![Source::Register(C)],
     }];
     program.extend(movx(B, A, Direction::West));
-    let mut chip = on(Settings::default(), size, &program);
+    let mut chip = on(defaults(), size, &program);
     chip.set_analog(A, &ramp(size)).unwrap();
     chip.set_analog(T, &Plane::from_elem((1, 3), -70.0))
         .unwrap();
@@ -629,7 +637,7 @@ fn a_transfer_needs_the_driver_first_and_the_reader_then() {
 #[test]
 fn the_same_register_added_to_itself_by_way_of_news() {
     let size = Size::new(2, 2);
-    let mut chip = on(Settings::default(), size, &sub(B, A, A));
+    let mut chip = on(defaults(), size, &sub(B, A, A));
     chip.set_analog(A, &ramp(size)).unwrap();
     run(&mut chip);
     assert_eq!(chip.analog(B), Plane::from_elem((2, 2), 0.0));
@@ -642,7 +650,7 @@ fn an_image_is_half_the_light() {
     let mut chip = on(
         Settings {
             clip: true,
-            ..Settings::default()
+            ..defaults()
         },
         size,
         &get_image(A),
@@ -659,14 +667,7 @@ fn an_image_is_half_the_light() {
 fn clipping_limits_stores_but_not_what_is_set() {
     let size = Size::new(1, 2);
     for (clip, expected) in [(true, [127.0, -128.0]), (false, [300.0, -300.0])] {
-        let mut chip = on(
-            Settings {
-                clip,
-                ..Settings::default()
-            },
-            size,
-            &[bus(T, &[A])],
-        );
+        let mut chip = on(Settings { clip, ..defaults() }, size, &[bus(T, &[A])]);
         chip.set_analog(
             A,
             &Plane::from_shape_vec((1, 2), vec![-300.0, 300.0]).unwrap(),
@@ -694,14 +695,7 @@ fn events_leave_by_columns_from_the_top_right() {
         init: vec![],
         frame: vec![scan(4), scan(100)],
     };
-    let mut chip = Chip::new(
-        "test",
-        Exact,
-        code,
-        Layout::scamp5(size),
-        Settings::default(),
-    )
-    .unwrap();
+    let mut chip = Chip::new("test", Exact, code, &Device::scamp5(), size, defaults()).unwrap();
     let bits = Plane::from_shape_fn((3, 4), |(y, x)| (x + y) % 2 == 1 || (y, x) == (2, 3));
     chip.set_digital(Digital(5), &bits).unwrap();
     let packet = run(&mut chip);
@@ -710,7 +704,7 @@ fn events_leave_by_columns_from_the_top_right() {
     assert_eq!(places[..4], all[..4]);
     assert_eq!(places[4..], all, "the register is left as it was");
     assert_eq!(packet.dropped.no_slot, 2);
-    assert_eq!(chip.ambiguous(), 2, "the top right pixel, twice");
+    assert_eq!(chip.ledger().ambiguous, 2, "the top right pixel, twice");
     assert!(
         packet
             .events
@@ -744,8 +738,9 @@ fn illegal_operands_are_refused_before_anything_runs() {
             "test",
             Exact,
             code,
-            Layout::scamp5(Size::new(1, 1)),
-            Settings::default(),
+            &Device::scamp5(),
+            Size::new(1, 1),
+            defaults(),
         );
         chip.unwrap_err().to_string()
     };
@@ -771,12 +766,16 @@ proptest! {
             line: 1,
         });
         let code = Code { init: vec![], frame };
-        let expected = Ledger::of(&code.frame);
-        let layout = Layout::scamp5(Size::new(2, 3));
-        let mut chip = Chip::new("test", Exact, code, layout, Settings::default()).unwrap();
+        let device = Device::scamp5();
+        let expected = Cost::of(&code.frame, &device);
+        let mut chip =
+            Chip::new("test", Exact, code, &device, Size::new(2, 3), defaults()).unwrap();
         run(&mut chip);
-        prop_assert_eq!(chip.ledger(), expected);
-        prop_assert_eq!(expected.words().0, once.len() as u64 * (1 + u64::from(times)));
+        let cost = chip.ledger().cost(&device);
+        prop_assert_eq!(cost.words, expected.words);
+        prop_assert!((cost.array_us - expected.array_us).abs() < 1e-9);
+        prop_assert!((cost.host_us - expected.host_us).abs() < 1e-9);
+        prop_assert_eq!(expected.words.0, once.len() as u64 * (1 + u64::from(times)));
     }
 
     #[test]
@@ -786,7 +785,7 @@ proptest! {
             let mut program = movx(B, A, direction);
             program.extend(movx(B, B, direction.opposite()));
             program.extend(mov(C, B));
-            let mut chip = on(Settings::default(), size, &program);
+            let mut chip = on(defaults(), size, &program);
             let values = Plane::from_shape_fn(size.shape(), |(y, x)| value(seed, (y * 7 + x) as u64));
             chip.set_analog(A, &values).unwrap();
             run(&mut chip);

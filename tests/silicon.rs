@@ -6,7 +6,7 @@
 use amacrine::{
     array::{Array, Chip, Errors, Layout, Settings, Silicon},
     event::Packet,
-    isa::{Analog, Primitive, Source, Target},
+    isa::{Analog, Device, Primitive, Source, Target},
     plane::{Plane, Size},
     program::{Action, Code, Host, Step},
     unit::Micros,
@@ -52,7 +52,8 @@ fn identity() -> Vec<Primitive> {
 }
 
 fn chip(errors: Errors, seed: u64, program: &[Primitive], input: f64) -> Chip<Silicon> {
-    let layout = Layout::scamp5(SIZE);
+    let device = Device::scamp5();
+    let layout = Layout::of(&device, SIZE);
     let word = |word: &Primitive| Step {
         action: Action::Word(word.clone()),
         line: 1,
@@ -65,7 +66,8 @@ fn chip(errors: Errors, seed: u64, program: &[Primitive], input: f64) -> Chip<Si
         frame: program.iter().map(word).collect(),
     };
     let domain = Silicon::new(errors, seed, &layout);
-    let mut chip = Chip::new("test", domain, code, layout, Settings::default()).unwrap();
+    let settings = Settings::of(&device);
+    let mut chip = Chip::new("test", domain, code, &device, SIZE, settings).unwrap();
     chip.run_init(Micros(0), &mut Packet::new(SIZE, 1)).unwrap();
     chip
 }

@@ -8,7 +8,9 @@ use super::{
     Array, Chip, CodeError, Errors, Exact, Fixed, Halves, Layout, Settings, Silicon, Single,
 };
 use crate::{
+    isa::Device,
     number::{FixedFormat, Format, FormatError, Q, Width},
+    plane::Size,
     program::Code,
 };
 
@@ -80,12 +82,15 @@ impl Arithmetic {
         self,
         name: &str,
         code: Code,
-        layout: Layout,
+        device: &Device,
+        size: Size,
         settings: Settings,
     ) -> Result<Box<dyn Array + Send>, CodeError> {
         macro_rules! chip {
             ($domain:expr) => {
-                Ok(Box::new(Chip::new(name, $domain, code, layout, settings)?))
+                Ok(Box::new(Chip::new(
+                    name, $domain, code, device, size, settings,
+                )?))
             };
         }
         match self {
@@ -98,7 +103,9 @@ impl Arithmetic {
                 16 => chip!(fixed::<i16>(format)),
                 _ => chip!(fixed::<i32>(format)),
             },
-            Self::Silicon { seed, errors } => chip!(Silicon::new(errors, seed, &layout)),
+            Self::Silicon { seed, errors } => {
+                chip!(Silicon::new(errors, seed, &Layout::of(device, size)))
+            }
         }
     }
 }
@@ -110,7 +117,6 @@ fn fixed<T: Width>(format: FixedFormat) -> Fixed<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::Size;
 
     #[test]
     fn a_chip_has_the_domain_that_was_asked_for() {
@@ -128,8 +134,9 @@ mod tests {
         ] {
             let arithmetic: Arithmetic = name.parse().unwrap();
             assert_eq!(arithmetic.to_string(), name);
-            let layout = Layout::scamp5(Size::new(2, 2));
-            let chip = arithmetic.chip("x", Code::default(), layout, Settings::default());
+            let device = Device::scamp5();
+            let settings = Settings::of(&device);
+            let chip = arithmetic.chip("x", Code::default(), &device, Size::new(2, 2), settings);
             assert_eq!(chip.unwrap().domain(), name);
         }
         assert!("silicone".parse::<Arithmetic>().is_err());

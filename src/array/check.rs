@@ -73,7 +73,9 @@ impl CodeProblem {
             Self::Analog { .. } | Self::Digital { .. } => {
                 "use a register that this chip has, or a chip with more registers"
             }
-            Self::Layout { .. } => "a pixel needs NEWS and R0 to R12 at least",
+            Self::Layout { .. } => {
+                "a pixel needs NEWS, and two different registers that mask and spread"
+            }
             Self::NoTarget => "name the register that the bus is stored in",
             Self::Twice => {
                 "on a bus all registers must differ, the targets too: a register connected twice is connected once"
@@ -93,7 +95,16 @@ pub fn check(code: &Code, layout: &Layout) -> Result<(), CodeError> {
         analog: layout.analog,
         digital: layout.digital,
     };
-    if layout.news.0 >= layout.analog || layout.digital <= Layout::SPREADS.0 {
+    let roles = layout.roles;
+    let named = [roles.mask, roles.propagated]
+        .into_iter()
+        .chain(roles.enable);
+    if layout.news.0 >= layout.analog
+        || named
+            .into_iter()
+            .any(|register| register.0 >= layout.digital)
+        || roles.mask == roles.propagated
+    {
         return Err(CodeError { line: 0, problem });
     }
     body(&code.init, layout)?;

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     event::{Event, Packet, Polarity},
-    isa::{Analog, Digital},
+    isa::{Analog, Device, Digital},
     plane::{Plane, Size},
     program::{Action, Code, Host, Step},
     scene::Frame,
@@ -52,6 +52,7 @@ pub struct RunError {
 pub struct Chip<D: Domain> {
     name: String,
     domain: D,
+    device: Device,
     settings: Settings,
     code: Code,
     state: State<D::Cell>,
@@ -61,7 +62,6 @@ pub struct Chip<D: Domain> {
     /// Words since power-on.
     step: u64,
     ledger: Ledger,
-    ambiguous: u64,
     readings: Vec<Reading>,
 }
 
@@ -69,6 +69,9 @@ pub struct Chip<D: Domain> {
 pub trait Array: Sensor {
     /// The name of its domain.
     fn domain(&self) -> String;
+
+    /// The chip.
+    fn device(&self) -> &Device;
 
     /// Its registers and size.
     fn layout(&self) -> Layout;
@@ -115,10 +118,6 @@ pub trait Array: Sensor {
     /// What was done since power-on.
     fn ledger(&self) -> Ledger;
 
-    /// Events at the chip's (0,0), which a host cannot tell from the end of the list. They are
-    /// in our packets.
-    fn ambiguous(&self) -> u64;
-
     /// What the host read during the last body that ran.
     fn readings(&self) -> &[Reading];
 }
@@ -135,22 +134,24 @@ impl<D: Domain> Chip<D> {
         name: &str,
         domain: D,
         code: Code,
-        layout: Layout,
+        device: &Device,
+        size: Size,
         settings: Settings,
     ) -> Result<Self, CodeError> {
-        assert!(layout.size.pixels() > 0, "an array needs pixels");
+        assert!(size.pixels() > 0, "an array needs pixels");
+        let layout = Layout::of(device, size);
         check(&code, &layout)?;
         Ok(Self {
             name: name.into(),
             state: State::new(&domain, layout, settings.edge),
             channels: channels(&code.init).max(channels(&code.frame)).max(1),
             domain,
+            device: device.clone(),
             settings,
             code,
             watched: None,
             step: 0,
             ledger: Ledger::default(),
-            ambiguous: 0,
             readings: Vec::new(),
         })
     }
@@ -174,7 +175,11 @@ impl<D: Domain> Chip<D> {
     }
 
     fn body(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        let mut launched = false;
         for step in body {
+            let word = matches!(step.action, Action::Word(_));
+            self.ledger.launches += u64::from(word && !launched);
+            launched = word;
             match &step.action {
                 Action::Word(word) => {
                     semantics::execute(
@@ -190,10 +195,10 @@ impl<D: Domain> Chip<D> {
                         domain: self.domain.name(),
                     })?;
                     self.step += 1;
-                    self.ledger.word(word);
+                    self.ledger.word(word, &self.device);
                 }
                 Action::Host(operation) => {
-                    self.ledger.host(operation);
+                    self.ledger.host(operation, &self.device);
                     self.host(operation, step.line, t, packet);
                 }
                 Action::Repeat { times, body } => {
@@ -210,7 +215,9 @@ impl<D: Domain> Chip<D> {
         let mut scan = |source, polarity, channel, slots, from_left, from_bottom| {
             let bits = self.state.digital(source);
             let scan = Scan::new(bits, self.state.layout.size, slots, from_left, from_bottom);
-            self.ambiguous += u64::from(scan.ambiguous);
+            self.ledger.events += scan.found.len() as u64;
+            self.ledger.missed += scan.missed;
+            self.ledger.ambiguous += u64::from(scan.ambiguous);
             deliver(&scan, polarity, channel, t, packet);
         };
         match *operation {
@@ -293,6 +300,10 @@ impl<D: Domain> Array for Chip<D> {
         self.domain.name()
     }
 
+    fn device(&self) -> &Device {
+        &self.device
+    }
+
     fn layout(&self) -> Layout {
         self.state.layout
     }
@@ -349,10 +360,6 @@ impl<D: Domain> Array for Chip<D> {
 
     fn ledger(&self) -> Ledger {
         self.ledger
-    }
-
-    fn ambiguous(&self) -> u64 {
-        self.ambiguous
     }
 
     fn readings(&self) -> &[Reading] {

@@ -33,7 +33,7 @@ pub use chip::{Array, Chip, RunError, ShapeError};
 pub use domain::{Domain, Exact, Fixed, Halves, Place, Share, Single, Undecided};
 pub use host::{Reading, Readings};
 pub use layout::Layout;
-pub use ledger::{Class, Ledger};
+pub use ledger::Ledger;
 pub use readout::{Address, Scan};
 pub use settings::{Propagation, Settings};
 pub use silicon::{Errors, Silicon};

@@ -17,7 +17,7 @@
 //!   its value; one that several drive holds the sum of what each puts in.
 //! - R12 is written only where R0 was 1 before the word.
 
-use super::{BitPlane, Domain, Layout, Place, Propagation, Settings, Share, State, Undecided};
+use super::{BitPlane, Domain, Place, Propagation, Settings, Share, State, Undecided};
 use crate::isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target};
 
 /// Executes one instruction word on all pixels. `step` numbers the words since power-on.
@@ -406,6 +406,7 @@ impl<D: Domain> Array<'_, D> {
             by: parts as u32,
             part: None,
         };
+        let roles = state.layout.roles;
         let before = state.analog(source).to_vec();
         for y in 0..height {
             for x in 0..width {
@@ -413,8 +414,12 @@ impl<D: Domain> Array<'_, D> {
                 let mut sum = self.domain.nothing();
                 for direction in Direction::ALL {
                     let (along, gate) = match direction {
-                        Direction::North | Direction::South => (vertical, Digital(1)),
-                        Direction::East | Direction::West => (horizontal, Digital(2)),
+                        Direction::North | Direction::South => {
+                            (vertical, roles.enables(Direction::South))
+                        }
+                        Direction::East | Direction::West => {
+                            (horizontal, roles.enables(Direction::West))
+                        }
                     };
                     let (dy, dx) = direction.step();
                     let (to_y, to_x) = (y.wrapping_add_signed(dy), x.wrapping_add_signed(dx));
@@ -450,7 +455,7 @@ fn any<C: Clone>(state: &State<C>, sources: &[Bit]) -> BitPlane {
 
 /// Writes a one-bit register; R12 only where R0 is 1.
 pub(super) fn write<C: Clone>(state: &mut State<C>, target: Digital, new: &BitPlane) {
-    if target == Layout::SPREADS {
+    if target == state.layout.roles.propagated {
         let [mask, spreads] = mask_and_spreads(state);
         spreads.assign_where(new, mask);
     } else {
@@ -460,18 +465,21 @@ pub(super) fn write<C: Clone>(state: &mut State<C>, target: Digital, new: &BitPl
 
 /// R0 and R12, to read the one while the other is written.
 fn mask_and_spreads<C>(state: &mut State<C>) -> [&mut BitPlane; 2] {
-    let (low, high) = state.digital.split_at_mut(usize::from(Layout::SPREADS.0));
-    [&mut low[usize::from(Layout::MASK.0)], &mut high[0]]
+    let roles = state.layout.roles;
+    let both = [roles.mask, roles.propagated].map(|register| usize::from(register.0));
+    // The check before the run refuses a chip where they are one.
+    state.digital.get_disjoint_mut(both).expect("two registers")
 }
 
 fn fill<C: Clone>(state: &mut State<C>, targets: &[Digital], value: bool) {
     let mut constant = BitPlane::zeros(state.layout.size);
     constant.fill(value);
     // R12 first: it goes by R0 as it was before this word.
-    if targets.contains(&Layout::SPREADS) {
-        write(state, Layout::SPREADS, &constant);
+    let spreads = state.layout.roles.propagated;
+    if targets.contains(&spreads) {
+        write(state, spreads, &constant);
     }
-    for target in targets.iter().filter(|target| **target != Layout::SPREADS) {
+    for target in targets.iter().filter(|target| **target != spreads) {
         write(state, *target, &constant);
     }
 }
@@ -480,7 +488,7 @@ fn fill<C: Clone>(state: &mut State<C>, targets: &[Digital], value: bool) {
 fn from_enabled<C: Clone>(state: &State<C>, source: &BitPlane, boundary: bool) -> BitPlane {
     let mut result = BitPlane::zeros(state.layout.size);
     for direction in Direction::ALL {
-        let enabled = state.digital(Layout::enable(direction));
+        let enabled = state.digital(state.layout.roles.enables(direction));
         result.or_where(&source.seen(direction, boundary), enabled);
     }
     result
@@ -492,7 +500,11 @@ fn propagate<C: Clone>(state: &mut State<C>, how_far: Propagation, boundary: boo
         Propagation::Steps(steps) => steps,
     };
     for _ in 0..steps {
-        let seen = from_enabled(state, state.digital(Layout::SPREADS), boundary);
+        let seen = from_enabled(
+            state,
+            state.digital(state.layout.roles.propagated),
+            boundary,
+        );
         let [mask, spreads] = mask_and_spreads(state);
         let before = spreads.count();
         spreads.or_where(&seen, mask);

@@ -1,6 +1,8 @@
 //! What the sources leave open, by name, with a default.
 
-/// How the array behaves where the vendor's sources leave it open, and what it costs.
+use crate::isa::{Device, Figure};
+
+/// How the array behaves where the vendor's sources leave it open.
 ///
 /// Analogue values are on the chip's ADC scale ("LSB", -128 to 127).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,36 +27,29 @@ pub struct Settings {
     /// NEWS := this times the square of the sum, in 1/LSB. Evidence: guess; the vendor gives no
     /// calibration of the squarer.
     pub square_gain: f64,
-    /// Time of one instruction word, in microseconds. Evidence: quoted, 10 MHz
-    /// (Carey et al., VLSI 2013).
-    pub word_us: f64,
-    /// Time of one slot of event readout, in microseconds. Evidence: measured elsewhere, at most
-    /// 273 us for 300 slots with binning (`AnalogNet`'s profile).
-    pub slot_us: f64,
 }
 
 /// How far a bit spreads in one PROP.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Propagation {
     /// Until nothing changes.
-    #[default]
     Settled,
-    /// So many pixels. Real chips differ; about half the array was seen.
+    /// So many pixels. Real chips differ; SCAMP-5's data say 128, about half the array.
     Steps(u32),
 }
 
-impl Default for Settings {
-    fn default() -> Self {
+impl Settings {
+    /// What a chip's data says, no clipping.
+    #[must_use]
+    pub fn of(device: &Device) -> Self {
         Self {
-            edge: 0.0,
+            edge: device.value(Figure::Edge),
             clip: false,
-            gain: 0.5,
-            reset_level: -127.0,
-            propagation: Propagation::Settled,
+            gain: device.value(Figure::LightScale),
+            reset_level: device.value(Figure::LightReset),
+            propagation: Propagation::Steps(device.value(Figure::Travel) as u32),
             diffusion: 8,
             square_gain: 1.0,
-            word_us: 0.1,
-            slot_us: 0.91,
         }
     }
 }
