@@ -1,5 +1,7 @@
 //! The rig: one light, several sensors, their packets.
 
+use rayon::prelude::*;
+
 use crate::{
     event::Packet,
     scene::{Frame, Scene, SceneError},
@@ -25,7 +27,8 @@ pub enum RigError {
     },
 }
 
-/// Shows every frame of a scene to every sensor, in turn; one packet for each sensor.
+/// Shows every frame of a scene to every sensor, all sensors at the same time; one packet for
+/// each sensor.
 ///
 /// `seen` is called after each frame, for whoever keeps pictures or shows progress.
 ///
@@ -33,20 +36,25 @@ pub enum RigError {
 /// When the scene or a sensor cannot go on.
 pub fn watch(
     scene: &mut dyn Scene,
-    sensors: &mut [&mut dyn Sensor],
+    sensors: &mut [&mut (dyn Sensor + Send)],
     mut seen: impl FnMut(&Frame),
 ) -> Result<Vec<Packet>, RigError> {
-    let empty = |sensor: &&mut dyn Sensor| Packet::new(sensor.size(), sensor.channels());
-    let mut packets: Vec<_> = sensors.iter().map(empty).collect();
+    let mut packets: Vec<_> = sensors
+        .iter()
+        .map(|s| Packet::new(s.size(), s.channels()))
+        .collect();
     while let Some(frame) = scene.next_frame()? {
-        for (sensor, packet) in sensors.iter_mut().zip(&mut packets) {
-            sensor
-                .watch(&frame, packet)
-                .map_err(|cause| RigError::Sensor {
-                    name: sensor.name().to_owned(),
-                    cause,
-                })?;
-        }
+        sensors
+            .par_iter_mut()
+            .zip(&mut packets)
+            .try_for_each(|(sensor, packet)| {
+                sensor
+                    .watch(&frame, packet)
+                    .map_err(|cause| RigError::Sensor {
+                        name: sensor.name().to_owned(),
+                        cause,
+                    })
+            })?;
         seen(&frame);
     }
     Ok(packets)

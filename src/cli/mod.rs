@@ -6,6 +6,7 @@ pub mod demo;
 pub mod exec;
 mod progress;
 pub mod run;
+mod timed;
 
 use std::process::ExitCode;
 
