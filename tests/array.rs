@@ -410,15 +410,7 @@ fn agrees<D: Domain + Clone>(
         }],
         frame: words(program),
     };
-    let mut chip = Chip::new(
-        "test",
-        domain.clone(),
-        code,
-        device(),
-        size,
-        settings,
-    )
-    .unwrap();
+    let mut chip = Chip::new("test", domain.clone(), code, device(), size, settings).unwrap();
     let planes: Vec<Plane<f64>> = (0..21)
         .map(|k| {
             let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);
@@ -740,14 +732,7 @@ fn illegal_operands_are_refused_before_anything_runs() {
             init: vec![],
             frame: words(&[word]),
         };
-        let chip = Chip::new(
-            "test",
-            Exact,
-            code,
-            device(),
-            Size::new(1, 1),
-            defaults(),
-        );
+        let chip = Chip::new("test", Exact, code, device(), Size::new(1, 1), defaults());
         chip.unwrap_err().to_string()
     };
     assert!(refused(bus(A, &[B, B])).contains("twice"));
