@@ -53,11 +53,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let text = fs::read_to_string(&arguments.program)
         .into_diagnostic()
         .wrap_err_with(|| format!("cannot read {file}"))?;
-    let program = Program::parse(&file, &text)?;
     if arguments.format {
+        let program = Program::parse(&file, &text)?;
         print!("{}", program.syntax);
         return Ok(());
     }
+    let program = Program::read(&file, &text);
     let chip = arguments.chip.as_ref().or(program.settings.chip.as_ref());
     let device = Device::find(chip.map_or("scamp5", String::as_str))?;
     let overrides: Overrides = arguments.constants.iter().cloned().collect();

@@ -35,7 +35,7 @@ use crate::{
     event::Polarity,
     isa::{
         Analog, Device, Digital, Primitive,
-        text::{Faults, Severity},
+        text::{Fault, Faults, Severity},
     },
 };
 
@@ -52,6 +52,8 @@ pub struct Program {
     pub settings: Settings,
     /// What it is expected to give.
     pub expectation: Expectation,
+    /// What is wrong with the text itself.
+    faults: Vec<Fault>,
 }
 
 impl Program {
@@ -60,6 +62,15 @@ impl Program {
     /// # Errors
     /// All that is wrong with the text.
     pub fn parse(file: &str, text: &str) -> Result<Self, Faults> {
+        let program = Self::read(file, text);
+        Faults::check(file, text, program.faults.clone())?;
+        Ok(program)
+    }
+
+    /// Reads as much of a text as can be read. What is wrong with it is said by
+    /// [`Program::expand`], together with all that is wrong with its statements.
+    #[must_use]
+    pub fn read(file: &str, text: &str) -> Self {
         let parse::Parsed {
             syntax,
             header_at,
@@ -68,14 +79,14 @@ impl Program {
         } = parse::parse(text);
         let settings = settings::read(&syntax.header, &header_at, &mut faults);
         let expectation = settings::read(&syntax.footer, &footer_at, &mut faults);
-        Faults::check(file, text, faults)?;
-        Ok(Self {
+        Self {
             file: file.to_owned(),
             text: text.into(),
             syntax,
             settings,
             expectation,
-        })
+            faults,
+        }
     }
 
     /// Looks up every name on a chip, expands every macro, and checks the result.
@@ -84,8 +95,9 @@ impl Program {
     /// All that is wrong with the program on this chip, warnings included.
     pub fn expand(&self, device: &Device, overrides: &Overrides) -> Result<Expansion, Faults> {
         let settings = &self.settings.constants;
-        let (expansion, faults) =
+        let (expansion, mut faults) =
             expand::expand(&self.syntax, &self.text, settings, device, overrides);
+        faults.extend(self.faults.iter().cloned());
         Faults::check(&self.file, &self.text, faults)?;
         Ok(expansion)
     }

@@ -106,10 +106,11 @@ impl Parser<'_> {
                 continue;
             }
             let start = self.cursor.place().start;
+            let blank = !items.is_empty() && self.blank_before(start);
             match self.node(level) {
                 Ok(node) => {
                     let place = Place::new(start, self.cursor.before().end);
-                    let item = self.item(node, place, items.is_empty());
+                    let item = self.item(node, place, blank);
                     items.push(item);
                 }
                 Err(fault) => {
@@ -125,9 +126,13 @@ impl Parser<'_> {
         }
     }
 
-    fn item(&mut self, node: Node, place: Place, first: bool) -> Item {
-        let between = self.text.get(self.end..place.start).unwrap_or_default();
-        let blank_before = !first && between.matches('\n').count() > 1;
+    /// Whether a blank line lies between the last thing and this place.
+    fn blank_before(&self, start: usize) -> bool {
+        let between = self.text.get(self.end..start).unwrap_or_default();
+        between.matches('\n').count() > 1
+    }
+
+    fn item(&mut self, node: Node, place: Place, blank_before: bool) -> Item {
         // A comment inside a statement ends before the statement does.
         self.end = self.end.max(place.end);
         let is_comment = matches!(node, Node::Comment(_));
@@ -158,8 +163,8 @@ impl Parser<'_> {
                 return;
             }
             self.comments = rest;
-            let first = items.is_empty();
-            let item = self.item(Node::Comment(comment(token)), token.place, first);
+            let blank = !items.is_empty() && self.blank_before(token.place.start);
+            let item = self.item(Node::Comment(comment(token)), token.place, blank);
             items.push(item);
         }
     }
