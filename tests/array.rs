@@ -346,8 +346,14 @@ fn word() -> impl Strategy<Value = Primitive> {
     ]
 }
 
+/// Read once; its files are the same for all.
+fn device() -> &'static Device {
+    static DEVICE: std::sync::LazyLock<Device> = std::sync::LazyLock::new(Device::scamp5);
+    &DEVICE
+}
+
 fn defaults() -> Settings {
-    Settings::of(&Device::scamp5())
+    Settings::of(device())
 }
 
 fn sizes() -> impl Strategy<Value = Size> {
@@ -404,15 +410,7 @@ fn agrees<D: Domain + Clone>(
         }],
         frame: words(program),
     };
-    let mut chip = Chip::new(
-        "test",
-        domain.clone(),
-        code,
-        &Device::scamp5(),
-        size,
-        settings,
-    )
-    .unwrap();
+    let mut chip = Chip::new("test", domain.clone(), code, device(), size, settings).unwrap();
     let planes: Vec<Plane<f64>> = (0..21)
         .map(|k| {
             let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);
@@ -567,7 +565,7 @@ fn on(settings: Settings, size: Size, program: &[Primitive]) -> Chip<Exact> {
         init: vec![],
         frame: words(program),
     };
-    Chip::new("test", Exact, code, &Device::scamp5(), size, settings).unwrap()
+    Chip::new("test", Exact, code, device(), size, settings).unwrap()
 }
 
 fn run(chip: &mut Chip<Exact>) -> Packet {
@@ -695,7 +693,7 @@ fn events_leave_by_columns_from_the_top_right() {
         init: vec![],
         frame: vec![scan(4), scan(100)],
     };
-    let mut chip = Chip::new("test", Exact, code, &Device::scamp5(), size, defaults()).unwrap();
+    let mut chip = Chip::new("test", Exact, code, device(), size, defaults()).unwrap();
     let bits = Plane::from_shape_fn((3, 4), |(y, x)| (x + y) % 2 == 1 || (y, x) == (2, 3));
     chip.set_digital(Digital(5), &bits).unwrap();
     let packet = run(&mut chip);
@@ -734,14 +732,7 @@ fn illegal_operands_are_refused_before_anything_runs() {
             init: vec![],
             frame: words(&[word]),
         };
-        let chip = Chip::new(
-            "test",
-            Exact,
-            code,
-            &Device::scamp5(),
-            Size::new(1, 1),
-            defaults(),
-        );
+        let chip = Chip::new("test", Exact, code, device(), Size::new(1, 1), defaults());
         chip.unwrap_err().to_string()
     };
     assert!(refused(bus(A, &[B, B])).contains("twice"));
@@ -766,12 +757,12 @@ proptest! {
             line: 1,
         });
         let code = Code { init: vec![], frame };
-        let device = Device::scamp5();
-        let expected = Cost::of(&code.frame, &device);
+        let device = device();
+        let expected = Cost::of(&code.frame, device);
         let mut chip =
-            Chip::new("test", Exact, code, &device, Size::new(2, 3), defaults()).unwrap();
+            Chip::new("test", Exact, code, device, Size::new(2, 3), defaults()).unwrap();
         run(&mut chip);
-        let cost = chip.ledger().cost(&device);
+        let cost = chip.ledger().cost(device);
         prop_assert_eq!(cost.words, expected.words);
         prop_assert!((cost.array_us - expected.array_us).abs() < 1e-9);
         prop_assert!((cost.host_us - expected.host_us).abs() < 1e-9);

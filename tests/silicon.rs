@@ -19,6 +19,12 @@ const T: Analog = Analog(6);
 
 const SIZE: Size = Size::new(96, 96);
 
+/// Read once; its files are the same for all.
+fn device() -> &'static Device {
+    static DEVICE: std::sync::LazyLock<Device> = std::sync::LazyLock::new(Device::scamp5);
+    &DEVICE
+}
+
 fn bus(targets: &[Analog], sources: &[Source]) -> Primitive {
     Primitive::Bus {
         targets: targets.iter().map(|r| Target::Register(*r)).collect(),
@@ -52,8 +58,8 @@ fn identity() -> Vec<Primitive> {
 }
 
 fn chip(errors: Errors, seed: u64, program: &[Primitive], input: f64) -> Chip<Silicon> {
-    let device = Device::scamp5();
-    let layout = Layout::of(&device, SIZE);
+    let device = device();
+    let layout = Layout::of(device, SIZE);
     let word = |word: &Primitive| Step {
         action: Action::Word(word.clone()),
         line: 1,
@@ -66,8 +72,8 @@ fn chip(errors: Errors, seed: u64, program: &[Primitive], input: f64) -> Chip<Si
         frame: program.iter().map(word).collect(),
     };
     let domain = Silicon::new(errors, seed, &layout);
-    let settings = Settings::of(&device);
-    let mut chip = Chip::new("test", domain, code, &device, SIZE, settings).unwrap();
+    let settings = Settings::of(device);
+    let mut chip = Chip::new("test", domain, code, device, SIZE, settings).unwrap();
     chip.run_init(Micros(0), &mut Packet::new(SIZE, 1)).unwrap();
     chip
 }

@@ -88,6 +88,12 @@ pub trait Array: Sensor {
     /// When the plane has another size.
     fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError>;
 
+    /// Sets FLAG.
+    ///
+    /// # Errors
+    /// When the plane has another size.
+    fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError>;
+
     /// An analogue register, in LSB, without loss.
     fn analog(&self, register: Analog) -> Plane<f64>;
 
@@ -141,9 +147,12 @@ impl<D: Domain> Chip<D> {
         assert!(size.pixels() > 0, "an array needs pixels");
         let layout = Layout::of(device, size);
         check(&code, &layout)?;
+        let mut state = State::new(&domain, layout, settings.edge);
+        // Switched on in the dark.
+        state.pix.fill(domain.hold(settings.reset_level));
         Ok(Self {
             name: name.into(),
-            state: State::new(&domain, layout, settings.edge),
+            state,
             channels: channels(&code.init).max(channels(&code.frame)).max(1),
             domain,
             device: device.clone(),
@@ -317,6 +326,12 @@ impl<D: Domain> Array for Chip<D> {
     fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
         *self.state.digital_mut(register) = BitPlane::from_plane(bits);
+        Ok(())
+    }
+
+    fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError> {
+        self.fits(bits)?;
+        self.state.flag = BitPlane::from_plane(bits);
         Ok(())
     }
 
