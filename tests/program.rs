@@ -17,11 +17,6 @@ use amacrine::{
 };
 use proptest::prelude::*;
 
-fn read(text: &str) -> Syntax {
-    let program = Program::parse("test.scamp", text);
-    program.unwrap_or_else(|e| panic!("{e:?}\n{text}")).syntax
-}
-
 // ---- arbitrary programs -----------------------------------------------------------------
 
 fn name() -> impl Strategy<Value = String> {
@@ -563,5 +558,20 @@ fn every_mistake_has_its_message_at_its_place() {
                 .iter()
                 .all(|l| !l.fault.label.is_empty() && l.fault.help.is_some())
         );
+    }
+}
+
+/// Every call of the list, so that none is only drawn where it is refused.
+#[test]
+fn each_call_reads_back_as_the_same_words() {
+    let device = Device::scamp5();
+    for call in CALLS {
+        let first = frame(call);
+        let code = amacrine::program::Code {
+            init: Vec::new(),
+            frame: first.clone(),
+        };
+        let printed = vendor_text(&code, true, &device);
+        assert_eq!(flat(&first), flat(&frame(&printed)), "{call}\n{printed}");
     }
 }
