@@ -2,7 +2,7 @@
 
 use std::{fs, path::PathBuf};
 
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::miette;
 use serde_json::json;
 
 use crate::{
@@ -50,9 +50,12 @@ fn constant(text: &str) -> Result<(String, f64), String> {
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let file = arguments.program.display().to_string();
-    let text = fs::read_to_string(&arguments.program)
-        .into_diagnostic()
-        .wrap_err_with(|| format!("cannot read {file}"))?;
+    let text = fs::read_to_string(&arguments.program).map_err(|cause| {
+        miette!(
+            help = "give the path of a program, such as programs/dvs/snap.scamp",
+            "cannot read {file}: {cause}"
+        )
+    })?;
     if arguments.format {
         let program = Program::parse(&file, &text)?;
         print!("{}", program.syntax);
