@@ -1,10 +1,10 @@
 //! The shipped chips, held against the published tables: every macro's words, every name; and
 //! one message for each way in which a chip's files can be wrong.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, fs, path::Path};
 
 use amacrine::{
-    isa::{Device, Figure},
+    isa::{Device, Figure, LoadError, text::Located},
     program::{Action, Program, Step, stored},
 };
 
@@ -247,4 +247,81 @@ fn every_shipped_chip_loads_and_states_every_figure() {
     assert_eq!(wide.news(), Device::scamp5().news());
     assert_eq!(wide.value(Figure::Width), 512.0);
     assert_eq!(wide.macros(), Device::scamp5().macros());
+}
+
+/// Every folder in `tests/bad/isa` is a chip with mistakes. The file that is wrong says on top,
+/// in lines `# 3:5 message | help` (or `//`), all that is to be found in it.
+#[test]
+fn every_mistake_in_a_chip_has_its_message_at_its_place() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad/isa");
+    let mut folders: Vec<_> = fs::read_dir(root)
+        .unwrap()
+        .map(|f| f.unwrap().path())
+        .collect();
+    folders.sort();
+    assert!(folders.len() > 20);
+    for folder in folders {
+        let mut expected = Vec::new();
+        for name in ["device.toml", "primitives.toml", "macros.scamp"] {
+            let Ok(text) = fs::read_to_string(folder.join(name)) else {
+                continue;
+            };
+            for line in text.lines() {
+                let line = line.strip_prefix("# ").or_else(|| line.strip_prefix("// "));
+                if let Some(line) = line
+                    && line.starts_with(|c: char| c.is_ascii_digit())
+                {
+                    expected.push(format!("{name}:{line}"));
+                }
+            }
+        }
+        let error = Device::load(&folder).expect_err(&folder.display().to_string());
+        let LoadError::Wrong(faults) = error else {
+            panic!("{}: {error:?}", folder.display());
+        };
+        let found: Vec<String> = faults.faults.iter().map(|l| shown(l, &folder)).collect();
+        assert_eq!(found, expected, "{}", folder.display());
+    }
+}
+
+fn shown(located: &Located, folder: &Path) -> String {
+    let file = located.file.strip_prefix(&folder.display().to_string());
+    let file = file.unwrap_or(&located.file).trim_start_matches('/');
+    let help = located.fault.help.as_deref().unwrap_or("");
+    let (line, column) = (located.line, located.column);
+    format!("{file}:{line}:{column} {} | {help}", located.fault.message)
+}
+
+#[test]
+fn a_chip_that_is_not_there_is_named() {
+    let error = Device::find("scamp6").unwrap_err().to_string();
+    assert!(error.contains("scamp6"), "{error}");
+    let folder = tempfile::tempdir().unwrap();
+    let error = Device::load(folder.path()).unwrap_err();
+    assert!(error.to_string().contains("device.toml"), "{error}");
+}
+
+/// The walk through isa/README.md, followed to the letter: its files make a chip, its program
+/// costs there what it says.
+#[test]
+fn the_walk_through_the_readme_works() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("isa/README.md")).unwrap();
+    let block = |name: &str| {
+        let (_, rest) = readme.split_once(&format!(" {name}\n")).unwrap();
+        rest.split_once("```").unwrap().0.to_owned()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["device.toml", "macros.scamp"] {
+        fs::write(folder.path().join(file), block(file)).unwrap();
+    }
+    let device = Device::load(folder.path()).unwrap();
+    let program = Program::parse("program.scamp", &block("program.scamp")).unwrap();
+    let expansion = program.expand(&device, &BTreeMap::new()).unwrap();
+    let cost = amacrine::program::Cost::of(&expansion.code.frame, &device);
+    let says = format!(
+        "takes {} words (5, 10 and 2), {:.2} us at 20 MHz",
+        cost.words.0, cost.array_us
+    );
+    assert!(readme.contains(&says), "{says}");
 }

@@ -6,7 +6,7 @@ use std::{collections::BTreeMap, fs, path::Path};
 use amacrine::{
     event::Polarity,
     isa::{
-        Analog, Device, Digital,
+        Analog, Bit, Device, Digital, Direction, Primitive, Source, Target,
         text::{Argument, Expression, Operator, Place, Severity, Statement, Term},
     },
     program::{
@@ -16,11 +16,6 @@ use amacrine::{
     },
 };
 use proptest::prelude::*;
-
-fn read(text: &str) -> Syntax {
-    let program = Program::parse("test.scamp", text);
-    program.unwrap_or_else(|e| panic!("{e:?}\n{text}")).syntax
-}
 
 // ---- arbitrary programs -----------------------------------------------------------------
 
@@ -564,4 +559,253 @@ fn every_mistake_has_its_message_at_its_place() {
                 .all(|l| !l.fault.label.is_empty() && l.fault.help.is_some())
         );
     }
+}
+
+/// Every call of the list, so that none is only drawn where it is refused.
+#[test]
+fn each_call_reads_back_as_the_same_words() {
+    let device = Device::scamp5();
+    for call in CALLS {
+        let first = frame(call);
+        let code = amacrine::program::Code {
+            init: Vec::new(),
+            frame: first.clone(),
+        };
+        let printed = vendor_text(&code, true, &device);
+        assert_eq!(flat(&first), flat(&frame(&printed)), "{call}\n{printed}");
+    }
+}
+
+// ---- what the shipped programs compute --------------------------------------------------
+
+/// The array in the plainest way: f64 planes, pixels off it hold 0 and are on. Knows the words
+/// that the shipped programs use, and refuses others.
+struct Slow {
+    height: isize,
+    width: isize,
+    light: Vec<f64>,
+    pix: Vec<f64>,
+    analog: Vec<Vec<f64>>,
+    bits: Vec<Vec<bool>>,
+    flag: Vec<bool>,
+    input: f64,
+    /// Largest and smallest value that was stored.
+    range: (f64, f64),
+}
+
+impl Slow {
+    fn new(height: usize, width: usize) -> Self {
+        let size = height * width;
+        Self {
+            height: height as isize,
+            width: width as isize,
+            light: vec![0.0; size],
+            pix: vec![0.0; size],
+            analog: vec![vec![0.0; size]; 7],
+            bits: vec![vec![false; size]; 13],
+            flag: vec![true; size],
+            input: 0.0,
+            range: (0.0, 0.0),
+        }
+    }
+
+    fn expose(&mut self, light: &[f64]) {
+        self.light = light.to_vec();
+        self.pix = light.iter().map(|l| l / 2.0 - 127.0).collect();
+    }
+
+    /// The pixel in a direction, if it is on the array.
+    fn neighbour(&self, at: usize, direction: Direction) -> Option<usize> {
+        let (dy, dx) = direction.step();
+        let (y, x) = (at as isize / self.width + dy, at as isize % self.width + dx);
+        let inside = (0..self.height).contains(&y) && (0..self.width).contains(&x);
+        inside.then_some((y * self.width + x) as usize)
+    }
+
+    fn source(&self, source: Source, at: usize) -> f64 {
+        match source {
+            Source::Register(r) => self.analog[usize::from(r.0)][at],
+            Source::Pix => self.pix[at],
+            Source::In => self.input,
+            Source::Neighbour(d) => self.neighbour(at, d).map_or(0.0, |n| self.analog[6][n]),
+        }
+    }
+
+    fn sum(&self, sources: &[Source], at: usize) -> f64 {
+        sources.iter().map(|s| self.source(*s, at)).sum()
+    }
+
+    fn bit(&self, bit: Bit, at: usize) -> bool {
+        match bit {
+            Bit::Register(r) => self.bits[usize::from(r.0)][at],
+            Bit::Flag => self.flag[at],
+            Bit::Select | Bit::Rect => panic!("not here"),
+        }
+    }
+
+    fn run(&mut self, steps: &[amacrine::program::Step]) {
+        let size = self.flag.len();
+        for step in steps {
+            match &step.action {
+                Action::Word(Primitive::Nop) | Action::Host(Host::ScanEvents { .. }) => {}
+                Action::Word(Primitive::ResetPix) => self.pix = vec![-127.0; size],
+                Action::Word(Primitive::All) => self.flag = vec![true; size],
+                Action::Word(Primitive::Where { sources }) => {
+                    self.flag = (0..size).map(|at| self.sum(sources, at) > 0.0).collect();
+                }
+                Action::Word(Primitive::WhereBit { sources }) => {
+                    self.flag = (0..size)
+                        .map(|at| sources.iter().any(|b| self.bit(*b, at)))
+                        .collect();
+                }
+                Action::Word(Primitive::Or { target, sources }) => {
+                    self.bits[usize::from(target.0)] = (0..size)
+                        .map(|at| sources.iter().any(|b| self.bit(*b, at)))
+                        .collect();
+                }
+                Action::Word(Primitive::Bus { targets, sources }) => self.bus(targets, sources),
+                Action::Host(Host::LoadIn { value }) => self.input = *value,
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    fn bus(&mut self, targets: &[Target], sources: &[Source]) {
+        let drive: Vec<f64> = (0..self.flag.len())
+            .map(|at| -self.sum(sources, at) / targets.len() as f64)
+            .collect();
+        for target in targets {
+            let mut next = match target {
+                Target::Register(r) => self.analog[usize::from(r.0)].clone(),
+                Target::Neighbour(_) => self.analog[6].clone(),
+            };
+            for (at, stored) in next.iter_mut().enumerate() {
+                // Who drives this pixel's cell: itself, or the one that calls it its neighbour.
+                let driver = match target {
+                    Target::Register(_) => Some(at),
+                    Target::Neighbour(d) => self.neighbour(at, d.opposite()),
+                };
+                if driver.is_none_or(|d| self.flag[d]) {
+                    *stored = driver.map_or(0.0, |d| drive[d]);
+                    self.range.0 = self.range.0.min(*stored);
+                    self.range.1 = self.range.1.max(*stored);
+                }
+            }
+            match target {
+                Target::Register(r) => self.analog[usize::from(r.0)] = next,
+                Target::Neighbour(_) => self.analog[6] = next,
+            }
+        }
+    }
+}
+
+/// Correlation with zeros around.
+fn correlate(light: &[f64], (height, width): (usize, usize), kernel: &[Vec<f64>]) -> Vec<f64> {
+    let (ry, rx) = (kernel.len() / 2, kernel[0].len() / 2);
+    let mut out = vec![0.0; light.len()];
+    for (at, sum) in out.iter_mut().enumerate() {
+        for (j, row) in kernel.iter().enumerate() {
+            for (i, weight) in row.iter().enumerate() {
+                let (y, x) = (at / width + j, at % width + i);
+                if (ry..height + ry).contains(&y) && (rx..width + rx).contains(&x) {
+                    *sum += weight * light[(y - ry) * width + x - rx];
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Every shipped program that says what it computes, run on two pictures: the drive moves by
+/// exactly the stated kernel, events are where it moved by more than the threshold, and the
+/// memory follows there alone. No store leaves the range for light of 0 to 254.
+fn computes(size: (usize, usize), first: &[f64], second: &[f64]) {
+    let device = Device::scamp5();
+    for (file, text) in shipped() {
+        let program = Program::parse(&file, &text).unwrap();
+        let Some(computes) = &program.settings.computes else {
+            continue;
+        };
+        let expansion = program.expand(&device, &BTreeMap::new()).unwrap();
+        let filtered = |light: &[f64]| -> Vec<f64> {
+            let sums = correlate(light, size, &computes.kernel);
+            sums.iter().map(|s| s * computes.scale).collect()
+        };
+        let mut slow = Slow::new(size.0, size.1);
+        slow.expose(first);
+        if let Some(register) = &computes.register {
+            slow.run(&expansion.code.frame);
+            let at = device
+                .registers()
+                .analog
+                .iter()
+                .position(|n| n == register)
+                .unwrap();
+            assert_eq!(slow.analog[at], filtered(first), "{file}");
+        } else {
+            slow.run(&expansion.code.init);
+            // A comparison below may clip, its sign stays; the filter itself may not.
+            in_range(&file, slow.range);
+            let before = slow.analog[4].clone();
+            slow.expose(second);
+            slow.run(&expansion.code.frame);
+            let threshold = expansion.constants[computes.threshold.as_ref().unwrap()];
+            let moved = filtered(second).into_iter().zip(filtered(first));
+            for (at, (new, old)) in moved.enumerate() {
+                let drive = new - old;
+                assert_eq!(slow.bits[5][at], drive > threshold, "{file}: ON at {at}");
+                assert_eq!(slow.bits[6][at], drive < -threshold, "{file}: OFF at {at}");
+                let fired = drive.abs() > threshold;
+                let kept = if fired {
+                    before[at] - drive
+                } else {
+                    before[at]
+                };
+                assert_eq!(slow.analog[4][at], kept, "{file}: memory at {at}");
+            }
+            assert!(slow.flag.iter().all(|f| *f), "{file} leaves FLAG whole");
+        }
+        if computes.threshold.is_none() {
+            in_range(&file, slow.range);
+        }
+    }
+}
+
+fn in_range(file: &str, (low, high): (f64, f64)) {
+    assert!(-128.0 <= low && high <= 127.0, "{file}: {low} to {high}");
+}
+
+proptest! {
+    #[test]
+    fn shipped_programs_compute_what_they_say(
+        (size, first, second) in (1usize..9, 1usize..9).prop_flat_map(|(h, w)| {
+            let picture = || prop::collection::vec((0u8..255).prop_map(f64::from), h * w);
+            (Just((h, w)), picture(), picture())
+        })
+    ) {
+        computes(size, &first, &second);
+    }
+
+    /// Black and white alone: the widest sums.
+    #[test]
+    fn shipped_programs_stay_in_range(
+        (size, first, second) in (1usize..9, 1usize..9).prop_flat_map(|(h, w)| {
+            let picture = || prop::collection::vec(prop::sample::select(vec![0.0, 254.0]), h * w);
+            (Just((h, w)), picture(), picture())
+        })
+    ) {
+        computes(size, &first, &second);
+    }
+}
+
+/// The kernel that a program states is what it was chosen for.
+#[test]
+fn the_centre_surround_kernel_is_ternary_and_sums_to_zero() {
+    let text = fs::read_to_string("programs/rgc/centre_surround.scamp").unwrap();
+    let program = Program::parse("rgc", &text).unwrap();
+    let kernel = program.settings.computes.unwrap().kernel;
+    let weights: Vec<f64> = kernel.concat();
+    assert_eq!(weights.len(), 25);
+    assert_eq!(weights.iter().sum::<f64>(), 0.0);
+    assert!(weights.iter().all(|w| [-1.0, 0.0, 1.0].contains(w)));
 }

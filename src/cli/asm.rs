@@ -2,7 +2,7 @@
 
 use std::{fs, path::PathBuf};
 
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::miette;
 use serde_json::json;
 
 use crate::{
@@ -50,9 +50,12 @@ fn constant(text: &str) -> Result<(String, f64), String> {
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let file = arguments.program.display().to_string();
-    let text = fs::read_to_string(&arguments.program)
-        .into_diagnostic()
-        .wrap_err_with(|| format!("cannot read {file}"))?;
+    let text = fs::read_to_string(&arguments.program).map_err(|cause| {
+        miette!(
+            help = "give the path of a program, such as programs/dvs/snap.scamp",
+            "cannot read {file}: {cause}"
+        )
+    })?;
     if arguments.format {
         let program = Program::parse(&file, &text)?;
         print!("{}", program.syntax);
@@ -78,40 +81,41 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 
 /// The table for people.
 fn listing(program: &Program, expansion: &Expansion, device: &Device) -> String {
-    let mut text = String::new();
-    if let Some(title) = &program.settings.title {
-        text += &format!("{title}\n");
-    }
-    text += &format!(
-        "{} on {} ({})\n",
-        program.file,
-        device.name(),
-        device.title()
-    );
+    let mut lines: Vec<String> = program.settings.title.iter().cloned().collect();
+    let (chip, title) = (device.name(), device.title());
+    lines.push(format!("{} on {chip} ({title})", program.file));
     for (name, entries) in sections(expansion) {
-        text += &format!("\n{name}\n line words  statement\n");
-        rows(&mut text, entries, device, 0);
+        lines.extend([
+            String::new(),
+            name.to_owned(),
+            " line words  statement".to_owned(),
+        ]);
+        rows(&mut lines, entries, device, 0);
     }
-    text.push('\n');
+    lines.push(String::new());
     for (name, cost) in costs(expansion, device) {
-        text += &format!(
-            "{name:<8}{:>6} words  {:>10.1} us on the array  {:>10.1} us on the host",
-            cost.words.0, cost.array_us, cost.host_us
-        );
-        if name == "frame" && cost.micros() > 0.0 {
-            text += &format!("  {:.0} frames/s", 1e6 / cost.micros());
-        }
-        text.push('\n');
+        let Cost {
+            words,
+            array_us,
+            host_us,
+        } = cost;
+        let rate = if name == "frame" && cost.micros() > 0.0 {
+            format!("  {:.0} frames/s", 1e6 / cost.micros())
+        } else {
+            String::new()
+        };
+        lines.push(format!(
+            "{name:<8}{:>6} words  {array_us:>10.1} us on the array  {host_us:>10.1} us on the host{rate}",
+            words.0
+        ));
     }
-    let kept = kept(expansion, device);
-    text += &format!(
-        "store   {kept:>6} words of {}\n",
-        device.value(Figure::Store)
-    );
+    let (kept, room) = (kept(expansion, device), device.value(Figure::Store));
+    lines.push(format!("store   {kept:>6} words of {room}"));
     let (used, destroyed) = registers(expansion, device);
-    text += &format!("uses      {}\n", or_none(&used));
-    text += &format!("destroys  {}\n", or_none(&destroyed));
-    text
+    lines.push(format!("uses      {}", or_none(&used)));
+    lines.push(format!("destroys  {}", or_none(&destroyed)));
+    lines.push(String::new());
+    lines.join("\n")
 }
 
 fn or_none(names: &[String]) -> String {
@@ -144,20 +148,19 @@ fn kept(expansion: &Expansion, device: &Device) -> u64 {
     stored(&expansion.code.init, device).0 + stored(&expansion.code.frame, device).0
 }
 
-fn rows(text: &mut String, entries: &[Entry], device: &Device, level: usize) {
+fn rows(lines: &mut Vec<String>, entries: &[Entry], device: &Device, level: usize) {
     let indent = "  ".repeat(level);
     for entry in entries {
         match entry {
             Entry::Statement(it) => {
                 let words = Cost::of(&it.steps, device).words.0;
-                *text += &format!("{:>5} {words:>5}  {indent}{}\n", it.line, it.text);
-                for line in primitives(it, device) {
-                    *text += &format!("             {indent}  {line}\n");
-                }
+                lines.push(format!("{:>5} {words:>5}  {indent}{}", it.line, it.text));
+                let shown = primitives(it, device).into_iter();
+                lines.extend(shown.map(|line| format!("             {indent}  {line}")));
             }
             Entry::Repeat { times, body, line } => {
-                *text += &format!("{line:>5}        {indent}repeat {times}\n");
-                rows(text, body, device, level + 1);
+                lines.push(format!("{line:>5}        {indent}repeat {times}"));
+                rows(lines, body, device, level + 1);
             }
         }
     }

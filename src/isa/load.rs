@@ -7,6 +7,7 @@ use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
+    sync::LazyLock,
 };
 
 use serde::Deserialize;
@@ -15,7 +16,8 @@ use toml::Spanned;
 use super::{
     Analog, Clock, Device, Digital, Evidence, Figure, HostKind, HostRow, Kind, Macro, Operand,
     PrimitiveRow, Quantity, Registers, Roles, Signature, Value, macros, row,
-    text::{Fault, Faults, Place, nearest, suggestion},
+    signature::Parameter,
+    text::{Fault, Faults, Place, nearest, suggestion, suggestion_or},
 };
 
 /// Why a chip cannot be read.
@@ -90,7 +92,10 @@ impl Device {
     /// Never: a test loads every shipped chip.
     #[must_use]
     pub fn scamp5() -> Self {
-        Self::find("scamp5").expect("the shipped chip is checked by a test")
+        static SCAMP5: LazyLock<Device> = LazyLock::new(|| {
+            Device::find("scamp5").expect("the shipped chip is checked by a test")
+        });
+        SCAMP5.clone()
     }
 
     /// Names of the shipped chips.
@@ -104,7 +109,7 @@ impl Device {
     /// When there is no such chip, or its files are wrong.
     pub fn find(name: &str) -> Result<Self, LoadError> {
         if SHIPPED.iter().any(|(shipped, ..)| *shipped == name) {
-            return assemble(layers(shipped_folder(name)?, None)?);
+            return assemble(&layers(shipped_folder(name)?, None)?);
         }
         let folder = Path::new(name);
         if folder.is_dir() {
@@ -118,7 +123,7 @@ impl Device {
     /// # Errors
     /// When its files cannot be read or are wrong.
     pub fn load(folder: &Path) -> Result<Self, LoadError> {
-        assemble(layers(disk_folder(folder)?, folder.parent())?)
+        assemble(&layers(disk_folder(folder)?, folder.parent())?)
     }
 }
 
@@ -274,7 +279,11 @@ fn layers(top: Folder, beside: Option<&Path>) -> Result<Vec<Layer>, LoadError> {
                     format!("there is no chip `{name}` to extend"),
                     "neither a shipped chip nor a folder beside this one",
                 )
-                .maybe_help(suggestion(name, Device::shipped()));
+                .help(suggestion_or(
+                    name,
+                    Device::shipped(),
+                    "name a shipped chip, or a folder beside this one",
+                ));
                 last.wrong("device.toml", vec![fault])?;
                 break;
             }
@@ -324,12 +333,12 @@ pub(crate) fn toml_fault(error: &toml::de::Error) -> Fault {
 }
 
 /// All checks, one after the other; each can rely on those before it.
-fn assemble(layers: Vec<Layer>) -> Result<Device, LoadError> {
-    let figures = figures(&layers)?;
-    let registers = registers(&layers)?;
-    let primitives = primitive_rows(&layers)?;
-    let hosts = host_rows(&layers)?;
-    let macros = all_macros(&layers)?;
+fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
+    let figures = figures(layers)?;
+    let registers = registers(layers)?;
+    let primitives = primitive_rows(layers)?;
+    let hosts = host_rows(layers)?;
+    let (macros, owners) = all_macros(layers)?;
     let top = &layers[layers.len() - 1];
     let device = Device {
         name: top.device.name.get_ref().clone(),
@@ -340,11 +349,11 @@ fn assemble(layers: Vec<Layer>) -> Result<Device, LoadError> {
         hosts,
         macros,
     };
-    let owner = layers.iter().rev().find(|l| l.folder.macros.is_some());
-    if let Some(owner) = owner {
-        owner.wrong("macros.scamp", macros::check(&device))?;
+    for (at, layer) in layers.iter().enumerate() {
+        let own = device.macros.iter().zip(&owners).filter(|(_, o)| **o == at);
+        let faults = own.flat_map(|(it, _)| macros::check(&device, it)).collect();
+        layer.wrong("macros.scamp", faults)?;
     }
-    rows_can_be_built(&device, top)?;
     Ok(device)
 }
 
@@ -386,33 +395,39 @@ fn figures(layers: &[Layer]) -> Result<Vec<Quantity>, Faults> {
     }
     let top = &layers[layers.len() - 1];
     let mut faults = Vec::new();
-    for figure in Figure::ALL {
-        if !found.contains_key(figure) {
-            let (section, key) = figure.key();
-            faults.push(
-                Fault::error(
-                    top.device.name.span().into(),
-                    format!("the figure `{section}.{key}` is missing"),
-                    "this chip",
-                )
-                .help(format!(
-                    "state it under [figure.{section}] in {}, or extend a chip that does",
-                    figure.unit()
-                )),
-            );
-        }
+    let missing: Vec<String> = Figure::ALL
+        .iter()
+        .filter(|figure| !found.contains_key(figure))
+        .map(|figure| format!("{}.{} ({})", figure.key().0, figure.key().1, figure.unit()))
+        .collect();
+    if !missing.is_empty() {
+        faults.push(
+            Fault::error(
+                top.device.name.span().into(),
+                format!(
+                    "{} figures are missing: {}",
+                    missing.len(),
+                    missing.join(", ")
+                ),
+                "this chip",
+            )
+            .help("state each under [figure.<section>], or extend a chip that does"),
+        );
     }
     if let (Some(low), Some(high)) = (found.get(&Figure::Lowest), found.get(&Figure::Highest))
         && low.value >= high.value
     {
-        faults.push(Fault::error(
-            top.device.name.span().into(),
-            format!(
-                "range.low ({}) is not below range.high ({})",
-                low.value, high.value
-            ),
-            "this chip",
-        ));
+        faults.push(
+            Fault::error(
+                top.device.name.span().into(),
+                format!(
+                    "range.low ({}) is not below range.high ({})",
+                    low.value, high.value
+                ),
+                "this chip",
+            )
+            .help("swap them"),
+        );
     }
     top.wrong("device.toml", faults)?;
     Ok(found.into_values().collect())
@@ -481,27 +496,7 @@ fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
     let Some(roles) = parts().find_map(|r| r.roles.as_ref()) else {
         return missing("roles");
     };
-    let mut faults = Vec::new();
-    let mut seen: Vec<&str> = Vec::new();
-    for name in analog.iter().chain(digital) {
-        if seen.contains(&name.get_ref().as_str()) {
-            faults.push(Fault::error(
-                name.span().into(),
-                format!("two registers are called `{}`", name.get_ref()),
-                "the second",
-            ));
-        }
-        seen.push(name.get_ref());
-    }
-    for (what, list) in [("analogue", analog), ("one-bit", digital)] {
-        if list.is_empty() || list.len() > 64 {
-            faults.push(Fault::error(
-                top.device.name.span().into(),
-                format!("{} {what} registers; there can be 1 to 64", list.len()),
-                "this chip",
-            ));
-        }
-    }
+    let mut faults = wrong_lists(top, analog, digital);
     let mut find = |list: &[Spanned<String>], name: &Spanned<String>, what: &str| -> u8 {
         let at = list.iter().position(|n| n.get_ref() == name.get_ref());
         if at.is_none() {
@@ -512,7 +507,7 @@ fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
                     format!("`{}` is not {what} register", name.get_ref()),
                     "this name",
                 )
-                .maybe_help(suggestion(name.get_ref(), names)),
+                .help(suggestion_or(name.get_ref(), names, "name one of the list")),
             );
         }
         at.unwrap_or(0) as u8
@@ -549,12 +544,56 @@ fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
     })
 }
 
+/// Names that stand twice, and lists that are empty or too long.
+fn wrong_lists(top: &Layer, analog: &[Spanned<String>], digital: &[Spanned<String>]) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let mut seen: Vec<&str> = Vec::new();
+    for name in analog.iter().chain(digital) {
+        if seen.contains(&name.get_ref().as_str()) {
+            faults.push(
+                Fault::error(
+                    name.span().into(),
+                    format!("two registers are called `{}`", name.get_ref()),
+                    "the second",
+                )
+                .help("every register has a name of its own"),
+            );
+        }
+        seen.push(name.get_ref());
+    }
+    for (what, list) in [("analogue", analog), ("one-bit", digital)] {
+        if list.is_empty() || list.len() > 64 {
+            faults.push(
+                Fault::error(
+                    top.device.name.span().into(),
+                    format!("{} {what} registers; there can be 1 to 64", list.len()),
+                    "this chip",
+                )
+                .help("list their names"),
+            );
+        }
+    }
+    faults
+}
+
 /// Parses the forms of a row.
-fn forms(list: &[Spanned<String>], faults: &mut Vec<Fault>) -> Vec<Signature> {
+fn forms(
+    list: &[Spanned<String>],
+    faults: &mut Vec<Fault>,
+    fits: impl Fn(&Signature) -> bool,
+) -> Vec<Signature> {
     let mut parsed = Vec::new();
     for form in list {
         match Signature::parse(form.get_ref()) {
-            Ok(signature) => parsed.push(signature),
+            Ok(signature) if fits(&signature) => parsed.push(signature),
+            Ok(signature) => faults.push(
+                Fault::error(
+                    form.span().into(),
+                    format!("the instruction cannot be made from `{signature}`"),
+                    "this form",
+                )
+                .help("keep the parameters of the shipped row"),
+            ),
             Err(fault) => faults.push(Fault {
                 place: form.span().into(),
                 ..fault
@@ -572,7 +611,7 @@ fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faults> {
             let kind = *row.name.get_ref();
             let built = PrimitiveRow {
                 kind,
-                forms: forms(&row.forms, &mut faults),
+                forms: forms(&row.forms, &mut faults, |form| can_be_built(kind, form)),
                 equation: row.equation.clone(),
                 words: *row.words.get_ref(),
                 clock: row.clock,
@@ -580,11 +619,14 @@ fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faults> {
                 evidence: row.evidence,
             };
             if !(1..=64).contains(&built.words) {
-                faults.push(Fault::error(
-                    row.words.span().into(),
-                    format!("a primitive takes 1 to 64 words, not {}", built.words),
-                    "here",
-                ));
+                faults.push(
+                    Fault::error(
+                        row.words.span().into(),
+                        format!("a primitive takes 1 to 64 words, not {}", built.words),
+                        "here",
+                    )
+                    .help("one word is the rule"),
+                );
             }
             rows.insert(kind, built);
         }
@@ -616,16 +658,19 @@ fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
             for quantity in std::iter::once(&row.call).chain(&row.item) {
                 let Quantity { value, unit, .. } = quantity.get_ref();
                 if unit != "us" || !value.is_finite() || *value < 0.0 {
-                    faults.push(Fault::error(
-                        quantity.span().into(),
-                        "a host operation costs zero or more microseconds (`us`)",
-                        "this figure",
-                    ));
+                    faults.push(
+                        Fault::error(
+                            quantity.span().into(),
+                            "a host operation costs zero or more microseconds (`us`)",
+                            "this figure",
+                        )
+                        .help("write { value = …, unit = \"us\", source = …, evidence = … }"),
+                    );
                 }
             }
             let built = HostRow {
                 kind: *row.name.get_ref(),
-                forms: forms(&row.forms, &mut faults),
+                forms: forms(&row.forms, &mut faults, |_| true),
                 meaning: row.meaning.clone(),
                 call: row.call.get_ref().clone(),
                 item: row.item.as_ref().map(|i| i.get_ref().clone()),
@@ -652,60 +697,39 @@ fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
     Ok(rows.into_values().collect())
 }
 
-/// The macros of all layers; one of the same heading replaces the one before.
-fn all_macros(layers: &[Layer]) -> Result<Vec<Macro>, Faults> {
-    let mut all: Vec<Macro> = Vec::new();
-    for layer in layers {
+/// The macros of all layers, and the layer that each is from; one of the same heading
+/// replaces the one before.
+fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), Faults> {
+    let (mut all, mut owners): (Vec<Macro>, Vec<usize>) = (Vec::new(), Vec::new());
+    for (at, layer) in layers.iter().enumerate() {
         let Some(text) = &layer.folder.macros else {
             continue;
         };
-        match macros::parse(text) {
-            Ok(list) => {
-                for it in list {
-                    let same = |m: &&mut Macro| {
-                        m.signature.name == it.signature.name
-                            && m.signature.parameters.len() == it.signature.parameters.len()
-                            && m.signature
-                                .parameters
-                                .iter()
-                                .zip(&it.signature.parameters)
-                                .all(|(a, b)| a.operand == b.operand)
-                    };
-                    match all.iter_mut().find(same) {
-                        Some(old) => *old = it,
-                        None => all.push(it),
-                    }
-                }
+        let list = match macros::parse(text) {
+            Ok(list) => list,
+            Err(faults) => {
+                layer.wrong("macros.scamp", faults)?;
+                continue;
             }
-            Err(faults) => layer.wrong("macros.scamp", faults)?,
+        };
+        for it in list {
+            if let Some(old) = all.iter().position(|m| m.replaces(&it)) {
+                all[old] = it;
+                owners[old] = at;
+            } else {
+                all.push(it);
+                owners.push(at);
+            }
         }
     }
-    Ok(all)
+    Ok((all, owners))
 }
 
-/// Tries every form of every primitive once, with values that fit.
-fn rows_can_be_built(device: &Device, top: &Layer) -> Result<(), Faults> {
-    let mut faults = Vec::new();
-    for primitive in &device.primitives {
-        for form in &primitive.forms {
-            let bound: Vec<Vec<Value>> = form
-                .parameters
-                .iter()
-                .map(|p| vec![example(p.operand); p.count.0.max(1)])
-                .collect();
-            if row::build(primitive.kind, &form.name, &bound).is_none() {
-                faults.push(
-                    Fault::error(
-                        top.device.name.span().into(),
-                        format!("{:?} cannot be made from `{form}`", primitive.kind),
-                        "this chip's primitives.toml",
-                    )
-                    .help("keep the parameters of the shipped row"),
-                );
-            }
-        }
-    }
-    top.wrong("device.toml", faults)
+/// Tries a form once, with values that fit.
+fn can_be_built(kind: Kind, form: &Signature) -> bool {
+    let example = |p: &Parameter| vec![example(p.operand); p.count.0.max(1)];
+    let bound: Vec<Vec<Value>> = form.parameters.iter().map(example).collect();
+    row::build(kind, &form.name, &bound).is_some()
 }
 
 fn example(operand: Operand) -> Value {

@@ -17,7 +17,8 @@ use super::{
     Callable, Device, Kind as Primitives, Operand, Signature,
     signature::{Given, Mode},
     text::{
-        Argument, Cursor, Expression, Fault, Kind, Place, Statement, Term, Token, lex, suggestion,
+        Argument, Cursor, Expression, Fault, Kind, Place, Statement, Term, Token, lex,
+        suggestion_or,
     },
 };
 
@@ -203,23 +204,21 @@ fn body(cursor: &mut Cursor<'_>) -> Result<Vec<Item>, Fault> {
     Ok(items)
 }
 
-/// Checks the macros of a device against each other, its rows and its registers.
+/// Checks a macro of a device against the others, its rows and its registers.
 #[must_use]
-pub fn check(device: &Device) -> Vec<Fault> {
+pub fn check(device: &Device, it: &Macro) -> Vec<Fault> {
     let mut faults = Vec::new();
-    for it in &device.macros {
-        check_heading(device, it, &mut faults);
-        check_body(device, it, &it.body, &mut faults);
-        if let Some(path) = calls_itself(device, it) {
-            faults.push(
-                Fault::error(
-                    it.signature.place,
-                    format!("`{}` comes back to itself: {path}", it.signature.name),
-                    "this macro would never end",
-                )
-                .help("a macro is made of primitives and of macros that are simpler"),
-            );
-        }
+    check_heading(device, it, &mut faults);
+    check_body(device, it, &it.body, &mut faults);
+    if let Some(path) = calls_itself(device, it) {
+        faults.push(
+            Fault::error(
+                it.signature.place,
+                format!("`{}` comes back to itself: {path}", it.signature.name),
+                "this macro would never end",
+            )
+            .help("a macro is made of primitives and of macros that are simpler"),
+        );
     }
     faults
 }
@@ -234,18 +233,24 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
         .collect();
     for (i, name) in parameters.iter().enumerate() {
         if !name.is_empty() && parameters[..i].contains(name) {
-            faults.push(Fault::error(
-                place,
-                format!("two parameters are called `{name}`"),
-                "in this heading",
-            ));
+            faults.push(
+                Fault::error(
+                    place,
+                    format!("two parameters are called `{name}`"),
+                    "in this heading",
+                )
+                .help("give one another name"),
+            );
         }
         if it.signature.parameters[i].count != (1, 1) || it.signature.parameters[i].group {
-            faults.push(Fault::error(
-                place,
-                format!("the parameter `{name}` takes several arguments"),
-                "a parameter of a macro takes one",
-            ));
+            faults.push(
+                Fault::error(
+                    place,
+                    format!("the parameter `{name}` takes several arguments"),
+                    "a parameter of a macro takes one",
+                )
+                .help("write a macro for each number of arguments"),
+            );
         }
         if device.value_of(name).is_some() {
             faults.push(
@@ -267,7 +272,11 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
                         format!("`{name}` is not a parameter"),
                         "in this heading",
                     )
-                    .maybe_help(suggestion(name, parameters.iter().copied())),
+                    .help(suggestion_or(
+                        name,
+                        parameters.iter().copied(),
+                        "name a parameter of this heading",
+                    )),
                 );
             }
         }
@@ -280,7 +289,11 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
                     format!("`{name}` is not a register"),
                     "in this heading",
                 )
-                .maybe_help(suggestion(name, device.names())),
+                .help(suggestion_or(
+                    name,
+                    device.names(),
+                    "name a register of the chip, or FLAG",
+                )),
             );
         }
     }
@@ -308,7 +321,11 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, faults: &
                 format!("unknown statement `{}`", statement.name),
                 "in the body of a macro",
             )
-            .maybe_help(suggestion(&statement.name, names)),
+            .help(suggestion_or(
+                &statement.name,
+                names,
+                "a body is made of primitives and of other macros",
+            )),
         );
         return;
     }
@@ -364,7 +381,11 @@ fn check_names(device: &Device, it: &Macro, expression: &Expression, faults: &mu
                     format!("unknown name `{name}`"),
                     "in the body of a macro",
                 )
-                .maybe_help(suggestion(name, parameters.chain(device.names()))),
+                .help(suggestion_or(
+                    name,
+                    parameters.chain(device.names()),
+                    "a body knows its parameters and the names of the chip",
+                )),
             );
         }
     };
@@ -447,6 +468,15 @@ fn statements<'a>(body: &'a [Item], found: &mut Vec<&'a Statement>) {
 }
 
 impl Macro {
+    /// Whether another macro has the same name and takes the same.
+    #[must_use]
+    pub fn replaces(&self, other: &Self) -> bool {
+        let operands = |m: &Self| -> Vec<Operand> {
+            m.signature.parameters.iter().map(|p| p.operand).collect()
+        };
+        self.signature.name == other.signature.name && operands(self) == operands(other)
+    }
+
     /// Names of the registers that its body writes besides its parameters.
     #[must_use]
     pub fn scratch(&self, device: &Device) -> Vec<String> {

@@ -47,7 +47,7 @@ impl Value {
 
     /// What it is, for messages.
     #[must_use]
-    pub const fn describe(&self) -> &'static str {
+    pub fn describe(&self) -> &'static str {
         match self {
             Self::Number(_) => "a number",
             Self::Source(Source::Register(_)) => "an analogue register",
@@ -55,7 +55,8 @@ impl Value {
             Self::Source(Source::Neighbour(_)) => "a neighbour's cell",
             Self::Bit(Bit::Register(_)) => "a one-bit register",
             Self::Bit(_) => "a one-bit source that cannot be written",
-            Self::Directions(_) => "a direction",
+            Self::Directions(all) if all.len() == 1 => "a direction",
+            Self::Directions(_) => "several directions",
             Self::Word(_) => "an unknown name",
         }
     }

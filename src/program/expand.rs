@@ -238,11 +238,14 @@ impl<'d> Lowering<'d> {
                     })),
                 );
             } else if !value.is_finite() {
-                self.faults.push(Fault::error(
-                    Place::default(),
-                    format!("the constant `{name}` cannot be {value}"),
-                    "this program",
-                ));
+                self.faults.push(
+                    Fault::error(
+                        Place::default(),
+                        format!("the constant `{name}` cannot be {value}"),
+                        "this program",
+                    )
+                    .help("give a finite number"),
+                );
             }
         }
     }
@@ -430,7 +433,7 @@ impl<'d> Lowering<'d> {
             Some(Mismatch::Argument { index, message }) => {
                 Err(self.wrong_argument(statement, &given, index, &message))
             }
-            _ => Err(self.wrong_shape(statement, &callables)),
+            _ => Err(Self::wrong_shape(statement, &callables)),
         }
     }
 
@@ -468,8 +471,7 @@ impl<'d> Lowering<'d> {
         })
     }
 
-    #[allow(clippy::unused_self)]
-    fn wrong_shape(&self, statement: &Statement, callables: &[Callable<'_>]) -> Fault {
+    fn wrong_shape(statement: &Statement, callables: &[Callable<'_>]) -> Fault {
         let forms: Vec<String> = callables
             .iter()
             .map(|c| c.signature().to_string())
@@ -628,7 +630,8 @@ impl<'d> Lowering<'d> {
                         expression.place,
                         "several registers where one is expected",
                         "here",
-                    ));
+                    )
+                    .help("`R[dir]` of several directions is for SET and CLR"));
                 }
             },
         };
@@ -637,7 +640,8 @@ impl<'d> Lowering<'d> {
                 expression.place,
                 format!("this is {value}, not a number"),
                 "divided by zero, or too large",
-            ));
+            )
+            .help("numbers are finite"));
         }
         // Minus zero is zero: it would be printed and read back as such.
         Ok(Value::Number(value + 0.0))
@@ -674,15 +678,19 @@ impl<'d> Lowering<'d> {
                         sink.place,
                         format!("`{}` cannot be made from these arguments", statement.name),
                         "here",
-                    ));
+                    )
+                    .help(format!("it is written {form}")));
                 };
                 self.reject_twice(&word, statement, sink, depth)?;
                 self.warn_in_place(&word, sink, depth);
                 push(sink, Action::Word(word), 1)
             }
             Callable::Host(kind, form) => {
-                let operation = host::build(kind, &form.name, bound, self.drawing)
-                    .map_err(|message| Fault::error(sink.place, message, "this statement"))?;
+                let operation =
+                    host::build(kind, &form.name, bound, self.drawing).map_err(|message| {
+                        Fault::error(sink.place, message, "this statement")
+                            .help(format!("it is written {form}"))
+                    })?;
                 match &operation {
                     super::Host::DrawBegin { target } => self.drawing = Some(*target),
                     super::Host::DrawEnd => self.drawing = None,

@@ -291,28 +291,6 @@ impl Host {
     pub fn text(&self, device: &Device) -> String {
         let a = |r: &Analog| device.analog_name(*r);
         let d = |r: &Digital| device.digital_name(*r);
-        let window = |w: &Window| format!("{}, {}, {}, {}", w.top, w.right, w.bottom, w.left);
-        let pattern = |p: &Pattern| {
-            let Pattern {
-                row,
-                column,
-                row_ignored,
-                column_ignored,
-            } = p;
-            format!("{row}, {column}, {row_ignored}, {column_ignored}")
-        };
-        let events = |source: &Digital, polarity: Polarity, channel: u8, slots: u32| {
-            let name = match polarity {
-                Polarity::On => "on",
-                Polarity::Off => "off",
-            };
-            let channel = if channel == 0 {
-                String::new()
-            } else {
-                channel.to_string()
-            };
-            format!("scamp5_scan_events({}, {name}{channel}, {slots}", d(source))
-        };
         match self {
             Self::LoadIn { value } => format!("scamp5_in({value})"),
             Self::LoadInRaw { value } => format!("scamp5_load_in({value})"),
@@ -322,9 +300,7 @@ impl Host {
                 polarity,
                 channel,
                 slots,
-            } => {
-                format!("{})", events(source, *polarity, *channel, *slots))
-            }
+            } => events_text(&d(source), *polarity, *channel, *slots, None),
             Self::ScanEventsFrom {
                 source,
                 polarity,
@@ -332,12 +308,10 @@ impl Host {
                 slots,
                 columns_reversed,
                 rows_reversed,
-            } => format!(
-                "{}, {}, {})",
-                events(source, *polarity, *channel, *slots),
-                u8::from(*columns_reversed),
-                u8::from(*rows_reversed)
-            ),
+            } => {
+                let reversed = Some((*columns_reversed, *rows_reversed));
+                events_text(&d(source), *polarity, *channel, *slots, reversed)
+            }
             Self::ReadAnalog { source } => format!("scamp5_output_image({})", a(source)),
             Self::ReadPixel {
                 source,
@@ -354,7 +328,7 @@ impl Host {
                 format!(
                     "scamp5_scan_areg({}, buffer, {}, {rows}, {columns})",
                     a(source),
-                    window(w)
+                    window_text(*w)
                 )
             }
             Self::ScanBlocks { source, mean } => {
@@ -374,16 +348,9 @@ impl Host {
             Self::ScanBoundingBox { source } => {
                 format!("scamp5_scan_boundingbox({}, buffer)", d(source))
             }
-            Self::GlobalSum { source, over } => match over {
-                SumOver::Grid4 => format!("scamp5_global_sum_16({})", a(source)),
-                SumOver::Grid8 => format!("scamp5_global_sum_64({})", a(source)),
-                SumOver::Whole => format!("scamp5_global_sum_fast({})", a(source)),
-                SumOver::Sparse(p) => {
-                    format!("scamp5_global_sum_sparse({}, {})", a(source), pattern(p))
-                }
-            },
+            Self::GlobalSum { source, over } => sum_text(&a(source), over),
             Self::GlobalOr { source, pattern: p } => {
-                format!("scamp5_global_or({}, {})", d(source), pattern(p))
+                format!("scamp5_global_or({}, {})", d(source), pattern_text(*p))
             }
             Self::GlobalCount {
                 source,
@@ -397,39 +364,78 @@ impl Host {
                     a(temporary)
                 )
             }
-            Self::Load { target, area } => match area {
-                Area::Rect(w) => format!("scamp5_load_rect({}, {})", d(target), window(w)),
-                Area::Pattern(p) => format!("scamp5_load_pattern({}, {})", d(target), pattern(p)),
-                Area::Point { row, column } => {
-                    format!("scamp5_load_point({}, {row}, {column})", d(target))
-                }
-                // No statement loads a row or a column; a pattern says the same.
-                Area::Row { row, ignored } => {
-                    format!(
-                        "scamp5_load_pattern({}, {row}, 0, {ignored}, 65535)",
-                        d(target)
-                    )
-                }
-                Area::Column { column, ignored } => {
-                    format!(
-                        "scamp5_load_pattern({}, 0, {column}, 65535, {ignored})",
-                        d(target)
-                    )
-                }
-            },
-            Self::Select { area } => match area {
-                Area::Rect(w) => format!("scamp5_select_rect({})", window(w)),
-                Area::Pattern(p) => format!("scamp5_select_pattern({})", pattern(p)),
-                Area::Point { row, column } => format!("scamp5_select_point({row}, {column})"),
-                Area::Row { row, ignored } => format!("scamp5_select_rowx({row}, {ignored})"),
-                Area::Column { column, ignored } => {
-                    format!("scamp5_select_colx({column}, {ignored})")
-                }
-            },
+            Self::Load { target, area } => load_text(&d(target), area),
+            Self::Select { area } => select_text(area),
             Self::DrawBegin { target } => format!("scamp5_draw_begin({})", d(target)),
             Self::Draw { shape, .. } => shape_text(shape),
             Self::DrawEnd => "scamp5_draw_end()".to_owned(),
         }
+    }
+}
+
+fn window_text(w: Window) -> String {
+    format!("{}, {}, {}, {}", w.top, w.right, w.bottom, w.left)
+}
+
+fn pattern_text(p: Pattern) -> String {
+    format!(
+        "{}, {}, {}, {}",
+        p.row, p.column, p.row_ignored, p.column_ignored
+    )
+}
+
+fn load_text(d: &str, area: &Area) -> String {
+    match area {
+        Area::Rect(w) => format!("scamp5_load_rect({d}, {})", window_text(*w)),
+        Area::Pattern(p) => format!("scamp5_load_pattern({d}, {})", pattern_text(*p)),
+        Area::Point { row, column } => format!("scamp5_load_point({d}, {row}, {column})"),
+        // No statement loads a row or a column; a pattern says the same.
+        Area::Row { row, ignored } => {
+            format!("scamp5_load_pattern({d}, {row}, 0, {ignored}, 65535)")
+        }
+        Area::Column { column, ignored } => {
+            format!("scamp5_load_pattern({d}, 0, {column}, 65535, {ignored})")
+        }
+    }
+}
+
+fn select_text(area: &Area) -> String {
+    match area {
+        Area::Rect(w) => format!("scamp5_select_rect({})", window_text(*w)),
+        Area::Pattern(p) => format!("scamp5_select_pattern({})", pattern_text(*p)),
+        Area::Point { row, column } => format!("scamp5_select_point({row}, {column})"),
+        Area::Row { row, ignored } => format!("scamp5_select_rowx({row}, {ignored})"),
+        Area::Column { column, ignored } => format!("scamp5_select_colx({column}, {ignored})"),
+    }
+}
+
+fn events_text(
+    source: &str,
+    polarity: Polarity,
+    channel: u8,
+    slots: u32,
+    reversed: Option<(bool, bool)>,
+) -> String {
+    let name = match polarity {
+        Polarity::On => "on",
+        Polarity::Off => "off",
+    };
+    let channel = match channel {
+        0 => String::new(),
+        channel => channel.to_string(),
+    };
+    let reversed = reversed.map_or_else(String::new, |(columns, rows)| {
+        format!(", {}, {}", u8::from(columns), u8::from(rows))
+    });
+    format!("scamp5_scan_events({source}, {name}{channel}, {slots}{reversed})")
+}
+
+fn sum_text(a: &str, over: &SumOver) -> String {
+    match over {
+        SumOver::Grid4 => format!("scamp5_global_sum_16({a})"),
+        SumOver::Grid8 => format!("scamp5_global_sum_64({a})"),
+        SumOver::Whole => format!("scamp5_global_sum_fast({a})"),
+        SumOver::Sparse(p) => format!("scamp5_global_sum_sparse({a}, {})", pattern_text(*p)),
     }
 }
 

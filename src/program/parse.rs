@@ -115,10 +115,9 @@ impl Parser<'_> {
                 }
                 Err(fault) => {
                     self.faults.push(fault);
-                    let before = self.cursor.place().start;
                     self.cursor.recover();
-                    // A brace that nobody wanted: take its block as one more, or step over.
-                    if self.cursor.place().start == before && self.cursor.peek().is_some() {
+                    // What cannot even begin an item is stepped over.
+                    if self.cursor.place().start == start {
                         self.cursor.advance();
                     }
                 }

@@ -14,7 +14,8 @@ impl fmt::Display for Syntax {
             writeln!(f)?;
         }
         items(f, &self.items, 0)?;
-        if !self.footer.is_empty() && !(self.items.is_empty() && self.header.is_empty()) {
+        let above = !self.header.is_empty() || !self.items.is_empty();
+        if above && !self.footer.is_empty() {
             writeln!(f)?;
         }
         for line in &self.footer {

@@ -177,10 +177,13 @@ impl<'a> Cursor<'a> {
         self.depth -= 1;
     }
 
-    /// After a fault: behind the next `;`, or in front of the next brace.
+    /// After a fault: behind the next `;`, or in front of the next brace or what looks like
+    /// a statement.
     pub fn recover(&mut self) {
         while let Some(token) = self.peek() {
+            let second = self.peek_second().map(|t| &t.kind);
             match token.kind {
+                Kind::Name(_) if second == Some(&Kind::Mark("(")) => return,
                 Kind::Mark(";") => {
                     self.at += 1;
                     return;

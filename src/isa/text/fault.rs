@@ -26,7 +26,7 @@ pub struct Fault {
     /// What stands there.
     pub label: String,
     /// A second place that belongs to it.
-    pub also: Option<(Place, String)>,
+    pub also: Option<Box<(Place, String)>>,
     /// What to do.
     pub help: Option<String>,
     /// Whether the text can still be used.
@@ -65,17 +65,11 @@ impl Fault {
         }
     }
 
-    /// With what to do, where that is known.
-    #[must_use]
-    pub fn maybe_help(self, help: Option<String>) -> Self {
-        Self { help, ..self }
-    }
-
     /// With a second place.
     #[must_use]
     pub fn also(self, place: Place, label: impl Into<String>) -> Self {
         Self {
-            also: Some((place, label.into())),
+            also: Some(Box::new((place, label.into()))),
             ..self
         }
     }
@@ -182,7 +176,7 @@ impl Diagnostic for Located {
             LabeledSpan::new(Some(text.to_owned()), start, end - start)
         };
         let also = self.fault.also.iter();
-        let also = also.map(move |(place, text)| label(*place, text));
+        let also = also.map(move |also| label(also.0, &also.1));
         Some(Box::new(
             std::iter::once(label(self.fault.place, &self.fault.label)).chain(also),
         ))

@@ -58,7 +58,14 @@ pub fn lex(text: &str) -> (Vec<Token>, Vec<Fault>) {
         let place = Place::new(start, input.current_token_start());
         match kind {
             Ok(Ok(kind)) => tokens.push(Token { kind, place }),
-            Ok(Err(fault)) => faults.push(Fault { place, ..fault }),
+            Ok(Err(fault)) => {
+                faults.push(Fault { place, ..fault });
+                // A number all the same, so that the statement around it is not a fault too.
+                if text[start..].starts_with(|c: char| c.is_ascii_digit()) {
+                    let kind = Kind::Number(0.0);
+                    tokens.push(Token { kind, place });
+                }
+            }
             // `token` takes any character, so it cannot fail before the end of the text.
             Err(_) => return (tokens, faults),
         }

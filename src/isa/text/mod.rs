@@ -13,7 +13,7 @@ pub use cursor::Cursor;
 pub use expression::{Argument, Expression, Operator, Statement, Term};
 pub use fault::{Fault, Faults, Located, Severity};
 pub use lex::{Kind, Token, lex};
-pub use nearest::{nearest, suggestion};
+pub use nearest::{nearest, suggestion, suggestion_or};
 
 /// Where something stands in a text, in bytes.
 ///
@@ -58,14 +58,11 @@ impl From<std::ops::Range<usize>> for Place {
 /// Line and column, both from 1, of a byte of a text; columns count characters.
 #[must_use]
 pub fn line_column(text: &str, byte: usize) -> (u32, u32) {
-    let before: &[u8] = text.as_bytes().get(..byte).unwrap_or(text.as_bytes());
-    let line = before.iter().filter(|&&b| b == b'\n').count() as u32 + 1;
-    let start = before
-        .iter()
-        .rposition(|&b| b == b'\n')
-        .map_or(0, |at| at + 1);
-    let column = String::from_utf8_lossy(&before[start..]).chars().count() as u32 + 1;
-    (line, column)
+    // A place inside a character is the character's.
+    let before = &text[..text.floor_char_boundary(byte)];
+    let line = before.matches('\n').count() as u32 + 1;
+    let start = before.rfind('\n').map_or(0, |at| at + 1);
+    (line, before[start..].chars().count() as u32 + 1)
 }
 
 #[cfg(test)]
