@@ -60,6 +60,9 @@ const UPSAMPLING: Upsampling = Upsampling {
     most_steps: 1000,
 };
 
+/// Slots asked for at each of the two readouts: their time is most of a frame's.
+const SLOTS: f64 = 1000.0;
+
 /// Events of one pixel and sign that are closer than this match.
 const WITHIN: Micros = Micros(1000);
 
@@ -98,7 +101,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut reference = Timed::new(Reference::new(description()?, size, arguments.seed)?);
     let device = Device::scamp5();
     let program = Program::parse(PROGRAM.0, PROGRAM.1)?;
-    let code = program.expand(&device, &Overrides::new())?.code;
+    let code = program
+        .expand(&device, &Overrides::from([("slots".to_owned(), SLOTS)]))?
+        .code;
     let cost = Cost::of(&code.frame, &device);
     let settings = Settings {
         clip: true,
@@ -283,7 +288,7 @@ impl Story<'_> {
             self.scene.inserted(),
         );
         let cost = format!(
-            "           {} words, {:.1} us on the array and {:.1} us for the readout a frame: at most {:.0} frames/s",
+            "           {} words, {:.1} us on the array and {:.1} us on the host (2 x {SLOTS} readout slots) a frame: at most {:.0} frames/s",
             self.cost.words.0,
             self.cost.array_us,
             self.cost.host_us,
