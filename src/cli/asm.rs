@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     })?;
     if arguments.format {
         let program = Program::parse(&file, &text)?;
-        print!("{}", program.syntax);
+        super::say(&program.syntax.to_string());
         return Ok(());
     }
     let program = Program::read(&file, &text);
@@ -70,11 +70,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         eprintln!("{:?}", miette!(warnings));
     }
     if arguments.disasm {
-        print!("{}", vendor_text(&expansion.code, expansion.bare, &device));
+        super::say(&vendor_text(&expansion.code, expansion.bare, &device));
     } else if arguments.json {
-        println!("{}", json(&program, &expansion, &device));
+        super::say(&format!("{}\n", json(&program, &expansion, &device)));
     } else {
-        print!("{}", listing(&program, &expansion, &device));
+        super::say(&listing(&program, &expansion, &device));
     }
     Ok(())
 }

@@ -152,9 +152,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         written,
     };
     if arguments.json {
-        println!("{}", story.json());
+        super::say(&format!("{}\n", story.json()));
     } else {
-        print!("{}", story.table());
+        super::say(&story.table());
     }
     Ok(())
 }

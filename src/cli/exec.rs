@@ -142,9 +142,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         packet: &packet,
     };
     if arguments.json {
-        println!("{}", report.json());
+        super::say(&format!("{}\n", report.json()));
     } else {
-        print!("{}", report.table());
+        super::say(&report.table());
     }
     Ok(())
 }
