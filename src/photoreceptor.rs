@@ -93,6 +93,18 @@ impl Response {
             signal
         })
     }
+
+    /// The light that gives `signal`: the inverse of [`Response::apply`], but for rounding.
+    #[must_use]
+    pub fn light(self, signal: f64) -> f64 {
+        match self.curve {
+            Curve::Identity => signal,
+            Curve::Linear { white } => signal * white,
+            Curve::Log { white, offset } => (signal.exp() - offset) * white,
+            Curve::LinLog { knee } if signal <= knee.ln() => signal * (knee / knee.ln()),
+            Curve::LinLog { .. } => signal.exp(),
+        }
+    }
 }
 
 const KNOWN: &str = "expected \"identity\", { linear = 255 }, \
@@ -285,6 +297,29 @@ mod tests {
         assert!((at(knee, 20.0) - 20f64.ln()).abs() < 1e-15);
         assert!((at(knee, 20.0 + 1e-12) - 20f64.ln()).abs() < 1e-12);
         assert_eq!(at(knee, 0.0), 0.0);
+    }
+
+    #[test]
+    fn light_can_be_had_back() {
+        let curves = [
+            Curve::Identity,
+            Curve::Linear { white: 255.0 },
+            Curve::Log {
+                white: 255.0,
+                offset: 1e-3,
+            },
+            Curve::LinLog { knee: 20.0 },
+        ];
+        for curve in curves {
+            for light in [0.0, 1e-6, 3.0, 20.0, 21.0, 255.0, 1e9] {
+                let response = Response::new(curve);
+                let back = response.light(response.apply(light).unwrap());
+                assert!(
+                    (back - light).abs() <= 1e-12 * light.max(1.0),
+                    "{curve:?}: {back}, not {light}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -100,9 +100,9 @@ pub enum SensorError {
         /// How many, with sign.
         count: f64,
     },
-    /// More steps of a memory than a double can count.
+    /// More steps of a memory than are counted.
     #[error(
-        "the memory of the cell at x = {x}, y = {y} of channel {channel} took more than 2^53 steps"
+        "the memory of the cell at x = {x}, y = {y} of channel {channel} is more than 2^30 thresholds from where it began"
     )]
     #[diagnostic(help(
         "the thresholds are too small for this light: raise them, or check the response"

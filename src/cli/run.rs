@@ -1,7 +1,7 @@
 //! `amacrine run`: a scene through a sensor file.
 
 use std::{
-    fs,
+    fs, io,
     path::{Path, PathBuf},
 };
 
@@ -13,9 +13,10 @@ use crate::{
     number::{Format, Number, Visitor},
     plane::Size,
     reference::{
-        Counts, Description, EventList, Limit, Reference, Report, Tally, VoxelGrid, WhenFull,
+        Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Tally, VoxelGrid,
+        WhenFull,
     },
-    save::Stack,
+    save::{SaveError, Stack},
     scene::{
         OpenOptions, Scene, open,
         upsample::{Bound, Upsampled, Upsampling},
@@ -83,9 +84,7 @@ enum Full {
 /// When the scene or the sensor file is not what it should be, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let description = read_sensor(&arguments.sensor)?;
-    if let Some(events) = &arguments.events {
-        file::Format::of(events)?;
-    }
+    check_outputs(arguments)?;
     let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
     let sensor = description.clone();
     let watched = match arguments.upsample {
@@ -123,6 +122,51 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+/// Refuses outputs that cannot be written before anything is watched.
+fn check_outputs(arguments: &Arguments) -> miette::Result<()> {
+    if let Some(events) = &arguments.events {
+        file::Format::of(events)?;
+    }
+    for (option, path) in [
+        ("--counts", &arguments.counts),
+        ("--voxels", &arguments.voxels),
+    ] {
+        let Some(path) = path else { continue };
+        if path.extension().is_none_or(|e| e != "npy") {
+            return Err(miette!(
+                help = "give a name that ends in .npy",
+                "{option} {}: only .npy arrays are written",
+                path.display()
+            ));
+        }
+    }
+    let outputs = [&arguments.events, &arguments.counts, &arguments.voxels];
+    let outputs: Vec<_> = outputs.into_iter().flatten().collect();
+    for (i, path) in outputs.iter().enumerate() {
+        if outputs[..i].contains(path) {
+            return Err(miette!(
+                help = "give each output a name of its own",
+                "{} is asked for twice",
+                path.display()
+            ));
+        }
+        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+        if path.is_dir() || folder.is_some_and(|folder| !folder.is_dir()) {
+            let cause = if path.is_dir() {
+                io::ErrorKind::IsADirectory
+            } else {
+                io::ErrorKind::NotFound
+            };
+            return Err(SaveError {
+                path: path.to_path_buf(),
+                cause: cause.into(),
+            }
+            .into());
+        }
+    }
+    Ok(())
+}
+
 /// Reads a sensor file; the kernel files it names are looked for beside it.
 ///
 /// # Errors
@@ -136,7 +180,7 @@ pub fn read_sensor(path: &Path) -> miette::Result<Description> {
         )
     })?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let read = move |name: &str| fs::read_to_string(folder.join(name));
+    let read = move |name: &str| fs::read(folder.join(name));
     Ok(Description::parse(&shown, &text, &read)?)
 }
 
@@ -149,6 +193,8 @@ struct Watched {
     seconds: f64,
     tally: Tally,
     report: Report,
+    /// Frame pairs in which the authors' refractory rule lets no cell fire.
+    too_short: u64,
     dropped: u64,
     paper_metric: Option<f64>,
 }
@@ -176,6 +222,7 @@ fn watch<N: Number, S: Scene>(
 ) -> miette::Result<Watched> {
     let size = scene.size();
     let channels = description.channels.len();
+    let refractory = description.refractory;
     let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
     let mut packet = Packet::new(size, channels as u8);
     let limit = Limit {
@@ -205,7 +252,7 @@ fn watch<N: Number, S: Scene>(
     let mut paper = PaperMetric::default();
     let progress = Progress::new("watching", scene.frames());
 
-    let (mut frames, mut first, mut last) = (0, None, 0.0);
+    let (mut frames, mut first, mut last, mut too_short) = (0, None, 0.0, 0);
     while let Some(frame) = scene.next_frame()? {
         let mut list = arguments
             .events
@@ -222,6 +269,9 @@ fn watch<N: Number, S: Scene>(
             if let Some(grid) = &mut grid {
                 finish_bin(grid, voxel_stack.as_mut(), &mut paper)?;
             }
+        }
+        if frames > 0 && refractory.rule == RefractoryRule::Authors {
+            too_short += u64::from(frame.seconds - last < refractory.us * 1e-6);
         }
         frames += 1;
         first.get_or_insert(frame.seconds);
@@ -253,6 +303,7 @@ fn watch<N: Number, S: Scene>(
         seconds: last - first,
         tally,
         report: reference.report(),
+        too_short,
         dropped: packet.dropped.total(),
         paper_metric: grid.is_some().then(|| paper.value()),
     })
@@ -336,6 +387,7 @@ impl Watched {
             "bits": total * u64::from(self.bits_per_event()),
             "paper_events_per_bin": self.paper_metric,
             "lost_to_refractory": self.report.lost_to_refractory,
+            "pairs_shorter_than_authors_refractory": self.too_short,
             "livelocked": self.report.livelocked,
             "without_sign": self.report.without_sign,
             "dropped": self.dropped,
@@ -392,6 +444,10 @@ impl Watched {
             (
                 self.report.lost_to_refractory,
                 "crossings lost to the refractory period",
+            ),
+            (
+                self.too_short,
+                "frame pairs are shorter than the refractory period: under rule = \"authors\" no cell fires in them",
             ),
             (
                 self.report.livelocked,

@@ -7,7 +7,11 @@
 //! centre-surround = 5                 # centre 1, the others -1/(k*k - 1)
 //! gaussians = [{ sigma = 1, gain = 1 }, { sigma = 2, gain = -1 }]
 //! ```
+//!
+//! Learned kernels come as `.npy` arrays of shape (rows, columns).
 
+use ndarray::ArrayView2;
+use ndarray_npy::{ViewElement, ViewNpyError, ViewNpyExt};
 use serde::Deserialize;
 
 use super::{Kernel, KernelError};
@@ -16,9 +20,20 @@ use crate::plane::Plane;
 /// A kernel file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum KernelFileError {
-    /// Not TOML, or not the keys of a kernel file.
+    /// Not text.
+    #[error("it is not text in UTF-8")]
+    NotText,
+    /// Not a two-dimensional array of numbers in the format of numpy.
     #[error("{0}")]
-    Syntax(#[from] toml::de::Error),
+    Array(String),
+    /// Not TOML, or not the keys of a kernel file.
+    #[error("line {line}: {message}")]
+    Syntax {
+        /// From 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
     /// Not a kernel.
     #[error("{0}")]
     Kernel(#[from] KernelError),
@@ -55,7 +70,13 @@ impl Kernel {
     /// # Errors
     /// When the text is not a kernel file, or what it says is not a kernel.
     pub fn from_toml(text: &str) -> Result<Self, KernelFileError> {
-        let written: Written = toml::from_str(text)?;
+        let written: Written = toml::from_str(text).map_err(|e| {
+            let before = e.span().and_then(|span| text.get(..span.start));
+            KernelFileError::Syntax {
+                line: before.unwrap_or("").matches('\n').count() + 1,
+                message: e.message().trim().to_owned(),
+            }
+        })?;
         match written {
             Written {
                 weights: Some(rows),
@@ -79,6 +100,63 @@ impl Kernel {
         }
     }
 
+    /// Reads a kernel file as it comes from the disk.
+    ///
+    /// # Errors
+    /// As [`Kernel::from_toml`], and when it is not text.
+    pub fn from_toml_bytes(bytes: &[u8]) -> Result<Self, KernelFileError> {
+        let text = std::str::from_utf8(bytes).map_err(|_| KernelFileError::NotText)?;
+        Self::from_toml(text)
+    }
+
+    /// Reads a `.npy` array of shape (rows, columns), row 0 north.
+    ///
+    /// # Errors
+    /// When it is not such an array of floats or integers, or is not a kernel.
+    pub fn from_npy(bytes: &[u8]) -> Result<Self, KernelFileError> {
+        // Its fifth word is how long a header of version 2 or 3 is said to be.
+        if let Some(&[version @ 2..=255, _, a, b, c, d]) = bytes.get(6..12) {
+            let header = u32::from_le_bytes([a, b, c, d]) as usize;
+            if header > bytes.len() {
+                let found = format!("its header, of version {version}, goes beyond its end");
+                return Err(KernelFileError::Array(found));
+            }
+        }
+        // Numbers are read in place, which wants them aligned.
+        let mut room = vec![0; bytes.len() + ALIGNMENT];
+        let start = room.as_ptr().align_offset(ALIGNMENT).min(ALIGNMENT);
+        let aligned = &mut room[start..start + bytes.len()];
+        aligned.copy_from_slice(bytes);
+        let readers: [fn(&[u8]) -> Result<Plane<f64>, ViewNpyError>; 7] = [
+            |b| read::<f64>(b, |w| w),
+            |b| read::<f32>(b, f64::from),
+            |b| read::<i64>(b, |w| w as f64),
+            |b| read::<i32>(b, f64::from),
+            |b| read::<i16>(b, f64::from),
+            |b| read::<i8>(b, f64::from),
+            |b| read::<u8>(b, f64::from),
+        ];
+        let mut found = String::new();
+        for reader in readers {
+            match reader(aligned) {
+                Ok(weights) => return Ok(Self::new(weights)?),
+                // Another reader may know this type of number.
+                Err(ViewNpyError::WrongDescriptor(of)) => {
+                    found = format!("its numbers are {of}; expected floats or integers");
+                }
+                Err(ViewNpyError::WrongNdim(_, axes)) => {
+                    found = format!("it has {axes} axes; expected two, rows and columns");
+                    break;
+                }
+                Err(e) => {
+                    found = e.to_string();
+                    break;
+                }
+            }
+        }
+        Err(KernelFileError::Array(found))
+    }
+
     /// Centre 1 and a surround of equal weights that sum to -1, `side` by `side`.
     ///
     /// # Errors
@@ -94,6 +172,16 @@ impl Kernel {
         weights[[side / 2, side / 2]] = 1.0;
         Ok(Self::new(weights)?)
     }
+}
+
+/// More than the largest number that is read needs.
+const ALIGNMENT: usize = 64;
+
+fn read<T: ViewElement + Copy>(
+    bytes: &[u8],
+    weight: impl Fn(T) -> f64,
+) -> Result<Plane<f64>, ViewNpyError> {
+    Ok(ArrayView2::<T>::view_npy(bytes)?.mapv(weight))
 }
 
 /// Each Gaussian is cut at `int(6 sigma) + 1` (made odd) and normalised to sum 1 before its
@@ -151,7 +239,51 @@ mod tests {
         }
         assert!(matches!(
             Kernel::from_toml("colour = 3"),
-            Err(KernelFileError::Syntax(_))
+            Err(KernelFileError::Syntax { line: 1, .. })
         ));
+    }
+
+    fn npy<T: ndarray_npy::WritableElement>(array: &ndarray::ArrayD<T>) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        ndarray_npy::WriteNpyExt::write_npy(array, &mut bytes).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn arrays_are_kernels() {
+        let rows = ndarray::arr2(&[[0.0, -1.0, 0.5], [1.0, 4.0, 2.0], [0.0, 3.0, -9.0]]).into_dyn();
+        let want = Kernel::from_toml("weights = [[0, -1, 0.5], [1, 4, 2], [0, 3, -9]]").unwrap();
+        assert_eq!(Kernel::from_npy(&npy(&rows)).unwrap(), want);
+        let single = rows.mapv(|w| w as f32);
+        assert_eq!(Kernel::from_npy(&npy(&single)).unwrap(), want);
+        // Column by column, as numpy stores a transposed array.
+        let columns = rows.t().as_standard_layout().to_owned();
+        let columns = columns.t().to_owned();
+        assert_eq!(Kernel::from_npy(&npy(&columns)).unwrap(), want);
+        let whole = ndarray::arr2(&[[2i64]]).into_dyn();
+        assert_eq!(
+            Kernel::from_npy(&npy(&whole)).unwrap(),
+            Kernel::from_rows(&[vec![2.0]]).unwrap()
+        );
+    }
+
+    #[test]
+    fn bad_arrays_are_refused() {
+        let message = |bytes: &[u8]| Kernel::from_npy(bytes).unwrap_err().to_string();
+        let good = npy(&ndarray::arr2(&[[1.0; 3]; 3]).into_dyn());
+        assert!(message(&good[..good.len() - 1]).contains("missing"));
+        for cut in 0..good.len() {
+            message(&good[..cut]);
+        }
+        let deep = npy(&ndarray::ArrayD::<f64>::zeros(vec![1, 1, 3, 3]));
+        assert!(message(&deep).contains("4 axes"));
+        let bools = npy(&ndarray::arr2(&[[true]]).into_dyn());
+        assert!(message(&bools).contains("floats or integers"));
+        let even = npy(&ndarray::arr2(&[[1.0; 2]; 3]).into_dyn());
+        assert!(message(&even).contains("must be odd"));
+        let mut absurd = good.clone();
+        absurd[6] = 2;
+        absurd[8..12].fill(0xff);
+        assert!(message(&absurd).contains("header"));
     }
 }

@@ -16,8 +16,8 @@ use super::{
     fire::{self, Distances},
     hash::Place,
     memory::{self, Memory, Stepped},
-    noise::Thresholds,
-    refractory,
+    noise::{Noise, Thresholds},
+    refractory::{self, awake},
     signal::Padded,
     train::{BandSink, Pair, Train, TrainRow},
 };
@@ -100,6 +100,8 @@ struct Scratch<N: Number> {
     from: Vec<N::Real>,
     to: Vec<N::Real>,
     trains: TrainRow<N::Real>,
+    /// When each cell had last fired before this pair, in seconds.
+    rested: Vec<f64>,
 }
 
 impl<N: Number> Band<N> {
@@ -117,6 +119,7 @@ impl<N: Number> Band<N> {
             from: vec![N::Real::ZERO; width],
             to: vec![N::Real::ZERO; width],
             trains: TrainRow::new(width),
+            rested: vec![f64::NEG_INFINITY; width],
         };
         let channels = (0..plan.weights.len())
             .map(|channel| Cells::settle(plan, channel, &rows, signal, &mut scratch))
@@ -179,14 +182,7 @@ impl<N: Number> Band<N> {
                 .sum::<f64>() as u64;
             sink.row(row)?;
             if plan.description.noise.fires() {
-                self.disturb(plan, channel, y, pair);
-                let row = &self.scratch.trains;
-                self.report.events += row
-                    .counts
-                    .iter()
-                    .map(|count| count.abs().to_f64())
-                    .sum::<f64>() as u64;
-                sink.row(row)?;
+                self.disturb(plan, channel, y, signal, pair, sink)?;
             }
         }
         Ok(())
@@ -221,6 +217,7 @@ impl<N: Number> Band<N> {
             from,
             to,
             trains,
+            rested,
         } = scratch;
         let Cells {
             memory: state,
@@ -230,6 +227,9 @@ impl<N: Number> Band<N> {
         } = &mut channels[channel];
         let (on, off) = plan.thresholds[channel].row(y);
         let authors = description.refractory.rule == RefractoryRule::Authors;
+        if description.noise.fires() && !fired.is_empty() {
+            rested.copy_from_slice(&fired[range.clone()]);
+        }
         (trains.channel, trains.y) = (channel, y);
 
         plan.weights[channel].row(number, seen, y, drive, other);
@@ -347,10 +347,24 @@ impl<N: Number> Band<N> {
         Ok(())
     }
 
-    /// Replaces the row of trains by what noise makes the cells fire.
-    fn disturb(&mut self, plan: &Plan<N>, channel: usize, y: usize, pair: Pair) {
+    /// Tells of what noise makes the cells of a row fire, besides what the scene did: a row
+    /// with the first such event of each cell, one with the second, and so on.
+    fn disturb<S: BandSink>(
+        &mut self,
+        plan: &Plan<N>,
+        channel: usize,
+        y: usize,
+        signal: &Padded<N::Held>,
+        pair: Pair,
+        sink: &mut S,
+    ) -> Result<(), SensorError> {
         let range = self.range(y);
-        let trains = &mut self.scratch.trains;
+        let (noise, response) = (&plan.description.noise, plan.description.response);
+        let (dt, refractory) = (pair.duration(), plan.refractory());
+        let Scratch { trains, rested, .. } = &mut self.scratch;
+        let fired = &mut self.channels[channel].fired;
+        let seen = signal.inner(y);
+        let mut strays = Vec::new();
         for x in 0..self.width {
             let place = Place {
                 seed: plan.seed,
@@ -358,17 +372,44 @@ impl<N: Number> Band<N> {
                 y,
                 x,
             };
-            trains.set(
-                x,
-                plan.description
-                    .noise
-                    .shot(place, pair.index, pair.duration()),
-            );
+            let light = || response.light(plan.number.value(seen[x]));
+            for (u, polarity) in noise.strays(place, pair.index, dt, light) {
+                if refractory > 0.0 {
+                    let before = (rested[x] - pair.from) / dt;
+                    if !awake(u, trains.get(x).as_ref(), before, refractory / dt) {
+                        self.report.lost_to_refractory += 1;
+                        continue;
+                    }
+                    rested[x] = pair.from + u * dt;
+                    let fired = &mut fired[range.start + x];
+                    *fired = fired.max(rested[x]);
+                }
+                strays.push((
+                    x,
+                    Train {
+                        polarity,
+                        count: 1,
+                        first: u,
+                        spacing: 0.0,
+                    },
+                ));
+            }
         }
-        let fired = &mut self.channels[channel].fired;
-        if !fired.is_empty() {
-            rest(plan, pair, &mut fired[range], trains, &mut self.report);
+        self.report.events += strays.len() as u64;
+        while !strays.is_empty() {
+            trains.counts.fill(N::Real::ZERO);
+            let mut told = None;
+            strays.retain(|(x, train)| {
+                if told == Some(*x) {
+                    return true;
+                }
+                told = Some(*x);
+                trains.set(*x, Some(*train));
+                false
+            });
+            sink.row(trains)?;
         }
+        Ok(())
     }
 }
 
@@ -396,6 +437,23 @@ impl<N: Number> Cells<N> {
         let steps = description.memory == MemoryRule::FilteredStep;
         let before = if steps { filtered.clone() } else { Vec::new() };
         let thresholds = &plan.thresholds[channel];
+        let noise = description.noise;
+        let place = |cell: usize| Place {
+            seed: plan.seed,
+            channel,
+            y: rows.start + cell / width,
+            x: cell % width,
+        };
+        let on = |cell: usize| {
+            let (on, _) = thresholds.row(rows.start + cell / width);
+            on[cell % width]
+        };
+        if noise.leak_hz > 0.0 {
+            for (cell, memory) in filtered.iter_mut().enumerate() {
+                let fallen = N::Real::of(Noise::leaked(place(cell))) * on(cell);
+                *memory = number.hold_real(number.real(*memory) - fallen);
+            }
+        }
         let memory = match description.memory {
             MemoryRule::RawSnap => Memory::RawSnap {
                 pixels,
@@ -413,27 +471,15 @@ impl<N: Number> Cells<N> {
             }
         };
         let refractory = plan.refractory();
-        // As in the released code: before its first event, a cell is just ready.
+        // Before its first event a cell is ready, whenever its first frame is.
         let fired = if refractory > 0.0 {
-            vec![-refractory; cells]
+            vec![f64::NEG_INFINITY; cells]
         } else {
             Vec::new()
         };
-        let noise = description.noise;
         let leak = if noise.leak_hz > 0.0 {
-            let leak = |y, x| {
-                let place = Place {
-                    seed: plan.seed,
-                    channel,
-                    y,
-                    x,
-                };
-                N::Real::of(noise.leak(place, thresholds.row(y).0[x].to_f64()))
-            };
-            rows.clone()
-                .flat_map(|y| (0..width).map(move |x| (y, x)))
-                .map(|(y, x)| leak(y, x))
-                .collect()
+            let leak = |cell| N::Real::of(noise.leak(place(cell), on(cell).to_f64()));
+            (0..cells).map(leak).collect()
         } else {
             Vec::new()
         };

@@ -41,6 +41,8 @@ pub struct CountBand<'a> {
     top: usize,
     width: usize,
     rows: Vec<&'a mut [i32]>,
+    /// The row told last, which may be told again.
+    last: Option<(usize, usize)>,
 }
 
 impl Sink for Counts {
@@ -58,6 +60,7 @@ impl Sink for Counts {
                 top: band.start,
                 width,
                 rows,
+                last: None,
             })
             .collect()
     }
@@ -73,9 +76,16 @@ impl BandSink for CountBand<'_> {
         let to = &mut self.rows[row.channel][start..start + self.width];
         let limit = R::of(f64::from(i32::MAX));
         let mut fits = true;
-        for (to, &count) in to.iter_mut().zip(&row.counts) {
-            fits &= count.abs() < limit;
-            *to = count.to_i32();
+        if self.last.replace((row.channel, row.y)) == Some((row.channel, row.y)) {
+            for (to, &count) in to.iter_mut().zip(&row.counts) {
+                fits &= count.abs() < limit;
+                *to = to.saturating_add(count.to_i32());
+            }
+        } else {
+            for (to, &count) in to.iter_mut().zip(&row.counts) {
+                fits &= count.abs() < limit;
+                *to = count.to_i32();
+            }
         }
         if fits {
             return Ok(());

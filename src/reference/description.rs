@@ -11,23 +11,30 @@
 //! [noise]                                    # without it: none
 //! [[channel]]                                # one for each kind of cell
 //! kernel = [[0, -1, 0], [-1, 4, -1], [0, -1, 0]]   # or the name of a built-in or of a file
+//! gain = -1                                  # optional: scales the weights, here centre-OFF
 //! threshold = { on = 0.2, off = 0.2, sigma = 0.03 }
 //! ```
 //!
 //! A channel with `pattern = "2x2"` gives four kernels and four thresholds; the pixel at
 //! (x, y) uses number `2 (y mod 2) + (x mod 2)`.
 
-use std::ops::Range;
+use std::{fmt, ops::Range};
 
-use serde::Deserialize;
+use serde::{
+    Deserialize, Deserializer,
+    de::{
+        MapAccess, SeqAccess, Visitor,
+        value::{MapAccessDeserializer, SeqAccessDeserializer},
+    },
+};
 use toml::Spanned;
 
 use crate::{
-    kernel::{Kernel, KernelError, KernelFileError},
+    kernel::{Kernel, KernelError},
     photoreceptor::Response,
 };
 
-use super::noise::Noise;
+use super::noise::{Fault, Noise};
 
 /// Everything that makes one sensor different from another.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,8 +166,8 @@ pub struct DescriptionError {
     span: miette::SourceSpan,
 }
 
-/// Reads the text of a file that a sensor file names; the path is as written there.
-pub type ReadFile<'a> = dyn Fn(&str) -> std::io::Result<String> + 'a;
+/// Reads a file that a sensor file names; the path is as written there.
+pub type ReadFile<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
 
 impl Description {
     /// Reads the text of a sensor file called `file`; `read` opens the kernel files it names.
@@ -169,7 +176,10 @@ impl Description {
     /// The first thing that is wrong, with its line and column.
     pub fn parse(file: &str, text: &str, read: &ReadFile<'_>) -> Result<Self, DescriptionError> {
         let door = Door { file, text, read };
-        let written: Written = toml::from_str(text).map_err(|e| door.syntax(&e))?;
+        if let Err(e) = toml::from_str::<toml::Table>(text) {
+            return Err(door.syntax(&e));
+        }
+        let written: Written = toml::from_str(text).map_err(|e| door.key(&e))?;
         door.check(written)
     }
 }
@@ -205,6 +215,7 @@ struct WrittenChannel {
     kernel: Spanned<WrittenKernels>,
     threshold: Spanned<WrittenThresholds>,
     pattern: Option<Spanned<String>>,
+    gain: Option<Spanned<f64>>,
     memory_kernel: Option<Spanned<WrittenKernel>>,
     #[serde(default)]
     log_temporal: bool,
@@ -230,15 +241,49 @@ enum WrittenKernel {
     Name(String),
 }
 
-#[derive(Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected { on = number, off = number, sigma = number }, where sigma may be left out (with pattern = \"2x2\": an array of four)"
-)]
 enum WrittenThresholds {
     One(Threshold),
     Several(Vec<Threshold>),
 }
+
+/// Not an untagged enum, whose errors do not say which key is wrong.
+impl<'de> Deserialize<'de> for WrittenThresholds {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Either;
+
+        impl<'de> Visitor<'de> for Either {
+            type Value = WrittenThresholds;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("{ on = number, off = number, sigma = number }, where sigma may be left out (with pattern = \"2x2\": an array of four)")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+                Threshold::deserialize(MapAccessDeserializer::new(map)).map(WrittenThresholds::One)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(seq)).map(WrittenThresholds::Several)
+            }
+        }
+
+        deserializer.deserialize_any(Either)
+    }
+}
+
+/// Kinds of cells that a pixel may have, as many as the paper's largest sensor.
+const MOST_CHANNELS: usize = 16;
+
+/// What is missing, and how it might read.
+const EXAMPLES: [(&str, &str); 7] = [
+    ("response", "response = { linear = 255 }"),
+    ("memory", "memory = \"filtered-step\""),
+    ("kernel", "kernel = \"csdvs-5\""),
+    ("threshold", "threshold = { on = 0.2, off = 0.2 }"),
+    ("on", "on = 0.2"),
+    ("off", "off = 0.2, a positive magnitude"),
+    ("us", "us = 1000"),
+];
 
 type Checked<T> = Result<T, DescriptionError>;
 
@@ -256,18 +301,19 @@ impl Door<'_> {
             ));
         };
         let listed = channels.span();
-        let channels: Vec<_> = channels
-            .into_inner()
-            .into_iter()
-            .map(|channel| self.channel(memory, channel))
-            .collect::<Checked<_>>()?;
-        if channels.is_empty() || channels.len() > 16 {
+        let channels = channels.into_inner();
+        if channels.is_empty() || channels.len() > MOST_CHANNELS {
+            let beyond = channels.get(MOST_CHANNELS).map(Spanned::span);
             return Err(self.wrong(
-                listed,
+                beyond.unwrap_or(listed),
                 &format!("there are {} channels", channels.len()),
                 "give one to sixteen [[channel]] tables",
             ));
         }
+        let channels = channels
+            .into_iter()
+            .map(|channel| self.channel(memory, channel))
+            .collect::<Checked<_>>()?;
         Ok(Description {
             name: written.name.unwrap_or_else(|| stem(self.file).to_owned()),
             response: written.response,
@@ -350,14 +396,14 @@ impl Door<'_> {
             return Ok(Noise::NONE);
         };
         let (span, noise) = (written.span(), written.into_inner());
-        if let Err(message) = noise.check(memory, refractory.rule) {
-            return Err(self.wrong(
-                span,
-                &message,
-                "see docs/reference.md for what each noise means and its unit",
-            ));
+        match noise.check(memory, refractory.rule) {
+            Ok(()) => Ok(noise),
+            Err(Fault {
+                key,
+                message,
+                advice,
+            }) => Err(self.wrong(self.place_of(key, span.start), &message, &advice)),
         }
-        Ok(noise)
     }
 
     fn channel(&self, memory: MemoryRule, written: Spanned<WrittenChannel>) -> Checked<Channel> {
@@ -375,7 +421,8 @@ impl Door<'_> {
             }
         };
         let kernel_span = written.kernel.span();
-        let kernels = match (written.kernel.into_inner(), four) {
+        let gain = self.gain(written.gain)?;
+        let kernels: Vec<_> = match (written.kernel.into_inner(), four) {
             (WrittenKernels::One(one), false) => vec![self.kernel(one, &kernel_span)?],
             (WrittenKernels::Several(four), true) if four.len() == 4 => four
                 .into_iter()
@@ -416,7 +463,11 @@ impl Door<'_> {
         for threshold in &thresholds {
             self.threshold(*threshold, &threshold_span)?;
         }
-        let memory_kernel = self.memory_kernel(memory, written.memory_kernel, whole)?;
+        let memory_kernel = self.memory_kernel(memory, written.memory_kernel, gain, whole)?;
+        let kernels = kernels
+            .iter()
+            .map(|kernel| self.scaled(kernel, gain, &kernel_span))
+            .collect::<Checked<_>>()?;
         Ok(Channel {
             name: written.name,
             kernels,
@@ -426,12 +477,37 @@ impl Door<'_> {
         })
     }
 
+    fn gain(&self, written: Option<Spanned<f64>>) -> Checked<f64> {
+        let Some(written) = written else {
+            return Ok(1.0);
+        };
+        let gain = *written.get_ref();
+        if gain == 0.0 || !gain.is_finite() {
+            return Err(self.wrong(
+                written.span(),
+                &format!("gain is {gain}"),
+                "give a finite number other than zero: -1 exchanges ON and OFF",
+            ));
+        }
+        Ok(gain)
+    }
+
+    fn scaled(&self, kernel: &Kernel, gain: f64, span: &Range<usize>) -> Checked<Kernel> {
+        Kernel::new(kernel.weights() * gain).map_err(|e| {
+            self.wrong(
+                span.clone(),
+                &format!("with gain {gain:e}: {e}"),
+                "give a smaller gain",
+            )
+        })
+    }
+
     fn threshold(&self, threshold: Threshold, span: &Range<usize>) -> Checked<()> {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         for (name, value) in [("on", threshold.on), ("off", threshold.off)] {
             if !positive(value) {
                 return Err(self.wrong(
-                    span.clone(),
+                    self.place_of(name, span.start),
                     &format!("threshold.{name} is {value}"),
                     "give a finite number above zero; `off` is a positive magnitude",
                 ));
@@ -439,7 +515,7 @@ impl Door<'_> {
         }
         if !(threshold.sigma >= 0.0 && threshold.sigma.is_finite()) {
             return Err(self.wrong(
-                span.clone(),
+                self.place_of("sigma", span.start),
                 &format!("threshold.sigma is {}", threshold.sigma),
                 "give zero or a positive standard deviation, in the unit of the threshold",
             ));
@@ -451,33 +527,43 @@ impl Door<'_> {
         &self,
         memory: MemoryRule,
         written: Option<Spanned<WrittenKernel>>,
+        gain: f64,
         whole: Range<usize>,
     ) -> Checked<Option<Kernel>> {
         match (written, memory) {
-            (None, MemoryRule::AuthorsPixelStep) => Err(self.wrong(whole, "memory = \"authors-pixel-step\" needs a memory-kernel", "give the kernel that the memory is seen through (often the channel's own)")),
+            (None, MemoryRule::AuthorsPixelStep) => Err(self.wrong(
+                whole,
+                "memory = \"authors-pixel-step\" needs a memory-kernel",
+                "give the kernel that the memory is seen through (often the channel's own)",
+            )),
             (None, _) => Ok(None),
             (Some(written), MemoryRule::AuthorsPixelStep) => {
                 let span = written.span();
                 let kernel = self.kernel(written.into_inner(), &span)?;
+                let kernel = self.scaled(&kernel, gain, &span)?;
                 self.stable(&kernel, span)?;
                 Ok(Some(kernel))
             }
-            (Some(written), _) => Err(self.wrong(written.span(), "memory-kernel is only for memory = \"authors-pixel-step\"", "leave it out: the memory of the other rules is seen through the channel's own kernel, or holds the filtered signal")),
+            (Some(written), _) => Err(self.wrong(
+                written.span(),
+                "memory-kernel is only for memory = \"authors-pixel-step\"",
+                "leave it out: the memory of the other rules is seen through the channel's own kernel, or holds the filtered signal",
+            )),
         }
     }
 
-    /// An event moves the pixel's memory by N θ, which moves the difference by the centre
-    /// weight times N θ: below 0 it grows, from 2 on it overshoots by more than it corrects.
+    /// Events move the pixels' memory by what the filtered difference was, which moves that
+    /// difference by the kernel's answer to it: what is left of a pattern of spatial frequency
+    /// f is 1 - W(f) of it. Above 1 in size it grows.
     fn stable(&self, kernel: &Kernel, span: Range<usize>) -> Checked<()> {
-        let (y, x) = kernel.reach();
-        let gain = kernel.weights()[[y, x]];
-        if gain > 0.0 && gain < 2.0 {
+        let worst = growth(kernel);
+        if worst <= MOST_GROWTH {
             return Ok(());
         }
         Err(self.wrong(
             span,
-            &format!("a pixel memory stepped by filtered thresholds runs away here: each event corrects the difference by {gain} of what it should"),
-            "the centre of the memory-kernel must be between 0 and 2; or use memory = \"raw-snap\" or \"filtered-step\", which are stable",
+            &format!("a pixel memory stepped by filtered thresholds runs away through this kernel: what an event should remove grows up to {worst:.2} times with each frame"),
+            "use memory = \"filtered-step\" or \"raw-snap\", which are stable with any kernel",
         ))
     }
 
@@ -498,7 +584,7 @@ impl Door<'_> {
         if let Some(kernel) = Kernel::builtin(name) {
             return Ok(kernel);
         }
-        let text = (self.read)(name).map_err(|e| {
+        let bytes = (self.read)(name).map_err(|e| {
             let known: Vec<_> = Kernel::builtin_names().collect();
             self.wrong(
                 span.clone(),
@@ -509,21 +595,55 @@ impl Door<'_> {
                 ),
             )
         })?;
-        Kernel::from_toml(&text).map_err(|e: KernelFileError| {
+        let (kernel, advice) = if name.ends_with(".npy") {
+            let advice = "give a two-dimensional array of numbers; in numpy: np.save(file, kernel)";
+            (Kernel::from_npy(&bytes), advice)
+        } else {
+            let advice = "a kernel file is TOML with one of `weights`, `centre-surround` and `gaussians`, or a .npy array";
+            (Kernel::from_toml_bytes(&bytes), advice)
+        };
+        kernel.map_err(|e| {
             self.wrong(
                 span.clone(),
                 &format!("kernel file \"{name}\": {e}"),
-                "a kernel file has one of `weights`, `centre-surround` and `gaussians`",
+                advice,
             )
         })
     }
 
+    /// The text is not TOML.
     fn syntax(&self, e: &toml::de::Error) -> DescriptionError {
         self.wrong(
             e.span().unwrap_or(0..0),
-            e.message().trim(),
-            "docs/reference.md lists every key of a sensor file",
+            &format!("not TOML: {}", e.message().trim()),
+            "write key = value; words go in quotes, as in memory = \"filtered-step\"",
         )
+    }
+
+    /// The text is TOML, and a key is missing, unknown, or of another kind.
+    fn key(&self, e: &toml::de::Error) -> DescriptionError {
+        let message = e.message().trim();
+        let missing = message.strip_prefix("missing field `");
+        let example = missing.and_then(|rest| {
+            let (_, example) = EXAMPLES
+                .iter()
+                .find(|(key, _)| rest.strip_suffix('`') == Some(key))?;
+            Some(format!("add it, such as {example}"))
+        });
+        let message = message
+            .replace("missing field", "missing key")
+            .replace("unknown field", "unknown key")
+            .replace("unknown variant", "unknown value");
+        let advice = example.unwrap_or("docs/reference.md lists every key of a sensor file".into());
+        self.wrong(e.span().unwrap_or(0..0), &message, &advice)
+    }
+
+    /// Where `key` is given a value, from `start` on; there if it is not found.
+    fn place_of(&self, key: &str, start: usize) -> Range<usize> {
+        let rest = self.text.get(start..).unwrap_or("");
+        let given = |at: &usize| rest[at + key.len()..].trim_start().starts_with('=');
+        let found = rest.match_indices(key).map(|(at, _)| at).find(given);
+        found.map_or(start..start, |at| start + at..start + at + key.len())
     }
 
     fn wrong(&self, span: Range<usize>, message: &str, advice: &str) -> DescriptionError {
@@ -539,6 +659,30 @@ impl Door<'_> {
             span: (span.start, span.end.saturating_sub(span.start)).into(),
         }
     }
+}
+
+/// How much a pixel memory stepped by filtered thresholds may grow in a frame. 1 would be
+/// stable for ever; the kernels that the released simulator's reference outputs were made with
+/// reach 1.13.
+const MOST_GROWTH: f64 = 1.25;
+
+/// The largest |1 - W(f)| of a kernel, over a grid of spatial frequencies.
+fn growth(kernel: &Kernel) -> f64 {
+    const GRID: usize = 32;
+    let (reach_y, reach_x) = kernel.reach();
+    let angle = |i: usize| std::f64::consts::TAU * i as f64 / GRID as f64;
+    let at = |fy: f64, fx: f64| {
+        let (mut re, mut im) = (1.0, 0.0);
+        for ((y, x), weight) in kernel.weights().indexed_iter() {
+            let phase = fy * (y as f64 - reach_y as f64) + fx * (x as f64 - reach_x as f64);
+            re -= weight * phase.cos();
+            im -= weight * phase.sin();
+        }
+        f64::hypot(re, im)
+    };
+    (0..GRID * GRID)
+        .map(|i| at(angle(i / GRID), angle(i % GRID)))
+        .fold(0.0, f64::max)
 }
 
 fn stem(file: &str) -> &str {

@@ -6,13 +6,12 @@ pub(super) enum Why {
     ThresholdOn = 1,
     ThresholdOff = 2,
     LeakRate = 3,
-    ShotCount = 4,
-    ShotSign = 5,
-    ShotPlace = 6,
-    HotPixel = 7,
-    HotCount = 8,
-    HotPlace = 9,
-    Jitter = 10,
+    LeakPhase = 4,
+    HotPixel = 5,
+    StrayWait = 6,
+    StraySign = 7,
+    StrayKept = 8,
+    Jitter = 9,
 }
 
 /// A cell to draw for.
@@ -27,9 +26,14 @@ pub(super) struct Place {
 impl Place {
     /// A uniform number in [0, 1); `step` is the pair, or whatever else comes again.
     pub(super) fn uniform(self, why: Why, step: u64) -> f64 {
+        self.uniform_at(why, step, 0)
+    }
+
+    /// The same for the `turn`-th number of a step.
+    pub(super) fn uniform_at(self, why: Why, step: u64, turn: u64) -> f64 {
         let cell = ((self.channel as u64) << 48) | ((self.y as u64) << 24) | self.x as u64;
         let mut h = mix(self.seed.wrapping_add(GOLDEN));
-        for part in [why as u64, cell, step] {
+        for part in [why as u64, cell, step ^ turn.rotate_left(32)] {
             h = mix((h ^ part).wrapping_add(GOLDEN));
         }
         (h >> 11) as f64 / (1u64 << 53) as f64
@@ -40,21 +44,6 @@ impl Place {
         let radius = 1.0 - self.uniform(why, 2 * step);
         let angle = self.uniform(why, 2 * step + 1);
         (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
-    }
-
-    /// A Poisson count of this mean, by inverting its distribution.
-    pub(super) fn poisson(self, why: Why, step: u64, mean: f64) -> u64 {
-        let drawn = self.uniform(why, step);
-        // A mean this large is a pixel that does nothing else; beyond, exp(-mean) ends.
-        let mean = mean.min(500.0);
-        let (mut count, mut term) = (0, (-mean).exp());
-        let mut sum = term;
-        while drawn >= sum && count < 2000 {
-            count += 1;
-            term *= mean / count as f64;
-            sum += term;
-        }
-        count
     }
 }
 
@@ -107,17 +96,11 @@ mod tests {
             1.0,
             2f64.sqrt(),
         );
-        for m in [0.01, 0.7, 5.0] {
-            near(
-                mean(|p, s| p.poisson(Why::ShotCount, s, m) as f64),
-                m,
-                m.sqrt(),
-            );
-        }
         // Neighbours, steps, reasons and seeds are not alike.
         let product = |p: Place, q: Place| {
             (p.uniform(Why::Jitter, 0) - 0.5) * (q.uniform(Why::Jitter, 0) - 0.5)
         };
+        let apart = |a: f64, b: f64| (a - 0.5) * (b - 0.5);
         near(
             mean(|p, _| product(p, Place { x: p.x + 1, ..p })),
             0.0,
@@ -128,5 +111,14 @@ mod tests {
             0.0,
             1.0 / 12.0,
         );
+        let drawn = |p: Place, why, step, turn| p.uniform_at(why, step, turn);
+        for (why, step, turn) in [
+            (Why::Jitter, 1, 0),
+            (Why::Jitter, 0, 1),
+            (Why::StraySign, 0, 0),
+        ] {
+            let both = |p: Place, _| apart(drawn(p, Why::Jitter, 0, 0), drawn(p, why, step, turn));
+            near(mean(both), 0.0, 1.0 / 12.0);
+        }
     }
 }

@@ -113,7 +113,7 @@ impl<N: Number> Stepped<N> {
 const MOST: i32 = 1 << 30;
 
 fn holds<R: Real>(net: i32, count: R) -> bool {
-    net.abs() <= MOST && count.abs() <= R::of_i32(MOST)
+    net.unsigned_abs() <= MOST.unsigned_abs() && count.abs() <= R::of_i32(MOST)
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]

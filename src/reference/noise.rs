@@ -5,19 +5,30 @@
 //! | key of `[noise]` | unit | what it does | rate on a still scene |
 //! |---|---|---|---|
 //! | `leak-hz` | events/s | the memory falls by `leak-hz θ_on` each second (junction leakage of the reset switch; Nozaki & Delbruck, IEEE TED 64:3239, 2017) | `leak-hz` ON events per cell |
-//! | `leak-spread` | decades | each cell's own leak: log-normal with this standard deviation | |
-//! | `shot-hz` | events/s | noise events, half ON half OFF, a Poisson process in each cell | `shot-hz` |
-//! | `hot-fraction`, `hot-hz` | -, events/s | this share of the cells fires ON at this rate, whatever it sees | `hot-fraction * hot-hz` per cell |
-//! | `jitter-us` | us | the events of a cell in a pair move together by a normal draw, within the pair | |
-//! | `cutoff-hz` | Hz | the photoreceptor is a first-order low-pass whose bandwidth grows with light, `cutoff-hz (I + 20) / 275` (v2e's law; the step is the exact exponential) | |
+//! | `leak-spread` | decades | each cell's own leak: log-normal with this standard deviation, median `leak-hz` | `leak-hz exp((ln 10 leak-spread)² / 2)` |
+//! | `shot-hz` | events/s | noise events in the dark, half ON half OFF, a Poisson process in each cell | `shot-hz` |
+//! | `shot-at-white` | - | the share of it that is left at light 255; a straight line between, constant above | `shot-hz (1 + (shot-at-white - 1) I / 255)` |
+//! | `hot-fraction`, `hot-hz` | -, events/s | this share of the cells fires ON at this rate instead, a Poisson process, whatever it sees | `hot-fraction hot-hz` per cell |
+//! | `jitter-us` | us | the events of a cell in a pair move together by a normal draw, reflected at the pair's frames | |
+//! | `cutoff-hz` | Hz | the photoreceptor is a first-order low-pass whose bandwidth grows with light, `cutoff-hz (I + 20) / 275` (v2e's law) | |
 //!
 //! The threshold's own mismatch is `sigma` of a channel's `threshold`.
 //!
+//! **Leak.** Cells do not start in step: each has leaked for a part of its first interval
+//! already, uniformly drawn, as in a sensor that has been on for long. The mean count in a
+//! time `T` is then exactly `leak-hz T`.
+//!
+//! **Shot noise and hot pixels** leave the memory alone. Under a dead time a cell is deaf to
+//! them for that time after each of its events, and they give way to an event of the scene
+//! that follows within it in the same pair of frames.
+//!
+//! **Low-pass.** The light of a frame is held since the frame before, so a step is followed as
+//! `1 - exp(-2π f t)` at any frame rate. It starts settled.
+//!
 //! v2e's rules are known to be faulty in places, and are not copied: its shot events reset the
 //! memory to the photoreceptor's value even where the memory holds something else, come at
-//! most once a frame and are stamped with the frame's end; its low-pass is an Euler step that
-//! has to be clipped. Here a shot event leaves the memory alone, comes as often as its rate
-//! says, at any time.
+//! most once a frame and are stamped with the frame's end; its leak starts in step in all
+//! cells; its low-pass is an Euler step that has to be clipped and lags by a frame.
 
 use ndarray::ArrayView1;
 use serde::Deserialize;
@@ -37,15 +48,17 @@ use super::{
 };
 
 /// What disturbs the cells of a sensor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct Noise {
     /// ON events a second that leakage makes in a cell.
     pub leak_hz: f64,
     /// Standard deviation of the cells' leak rates, in decades.
     pub leak_spread: f64,
-    /// Shot noise events a second in a cell, ON and OFF together.
+    /// Shot noise events a second in a cell in the dark, ON and OFF together.
     pub shot_hz: f64,
+    /// The share of them that is left at light 255, 0 to 1.
+    pub shot_at_white: f64,
     /// Share of cells that are hot, 0 to 1.
     pub hot_fraction: f64,
     /// Events a second of a hot cell.
@@ -56,12 +69,33 @@ pub struct Noise {
     pub cutoff_hz: f64,
 }
 
+/// A key of `[noise]` that cannot have its value.
+#[derive(Debug)]
+pub(super) struct Fault {
+    pub(super) key: &'static str,
+    pub(super) message: String,
+    pub(super) advice: String,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+/// The light at which `shot-at-white` holds: white in 8-bit video.
+const WHITE: f64 = 255.0;
+
+/// A cell that fires more often than once a microsecond has no times.
+const FASTEST: f64 = 1e6;
+
 impl Noise {
     /// No noise.
     pub const NONE: Self = Self {
         leak_hz: 0.0,
         leak_spread: 0.0,
         shot_hz: 0.0,
+        shot_at_white: 1.0,
         hot_fraction: 0.0,
         hot_hz: 0.0,
         jitter_us: 0.0,
@@ -69,40 +103,50 @@ impl Noise {
     };
 
     /// Says what is wrong with these values under these rules.
-    pub(super) fn check(
-        self,
-        memory: MemoryRule,
-        refractory: RefractoryRule,
-    ) -> Result<(), String> {
+    pub(super) fn check(self, memory: MemoryRule, refractory: RefractoryRule) -> Result<(), Fault> {
+        let anything = f64::INFINITY;
         let all = [
-            ("leak-hz", self.leak_hz),
-            ("leak-spread", self.leak_spread),
-            ("shot-hz", self.shot_hz),
-            ("hot-fraction", self.hot_fraction),
-            ("hot-hz", self.hot_hz),
-            ("jitter-us", self.jitter_us),
-            ("cutoff-hz", self.cutoff_hz),
+            ("leak-hz", self.leak_hz, FASTEST),
+            ("leak-spread", self.leak_spread, 3.0),
+            ("shot-hz", self.shot_hz, FASTEST),
+            ("shot-at-white", self.shot_at_white, 1.0),
+            ("hot-fraction", self.hot_fraction, 1.0),
+            ("hot-hz", self.hot_hz, FASTEST),
+            ("jitter-us", self.jitter_us, anything),
+            ("cutoff-hz", self.cutoff_hz, anything),
         ];
-        if let Some((name, value)) = all
-            .into_iter()
-            .find(|(_, value)| !(*value >= 0.0 && value.is_finite()))
-        {
-            return Err(format!(
-                "noise.{name} is {value}; it must be zero or a positive number"
-            ));
+        for (name, value, most) in all {
+            if !(value >= 0.0 && value <= most && value.is_finite()) {
+                let range = if most == anything {
+                    "zero or a positive number".to_owned()
+                } else {
+                    format!("a number from 0 to {most}")
+                };
+                return Err(Fault {
+                    key: name,
+                    message: format!("noise.{name} is {value}"),
+                    advice: format!("give {range}; docs/reference.md has its unit"),
+                });
+            }
         }
-        if self.hot_fraction > 1.0 {
-            return Err(format!(
-                "noise.hot-fraction is {}; it is a share, from 0 to 1",
-                self.hot_fraction
-            ));
-        }
+        let leaks = self.leak_hz > 0.0;
+        let fault = |message: &str, advice: &str| Fault {
+            key: "leak-hz",
+            message: message.to_owned(),
+            advice: advice.to_owned(),
+        };
         let pixels = matches!(memory, MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep);
-        if pixels && self.leak_hz > 0.0 {
-            return Err("noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels; use it with memory = \"filtered-snap\" or \"filtered-step\"".to_owned());
+        if pixels && leaks {
+            return Err(fault(
+                "noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels",
+                "use memory = \"filtered-snap\" or \"filtered-step\", or leave the leak out",
+            ));
         }
-        if refractory == RefractoryRule::Authors && self.leak_hz > 0.0 {
-            return Err("noise.leak-hz moves the memory between frames, which the authors' refractory rule does not know; use rule = \"dead-time\"".to_owned());
+        if refractory == RefractoryRule::Authors && leaks {
+            return Err(fault(
+                "noise.leak-hz moves the memory between frames, which the authors' refractory rule does not know",
+                "use rule = \"dead-time\", or leave the leak out",
+            ));
         }
         Ok(())
     }
@@ -122,36 +166,64 @@ impl Noise {
         self.leak_hz * spread * threshold
     }
 
-    /// The events of a cell in a pair of `dt` seconds that nothing in the scene made.
-    pub(super) fn shot(&self, place: Place, pair: u64, dt: f64) -> Option<Train> {
+    /// How much of a threshold a cell has leaked before its first frame.
+    pub(super) fn leaked(place: Place) -> f64 {
+        place.uniform(Why::LeakPhase, 0)
+    }
+
+    /// The events of a cell in a pair of `dt` seconds that nothing in the scene made, in order
+    /// of time: 0 at the earlier frame, 1 at the later.
+    ///
+    /// The waiting times of a Poisson process are exponential and forget, so every pair starts
+    /// anew. Shot noise is drawn at its rate in the dark and thinned by the light.
+    pub(super) fn strays(
+        &self,
+        place: Place,
+        pair: u64,
+        dt: f64,
+        light: impl Fn() -> f64,
+    ) -> impl Iterator<Item = (f64, Polarity)> {
         let hot = self.hot_fraction > 0.0 && place.uniform(Why::HotPixel, 0) < self.hot_fraction;
-        let (why, rate, spot) = if hot {
-            (Why::HotCount, self.hot_hz, Why::HotPlace)
-        } else {
-            (Why::ShotCount, self.shot_hz, Why::ShotPlace)
-        };
-        let count = place.poisson(why, pair, rate * dt);
-        if count == 0 {
-            return None;
-        }
-        let on = hot || place.uniform(Why::ShotSign, pair) < 0.5;
-        let spacing = 1.0 / count as f64;
-        Some(Train {
-            polarity: if on { Polarity::On } else { Polarity::Off },
-            count,
-            first: spacing * place.uniform(spot, pair),
-            spacing,
+        let rate = if hot { self.hot_hz } else { self.shot_hz };
+        let mean = rate * dt;
+        let (mut u, mut turn) = (0.0, 0);
+        let arrivals = std::iter::from_fn(move || {
+            // 1 - u is never 0. At a mean of 0 the wait is infinite, or not a number.
+            u -= (1.0 - place.uniform_at(Why::StrayWait, pair, turn)).ln() / mean;
+            turn += 1;
+            (u < 1.0).then_some((u, turn))
+        });
+        arrivals.filter_map(move |(u, turn)| {
+            if hot {
+                return Some((u, Polarity::On));
+            }
+            let sign = if place.uniform_at(Why::StraySign, pair, turn) < 0.5 {
+                Polarity::On
+            } else {
+                Polarity::Off
+            };
+            let kept = self.shot_at_white >= 1.0
+                || place.uniform_at(Why::StrayKept, pair, turn) < self.shot_share(light());
+            kept.then_some((u, sign))
         })
     }
 
-    /// Moves a train by the cell's jitter, within the pair.
+    /// The share of shot noise that is left in this light.
+    fn shot_share(&self, light: f64) -> f64 {
+        1.0 + (self.shot_at_white - 1.0) * (light / WHITE).clamp(0.0, 1.0)
+    }
+
+    /// Moves a train by the cell's jitter, reflected so that it stays within the pair.
     pub(super) fn jitter(&self, train: Train, place: Place, pair: u64, dt: f64) -> Train {
         let shift = self.jitter_us * 1e-6 / dt * place.normal(Why::Jitter, pair);
-        let length = train.last() - train.first;
-        Train {
-            first: (train.first + shift).clamp(0.0, 1.0 - length),
-            ..train
-        }
+        let room = 1.0 - (train.last() - train.first);
+        let first = if room > 0.0 {
+            let folded = (train.first + shift).rem_euclid(2.0 * room);
+            folded.min(2.0 * room - folded)
+        } else {
+            0.0
+        };
+        Train { first, ..train }
     }
 
     /// How much of the way to its input a photoreceptor goes in `dt` seconds.

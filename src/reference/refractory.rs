@@ -64,6 +64,31 @@ pub(super) fn dead_time(train: Train, r: f64, since: f64) -> Option<Train> {
     })
 }
 
+/// Whether a cell is awake for a stray event at `u`, given what the scene made it fire in this
+/// pair and when it fired last before; all in units of the pair's duration.
+///
+/// It must not come within a dead time after an event, and gives way to an event of the scene
+/// within a dead time after it.
+pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool {
+    let r = r * (1.0 - 1e-9);
+    let Some(train) = scene else {
+        return u - before >= r;
+    };
+    // How many of the scene's events lie before.
+    let passed = if u < train.first {
+        0
+    } else if train.spacing > 0.0 {
+        (((u - train.first) / train.spacing) as u64 + 1).min(train.count)
+    } else {
+        train.count
+    };
+    let last = match passed {
+        0 => before,
+        n => before.max(train.at(n - 1)),
+    };
+    u - last >= r && (passed == train.count || train.at(passed) - u >= r)
+}
+
 /// The released simulator's events of one pair. Times in seconds; `since` is the time from
 /// the last event to the earlier frame.
 ///
@@ -128,6 +153,21 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    proptest! {
+        /// The slow twin: every event of the scene is looked at.
+        #[test]
+        fn strays_keep_their_distance(u in 0.0f64..1.0, count in 1u64..9, first in 0.0f64..0.5, spacing in 0.0f64..0.1, before in -1.0f64..0.0, r in 0.0f64..0.5) {
+            let train = Train { polarity: Polarity::On, count, first, spacing };
+            let far = |t: f64| if t <= u { u - t >= r } else { t - u >= r };
+            let scene = (0..count).map(|i| train.at(i));
+            let want = u - before >= r && scene.clone().all(far);
+            // Ties are left to rounding.
+            prop_assume!(scene.chain([before]).all(|t| ((u - t).abs() - r).abs() > 1e-6));
+            prop_assert_eq!(awake(u, Some(&train), before, r), want);
+            prop_assert_eq!(awake(u, None, before, r), u - before >= r);
         }
     }
 

@@ -147,7 +147,8 @@ pub trait Sink {
 
 /// The part of a sink that one band of rows is told to.
 pub trait BandSink {
-    /// One row of one channel. Channels come in turn; rows in order within a channel.
+    /// One row of one channel. Channels come in turn; rows in order within a channel. A row
+    /// that is told again adds to what it said before.
     ///
     /// # Errors
     /// When the sink cannot hold it.

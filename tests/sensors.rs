@@ -1,0 +1,280 @@
+//! The sensor files of `sensors/`: each is read, says where it comes from, is named in
+//! `docs/reference.md`, sees the bundled clip and a drawn pattern, and is silent on a still
+//! scene. The files of `sensors/authors/` give the counts of the authors' released simulator
+//! when fed its own clips as 8-bit light (`tests/oracle/`, README there).
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use amacrine::{
+    event::Packet,
+    plane::{Plane, Size},
+    reference::{Counts, Description, MemoryRule, Noise, Reference, RefractoryRule},
+    scene::{
+        Frame, OpenOptions, Scene, SceneError, bundled, open,
+        upsample::{Bound, Upsampled, Upsampling},
+    },
+    sensor::Sensor,
+};
+use ndarray::{Array3, Array4, ArrayD, s};
+use ndarray_npy::{NpzReader, read_npy};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Every sensor file, as a path from the root of the repository.
+fn files() -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for folder in ["sensors", "sensors/authors"] {
+        for entry in root().join(folder).read_dir().unwrap() {
+            let name = entry.unwrap().file_name();
+            if Path::new(&name).extension().is_some_and(|e| e == "toml") {
+                files.push(Path::new(folder).join(name));
+            }
+        }
+    }
+    files.sort();
+    assert!(files.len() > 25, "only {} sensor files", files.len());
+    files
+}
+
+fn read(file: &Path) -> Description {
+    let path = root().join(file);
+    let folder = path.parent().unwrap().to_owned();
+    let text = fs::read_to_string(&path).unwrap();
+    let shown = file.display().to_string();
+    Description::parse(&shown, &text, &|name| fs::read(folder.join(name)))
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn watch(description: Description, scene: &mut dyn Scene) -> (u64, Packet) {
+    let channels = description.channels.len() as u8;
+    let mut reference = Reference::new(description, scene.size(), 1).unwrap();
+    let mut packet = Packet::new(scene.size(), channels);
+    while let Some(frame) = scene.next_frame().unwrap() {
+        reference.watch(&frame, &mut packet).unwrap();
+    }
+    (reference.report().events, packet)
+}
+
+/// The first frames of the bundled clip, cut to where something moves.
+struct Corner {
+    clip: Box<dyn Scene>,
+    left: usize,
+}
+
+impl Scene for Corner {
+    fn size(&self) -> Size {
+        Size::new(64, 64)
+    }
+
+    fn fps(&self) -> f64 {
+        self.clip.fps()
+    }
+
+    fn frames(&self) -> Option<u64> {
+        Some(self.left as u64)
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        if self.left == 0 {
+            return Ok(None);
+        }
+        self.left -= 1;
+        let cut = |frame: Frame| Frame {
+            light: frame.light.slice(s![32..96, 32..96]).to_owned(),
+            ..frame
+        };
+        Ok(self.clip.next_frame()?.map(cut))
+    }
+}
+
+#[test]
+fn every_file_sees_the_bundled_clip_and_a_pattern() {
+    for file in files() {
+        let description = read(&file);
+        let clip = Corner {
+            clip: bundled().unwrap(),
+            left: 3,
+        };
+        // The authors' cells never fire where frames are closer than the refractory period.
+        let authors = description.refractory.rule == RefractoryRule::Authors;
+        let bound = Bound::Contrast {
+            contrast: if authors { 0.5 } else { 0.1 },
+            offset: 1.0,
+        };
+        let how = Upsampling {
+            bound,
+            ..Upsampling::default()
+        };
+        let mut clip = Upsampled::new(clip, how).unwrap();
+        let (events, packet) = watch(description.clone(), &mut clip);
+        assert!(events > 0, "{}: nothing in the clip", file.display());
+        assert_eq!(packet.events.len() as u64, events, "{}", file.display());
+        let pattern = "pattern:disc?width=40&height=30&frames=24&radius=10";
+        let mut pattern = open(pattern, &OpenOptions::default()).unwrap();
+        let (events, packet) = watch(description.clone(), &mut pattern);
+        assert!(events > 0, "{}: nothing in the pattern", file.display());
+        assert!(packet.events.is_sorted_by_key(|e| e.t));
+        // Every kind of cell has something to say about a moving bar.
+        for channel in 0..description.channels.len() {
+            let of = packet.events.iter().any(|e| e.channel as usize == channel);
+            assert!(of, "{}: channel {channel} is silent", file.display());
+        }
+    }
+}
+
+#[test]
+fn every_file_says_where_it_comes_from_and_is_documented() {
+    let page = fs::read_to_string(root().join("docs/reference.md")).unwrap();
+    for file in files() {
+        let text = fs::read_to_string(root().join(&file)).unwrap();
+        let shown = file.display().to_string();
+        assert!(text.contains("\nsource = \""), "{shown} has no source");
+        let authors = if shown.contains("authors") {
+            "authors-"
+        } else {
+            ""
+        };
+        let name = format!("{authors}{}", file.file_stem().unwrap().display());
+        assert_eq!(read(&file).name, name, "{shown} names itself otherwise");
+        assert!(
+            page.contains(&format!("`{shown}`")),
+            "docs/reference.md does not name {shown}"
+        );
+    }
+}
+
+/// Something with every grey, the same at every frame.
+fn still(frames: u64) -> impl Iterator<Item = Frame> {
+    let light = Plane::from_shape_fn((19, 23), |(y, x)| ((y * 97 + x * 57) % 256) as f64);
+    (0..frames).map(move |index| Frame {
+        index,
+        seconds: 7.0 + index as f64 / 240.0,
+        light: light.clone(),
+    })
+}
+
+fn silent(description: Description, what: &str) {
+    let mut reference = Reference::new(description, Size::new(19, 23), 1).unwrap();
+    let mut packet = Packet::new(Size::new(19, 23), 16);
+    for frame in still(5) {
+        reference.watch(&frame, &mut packet).unwrap();
+        assert_eq!(
+            packet.events.len(),
+            0,
+            "{what}: events at frame {}",
+            frame.index
+        );
+    }
+}
+
+#[test]
+fn a_still_scene_without_noise_is_silent_from_its_first_frame() {
+    for file in files() {
+        let mut description = read(&file);
+        description.noise = Noise::NONE;
+        silent(description, &file.display().to_string());
+    }
+    let responses = [
+        "\"identity\"",
+        "{ linear = 255 }",
+        "{ log = { white = 255, offset = 1e-3 } }",
+        "{ lin-log = { knee = 20 } }",
+    ];
+    let rules = [
+        "memory = \"raw-snap\"",
+        "memory = \"raw-snap\"\npolarity = \"pixel\"",
+        "memory = \"filtered-snap\"",
+        "memory = \"filtered-snap\"\npolarity = \"pixel\"",
+        "memory = \"filtered-step\"",
+        "memory = \"filtered-step\"\nrefractory = { us = 1000, rule = \"authors\" }",
+        "memory = \"authors-pixel-step\"",
+    ];
+    let borders = ["replicate", "zero"];
+    for (response, rule, border) in responses
+        .iter()
+        .flat_map(|a| rules.iter().map(move |b| (a, b)))
+        .flat_map(|(a, b)| borders.iter().map(move |c| (a, b, c)))
+    {
+        let memory_kernel = if rule.contains("authors-pixel") {
+            "memory-kernel = \"csdvs-3\""
+        } else {
+            ""
+        };
+        let text = format!(
+            "response = {response}\n{rule}\nborder = \"{border}\"\n[[channel]]\nkernel = \"csdvs-3\"\n{memory_kernel}\nthreshold = {{ on = 1e-6, off = 1e-6, sigma = 1e-7 }}\n"
+        );
+        let description = Description::parse("still.toml", &text, &|_| unreachable!()).unwrap();
+        let mut filtered = description.clone();
+        filtered.noise.cutoff_hz = 100.0;
+        silent(description, &text);
+        silent(filtered, &text);
+    }
+}
+
+/// The stored modes that are built in: oracle file, sensor file.
+const MODES: [(&str, &str); 7] = [
+    ("dvs_lin", "dvs"),
+    ("csdvs_lin", "csdvs"),
+    ("csdvs_new_lin", "csdvs-new"),
+    ("csdvs_new_new_lin", "csdvs-new-new"),
+    ("csdvs_new_new_k3_lin", "csdvs-new-new-3"),
+    ("dog_lin", "dog"),
+    ("dog_amp_lin", "dog-amplitudes"),
+];
+
+#[test]
+fn the_authors_files_give_the_authors_counts() {
+    let mut events = 0;
+    for clip in ["mini_camera_15x21", "mini_random_16x20"] {
+        let folder = root().join("tests/oracle").join(clip);
+        let light: Array3<f32> = read_npy(folder.join("frames_u0_255.npy")).unwrap();
+        for (mode, file) in MODES {
+            for refractory in ["r0", "r1"] {
+                let path = folder.join(format!("{mode}_{refractory}.npz"));
+                let mut stored = NpzReader::new(fs::File::open(&path).unwrap()).unwrap();
+                let mut one = |key: &str| -> f64 {
+                    let array: ArrayD<f64> = stored.by_name(key).unwrap();
+                    *array.first().unwrap()
+                };
+                // The stored runs have thresholds of their own, and no mismatch.
+                let mut description =
+                    read(&Path::new("sensors/authors").join(format!("{file}.toml")));
+                let threshold = &mut description.channels[0].thresholds[0];
+                (threshold.on, threshold.off) = (one("pos_thres"), one("neg_thres"));
+                threshold.sigma = 0.0;
+                description.refractory.us = one("refractory_s") * 1e6;
+                assert_eq!(description.memory, MemoryRule::FilteredStep);
+                let expected: Array4<i16> = stored.by_name("N").unwrap();
+
+                let size = Size::new(light.dim().1, light.dim().2);
+                let mut reference = Reference::new(description, size, 0).unwrap();
+                let mut counts = Counts::new(size, 1);
+                for n in 0..=expected.dim().0 {
+                    let frame = Frame {
+                        index: n as u64,
+                        seconds: n as f64 / 240.0,
+                        light: light.slice(s![n, .., ..]).mapv(f64::from),
+                    };
+                    reference.watch_into(&frame, &mut counts).unwrap();
+                    if n > 0 {
+                        let want = expected.slice(s![n - 1, 0, .., ..]).mapv(i32::from);
+                        assert_eq!(
+                            counts.planes()[0],
+                            want,
+                            "{}, pair {}",
+                            path.display(),
+                            n - 1
+                        );
+                    }
+                }
+                events += reference.report().events;
+            }
+        }
+    }
+    assert!(events > 50_000, "only {events} events were compared");
+}
