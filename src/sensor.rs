@@ -36,6 +36,15 @@ pub enum SensorError {
         /// The sensor's size.
         want: Size,
     },
+    /// The sensor itself stopped.
+    #[error("{sensor} stopped: {why}")]
+    #[diagnostic(help("mend the sensor's program or settings at the place that is named"))]
+    Stopped {
+        /// Which sensor.
+        sensor: String,
+        /// What it says.
+        why: String,
+    },
     /// A sensor without pixels, or with more than addresses.
     #[error("a sensor of {size} pixels cannot be addressed")]
     #[diagnostic(help("width and height must be from 1 to 65536"))]

@@ -1,1 +1,40 @@
-//! (room)
+//! The array: every pixel a small analogue processor, all in step.
+//!
+//! ```text
+//!   frame ─► PIX ┐                        ┌─► registers, FLAG, NEWS of neighbours
+//!                ├─► bus: -(sum)/n ─store─┤
+//!   IN, A…F, NEWS┘   domain: how it      └─► one-bit registers ─► scan ─► events
+//!                    adds and rounds
+//! ```
+//!
+//! What each instruction word does is written once, in [`semantics`], for any [`Domain`]: what
+//! a cell holds and how the summing bus treats it. A [`Chip`] is a program on an array in one
+//! domain; it is a [`Sensor`](crate::sensor::Sensor), so light goes in and events come out.
+
+mod arithmetic;
+mod bits;
+mod chance;
+mod check;
+mod chip;
+mod domain;
+mod host;
+mod layout;
+mod ledger;
+mod readout;
+pub mod semantics;
+mod settings;
+mod silicon;
+mod state;
+
+pub use arithmetic::{Arithmetic, ArithmeticError};
+pub use bits::BitPlane;
+pub use check::{CodeError, CodeProblem, check};
+pub use chip::{Array, Chip, RunError, ShapeError};
+pub use domain::{Domain, Exact, Fixed, Halves, Place, Share, Single, Undecided};
+pub use host::{Reading, Readings};
+pub use layout::Layout;
+pub use ledger::Ledger;
+pub use readout::{Address, Scan};
+pub use settings::{Propagation, Settings};
+pub use silicon::{Errors, Silicon};
+pub use state::State;

@@ -1,13 +1,249 @@
 //! `amacrine asm`.
 
+use std::{fs, path::PathBuf};
+
+use miette::miette;
+use serde_json::json;
+
+use crate::{
+    isa::{Device, Figure},
+    program::{Cell, Cost, Entry, Expanded, Expansion, Overrides, Program, stored, vendor_text},
+};
+
 /// What `asm` is asked to do.
 #[derive(Debug, Default, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// The program
+    program: PathBuf,
+    /// A shipped chip by name, or the folder of another; else the one of its settings
+    #[arg(long)]
+    chip: Option<String>,
+    /// Set a constant of the program; can be given more than once
+    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = constant)]
+    constants: Vec<(String, f64)>,
+    /// Print the program in canonical form instead
+    #[arg(long, conflicts_with_all = ["disasm", "json"])]
+    format: bool,
+    /// Print the instruction words as text that reads back to the same words
+    #[arg(long, conflicts_with = "json")]
+    disasm: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// `name=value`, for the command line.
+fn constant(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
+    let value = value
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{value}` is not a number"))?;
+    Ok((name.trim().to_owned(), value))
+}
 
 /// Runs the verb.
 ///
 /// # Errors
 /// One diagnostic that names what was wrong.
-pub fn run(_arguments: &Arguments) -> miette::Result<()> {
-    Err(miette::miette!("not built yet"))
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let file = arguments.program.display().to_string();
+    let text = fs::read_to_string(&arguments.program).map_err(|cause| {
+        miette!(
+            help = "give the path of a program, such as programs/dvs/snap.scamp",
+            "cannot read {file}: {cause}"
+        )
+    })?;
+    if arguments.format {
+        let program = Program::parse(&file, &text)?;
+        super::say(&program.syntax.to_string());
+        return Ok(());
+    }
+    let program = Program::read(&file, &text);
+    let chip = arguments.chip.as_ref().or(program.settings.chip.as_ref());
+    let device = Device::find(chip.map_or("scamp5", String::as_str))?;
+    let overrides: Overrides = arguments.constants.iter().cloned().collect();
+    let expansion = program.expand(&device, &overrides)?;
+    if let Some(warnings) = program.warnings(&expansion) {
+        eprintln!("{:?}", miette!(warnings));
+    }
+    if arguments.disasm {
+        super::say(&vendor_text(&expansion.code, expansion.bare, &device));
+    } else if arguments.json {
+        super::say(&format!("{}\n", json(&program, &expansion, &device)));
+    } else {
+        super::say(&listing(&program, &expansion, &device));
+    }
+    Ok(())
+}
+
+/// The table for people.
+fn listing(program: &Program, expansion: &Expansion, device: &Device) -> String {
+    let mut lines: Vec<String> = program.settings.title.iter().cloned().collect();
+    let (chip, title) = (device.name(), device.title());
+    lines.push(format!("{} on {chip} ({title})", program.file));
+    for (name, entries) in sections(expansion) {
+        lines.extend([
+            String::new(),
+            name.to_owned(),
+            " line words  statement".to_owned(),
+        ]);
+        rows(&mut lines, entries, device, 0);
+    }
+    lines.push(String::new());
+    for (name, cost) in costs(expansion, device) {
+        let Cost {
+            words,
+            array_us,
+            host_us,
+        } = cost;
+        let rate = if name == "frame" && cost.micros() > 0.0 {
+            format!("  {:.0} frames/s", 1e6 / cost.micros())
+        } else {
+            String::new()
+        };
+        lines.push(format!(
+            "{name:<8}{:>6} words  {array_us:>10.1} us on the array  {host_us:>10.1} us on the host{rate}",
+            words.0
+        ));
+    }
+    let (kept, room) = (kept(expansion, device), device.value(Figure::Store));
+    lines.push(format!("store   {kept:>6} words of {room}"));
+    let (used, destroyed) = registers(expansion, device);
+    lines.push(format!("uses      {}", or_none(&used)));
+    lines.push(format!("destroys  {}", or_none(&destroyed)));
+    lines.push(String::new());
+    lines.join("\n")
+}
+
+fn or_none(names: &[String]) -> String {
+    if names.is_empty() {
+        return "nothing".to_owned();
+    }
+    names.join(" ")
+}
+
+/// `init` and `frame`, where there is something in them.
+fn sections(expansion: &Expansion) -> impl Iterator<Item = (&'static str, &[Entry])> {
+    let frame = if expansion.bare { "program" } else { "frame" };
+    [("init", &expansion.init), (frame, &expansion.frame)]
+        .into_iter()
+        .filter(|(_, entries)| !entries.is_empty())
+        .map(|(name, entries)| (name, entries.as_slice()))
+}
+
+fn costs(expansion: &Expansion, device: &Device) -> Vec<(&'static str, Cost)> {
+    let frame = if expansion.bare { "program" } else { "frame" };
+    let mut list = Vec::new();
+    if !expansion.bare {
+        list.push(("init", Cost::of(&expansion.code.init, device)));
+    }
+    list.push((frame, Cost::of(&expansion.code.frame, device)));
+    list
+}
+
+fn kept(expansion: &Expansion, device: &Device) -> u64 {
+    stored(&expansion.code.init, device).0 + stored(&expansion.code.frame, device).0
+}
+
+fn rows(lines: &mut Vec<String>, entries: &[Entry], device: &Device, level: usize) {
+    let indent = "  ".repeat(level);
+    for entry in entries {
+        match entry {
+            Entry::Statement(it) => {
+                let words = Cost::of(&it.steps, device).words.0;
+                lines.push(format!("{:>5} {words:>5}  {indent}{}", it.line, it.text));
+                let shown = primitives(it, device).into_iter();
+                lines.extend(shown.map(|line| format!("             {indent}  {line}")));
+            }
+            Entry::Repeat { times, body, line } => {
+                lines.push(format!("{line:>5}        {indent}repeat {times}"));
+                rows(lines, body, device, level + 1);
+            }
+        }
+    }
+}
+
+/// What a statement became, when that is not the statement itself.
+fn primitives(it: &Expanded, device: &Device) -> Vec<String> {
+    let code = crate::program::Code {
+        init: Vec::new(),
+        frame: it.steps.clone(),
+    };
+    let text = vendor_text(&code, true, device);
+    let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    if lines == [it.text.as_str()] {
+        return Vec::new();
+    }
+    lines
+}
+
+/// Registers that are read or written, and those that some statement overwrites as scratch.
+fn registers(expansion: &Expansion, device: &Device) -> (Vec<String>, Vec<String>) {
+    let mut used: Vec<Cell> = Vec::new();
+    let mut destroyed: Vec<Cell> = Vec::new();
+    let mut add = |it: &Expanded| {
+        used.extend(&it.effect.reads);
+        used.extend(&it.effect.writes);
+        destroyed.extend(it.destroys());
+    };
+    for (_, entries) in sections(expansion) {
+        crate::program::for_each(entries, &mut add);
+    }
+    let names = |mut cells: Vec<Cell>| {
+        cells.sort_unstable();
+        cells.dedup();
+        cells.into_iter().map(|c| c.name(device)).collect()
+    };
+    (names(used), names(destroyed))
+}
+
+fn json(program: &Program, expansion: &Expansion, device: &Device) -> serde_json::Value {
+    fn list(entries: &[Entry], device: &Device) -> Vec<serde_json::Value> {
+        entries
+            .iter()
+            .map(|entry| match entry {
+                Entry::Statement(it) => json!({
+                    "line": it.line,
+                    "statement": it.text,
+                    "words": Cost::of(&it.steps, device).words,
+                    "primitives": primitives(it, device),
+                }),
+                Entry::Repeat { times, body, line } => json!({
+                    "line": line,
+                    "repeat": times,
+                    "body": list(body, device),
+                }),
+            })
+            .collect()
+    }
+    let (used, destroyed) = registers(expansion, device);
+    let cost = |(name, cost): (&str, Cost)| {
+        let value = json!({
+            "words": cost.words,
+            "array_us": cost.array_us,
+            "host_us": cost.host_us,
+        });
+        (name.to_owned(), value)
+    };
+    let costs: serde_json::Map<_, _> = costs(expansion, device).into_iter().map(cost).collect();
+    let warnings = program.warnings(expansion).map_or_else(Vec::new, |faults| {
+        let line = |w: &crate::isa::text::Located| w.to_string();
+        faults.faults.iter().map(line).collect()
+    });
+    json!({
+        "program": program.file,
+        "chip": device.name(),
+        "bare": expansion.bare,
+        "init": list(&expansion.init, device),
+        "frame": list(&expansion.frame, device),
+        "cost": costs,
+        "stored_words": kept(expansion, device),
+        "uses": used,
+        "destroys": destroyed,
+        "constants": expansion.constants,
+        "warnings": warnings,
+    })
 }

@@ -42,10 +42,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             comparison: &comparison,
         };
         let json = serde_json::to_string(&json).map_err(|e| miette::miette!("{e}"))?;
-        println!("{json}");
+        super::say(&format!("{json}\n"));
     } else {
-        print!("{}", head(arguments, &reference, &judged));
-        print!("{}", table(&comparison));
+        super::say(&head(arguments, &reference, &judged));
+        super::say(&table(&comparison));
     }
     Ok(())
 }

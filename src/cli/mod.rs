@@ -6,14 +6,24 @@ pub mod demo;
 pub mod exec;
 mod progress;
 pub mod run;
+mod timed;
 
-use std::process::ExitCode;
+use std::{io::Write, process::ExitCode};
 
 use clap::{Parser, Subcommand};
 
+/// One for each verb, as `amacrine help` shows them.
+const EXAMPLES: &str = "\
+Examples:
+  amacrine
+  amacrine run --scene clip.mp4 --sensor sensors/dvs.toml --upsample 0.1 --events events.npy
+  amacrine exec programs/convolve/sobel.scamp --image frame.png --dump registers
+  amacrine asm programs/rgc/centre_surround.scamp
+  amacrine compare out/reference.npy out/silicon.npy --within 1ms";
+
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
-#[command(name = "amacrine", version, about)]
+#[command(name = "amacrine", version, about, after_help = EXAMPLES)]
 struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
@@ -52,5 +62,12 @@ pub fn main() -> ExitCode {
             eprintln!("{report:?}");
             ExitCode::from(2)
         }
+    }
+}
+
+/// Prints to standard output. A reader that has gone (`amacrine … | head`) is no error.
+fn say(text: &str) {
+    if std::io::stdout().write_all(text.as_bytes()).is_err() {
+        std::process::exit(0);
     }
 }

@@ -115,9 +115,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
     if arguments.json {
-        println!("{}", watched.json(arguments, &description));
+        super::say(&format!("{}\n", watched.json(arguments, &description)));
     } else {
-        print!("{}", watched.table(arguments, &description));
+        super::say(&watched.table(arguments, &description));
     }
     Ok(())
 }

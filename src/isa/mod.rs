@@ -5,6 +5,24 @@
 //! diffuse. Those are the [`Primitive`]s; everything else (`mov`, `add`, `abs`, `XORX`, …)
 //! is a macro, text in `isa/<chip>/macros.scamp`.
 
+mod device;
+mod figure;
+mod load;
+pub mod macros;
+pub mod row;
+pub mod signature;
+pub mod text;
+mod value;
+
+pub use device::{Callable, Device, Registers, Roles};
+pub use figure::{Domain, Evidence, Figure, Quantity};
+pub use load::LoadError;
+pub(crate) use load::toml_fault;
+pub use macros::Macro;
+pub use row::{Clock, HostKind, HostRow, Kind, PrimitiveRow};
+pub use signature::{Operand, Signature};
+pub use value::Value;
+
 /// A neighbour, by compass: north is up (row - 1), east is right (column + 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Direction {

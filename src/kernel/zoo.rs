@@ -26,6 +26,8 @@ zoo![
     "laplacian",
     "oblique-135",
     "oblique-45",
+    "rgc-5x5",
+    "rgc-5x5-ternary",
     "sobel-x",
     "sobel-y",
 ];

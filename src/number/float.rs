@@ -26,7 +26,6 @@ impl Number for F64 {
     const ZERO: f64 = 0.0;
 
     #[inline]
-
     fn format(&self) -> Format {
         Format::F64
     }
@@ -66,7 +65,6 @@ impl Number for F32 {
     const ZERO: f32 = 0.0;
 
     #[inline]
-
     fn format(&self) -> Format {
         Format::F32
     }

@@ -41,9 +41,11 @@ pub trait Real:
     fn to_i32(self) -> i32;
 
     /// The largest whole number not above.
+    #[must_use]
     fn floor(self) -> Self;
 
     /// Without its sign.
+    #[must_use]
     fn abs(self) -> Self;
 }
 

@@ -1,0 +1,23 @@
+# What people do here, by name. `just` lists it.
+default:
+    @just --list
+
+# The demo: a real clip through both sensors, results in out/
+demo:
+    cargo run --release
+
+# All tests
+test:
+    cargo test --release
+
+# What CI runs
+ci:
+    bash .ci/run
+
+# Speed of the float reference, against a plain version and the machine's limits
+bench:
+    cargo bench --bench reference
+
+# The bundled clip, from OpenCV's vtest.avi as y4m (see clips/README.md)
+clip Y4M:
+    cargo run --release --example bundle_clip -- {{Y4M}} clips/vtest_256x256.apng 1900000

@@ -1,0 +1,144 @@
+//! A domain of numbers chosen at run time.
+
+use std::{fmt, str::FromStr};
+
+use half::{bf16, f16};
+
+use super::{
+    Array, Chip, CodeError, Errors, Exact, Fixed, Halves, Layout, Settings, Silicon, Single,
+};
+use crate::{
+    isa::Device,
+    number::{FixedFormat, Format, FormatError, Q, Width},
+    plane::Size,
+    program::Code,
+};
+
+/// The arithmetic of an array, by name: `exact`, `f32`, `f16`, `bf16`, `qM.N`, `silicon`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arithmetic {
+    /// Cells hold a number format and do not err otherwise.
+    Number(Format),
+    /// Cells err as the real chip's do.
+    Silicon {
+        /// Which chip, and which noise.
+        seed: u64,
+        /// How it errs.
+        errors: Errors,
+    },
+}
+
+/// No such arithmetic.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("unknown domain `{name}`")]
+#[diagnostic(help(
+    "known are exact (f64), f32, f16, bf16, qM.N for fixed point (for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps; M + N is 8, 16 or 32), and silicon"
+))]
+pub struct ArithmeticError {
+    /// What was given.
+    pub name: String,
+}
+
+impl FromStr for Arithmetic {
+    type Err = ArithmeticError;
+
+    fn from_str(name: &str) -> Result<Self, ArithmeticError> {
+        if name == "silicon" {
+            return Ok(Self::Silicon {
+                seed: 0,
+                errors: Errors::default(),
+            });
+        }
+        let known = name.parse().map(Self::Number);
+        known.map_err(|_: FormatError| ArithmeticError { name: name.into() })
+    }
+}
+
+impl fmt::Display for Arithmetic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(Format::F64) => f.write_str("exact"),
+            Self::Number(format) => format.fmt(f),
+            Self::Silicon { .. } => f.write_str("silicon"),
+        }
+    }
+}
+
+impl Arithmetic {
+    /// The same with another seed, where chance plays a part.
+    #[must_use]
+    pub const fn with_seed(self, seed: u64) -> Self {
+        match self {
+            Self::Number(_) => self,
+            Self::Silicon { errors, .. } => Self::Silicon { seed, errors },
+        }
+    }
+
+    /// A chip in this arithmetic.
+    ///
+    /// # Errors
+    /// As [`Chip::new`].
+    pub fn chip(
+        self,
+        name: &str,
+        code: Code,
+        device: &Device,
+        size: Size,
+        settings: Settings,
+    ) -> Result<Box<dyn Array + Send>, CodeError> {
+        macro_rules! chip {
+            ($domain:expr) => {
+                Ok(Box::new(Chip::new(
+                    name, $domain, code, device, size, settings,
+                )?))
+            };
+        }
+        match self {
+            Self::Number(Format::F64) => chip!(Exact),
+            Self::Number(Format::F32) => chip!(Single),
+            Self::Number(Format::F16) => chip!(Halves::<f16>::default()),
+            Self::Number(Format::Bf16) => chip!(Halves::<bf16>::default()),
+            Self::Number(Format::Fixed(format)) => match format.bits() {
+                8 => chip!(fixed::<i8>(format)),
+                16 => chip!(fixed::<i16>(format)),
+                _ => chip!(fixed::<i32>(format)),
+            },
+            Self::Silicon { seed, errors } => {
+                chip!(Silicon::new(errors, seed, &Layout::of(device, size)))
+            }
+        }
+    }
+}
+
+fn fixed<T: Width>(format: FixedFormat) -> Fixed<T> {
+    Fixed::new(Q::new(format.fraction()).with_overflow(format.overflow()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chip_has_the_domain_that_was_asked_for() {
+        for name in [
+            "exact",
+            "f32",
+            "f16",
+            "bf16",
+            "q8.8",
+            "q8.0",
+            "q1.7",
+            "q8.24",
+            "q4.12-wrap",
+            "silicon",
+        ] {
+            let arithmetic: Arithmetic = name.parse().unwrap();
+            assert_eq!(arithmetic.to_string(), name);
+            let device = Device::scamp5();
+            let settings = Settings::of(&device);
+            let chip = arithmetic.chip("x", Code::default(), &device, Size::new(2, 2), settings);
+            assert_eq!(chip.unwrap().domain(), name);
+        }
+        assert!("silicone".parse::<Arithmetic>().is_err());
+    }
+}

@@ -1,0 +1,71 @@
+//! Chance as a hash of the place, so that no order of work can change it.
+
+/// A well-mixed word from `key` (the finaliser of `SplitMix64`: Steele, Lea, Flood 2014,
+/// doi:10.1145/2714064.2660195).
+#[inline]
+pub(super) const fn mix(key: u64) -> u64 {
+    let key = (key ^ key >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let key = (key ^ key >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    key ^ key >> 31
+}
+
+/// A word from a seed, a kind of event, a register, a step and a pixel.
+#[inline]
+pub(super) const fn hash(seed: u64, kind: u64, register: u8, step: u64, pixel: u64) -> u64 {
+    let word = mix(seed.wrapping_add(0x9E37_79B9_7F4A_7C15u64.wrapping_mul(1 + kind)));
+    let word = mix(word ^ (register as u64) << 56 ^ step);
+    mix(word.wrapping_add(pixel.wrapping_mul(0x9E37_79B9_7F4A_7C15)))
+}
+
+/// Nearly normal, mean 0 and variance 1: the sum of the eight bytes of a random word, so never
+/// beyond 4.9.
+#[inline]
+pub(super) fn normal(word: u64) -> f32 {
+    // Bytes in pairs, then in fours: no loop.
+    let pairs = (word & 0x00FF_00FF_00FF_00FF) + (word >> 8 & 0x00FF_00FF_00FF_00FF);
+    let sum = pairs.wrapping_mul(0x0001_0001_0001_0001) >> 48;
+    // 8 · 127.5, and the root of 8 · (256² - 1) / 12.
+    (sum as f32 - 1020.0) * (1.0 / 209.022_33)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chance_is_normal_and_differs_by_every_part_of_the_place() {
+        let n = 100_000;
+        let draws: Vec<f64> = (0..n)
+            .map(|i| f64::from(normal(hash(1, 2, 3, 4, i))))
+            .collect();
+        let moment = |power| draws.iter().map(|x| x.powi(power)).sum::<f64>() / n as f64;
+        assert!(moment(1).abs() < 0.015, "{}", moment(1));
+        assert!((moment(2) - 1.0).abs() < 0.02, "{}", moment(2));
+        assert!(moment(3).abs() < 0.04, "{}", moment(3));
+        // Eight summands: an excess of -0.15.
+        assert!((moment(4) - 2.85).abs() < 0.08, "{}", moment(4));
+        let together: f64 = (0..n)
+            .map(|i| f64::from(normal(hash(1, 2, 3, 4, i)) * normal(hash(1, 2, 3, 5, i))))
+            .sum();
+        assert!((together / n as f64).abs() < 0.015);
+        let place = hash(1, 2, 3, 4, 5);
+        for other in [
+            hash(0, 2, 3, 4, 5),
+            hash(1, 0, 3, 4, 5),
+            hash(1, 2, 0, 4, 5),
+            hash(1, 2, 3, 0, 5),
+            hash(1, 2, 3, 4, 0),
+        ] {
+            assert_ne!(place, other);
+        }
+    }
+
+    #[test]
+    fn the_sum_of_bytes_is_the_sum_of_bytes() {
+        for i in 0..1000 {
+            let word = mix(i);
+            let slow: f32 = word.to_le_bytes().iter().map(|b| f32::from(*b)).sum();
+            assert_eq!(normal(word), (slow - 1020.0) * (1.0 / 209.022_33));
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! A program against an array, before it runs.
+
+use super::Layout;
+use crate::{
+    isa::{Analog, Bit, Digital, Primitive, Source, Target},
+    program::{Action, Code, Host, Step},
+};
+
+/// The chip's limit on the slots of one event readout.
+const SLOTS: u32 = 4000;
+
+/// A program cannot run on this array.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("line {line}: {problem}")]
+#[diagnostic(help("{}", problem.help()))]
+pub struct CodeError {
+    /// Line of the program text, from 1.
+    pub line: u32,
+    /// What is wrong there.
+    pub problem: CodeProblem,
+}
+
+/// What is wrong with an instruction.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CodeProblem {
+    /// An analogue register that the array does not have.
+    #[error("analogue register number {number} on an array that has {count}")]
+    Analog {
+        /// Its index.
+        number: u8,
+        /// How many there are.
+        count: u8,
+    },
+    /// A one-bit register that the array does not have.
+    #[error("one-bit register number {number} on an array that has {count}")]
+    Digital {
+        /// Its index.
+        number: u8,
+        /// How many there are.
+        count: u8,
+    },
+    /// Fewer registers than the logic of a pixel needs.
+    #[error("an array of {analog} analogue and {digital} one-bit registers")]
+    Layout {
+        /// Analogue registers.
+        analog: u8,
+        /// One-bit registers.
+        digital: u8,
+    },
+    /// A bus without a target.
+    #[error("a bus without a target")]
+    NoTarget,
+    /// The same register twice on one bus.
+    #[error("the same register twice on one bus")]
+    Twice,
+    /// More slots than the chip can read out at once.
+    #[error("{slots} slots of event readout; at most {SLOTS}")]
+    Slots {
+        /// How many were asked.
+        slots: u32,
+    },
+    /// A value that is not a number.
+    #[error("the input {value} is not a finite number")]
+    Value {
+        /// The value as text.
+        value: String,
+    },
+}
+
+impl CodeProblem {
+    fn help(&self) -> &'static str {
+        match self {
+            Self::Analog { .. } | Self::Digital { .. } => {
+                "use a register that this chip has, or a chip with more registers"
+            }
+            Self::Layout { .. } => {
+                "a pixel needs NEWS, and two different registers that mask and spread"
+            }
+            Self::NoTarget => "name the register that the bus is stored in",
+            Self::Twice => {
+                "on a bus all registers must differ, the targets too: a register connected twice is connected once"
+            }
+            Self::Slots { .. } => "ask for fewer slots, or scan twice",
+            Self::Value { .. } => "give a value from -128 to 127",
+        }
+    }
+}
+
+/// Checks that every instruction can run on an array of this layout.
+///
+/// # Errors
+/// The first instruction that cannot.
+pub fn check(code: &Code, layout: &Layout) -> Result<(), CodeError> {
+    let problem = CodeProblem::Layout {
+        analog: layout.analog,
+        digital: layout.digital,
+    };
+    let roles = layout.roles;
+    let named = [roles.mask, roles.propagated]
+        .into_iter()
+        .chain(roles.enable);
+    if layout.news.0 >= layout.analog
+        || named
+            .into_iter()
+            .any(|register| register.0 >= layout.digital)
+        || roles.mask == roles.propagated
+    {
+        return Err(CodeError { line: 0, problem });
+    }
+    body(&code.init, layout)?;
+    body(&code.frame, layout)
+}
+
+fn body(steps: &[Step], layout: &Layout) -> Result<(), CodeError> {
+    for step in steps {
+        let at_line = |problem| CodeError {
+            line: step.line,
+            problem,
+        };
+        match &step.action {
+            Action::Word(primitive) => word(primitive, layout).map_err(at_line)?,
+            Action::Host(operation) => host(operation, layout).map_err(at_line)?,
+            Action::Repeat { body: steps, .. } => body(steps, layout)?,
+        }
+    }
+    Ok(())
+}
+
+fn word(word: &Primitive, layout: &Layout) -> Result<(), CodeProblem> {
+    match word {
+        Primitive::Nop
+        | Primitive::ResetPix
+        | Primitive::All
+        | Primitive::BlurSet
+        | Primitive::PropRead
+        | Primitive::Prop { .. } => Ok(()),
+        Primitive::Bus { targets, sources } => {
+            if targets.is_empty() {
+                return Err(CodeProblem::NoTarget);
+            }
+            let as_sources: Vec<Source> = targets
+                .iter()
+                .map(|target| match target {
+                    Target::Register(register) => Source::Register(*register),
+                    Target::Neighbour(direction) => Source::Neighbour(*direction),
+                })
+                .chain(sources.iter().copied())
+                .collect();
+            distinct(&as_sources, layout)
+        }
+        Primitive::Square { sources } | Primitive::Where { sources } => distinct(sources, layout),
+        Primitive::Blur { target, source, .. } => {
+            analog(*target, layout)?;
+            analog(*source, layout)
+        }
+        Primitive::Set { targets } | Primitive::Clear { targets } => targets
+            .iter()
+            .try_for_each(|target| digital(*target, layout)),
+        Primitive::Or { target, sources } | Primitive::Nor { target, sources } => {
+            digital(*target, layout)?;
+            bits(sources, layout)
+        }
+        Primitive::WhereBit { sources } => bits(sources, layout),
+        Primitive::Dnews { target, source, .. } => {
+            digital(*target, layout)?;
+            bits(&[*source], layout)
+        }
+    }
+}
+
+fn host(host: &Host, layout: &Layout) -> Result<(), CodeProblem> {
+    match host {
+        Host::LoadIn { value } | Host::LoadInRaw { value } => {
+            let value = *value;
+            if value.is_finite() {
+                Ok(())
+            } else {
+                Err(CodeProblem::Value {
+                    value: value.to_string(),
+                })
+            }
+        }
+        Host::ScanEvents { source, slots, .. } | Host::ScanEventsFrom { source, slots, .. } => {
+            digital(*source, layout)?;
+            if *slots > SLOTS {
+                return Err(CodeProblem::Slots { slots: *slots });
+            }
+            Ok(())
+        }
+        Host::ReadAnalog { source }
+        | Host::ReadPixel { source, .. }
+        | Host::ScanAnalog { source, .. }
+        | Host::ScanBlocks { source, .. }
+        | Host::GlobalSum { source, .. } => analog(*source, layout),
+        Host::ScanDigital { source, .. }
+        | Host::ScanBoundingBox { source }
+        | Host::GlobalOr { source, .. } => digital(*source, layout),
+        Host::GlobalCount {
+            source, temporary, ..
+        } => {
+            digital(*source, layout)?;
+            analog(*temporary, layout)
+        }
+        Host::Load { target, .. } | Host::DrawBegin { target } | Host::Draw { target, .. } => {
+            digital(*target, layout)
+        }
+        Host::LoadDac { .. } | Host::Select { .. } | Host::DrawEnd => Ok(()),
+    }
+}
+
+fn distinct(sources: &[Source], layout: &Layout) -> Result<(), CodeProblem> {
+    for (i, source) in sources.iter().enumerate() {
+        if let Source::Register(register) = source {
+            analog(*register, layout)?;
+        }
+        if sources[..i].contains(source) {
+            return Err(CodeProblem::Twice);
+        }
+    }
+    Ok(())
+}
+
+fn bits(bits: &[Bit], layout: &Layout) -> Result<(), CodeProblem> {
+    bits.iter().try_for_each(|bit| match bit {
+        Bit::Register(register) => digital(*register, layout),
+        Bit::Flag | Bit::Select | Bit::Rect => Ok(()),
+    })
+}
+
+fn analog(register: Analog, layout: &Layout) -> Result<(), CodeProblem> {
+    if register.0 < layout.analog {
+        return Ok(());
+    }
+    Err(CodeProblem::Analog {
+        number: register.0,
+        count: layout.analog,
+    })
+}
+
+fn digital(register: Digital, layout: &Layout) -> Result<(), CodeProblem> {
+    if register.0 < layout.digital {
+        return Ok(());
+    }
+    Err(CodeProblem::Digital {
+        number: register.0,
+        count: layout.digital,
+    })
+}

@@ -1,0 +1,419 @@
+//! A program on an array: a sensor.
+//!
+//! Light comes in frame by frame. Before a body runs, the photodiodes hold
+//! `PIX = reset level + gain · light`, one whole exposure; `rpix` takes them back to the reset
+//! level. With the default gain of 1/2, the vendor's `get_image(y)`, which subtracts the reset
+//! level, gives `y = light / 2`, the half range 0 to 127.5.
+//!
+//! The first frame runs the program's `init`, every later one its `frame`.
+
+use super::{
+    BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Settings, State, check, host,
+    semantics,
+};
+use crate::{
+    event::{Event, Packet, Polarity},
+    isa::{Analog, Device, Digital},
+    plane::{Plane, Size},
+    program::{Action, Code, Host, Step},
+    scene::Frame,
+    sensor::{Sensor, SensorError},
+    unit::Micros,
+};
+
+/// A plane of another size than the array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("a plane of {got} on an array of {want}")]
+#[diagnostic(help("give a plane of the size of the array"))]
+pub struct ShapeError {
+    /// The plane's size.
+    pub got: Size,
+    /// The array's size.
+    pub want: Size,
+}
+
+/// A program stopped.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("line {line}: `{operation}` has no answer in the domain {domain}")]
+#[diagnostic(help(
+    "here it depends on the light; run the program in a domain of numbers, such as exact"
+))]
+pub struct RunError {
+    /// Line of the program text, from 1.
+    pub line: u32,
+    /// Which instruction.
+    pub operation: &'static str,
+    /// Which domain.
+    pub domain: String,
+}
+
+/// A program on an array in one domain.
+#[derive(Clone, Debug)]
+pub struct Chip<D: Domain> {
+    name: String,
+    domain: D,
+    device: Device,
+    settings: Settings,
+    code: Code,
+    state: State<D::Cell>,
+    channels: u8,
+    /// Time of the last frame watched, in seconds.
+    watched: Option<f64>,
+    /// Words since power-on.
+    step: u64,
+    ledger: Ledger,
+    readings: Vec<Reading>,
+}
+
+/// An array whose domain was chosen at run time.
+pub trait Array: Sensor {
+    /// The name of its domain.
+    fn domain(&self) -> String;
+
+    /// The chip.
+    fn device(&self) -> &Device;
+
+    /// Its registers and size.
+    fn layout(&self) -> Layout;
+
+    /// Sets an analogue register, in LSB; never clipped.
+    ///
+    /// # Errors
+    /// When the plane has another size.
+    fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError>;
+
+    /// Sets a one-bit register, whatever R0 is.
+    ///
+    /// # Errors
+    /// When the plane has another size.
+    fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError>;
+
+    /// Sets FLAG.
+    ///
+    /// # Errors
+    /// When the plane has another size.
+    fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError>;
+
+    /// An analogue register, in LSB, without loss.
+    fn analog(&self, register: Analog) -> Plane<f64>;
+
+    /// A one-bit register.
+    fn digital(&self, register: Digital) -> Plane<bool>;
+
+    /// FLAG.
+    fn flag(&self) -> Plane<bool>;
+
+    /// Lets light fall on the photodiodes for one exposure.
+    ///
+    /// # Errors
+    /// When the picture has another size.
+    fn expose(&mut self, light: &Plane<f64>) -> Result<(), ShapeError>;
+
+    /// Runs `init` once; events are stamped with `t`.
+    ///
+    /// # Errors
+    /// When the domain has no answer for an instruction.
+    fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
+
+    /// Runs `frame` once; events are stamped with `t`.
+    ///
+    /// # Errors
+    /// When the domain has no answer for an instruction.
+    fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
+
+    /// What was done since power-on.
+    fn ledger(&self) -> Ledger;
+
+    /// What the host read during the last body that ran.
+    fn readings(&self) -> &[Reading];
+}
+
+impl<D: Domain> Chip<D> {
+    /// A chip as switched on: every register 0, FLAG 1.
+    ///
+    /// # Errors
+    /// When the program cannot run on an array of this layout.
+    ///
+    /// # Panics
+    /// When the array has no pixels.
+    pub fn new(
+        name: &str,
+        domain: D,
+        code: Code,
+        device: &Device,
+        size: Size,
+        settings: Settings,
+    ) -> Result<Self, CodeError> {
+        assert!(size.pixels() > 0, "an array needs pixels");
+        let layout = Layout::of(device, size);
+        check(&code, &layout)?;
+        let mut state = State::new(&domain, layout, settings.edge);
+        // Switched on in the dark.
+        state.pix.fill(domain.hold(settings.reset_level));
+        Ok(Self {
+            name: name.into(),
+            state,
+            channels: channels(&code.init).max(channels(&code.frame)).max(1),
+            domain,
+            device: device.clone(),
+            settings,
+            code,
+            watched: None,
+            step: 0,
+            ledger: Ledger::default(),
+            readings: Vec::new(),
+        })
+    }
+
+    /// All registers.
+    #[must_use]
+    pub fn state(&self) -> &State<D::Cell> {
+        &self.state
+    }
+
+    /// The arithmetic.
+    #[must_use]
+    pub fn domain(&self) -> &D {
+        &self.domain
+    }
+
+    /// What the sources leave open.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn body(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        let mut launched = false;
+        for step in body {
+            let word = matches!(step.action, Action::Word(_));
+            self.ledger.launches += u64::from(word && !launched);
+            launched = word;
+            match &step.action {
+                Action::Word(word) => {
+                    semantics::execute(
+                        &self.domain,
+                        &self.settings,
+                        &mut self.state,
+                        word,
+                        self.step,
+                    )
+                    .map_err(|undecided| RunError {
+                        line: step.line,
+                        operation: undecided.operation,
+                        domain: self.domain.name(),
+                    })?;
+                    self.step += 1;
+                    self.ledger.word(word, &self.device);
+                }
+                Action::Host(operation) => {
+                    self.ledger.host(operation, &self.device);
+                    self.host(operation, step.line, t, packet);
+                }
+                Action::Repeat { times, body } => {
+                    for _ in 0..*times {
+                        self.body(body, t, packet)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn host(&mut self, operation: &Host, line: u32, t: Micros, packet: &mut Packet) {
+        let mut scan = |source, polarity, channel, slots, from_left, from_bottom| {
+            let bits = self.state.digital(source);
+            let scan = Scan::new(bits, self.state.layout.size, slots, from_left, from_bottom);
+            self.ledger.events += scan.found.len() as u64;
+            self.ledger.missed += scan.missed;
+            self.ledger.ambiguous += u64::from(scan.ambiguous);
+            deliver(&scan, polarity, channel, t, packet);
+        };
+        match *operation {
+            Host::ScanEvents {
+                source,
+                polarity,
+                channel,
+                slots,
+            } => scan(source, polarity, channel, slots, false, false),
+            Host::ScanEventsFrom {
+                source,
+                polarity,
+                channel,
+                slots,
+                columns_reversed,
+                rows_reversed,
+            } => scan(
+                source,
+                polarity,
+                channel,
+                slots,
+                columns_reversed,
+                rows_reversed,
+            ),
+            _ => {
+                let values = host::execute(&self.domain, &mut self.state, operation);
+                let reading = values.map(|values| Reading { line, values });
+                self.readings.extend(reading);
+            }
+        }
+    }
+
+    /// Lets the registers hold what they hold for some seconds.
+    fn age(&mut self, seconds: f64) {
+        for plane in &mut self.state.analog {
+            for cell in plane {
+                match self.domain.aged(cell, seconds) {
+                    Some(aged) => *cell = aged,
+                    None => return,
+                }
+            }
+        }
+    }
+
+    fn fits<T>(&self, plane: &Plane<T>) -> Result<(), ShapeError> {
+        let (got, want) = (Size::of(plane), self.state.layout.size);
+        if got == want {
+            Ok(())
+        } else {
+            Err(ShapeError { got, want })
+        }
+    }
+}
+
+fn deliver(scan: &Scan, polarity: Polarity, channel: u8, t: Micros, packet: &mut Packet) {
+    packet.dropped.no_slot += scan.missed;
+    packet.events.extend(scan.found.iter().map(|at| Event {
+        t,
+        x: at.x as u16,
+        y: at.y as u16,
+        polarity,
+        channel,
+    }));
+}
+
+/// One more than the highest channel that a body reads out.
+fn channels(body: &[Step]) -> u8 {
+    let of = |step: &Step| match &step.action {
+        Action::Host(Host::ScanEvents { channel, .. } | Host::ScanEventsFrom { channel, .. }) => {
+            channel.saturating_add(1)
+        }
+        Action::Host(_) | Action::Word(_) => 0,
+        Action::Repeat { body, .. } => channels(body),
+    };
+    body.iter().map(of).max().unwrap_or(0)
+}
+
+impl<D: Domain> Array for Chip<D> {
+    fn domain(&self) -> String {
+        self.domain.name()
+    }
+
+    fn device(&self) -> &Device {
+        &self.device
+    }
+
+    fn layout(&self) -> Layout {
+        self.state.layout
+    }
+
+    fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
+        self.fits(values)?;
+        *self.state.analog_mut(register) = values.iter().map(|v| self.domain.hold(*v)).collect();
+        Ok(())
+    }
+
+    fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError> {
+        self.fits(bits)?;
+        *self.state.digital_mut(register) = BitPlane::from_plane(bits);
+        Ok(())
+    }
+
+    fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError> {
+        self.fits(bits)?;
+        self.state.flag = BitPlane::from_plane(bits);
+        Ok(())
+    }
+
+    fn analog(&self, register: Analog) -> Plane<f64> {
+        self.state.values(&self.domain, register)
+    }
+
+    fn digital(&self, register: Digital) -> Plane<bool> {
+        self.state.digital(register).to_plane()
+    }
+
+    fn flag(&self) -> Plane<bool> {
+        self.state.flag.to_plane()
+    }
+
+    fn expose(&mut self, light: &Plane<f64>) -> Result<(), ShapeError> {
+        self.fits(light)?;
+        let Settings {
+            gain, reset_level, ..
+        } = self.settings;
+        let charge = |light: &f64| self.domain.hold(reset_level + gain * light);
+        self.state.pix = light.iter().map(charge).collect();
+        Ok(())
+    }
+
+    fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        self.readings.clear();
+        let body = std::mem::take(&mut self.code.init);
+        let result = self.body(&body, t, packet);
+        self.code.init = body;
+        result
+    }
+
+    fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        self.readings.clear();
+        let body = std::mem::take(&mut self.code.frame);
+        let result = self.body(&body, t, packet);
+        self.code.frame = body;
+        result
+    }
+
+    fn ledger(&self) -> Ledger {
+        self.ledger
+    }
+
+    fn readings(&self) -> &[Reading] {
+        &self.readings
+    }
+}
+
+impl<D: Domain> Sensor for Chip<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn size(&self) -> Size {
+        self.state.layout.size
+    }
+
+    fn channels(&self) -> u8 {
+        self.channels
+    }
+
+    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        self.expose(&frame.light)
+            .map_err(|error| SensorError::Size {
+                index: frame.index,
+                got: error.got,
+                want: error.want,
+            })?;
+        let t = Micros::from_seconds(frame.seconds);
+        let result = if let Some(before) = self.watched.replace(frame.seconds) {
+            self.age(frame.seconds - before);
+            self.run_frame(t, packet)
+        } else {
+            packet.span.0 = t;
+            self.run_init(t, packet)
+        };
+        packet.span.1 = t;
+        result.map_err(|error| SensorError::Stopped {
+            sensor: self.name.clone(),
+            why: error.to_string(),
+        })
+    }
+}

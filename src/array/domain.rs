@@ -1,0 +1,311 @@
+//! What a cell holds, and how the summing bus treats it.
+
+use std::fmt::Debug;
+
+use half::{bf16, f16};
+
+use crate::{
+    isa::Analog,
+    number::{Number, Q, Width, divide},
+};
+
+/// An arithmetic of the array.
+///
+/// The bus is one node. The sources are summed in an accumulator ([`Domain::Sum`]); at the
+/// store the sum is negated, divided by the number of targets, and rounded once, halves to
+/// even; then the cell is limited, where the array clips.
+pub trait Domain {
+    /// What a register holds in one pixel.
+    type Cell: Clone + Debug + PartialEq + Send + Sync;
+
+    /// The accumulator of the bus.
+    type Sum: Clone + Send;
+
+    /// The name, as given to `--domain`.
+    fn name(&self) -> String;
+
+    /// The nearest cell to a value in LSB, as it is set from outside.
+    fn hold(&self, value: f64) -> Self::Cell;
+
+    /// The value of a cell in LSB, without loss.
+    fn value(&self, cell: &Self::Cell) -> f64;
+
+    /// An empty bus.
+    fn nothing(&self) -> Self::Sum;
+
+    /// One more cell on the bus, `times` over.
+    fn add(&self, sum: &mut Self::Sum, cell: &Self::Cell, times: i32);
+
+    /// Joins two buses that drive one cell.
+    fn join(&self, sum: &mut Self::Sum, other: &Self::Sum);
+
+    /// The share of `-(sum)` that arrives in the cell at `place`.
+    fn store(&self, sum: &Self::Sum, share: Share, place: Place) -> Self::Cell;
+
+    /// `gain · sum²`, as it arrives in the cell at `place`; `None` where this domain has no answer.
+    fn square(&self, sum: &Self::Sum, gain: f64, place: Place) -> Option<Self::Cell>;
+
+    /// Whether the sum is above zero; `None` where this domain has no answer.
+    fn positive(&self, sum: &Self::Sum) -> Option<bool>;
+
+    /// The cell, limited to [-128, 127] LSB.
+    fn limit(&self, cell: Self::Cell) -> Self::Cell;
+
+    /// What the DAC makes of a value in LSB, with or without the host's calibration.
+    fn input(&self, value: f64, _calibrated: bool) -> Self::Cell {
+        self.hold(value)
+    }
+
+    /// What a cell holds some seconds later; `None` where cells keep what they hold.
+    fn aged(&self, _cell: &Self::Cell, _seconds: f64) -> Option<Self::Cell> {
+        None
+    }
+}
+
+/// What part of the bus a cell gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// The sum is divided by this.
+    pub by: u32,
+    /// Where the bus splits between several targets: which of them this is, from 0.
+    pub part: Option<u8>,
+}
+
+impl Share {
+    /// Of a bus with so many targets.
+    #[must_use]
+    pub const fn of(targets: usize, part: usize) -> Self {
+        Self {
+            by: targets as u32,
+            part: if targets > 1 { Some(part as u8) } else { None },
+        }
+    }
+}
+
+/// Which cell is written, and when: the seed of its noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Row.
+    pub y: usize,
+    /// Column.
+    pub x: usize,
+    /// Register.
+    pub register: Analog,
+    /// Number of the instruction word since the chip was switched on.
+    pub step: u64,
+}
+
+/// A domain has no answer: the result is not a kernel, or not an interval.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{operation}` has no answer in this domain")]
+pub struct Undecided {
+    /// Which kind of instruction.
+    pub operation: &'static str,
+}
+
+/// The ends of the ADC scale, in LSB.
+const LIMITS: (f64, f64) = (-128.0, 127.0);
+
+/// f64 everywhere: the arithmetic that the others are measured against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Exact;
+
+impl Domain for Exact {
+    type Cell = f64;
+    type Sum = f64;
+
+    fn name(&self) -> String {
+        "exact".into()
+    }
+    fn hold(&self, value: f64) -> f64 {
+        value
+    }
+    fn value(&self, cell: &f64) -> f64 {
+        *cell
+    }
+    #[inline]
+    fn nothing(&self) -> f64 {
+        0.0
+    }
+    #[inline]
+    fn add(&self, sum: &mut f64, cell: &f64, times: i32) {
+        *sum += cell * f64::from(times);
+    }
+    #[inline]
+    fn join(&self, sum: &mut f64, other: &f64) {
+        *sum += other;
+    }
+    #[inline]
+    fn store(&self, sum: &f64, share: Share, _: Place) -> f64 {
+        // Not `-sum`, which would leave negative zeros behind.
+        (0.0 - sum) / f64::from(share.by)
+    }
+    fn square(&self, sum: &f64, gain: f64, _: Place) -> Option<f64> {
+        Some(sum * sum * gain)
+    }
+    #[inline]
+    fn positive(&self, sum: &f64) -> Option<bool> {
+        Some(*sum > 0.0)
+    }
+    #[inline]
+    fn limit(&self, cell: f64) -> f64 {
+        cell.clamp(LIMITS.0, LIMITS.1)
+    }
+}
+
+/// f32 everywhere; sources are added in the order of the operands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Single;
+
+/// Half precision in the cells, f32 on the bus. `T` is [`f16`] or [`bf16`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Halves<T>(std::marker::PhantomData<T>);
+
+impl<T> Default for Halves<T> {
+    fn default() -> Self {
+        Self(std::marker::PhantomData)
+    }
+}
+
+/// The domains whose bus is an f32.
+macro_rules! single_bus {
+    ($domain:ty, $cell:ty, $name:literal, $number:expr, $wide:expr, $narrow:expr) => {
+        impl Domain for $domain {
+            type Cell = $cell;
+            type Sum = f32;
+
+            fn name(&self) -> String {
+                $name.into()
+            }
+            fn hold(&self, value: f64) -> $cell {
+                $number.hold(value)
+            }
+            fn value(&self, cell: &$cell) -> f64 {
+                $number.value(*cell)
+            }
+            #[inline]
+            fn nothing(&self) -> f32 {
+                0.0
+            }
+            #[inline]
+            fn add(&self, sum: &mut f32, cell: &$cell, times: i32) {
+                *sum += $wide(*cell) * times as f32;
+            }
+            #[inline]
+            fn join(&self, sum: &mut f32, other: &f32) {
+                *sum += other;
+            }
+            #[inline]
+            fn store(&self, sum: &f32, share: Share, _: Place) -> $cell {
+                $narrow((0.0 - sum) / share.by as f32)
+            }
+            fn square(&self, sum: &f32, gain: f64, _: Place) -> Option<$cell> {
+                let sum = f64::from(*sum);
+                Some($number.hold(sum * sum * gain))
+            }
+            #[inline]
+            fn positive(&self, sum: &f32) -> Option<bool> {
+                Some(*sum > 0.0)
+            }
+            #[inline]
+            fn limit(&self, cell: $cell) -> $cell {
+                // The limits are exact in all of these.
+                cell.clamp($narrow(LIMITS.0 as f32), $narrow(LIMITS.1 as f32))
+            }
+        }
+    };
+}
+
+single_bus!(
+    Single,
+    f32,
+    "f32",
+    crate::number::F32,
+    std::convert::identity,
+    std::convert::identity
+);
+single_bus!(
+    Halves<f16>,
+    f16,
+    "f16",
+    crate::number::F16,
+    f16::to_f32,
+    f16::from_f32
+);
+single_bus!(
+    Halves<bf16>,
+    bf16,
+    "bf16",
+    crate::number::Bf16,
+    bf16::to_f32,
+    bf16::from_f32
+);
+
+/// Fixed point in the cells, a 64-bit integer on the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fixed<T> {
+    number: Q<T>,
+    limits: (T, T),
+}
+
+impl<T: Width> Fixed<T> {
+    /// In this format.
+    #[must_use]
+    pub fn new(number: Q<T>) -> Self {
+        // Where the format is narrower than the ADC scale, its own ends limit it already.
+        let end = |limit: f64| T::saturate((limit * number.one() as f64) as i64);
+        Self {
+            number,
+            limits: (end(LIMITS.0), end(LIMITS.1)),
+        }
+    }
+}
+
+impl<T: Width> Domain for Fixed<T> {
+    type Cell = T;
+    type Sum = i64;
+
+    fn name(&self) -> String {
+        self.number.format().to_string()
+    }
+    fn hold(&self, value: f64) -> T {
+        self.number.hold(value)
+    }
+    fn value(&self, cell: &T) -> f64 {
+        self.number.value(*cell)
+    }
+    #[inline]
+    fn nothing(&self) -> i64 {
+        0
+    }
+    #[inline]
+    fn add(&self, sum: &mut i64, cell: &T, times: i32) {
+        let wide: i64 = (*cell).into();
+        *sum += wide * i64::from(times);
+    }
+    #[inline]
+    fn join(&self, sum: &mut i64, other: &i64) {
+        *sum += other;
+    }
+    #[inline]
+    fn store(&self, sum: &i64, share: Share, _: Place) -> T {
+        let quotient = if share.by == 1 {
+            -sum
+        } else {
+            divide(-sum, share.by.into())
+        };
+        self.number.fit(quotient)
+    }
+    fn square(&self, sum: &i64, gain: f64, _: Place) -> Option<T> {
+        let sum = *sum as f64 / self.number.one() as f64;
+        Some(self.number.hold(sum * sum * gain))
+    }
+    #[inline]
+    fn positive(&self, sum: &i64) -> Option<bool> {
+        Some(*sum > 0)
+    }
+    #[inline]
+    fn limit(&self, cell: T) -> T {
+        cell.clamp(self.limits.0, self.limits.1)
+    }
+}

@@ -1,0 +1,36 @@
+//! How many registers a pixel has, and which of them have a special part.
+
+use crate::{
+    isa::{Analog, Device, Roles},
+    plane::Size,
+};
+
+/// The registers of every pixel, and the size of the array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Size of the array.
+    pub size: Size,
+    /// Number of analogue registers, NEWS included.
+    pub analog: u8,
+    /// The one that neighbours can reach.
+    pub news: Analog,
+    /// Number of one-bit registers.
+    pub digital: u8,
+    /// Those that the hardware itself reads or writes.
+    pub roles: Roles,
+}
+
+impl Layout {
+    /// The registers of a chip, on an array of this size.
+    #[must_use]
+    pub fn of(device: &Device, size: Size) -> Self {
+        let registers = device.registers();
+        Self {
+            size,
+            analog: registers.analog.len() as u8,
+            news: registers.news,
+            digital: registers.digital.len() as u8,
+            roles: registers.roles,
+        }
+    }
+}

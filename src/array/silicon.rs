@@ -1,0 +1,231 @@
+//! The real chip's arithmetic: every store errs a little.
+//!
+//! ```text
+//! cell := -(1 - loss + m_g) · share · sum + Δ + m_o + noise       limited to the range
+//!         and for a bus that splits:  + division error + curve · (sum / n)²
+//! ```
+//!
+//! - The transfer error Δ is nearly the same for all cells, so two stores cancel it
+//!   (`T = -x + Δ`, `y = -T + Δ = x`): why every macro of the vendor stores twice.
+//! - The loss of each store, and how Δ of a splitting bus differs, are fitted to the chip's
+//!   only public measurement: `diva(A,E,F); mov(F,A); add(A,A,F)`, an identity, repeated.
+//! - Mismatch belongs to one cell of one pixel and never changes; noise is drawn anew for every
+//!   word. Both are hashes of the seed and the place.
+//! - A bus that splits between two cells does so unevenly: what one gets more the other gets
+//!   less, so that `diva`, which adds them again, corrects it to first order.
+
+use super::{
+    Domain, Layout, Place, Share,
+    chance::{hash, normal},
+};
+
+/// How a chip errs. Analogue values are in LSB, the ADC's steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Δ of every store, LSB. Quoted: the vendor's note on kernel instructions, "about 20".
+    pub transfer: f64,
+    /// Part of the signal that one store loses. Modelled: fitted to the identity loop's bias,
+    /// n = 2 to 32, inputs 0, 10, 60, 120 (B. Guillard, CNNs on FPSPs, noise accumulation).
+    pub loss: f64,
+    /// How much more than Δ a splitting bus adds, LSB. Modelled: same fit.
+    pub division: f64,
+    /// What a splitting bus adds for the square of what it stores, 1/LSB. Modelled: same fit.
+    pub division_curve: f64,
+    /// Spread of the gain of cells. Modelled: fitted to the identity loop's spread over pixels.
+    pub gain_mismatch: f64,
+    /// Spread of Δ of cells, LSB. Modelled: same fit.
+    pub offset_mismatch: f64,
+    /// Correlation of the two. Modelled: same fit.
+    pub mismatch_correlation: f64,
+    /// Spread of how unevenly a bus splits. Guess: the sources only say that it does.
+    pub division_mismatch: f64,
+    /// Noise of every store, LSB. Guess: the measurement only bounds it (it needs none).
+    pub noise: f64,
+    /// Lowest and highest value of a cell, LSB. Quoted: registers saturate near the ends of the
+    /// ADC's scale; the headroom, here one Δ, is a guess: full-scale values survive two stores.
+    pub range: (f64, f64),
+    /// What every cell sinks by in a second, LSB. The rate was never published: none.
+    pub decay: f64,
+}
+
+impl Default for Errors {
+    fn default() -> Self {
+        Self {
+            transfer: 20.0,
+            loss: 0.007_587,
+            division: 2.074,
+            division_curve: -1.195e-4,
+            gain_mismatch: 0.003_36,
+            offset_mismatch: 0.1074,
+            mismatch_correlation: -0.7,
+            division_mismatch: 0.01,
+            noise: 0.05,
+            range: (-148.0, 147.0),
+            decay: 0.0,
+        }
+    }
+}
+
+/// Kinds of chance.
+const GAIN: u64 = 0;
+const OFFSET: u64 = 1;
+const SPLIT: u64 = 2;
+const NOISE: u64 = 3;
+
+/// One chip: its errors, and the mismatch of each of its cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Silicon {
+    errors: Errors,
+    seed: u64,
+    width: usize,
+    /// `-(1 - loss + mismatch)` and `Δ + mismatch` of every cell, by register, row by row.
+    gain: Vec<Vec<f32>>,
+    offset: Vec<Vec<f32>>,
+    /// How much more than its share the first target of a splitting bus gets; then the second.
+    split: [Vec<f32>; 2],
+}
+
+impl Silicon {
+    /// The chip of this seed.
+    #[must_use]
+    pub fn new(errors: Errors, seed: u64, layout: &Layout) -> Self {
+        let pixels = layout.size.pixels() as u64;
+        let draw = |kind, register, pixel| f64::from(normal(hash(seed, kind, register, 0, pixel)));
+        let planes = |value: &dyn Fn(u8, u64) -> f64| -> Vec<Vec<f32>> {
+            (0..layout.analog)
+                .map(|register| (0..pixels).map(|p| value(register, p) as f32).collect())
+                .collect()
+        };
+        let together = errors.mismatch_correlation;
+        let apart = (1.0 - together * together).sqrt();
+        let split = |part: u8| {
+            (0..pixels)
+                .map(|pixel| (errors.division_mismatch * draw(SPLIT, part, pixel)) as f32)
+                .collect()
+        };
+        Self {
+            gain: planes(&|register, pixel| {
+                let mismatch = errors.gain_mismatch * draw(GAIN, register, pixel);
+                -(1.0 - errors.loss + mismatch)
+            }),
+            offset: planes(&|register, pixel| {
+                let mismatch =
+                    together * draw(GAIN, register, pixel) + apart * draw(OFFSET, register, pixel);
+                errors.transfer + errors.offset_mismatch * mismatch
+            }),
+            split: [split(0), split(1)],
+            errors,
+            seed,
+            width: layout.size.width,
+        }
+    }
+
+    /// What it errs by.
+    #[must_use]
+    pub const fn errors(&self) -> &Errors {
+        &self.errors
+    }
+
+    #[inline]
+    fn saturated(&self, value: f32) -> f32 {
+        value.clamp(self.errors.range.0 as f32, self.errors.range.1 as f32)
+    }
+
+    #[inline]
+    fn noise(&self, place: Place, pixel: usize) -> f32 {
+        if self.errors.noise == 0.0 {
+            return 0.0;
+        }
+        let word = hash(self.seed, NOISE, place.register.0, place.step, pixel as u64);
+        self.errors.noise as f32 * normal(word)
+    }
+}
+
+impl Domain for Silicon {
+    type Cell = f32;
+    type Sum = f32;
+
+    fn name(&self) -> String {
+        "silicon".into()
+    }
+
+    fn hold(&self, value: f64) -> f32 {
+        value as f32
+    }
+
+    /// The DAC steps by whole LSB. The host's table is calibrated so that the plane arrives
+    /// right after two stores of an average cell; raw codes are not.
+    fn input(&self, value: f64, calibrated: bool) -> f32 {
+        let step = value.round_ties_even();
+        if !calibrated {
+            return step as f32;
+        }
+        let gain = 1.0 - self.errors.loss;
+        ((step - (1.0 - gain) * self.errors.transfer) / (gain * gain)) as f32
+    }
+
+    fn value(&self, cell: &f32) -> f64 {
+        f64::from(*cell)
+    }
+
+    #[inline]
+    fn nothing(&self) -> f32 {
+        0.0
+    }
+
+    #[inline]
+    fn add(&self, sum: &mut f32, cell: &f32, times: i32) {
+        *sum += cell * times as f32;
+    }
+
+    #[inline]
+    fn join(&self, sum: &mut f32, other: &f32) {
+        *sum += other;
+    }
+
+    #[inline]
+    fn store(&self, sum: &f32, share: Share, place: Place) -> f32 {
+        let pixel = place.y * self.width + place.x;
+        let register = usize::from(place.register.0);
+        let mut current = sum / share.by as f32;
+        let mut error = self.offset[register][pixel] + self.noise(place, pixel);
+        if let Some(part) = share.part {
+            error += (self.errors.division as f32)
+                + self.errors.division_curve as f32 * current * current;
+            // What the others get more the last gets less.
+            let more = match (part, share.by) {
+                (0, 2..) => self.split[0][pixel],
+                (1, 2) => -self.split[0][pixel],
+                (1, _) => self.split[1][pixel],
+                (2, 3) => -self.split[0][pixel] - self.split[1][pixel],
+                _ => 0.0,
+            };
+            current *= 1.0 + more;
+        }
+        self.saturated(self.gain[register][pixel] * current + error)
+    }
+
+    /// The squarer has no calibration; only the transfer error of its store is modelled.
+    fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
+        let pixel = place.y * self.width + place.x;
+        let error = self.offset[usize::from(place.register.0)][pixel] + self.noise(place, pixel);
+        Some(self.saturated(sum * sum * gain as f32 + error))
+    }
+
+    #[inline]
+    fn positive(&self, sum: &f32) -> Option<bool> {
+        Some(*sum > 0.0)
+    }
+
+    #[inline]
+    fn limit(&self, cell: f32) -> f32 {
+        cell.clamp(-128.0, 127.0)
+    }
+
+    fn aged(&self, cell: &f32, seconds: f64) -> Option<f32> {
+        if self.errors.decay == 0.0 {
+            return None;
+        }
+        Some(self.saturated(cell - (self.errors.decay * seconds) as f32))
+    }
+}

@@ -1,0 +1,100 @@
+//! Everything that the array remembers.
+
+use super::{BitPlane, Domain, Layout};
+use crate::{
+    isa::{Analog, Bit, Digital},
+    plane::Plane,
+};
+
+/// Every register of every pixel, and the global input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<C> {
+    /// Size and registers.
+    pub layout: Layout,
+    /// Analogue registers, each row by row.
+    pub(super) analog: Vec<Vec<C>>,
+    /// The photodiodes, row by row.
+    pub(super) pix: Vec<C>,
+    /// The global input (DAC).
+    pub(super) input: C,
+    /// What lies off the array.
+    pub(super) edge: C,
+    pub(super) digital: Vec<BitPlane>,
+    pub(super) flag: BitPlane,
+    pub(super) select: BitPlane,
+    pub(super) rect: BitPlane,
+}
+
+impl<C: Clone> State<C> {
+    /// As switched on: every register 0, FLAG 1 everywhere.
+    pub fn new<D: Domain<Cell = C>>(domain: &D, layout: Layout, edge: f64) -> Self {
+        let zero = domain.hold(0.0);
+        let plane = vec![zero.clone(); layout.size.pixels()];
+        Self {
+            layout,
+            analog: vec![plane.clone(); layout.analog.into()],
+            pix: plane,
+            input: zero,
+            edge: domain.hold(edge),
+            digital: vec![BitPlane::zeros(layout.size); layout.digital.into()],
+            flag: BitPlane::ones(layout.size),
+            select: BitPlane::zeros(layout.size),
+            rect: BitPlane::zeros(layout.size),
+        }
+    }
+
+    /// An analogue register, row by row.
+    ///
+    /// # Panics
+    /// When the array has no such register.
+    #[must_use]
+    pub fn analog(&self, register: Analog) -> &[C] {
+        &self.analog[usize::from(register.0)]
+    }
+
+    /// A one-bit operand.
+    ///
+    /// # Panics
+    /// When the array has no such register.
+    #[must_use]
+    pub fn bits(&self, bit: Bit) -> &BitPlane {
+        match bit {
+            Bit::Register(register) => self.digital(register),
+            Bit::Flag => &self.flag,
+            Bit::Select => &self.select,
+            Bit::Rect => &self.rect,
+        }
+    }
+
+    /// A one-bit register.
+    ///
+    /// # Panics
+    /// When the array has no such register.
+    #[must_use]
+    pub fn digital(&self, register: Digital) -> &BitPlane {
+        &self.digital[usize::from(register.0)]
+    }
+
+    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Vec<C> {
+        &mut self.analog[usize::from(register.0)]
+    }
+
+    pub(super) fn digital_mut(&mut self, register: Digital) -> &mut BitPlane {
+        &mut self.digital[usize::from(register.0)]
+    }
+
+    /// Row `y` of a plane.
+    pub(super) fn row<'a>(&self, plane: &'a [C], y: usize) -> &'a [C] {
+        let width = self.layout.size.width;
+        &plane[y * width..][..width]
+    }
+
+    /// The values of an analogue register, in LSB.
+    pub fn values<D: Domain<Cell = C>>(&self, domain: &D, register: Analog) -> Plane<f64> {
+        let cells = self.analog(register);
+        let width = self.layout.size.width;
+        Plane::from_shape_fn(self.layout.size.shape(), |(y, x)| {
+            domain.value(&cells[y * width + x])
+        })
+    }
+}

@@ -1,0 +1,75 @@
+//! Suggestions: which of the known names did the writer mean?
+
+/// The known name nearest to `name`, if one is near enough to be what was meant: at most one
+/// edit in three letters and never all of them, a change of case counting as none.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let length = name.chars().count();
+    let limit = 1.max(length / 3);
+    known
+        .into_iter()
+        .map(|candidate| {
+            let lower = distance(&name.to_lowercase(), &candidate.to_lowercase());
+            (lower, distance(name, candidate), candidate)
+        })
+        .filter(|&(lower, _, _)| lower <= limit && lower < length)
+        .min_by_key(|&(lower, exact, candidate)| (lower, exact, candidate.len()))
+        .map(|(_, _, candidate)| candidate)
+}
+
+/// "did you mean `x`?", where something is near.
+pub fn suggestion<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    nearest(name, known).map(|near| format!("did you mean `{near}`?"))
+}
+
+/// "did you mean `x`?", or what else can be done.
+pub fn suggestion_or<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+    otherwise: &str,
+) -> String {
+    suggestion(name, known).unwrap_or_else(|| otherwise.to_owned())
+}
+
+/// Edits (insert, delete, replace, swap two neighbours) from one word to the other.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
+    table[0] = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        table[i][0] = i;
+        for j in 1..=b.len() {
+            let replaced = table[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut least = replaced.min(table[i - 1][j] + 1).min(table[i][j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                least = least.min(table[i - 2][j - 2] + 1);
+            }
+            table[i][j] = least;
+        }
+    }
+    table[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edits_are_counted() {
+        assert_eq!(distance("kitten", "sitting"), 3);
+        assert_eq!(distance("", "abc"), 3);
+        assert_eq!(distance("abc", ""), 3);
+        assert_eq!(distance("sub", "sub"), 0);
+        assert_eq!(distance("mvo", "mov"), 1);
+    }
+
+    #[test]
+    fn near_names_are_found_and_far_ones_are_not() {
+        let known = ["movx", "mov2x", "MOV", "mov", "where", "WHERE"];
+        assert_eq!(nearest("mvx", known), Some("movx"));
+        assert_eq!(nearest("Mov", known), Some("mov"));
+        assert_eq!(nearest("WHERe", known), Some("WHERE"));
+        assert_eq!(nearest("mvo", known), Some("mov"));
+        assert_eq!(nearest("display", known), None);
+        assert_eq!(nearest("Q", ["A", "B"]), None, "nothing of it is left");
+    }
+}

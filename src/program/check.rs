@@ -1,0 +1,194 @@
+//! What can be told before a program runs: FLAG, scratch that a later line still needs, and
+//! the kernel store.
+
+use std::collections::BTreeMap;
+
+use super::{
+    cost,
+    effect::{Cell, FlagState},
+    expand::{Entry, Expanded, Expansion},
+};
+use crate::isa::{
+    Device, Figure,
+    text::{Fault, Place},
+};
+
+/// Adds what is wrong with an expanded program.
+pub(super) fn check(expansion: &Expansion, device: &Device, faults: &mut Vec<Fault>) {
+    let mut walk = Walk {
+        device,
+        partial: None,
+        destroyed: BTreeMap::new(),
+        faults: Vec::new(),
+    };
+    walk.entries(&expansion.init);
+    walk.entries(&expansion.frame);
+    if !expansion.bare {
+        // The next frame begins where this one ended.
+        walk.entries(&expansion.frame);
+    }
+    faults.append(&mut walk.faults);
+    store(expansion, device, faults);
+}
+
+/// A place that can be named in a message.
+#[derive(Clone, Debug)]
+struct Spot {
+    name: String,
+    place: Place,
+    line: u32,
+}
+
+impl Spot {
+    fn of(statement: &Expanded) -> Self {
+        Self {
+            name: statement.name.clone(),
+            place: statement.place,
+            line: statement.line,
+        }
+    }
+}
+
+struct Walk<'a> {
+    device: &'a Device,
+    /// The statement after which FLAG may be 0 somewhere.
+    partial: Option<Spot>,
+    /// Who overwrote a cell as scratch.
+    destroyed: BTreeMap<Cell, Spot>,
+    faults: Vec<Fault>,
+}
+
+impl Walk<'_> {
+    fn entries(&mut self, entries: &[Entry]) {
+        for entry in entries {
+            match entry {
+                Entry::Statement(statement) => self.statement(statement),
+                Entry::Repeat { times, body, .. } => {
+                    // Twice is enough to see what one pass leaves to the next.
+                    for _ in 0..(*times).min(2) {
+                        self.entries(body);
+                    }
+                }
+            }
+        }
+    }
+
+    fn statement(&mut self, statement: &Expanded) {
+        self.flag(statement);
+        for cell in &statement.effect.reads {
+            if let Some(spot) = self.destroyed.get(cell) {
+                let fault = lost(&cell.name(self.device), spot, statement);
+                self.report(fault);
+            }
+        }
+        match statement.effect.flag {
+            Some(FlagState::Whole) => self.partial = None,
+            Some(FlagState::Partial) => self.partial = Some(Spot::of(statement)),
+            None => {}
+        }
+        for cell in statement.destroys().filter(|cell| *cell != Cell::Flag) {
+            self.destroyed.insert(cell, Spot::of(statement));
+        }
+        for cell in &statement.results {
+            if statement.effect.writes.contains(cell) {
+                self.destroyed.remove(cell);
+            }
+        }
+    }
+
+    fn flag(&mut self, statement: &Expanded) {
+        let Some(spot) = self.partial.clone() else {
+            return;
+        };
+        let (name, line) = (&statement.name, statement.line);
+        let since = format!("since `{}` in line {}", spot.name, spot.line);
+        if statement.whole_flag {
+            let fault = Fault::error(
+                statement.place,
+                format!("`{name}` needs FLAG to be 1 everywhere, which it may not be {since}"),
+                "in two steps a value passes a pixel that may be off",
+            )
+            .also(spot.place, "FLAG may be 0 after this")
+            .help("call `all();` first, or use two one-step transfers");
+            self.report(fault);
+        }
+        let destroys_flag = statement.destroys().any(|cell| cell == Cell::Flag);
+        if destroys_flag {
+            let fault = Fault::warning(
+                statement.place,
+                format!(
+                    "`{name}` in line {line} overwrites the FLAG that `{}` in line {} set",
+                    spot.name, spot.line
+                ),
+                "it sets FLAG itself and leaves it 1 everywhere",
+            )
+            .also(spot.place, "this FLAG is lost")
+            .help("put it before the `where`, into a register that the region then uses");
+            self.report(fault);
+        }
+    }
+
+    /// The same fault again, from the next pass, says nothing new.
+    fn report(&mut self, fault: Fault) {
+        let known = |f: &Fault| f.message == fault.message && f.place.start == fault.place.start;
+        if !self.faults.iter().any(known) {
+            self.faults.push(fault);
+        }
+    }
+}
+
+fn lost(register: &str, spot: &Spot, reader: &Expanded) -> Fault {
+    Fault::warning(
+        reader.place,
+        format!(
+            "line {} needs {register}, which `{}` in line {} overwrote as scratch",
+            reader.line, spot.name, spot.line
+        ),
+        format!("reads {register}"),
+    )
+    .also(spot.place, format!("overwrites {register}"))
+    .help(format!(
+        "keep the value in another register, or set {register} again in between"
+    ))
+}
+
+/// The words of all kernels together must fit into the chip's store.
+fn store(expansion: &Expansion, device: &Device, faults: &mut Vec<Fault>) {
+    let room = device.value(Figure::Store) as u64;
+    let (mut words, mut over) = (0, None);
+    let mut add = |statement: &Expanded| {
+        // The host's own kernels are not the program's.
+        if !statement.host {
+            words += cost::stored(&statement.steps, device).0;
+            if words > room {
+                over.get_or_insert(statement.place);
+            }
+        }
+    };
+    for_each(&expansion.init, &mut add);
+    for_each(&expansion.frame, &mut add);
+    if let Some(place) = over {
+        faults.push(
+            Fault::error(
+                place,
+                format!(
+                    "the program has {words} instruction words, {} more than the {room} that {} holds",
+                    words - room,
+                    device.name()
+                ),
+                "from here on it does not fit",
+            )
+            .help("`repeat N { … }` stores its body once; a wider chip can be tried with --chip"),
+        );
+    }
+}
+
+/// Every statement, a repeated one once.
+pub fn for_each(entries: &[Entry], act: &mut impl FnMut(&Expanded)) {
+    for entry in entries {
+        match entry {
+            Entry::Statement(statement) => act(statement),
+            Entry::Repeat { body, .. } => for_each(body, act),
+        }
+    }
+}

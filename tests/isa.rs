@@ -1,0 +1,327 @@
+//! The shipped chips, held against the published tables: every macro's words, every name; and
+//! one message for each way in which a chip's files can be wrong.
+
+use std::{collections::BTreeMap, fs, path::Path};
+
+use amacrine::{
+    isa::{Device, Figure, LoadError, text::Located},
+    program::{Action, Program, Step, stored},
+};
+
+/// Words as the vendor's headers have them, one call for each overload.
+const WORDS: &[(&str, u64)] = &[
+    // One word each.
+    ("nop()", 1),
+    ("rpix()", 1),
+    ("bus(A)", 1),
+    ("bus(A, B)", 1),
+    ("bus(A, B, C)", 1),
+    ("bus(A, B, C, D)", 1),
+    ("bus(A, B, C, D, E)", 1),
+    ("bus({A, B}, {C, D, E})", 1),
+    ("bus(B, XW)", 1),
+    ("bus(XE, A)", 1),
+    ("bus2(A, B)", 1),
+    ("bus2(A, B, C)", 1),
+    ("bus2(A, B, C, D)", 1),
+    ("bus3(A, B, C, D)", 1),
+    ("sq(A)", 1),
+    ("sq(A, B)", 1),
+    ("where(A)", 1),
+    ("where(A, B)", 1),
+    ("where(A, B, C)", 1),
+    ("all()", 1),
+    ("ALL()", 1),
+    ("blurset()", 1),
+    ("blur(A, B)", 1),
+    ("blurh(A, B)", 1),
+    ("blurv(A, B)", 1),
+    ("SET(R5)", 1),
+    ("SET(R5, R6, R7, R8)", 1),
+    ("CLR(R5, R6)", 1),
+    ("MOV(R5, R6)", 1),
+    ("MOV(R5, FLAG)", 1),
+    ("OR(R5, R6, R7)", 1),
+    ("OR(R5, R6, R7, R8, R9)", 1),
+    ("NOT(R5, R6)", 1),
+    ("NOR(R5, R6, R7)", 1),
+    ("WHERE(R5)", 1),
+    ("WHERE(R5, R6, R7)", 1),
+    ("DNEWS0(R5, R6)", 1),
+    ("DNEWS1(R5, R6)", 1),
+    // Analogue macros.
+    ("res(A)", 2),
+    ("res(A, B)", 3),
+    ("mov(A, B)", 2),
+    ("mov(A, A)", 2),
+    ("mov(A, B, east)", 2),
+    ("add(A, B, C)", 2),
+    ("add(A, B, C, D)", 2),
+    ("add(A, A, B)", 2),
+    ("sub(A, B, C)", 2),
+    ("sub(A, B, B)", 2),
+    ("sub(A, A, B)", 2),
+    ("sub(A, B, east, C)", 2),
+    ("neg(A, B)", 2),
+    ("abs(A, B)", 6),
+    ("divq(A, B)", 2),
+    ("div(A, B, C)", 5),
+    ("div(A, B, C, D)", 5),
+    ("diva(A, B, C)", 5),
+    ("movx(A, B, east)", 2),
+    ("movx(A, A, north)", 2),
+    ("mov2x(A, B, south, west)", 2),
+    ("addx(A, B, C, east)", 2),
+    ("add2x(A, B, C, north, west)", 2),
+    ("subx(A, B, east, C)", 2),
+    ("sub2x(A, B, east, north, C)", 2),
+    ("get_image(A)", 5),
+    ("get_image(A, B)", 6),
+    ("respix()", 3),
+    ("respix(A)", 5),
+    ("getpix(A, B)", 2),
+    ("getpix(A, B, C)", 3),
+    ("gauss(A, B)", 7),
+    ("gauss(A, B, 5)", 11),
+    ("gaussh(A, B, 2)", 5),
+    ("gaussv(A, B, 2)", 5),
+    ("newsblur(A, B)", 2),
+    ("newsblur(A, B, 4)", 8),
+    ("newsblurh(A, B)", 2),
+    ("newsblurv(A, B)", 2),
+    // One-bit macros.
+    ("NOT(R5)", 2),
+    ("OR(R5, R6)", 2),
+    ("NOR(R5, R6)", 2),
+    ("AND(R5, R6, R7)", 4),
+    ("NAND(R5, R6, R7)", 4),
+    ("ANDX(R5, R6, R7)", 3),
+    ("NANDX(R5, R6, R7)", 3),
+    ("IMP(R5, R6, R7)", 2),
+    ("NIMP(R5, R6, R7)", 2),
+    ("XORX(R5, R6, R7)", 6),
+    ("XOR(R5, R6, R7)", 6),
+    ("MUX(R5, R6, R7, R8)", 5),
+    ("CLR_IF(R5, R6)", 2),
+    ("REFRESH(R5)", 2),
+    ("DNEWS(R5, R6, east)", 3),
+    ("DNEWS(R5, R6, alldir)", 3),
+    ("DNEWS(R5, R6, east, 0)", 3),
+    ("DNEWS(R5, R6, east, 1)", 3),
+    ("PROP0()", 2),
+    ("PROP1()", 2),
+    // What the host launches.
+    ("scamp5_kernel_begin()", 0),
+    ("scamp5_kernel_end()", 0),
+    ("scamp5_kernel_all()", 1),
+    ("scamp5_kernel_refresh_dreg()", 26),
+    ("scamp5_in(A, 10)", 2),
+    ("scamp5_in(A, 10, B)", 2),
+    ("scamp5_load_in(A, 10)", 2),
+    ("scamp5_load_in(10)", 0),
+    ("scamp5_load_dac(A, 4095)", 2),
+    ("scamp5_get_image(A, B)", 6),
+];
+
+fn expand(text: &str) -> Vec<Step> {
+    let program = Program::parse("test", text).unwrap();
+    let expansion = program.expand(&Device::scamp5(), &BTreeMap::new());
+    expansion
+        .unwrap_or_else(|e| panic!("{text}: {e}"))
+        .code
+        .frame
+}
+
+#[test]
+fn every_macro_has_the_words_of_the_table() {
+    for (call, words) in WORDS {
+        let steps = expand(&format!("{call};"));
+        assert_eq!(stored(&steps, &Device::scamp5()).0, *words, "{call}");
+    }
+}
+
+#[test]
+fn the_table_names_every_macro_and_every_primitive_form() {
+    let device = Device::scamp5();
+    let called = |name: &str| {
+        WORDS
+            .iter()
+            .any(|(call, _)| call.starts_with(&format!("{name}(")))
+            || ["scamp5_", "PROP_"].iter().any(|p| name.starts_with(p))
+    };
+    for callable in device.all_callables() {
+        assert!(
+            called(&callable.signature().name),
+            "{}",
+            callable.signature()
+        );
+    }
+}
+
+/// The primitives of a call as text: what a macro really does.
+fn words(call: &str) -> String {
+    let device = Device::scamp5();
+    let text = |step: &Step| match &step.action {
+        Action::Word(word) => word.text(&device),
+        Action::Host(host) => host.text(&device),
+        Action::Repeat { times, .. } => format!("repeat {times}"),
+    };
+    let steps = expand(&format!("{call};"));
+    steps.iter().map(text).collect::<Vec<_>>().join("; ")
+}
+
+#[test]
+fn directions_name_the_neighbour_that_is_read() {
+    assert_eq!(words("movx(A, B, east)"), "bus(XW, B); bus(A, NEWS)");
+    assert_eq!(words("movx(A, B, north)"), "bus(XS, B); bus(A, NEWS)");
+    assert_eq!(words("mov2x(A, B, east, north)"), "bus(XW, B); bus(A, XN)");
+    assert_eq!(
+        words("sub2x(A, B, south, west, C)"),
+        "bus(XN, B); bus(A, XW, C)"
+    );
+    assert_eq!(
+        words("DNEWS(R5, R6, east)"),
+        "CLR(R1, R2, R3, R4); SET(R4); DNEWS0(R5, R6)"
+    );
+    assert_eq!(
+        words("DNEWS(R5, R6, alldir, 1)"),
+        "CLR(R1, R2, R3, R4); SET(R3, R4, R1, R2); DNEWS1(R5, R6)"
+    );
+}
+
+#[test]
+fn sequences_of_the_table() {
+    assert_eq!(
+        words("abs(A, B)"),
+        "bus(NEWS); bus(A, NEWS, B); bus(NEWS, B); where(B); bus(A, NEWS); all()"
+    );
+    assert_eq!(
+        words("diva(A, B, C)"),
+        "bus2(B, C, A); bus(NEWS, B, A); bus(A, NEWS, C); bus2(B, C, A); bus(A, B)"
+    );
+    assert_eq!(
+        words("get_image(A, B)"),
+        "bus(NEWS, PIX); bus(B, PIX); rpix(); rpix(); nop(); bus(A, B, NEWS, PIX)"
+    );
+    assert_eq!(
+        words("MUX(R5, R6, R7, R8)"),
+        "SET(R0); MOV(R12, R8); MOV(R0, R6); MOV(R12, R7); MOV(R5, R12)"
+    );
+    assert_eq!(
+        words("XORX(R5, R6, R7)"),
+        "NOT(R0, R7); NOR(R5, R6, R0); NOT(R0, R6); NOR(R6, R7, R0); nop(); OR(R5, R5, R6)"
+    );
+    assert_eq!(
+        words("scamp5_in(A, -7)"),
+        "scamp5_in(-7); bus(NEWS, IN); bus(A, NEWS)"
+    );
+}
+
+#[test]
+fn a_shift_costs_a_word_a_pixel_and_one_more_when_odd() {
+    let cost = |call: &str| {
+        let steps = expand(&format!("{call};"));
+        amacrine::program::Cost::of(&steps, &Device::scamp5())
+            .words
+            .0
+    };
+    assert_eq!(cost("scamp5_shift(A, 4, 0)"), 4);
+    assert_eq!(cost("scamp5_shift(A, -5, 0)"), 6);
+    assert_eq!(cost("scamp5_shift(A, 2, -3)"), 6);
+    assert_eq!(words("scamp5_shift(A, 1, 0)"), "bus(XE, A); bus(A, NEWS)");
+    assert_eq!(words("scamp5_shift(A, 2, 0)"), "bus(XE, A); bus(A, XW)");
+    assert_eq!(words("scamp5_shift(A, 0, -2)"), "bus(XS, A); bus(A, XN)");
+}
+
+#[test]
+fn every_shipped_chip_loads_and_states_every_figure() {
+    for name in Device::shipped() {
+        let device = Device::find(name).unwrap();
+        assert_eq!(device.name(), name);
+        for figure in Figure::ALL {
+            assert_eq!(device.figure(*figure).unit, figure.unit());
+        }
+    }
+    let wide = Device::find("scamp5-wide").unwrap();
+    assert_eq!(wide.registers().analog.len(), 13);
+    assert_eq!(wide.news(), Device::scamp5().news());
+    assert_eq!(wide.value(Figure::Width), 512.0);
+    assert_eq!(wide.macros(), Device::scamp5().macros());
+}
+
+/// Every folder in `tests/bad/isa` is a chip with mistakes. The file that is wrong says on top,
+/// in lines `# 3:5 message | help` (or `//`), all that is to be found in it.
+#[test]
+fn every_mistake_in_a_chip_has_its_message_at_its_place() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad/isa");
+    let mut folders: Vec<_> = fs::read_dir(root)
+        .unwrap()
+        .map(|f| f.unwrap().path())
+        .collect();
+    folders.sort();
+    assert!(folders.len() > 20);
+    for folder in folders {
+        let mut expected = Vec::new();
+        for name in ["device.toml", "primitives.toml", "macros.scamp"] {
+            let Ok(text) = fs::read_to_string(folder.join(name)) else {
+                continue;
+            };
+            for line in text.lines() {
+                let line = line.strip_prefix("# ").or_else(|| line.strip_prefix("// "));
+                if let Some(line) = line
+                    && line.starts_with(|c: char| c.is_ascii_digit())
+                {
+                    expected.push(format!("{name}:{line}"));
+                }
+            }
+        }
+        let error = Device::load(&folder).expect_err(&folder.display().to_string());
+        let LoadError::Wrong(faults) = error else {
+            panic!("{}: {error:?}", folder.display());
+        };
+        let found: Vec<String> = faults.faults.iter().map(|l| shown(l, &folder)).collect();
+        assert_eq!(found, expected, "{}", folder.display());
+    }
+}
+
+fn shown(located: &Located, folder: &Path) -> String {
+    let file = located.file.strip_prefix(&folder.display().to_string());
+    let file = file.unwrap_or(&located.file).trim_start_matches('/');
+    let help = located.fault.help.as_deref().unwrap_or("");
+    let (line, column) = (located.line, located.column);
+    format!("{file}:{line}:{column} {} | {help}", located.fault.message)
+}
+
+#[test]
+fn a_chip_that_is_not_there_is_named() {
+    let error = Device::find("scamp6").unwrap_err().to_string();
+    assert!(error.contains("scamp6"), "{error}");
+    let folder = tempfile::tempdir().unwrap();
+    let error = Device::load(folder.path()).unwrap_err();
+    assert!(error.to_string().contains("device.toml"), "{error}");
+}
+
+/// The walk through isa/README.md, followed to the letter: its files make a chip, its program
+/// costs there what it says.
+#[test]
+fn the_walk_through_the_readme_works() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("isa/README.md")).unwrap();
+    let block = |name: &str| {
+        let (_, rest) = readme.split_once(&format!(" {name}\n")).unwrap();
+        rest.split_once("```").unwrap().0.to_owned()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["device.toml", "macros.scamp"] {
+        fs::write(folder.path().join(file), block(file)).unwrap();
+    }
+    let device = Device::load(folder.path()).unwrap();
+    let program = Program::parse("program.scamp", &block("program.scamp")).unwrap();
+    let expansion = program.expand(&device, &BTreeMap::new()).unwrap();
+    let cost = amacrine::program::Cost::of(&expansion.code.frame, &device);
+    let says = format!(
+        "takes {} words (5, 10 and 2), {:.2} us at 20 MHz",
+        cost.words.0, cost.array_us
+    );
+    assert!(readme.contains(&says), "{says}");
+}
