@@ -41,6 +41,8 @@ pub struct CountBand<'a> {
     top: usize,
     width: usize,
     rows: Vec<&'a mut [i32]>,
+    /// The row and channel told last, which may be told again.
+    last: Option<(usize, usize)>,
 }
 
 impl Sink for Counts {
@@ -58,6 +60,7 @@ impl Sink for Counts {
                 top: band.start,
                 width,
                 rows,
+                last: None,
             })
             .collect()
     }
@@ -71,25 +74,13 @@ impl BandSink for CountBand<'_> {
     fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
         let start = (row.y - self.top) * self.width;
         let to = &mut self.rows[row.channel][start..start + self.width];
-        let limit = R::of(f64::from(i32::MAX));
-        let mut fits = true;
-        for (to, &count) in to.iter_mut().zip(&row.counts) {
-            fits &= count.abs() < limit;
-            *to = count.to_i32();
+        if self.last.replace((row.y, row.channel)) == Some((row.y, row.channel)) {
+            for (to, count) in to.iter_mut().zip(&row.counts) {
+                *to = to.saturating_add(*count);
+            }
+        } else {
+            to.copy_from_slice(&row.counts);
         }
-        if fits {
-            return Ok(());
-        }
-        let x = row
-            .counts
-            .iter()
-            .position(|count| count.abs() >= limit)
-            .unwrap_or(0);
-        Err(SensorError::CountOverflow {
-            channel: row.channel,
-            y: row.y,
-            x,
-            count: row.counts[x].to_f64(),
-        })
+        Ok(())
     }
 }
