@@ -85,21 +85,6 @@ pub enum SensorError {
         /// How many events it may hold.
         limit: usize,
     },
-    /// More events of one cell in one frame pair than 32 bits can count.
-    #[error(
-        "the cell at x = {x}, y = {y} of channel {channel} made {count} events in one frame pair, more than an int32 can hold"
-    )]
-    #[diagnostic(help("raise the threshold, or check the scale of the light against it"))]
-    CountOverflow {
-        /// Kind of cell.
-        channel: usize,
-        /// Row.
-        y: usize,
-        /// Column.
-        x: usize,
-        /// How many, with sign.
-        count: f64,
-    },
     /// More steps of a memory than are counted.
     #[error(
         "the memory of the cell at x = {x}, y = {y} of channel {channel} is more than 2^30 thresholds from where it began"

@@ -8,8 +8,7 @@ use amacrine::{
     number::{F32, F64, Number, Q},
     plane::{Plane, Size},
     reference::{
-        BandSink, Counts, Description, EventList, Limit, Pair, Reference, Sink, Tally, TrainRow,
-        VoxelGrid, WhenFull,
+        Counts, Description, EventList, Limit, Reference, Sink, Tally, VoxelGrid, WhenFull,
     },
     scene::{Frame, OpenOptions, Scene, open},
     sensor::{Sensor, SensorError},
@@ -257,24 +256,6 @@ fn black_and_what_is_below_it_have_an_answer() {
             "{error}"
         );
     }
-}
-
-#[test]
-fn counts_beyond_an_int32_are_an_error() {
-    // No memory counts so far, so the sink is told by hand.
-    let mut counts = Counts::new(ONE, 1);
-    let pair = Pair {
-        index: 0,
-        from: 0.0,
-        to: 1.0,
-    };
-    let whole = 0..1;
-    let mut bands = counts.begin(pair, std::slice::from_ref(&whole));
-    let mut row = TrainRow::<f64>::new(1);
-    row.counts[0] = -3e9;
-    let error = bands[0].row(&row).unwrap_err();
-    assert!(matches!(error, SensorError::CountOverflow { count, .. } if count == -3e9));
-    assert!(error.to_string().contains("int32"), "{error}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use super::{
     Report,
     description::{Description, MemoryRule, PolarityRule, RefractoryRule},
     drive::{Weights, log_temporal},
-    fire::{self, Distances},
+    fire::{self, Distances, MOST},
     hash::Place,
     memory::{self, Memory, Stepped},
     noise::{Noise, Thresholds},
@@ -68,6 +68,28 @@ impl<N: Number> Plan<N> {
         self.description.refractory.us * 1e-6
     }
 }
+
+/// What all bands see of a pair of frames.
+#[derive(Debug)]
+pub(super) struct Sight<'a, N: Number> {
+    pub(super) signal: &'a Padded<N::Held>,
+    /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
+    /// distance from it if it snaps.
+    pub(super) pixels: &'a [Padded<N::Held>],
+    pub(super) pair: Pair,
+    /// Seconds since the first frame.
+    pub(super) elapsed: f64,
+    /// Whether the times of the events are wanted.
+    pub(super) times: bool,
+}
+
+impl<N: Number> Clone for Sight<'_, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<N: Number> Copy for Sight<'_, N> {}
 
 /// The cells of some rows, all channels.
 #[derive(Clone, Debug)]
@@ -152,56 +174,42 @@ impl<N: Number> Band<N> {
         start..start + self.width
     }
 
-    /// One pair of frames for one channel. `seen` is the signal, or for a pixel memory that
-    /// snaps, its distance from the memory; `remembered` is a pixel memory that steps.
+    /// One pair of frames: row by row, and for each row channel by channel, while what they
+    /// see is in cache.
     pub(super) fn advance<S: BandSink>(
         &mut self,
         plan: &Plan<N>,
-        channel: usize,
-        (signal, seen, remembered): (&Padded<N::Held>, &Padded<N::Held>, &Padded<N::Held>),
-        pair: Pair,
-        elapsed: f64,
-        times: bool,
+        sight: Sight<'_, N>,
         sink: &mut S,
     ) -> Result<(), SensorError> {
         for y in self.rows.clone() {
-            self.row(
-                plan,
-                channel,
-                y,
-                (signal, seen, remembered),
-                pair,
-                elapsed,
-                times,
-            )?;
-            let row = &self.scratch.trains;
-            self.report.events += row
-                .counts
-                .iter()
-                .map(|count| count.abs().to_f64())
-                .sum::<f64>() as u64;
-            sink.row(row)?;
-            if plan.description.noise.fires() {
-                self.disturb(plan, channel, y, signal, pair, sink)?;
+            for channel in 0..plan.weights.len() {
+                self.row(plan, channel, y, sight)?;
+                let row = &self.scratch.trains;
+                self.report.events += row.events();
+                sink.row(row)?;
+                if plan.description.noise.fires() {
+                    self.disturb(plan, channel, y, sight.signal, sight.pair, sink)?;
+                }
             }
         }
         Ok(())
     }
 
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the same as `advance`, for one row"
-    )]
     fn row(
         &mut self,
         plan: &Plan<N>,
         channel: usize,
         y: usize,
-        (signal, seen, remembered): (&Padded<N::Held>, &Padded<N::Held>, &Padded<N::Held>),
-        pair: Pair,
-        elapsed: f64,
-        times: bool,
+        sight: Sight<'_, N>,
     ) -> Result<(), SensorError> {
+        let Sight {
+            signal,
+            pixels,
+            pair,
+            elapsed,
+            times,
+        } = sight;
         let range = self.range(y);
         let (number, description) = (&plan.number, &plan.description);
         let Self {
@@ -227,11 +235,16 @@ impl<N: Number> Band<N> {
         } = &mut channels[channel];
         let (on, off) = plan.thresholds[channel].row(y);
         let authors = description.refractory.rule == RefractoryRule::Authors;
+        let beyond = |x| SensorError::Uncountable { channel, y, x };
         if description.noise.fires() && !fired.is_empty() {
             rested.copy_from_slice(&fired[range.clone()]);
         }
         (trains.channel, trains.y) = (channel, y);
 
+        let seen = match state {
+            Memory::RawSnap { .. } => &pixels[channel],
+            _ => signal,
+        };
         plan.weights[channel].row(number, seen, y, drive, other);
         if description.channels[channel].log_temporal {
             log_temporal(number, drive, 1e-8);
@@ -248,7 +261,9 @@ impl<N: Number> Band<N> {
                         fall(to, &leak[range.clone()], elapsed);
                     }
                     let distances = Distances { from, to, on, off };
-                    fire::count(&distances, &mut trains.counts);
+                    if !fire::count(&distances, &mut trains.counts) {
+                        return Err(beyond(distances.first_beyond()));
+                    }
                     if times || !fired.is_empty() {
                         fire::time(&distances, &mut trains.first, &mut trains.spacing);
                     }
@@ -258,9 +273,8 @@ impl<N: Number> Band<N> {
                 let Some(weights) = &plan.memory_weights[channel] else {
                     return Ok(());
                 };
-                let mut through = vec![N::ZERO; drive.len()];
-                weights.row(number, remembered, y, &mut through, other);
-                memory::distance(number, drive, &through, to);
+                weights.row(number, &pixels[channel], y, memory, other);
+                memory::distance(number, drive, memory, to);
             }
             Memory::FilteredSnap { filtered, .. } => {
                 memory::distance(number, drive, &filtered[range.clone()], to);
@@ -278,9 +292,8 @@ impl<N: Number> Band<N> {
         }
         if authors {
             let fired = fired.get_mut(range.clone());
-            authors_row(plan, pair, (on, off), to, fired, trains);
+            authors_row(plan, pair, (on, off), to, fired, trains).map_err(beyond)?;
         }
-        let beyond = |x| SensorError::Uncountable { channel, y, x };
         match state {
             Memory::FilteredStep(stepped) | Memory::PixelStep(stepped) => {
                 stepped
@@ -289,7 +302,7 @@ impl<N: Number> Band<N> {
             }
             Memory::FilteredSnap { filtered, pixels } => {
                 for (x, cell) in range.clone().enumerate() {
-                    if trains.counts[x] == N::Real::ZERO {
+                    if trains.counts[x] == 0 {
                         continue;
                     }
                     // The leak goes on from here.
@@ -309,7 +322,7 @@ impl<N: Number> Band<N> {
                 for (x, cell) in range.clone().enumerate() {
                     let same = before[cell] == drive[x];
                     before[cell] = drive[x];
-                    if trains.counts[x] == N::Real::ZERO {
+                    if trains.counts[x] == 0 {
                         continue;
                     }
                     let now = signal.inner(y)[x];
@@ -397,7 +410,7 @@ impl<N: Number> Band<N> {
         }
         self.report.events += strays.len() as u64;
         while !strays.is_empty() {
-            trains.counts.fill(N::Real::ZERO);
+            trains.counts.fill(0);
             let mut told = None;
             strays.retain(|(x, train)| {
                 if told == Some(*x) {
@@ -500,14 +513,14 @@ fn fall<R: Real>(distances: &mut [R], leak: &[R], seconds: f64) {
 }
 
 /// Gives an event the sign of the pixel's own change; without one there is no event.
-fn sign<R: Real>(count: &mut R, own: R, report: &mut Report) {
+fn sign<R: Real>(count: &mut i32, own: R, report: &mut Report) {
     *count = if own > R::ZERO {
         count.abs()
     } else if own < R::ZERO {
         -count.abs()
     } else {
         report.without_sign += 1;
-        R::ZERO
+        0
     };
 }
 
@@ -534,7 +547,8 @@ fn rest<N: Number>(
     }
 }
 
-/// The released simulator's rule for a row, in double precision.
+/// The released simulator's rule for a row, in double precision; the column of the first cell
+/// with more events than are counted, if there is one.
 fn authors_row<N: Number>(
     plan: &Plan<N>,
     pair: Pair,
@@ -542,15 +556,19 @@ fn authors_row<N: Number>(
     distances: &[N::Real],
     mut fired: Option<&mut [f64]>,
     trains: &mut TrainRow<N::Real>,
-) {
+) -> Result<(), usize> {
     let (dt, r) = (pair.duration(), plan.refractory());
     for (x, d) in distances.iter().enumerate() {
         let since = fired.as_ref().map_or(0.0, |fired| pair.from - fired[x]);
         let train: Option<Train> =
             refractory::authors(d.to_f64(), (on[x].to_f64(), off[x].to_f64()), dt, r, since);
+        if train.is_some_and(|train| train.count > u64::from(MOST.unsigned_abs())) {
+            return Err(x);
+        }
         if let (Some(train), Some(fired)) = (train, &mut fired) {
             fired[x] = pair.from + train.last() * dt;
         }
         trains.set(x, train);
     }
+    Ok(())
 }

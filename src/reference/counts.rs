@@ -41,7 +41,7 @@ pub struct CountBand<'a> {
     top: usize,
     width: usize,
     rows: Vec<&'a mut [i32]>,
-    /// The row told last, which may be told again.
+    /// The row and channel told last, which may be told again.
     last: Option<(usize, usize)>,
 }
 
@@ -74,32 +74,13 @@ impl BandSink for CountBand<'_> {
     fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
         let start = (row.y - self.top) * self.width;
         let to = &mut self.rows[row.channel][start..start + self.width];
-        let limit = R::of(f64::from(i32::MAX));
-        let mut fits = true;
-        if self.last.replace((row.channel, row.y)) == Some((row.channel, row.y)) {
-            for (to, &count) in to.iter_mut().zip(&row.counts) {
-                fits &= count.abs() < limit;
-                *to = to.saturating_add(count.to_i32());
+        if self.last.replace((row.y, row.channel)) == Some((row.y, row.channel)) {
+            for (to, count) in to.iter_mut().zip(&row.counts) {
+                *to = to.saturating_add(*count);
             }
         } else {
-            for (to, &count) in to.iter_mut().zip(&row.counts) {
-                fits &= count.abs() < limit;
-                *to = count.to_i32();
-            }
+            to.copy_from_slice(&row.counts);
         }
-        if fits {
-            return Ok(());
-        }
-        let x = row
-            .counts
-            .iter()
-            .position(|count| count.abs() >= limit)
-            .unwrap_or(0);
-        Err(SensorError::CountOverflow {
-            channel: row.channel,
-            y: row.y,
-            x,
-            count: row.counts[x].to_f64(),
-        })
+        Ok(())
     }
 }

@@ -19,7 +19,7 @@ use crate::{
     number::{Number, Real},
 };
 
-use super::signal::{BLOCK, Padded};
+use super::signal::Padded;
 
 /// The kernels of a channel, as a number format holds them: one, or four in a 2x2 pattern.
 #[derive(Clone, Debug)]
@@ -75,24 +75,29 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
 
 impl<H: Copy + Default + Send + Sync> Held<H> {
     fn row<N: Number<Held = H>>(&self, number: &N, padded: &Padded<H>, y: usize, out: &mut [H]) {
-        let around: Vec<&[H]> = padded.around(y, self.reach).collect();
-        correlate(number, &self.rows, &around, out);
+        let source = padded.from(y, self.reach);
+        // Eight vector registers of sums.
+        if size_of::<H>() > 4 {
+            correlate::<N, 32>(number, &self.rows, source, out);
+        } else {
+            correlate::<N, 64>(number, &self.rows, source, out);
+        }
     }
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn correlate<N: Number>(
+fn correlate<N: Number, const BLOCK: usize>(
     number: &N,
     rows: &[Vec<N::Held>],
-    around: &[&[N::Held]],
+    (source, stride): (&[N::Held], usize),
     out: &mut [N::Held],
 ) {
     for (block, out) in out.chunks_mut(BLOCK).enumerate() {
         let mut sums = [N::ZERO; BLOCK];
-        for (weights, source) in rows.iter().zip(around) {
+        for (row, weights) in rows.iter().enumerate() {
+            let start = row * stride + block * BLOCK;
             for (k, &weight) in weights.iter().enumerate() {
-                let start = block * BLOCK + k;
-                let Some(source) = source.get(start..start + BLOCK) else {
+                let Some(source) = source.get(start + k..start + k + BLOCK) else {
                     continue;
                 };
                 for (sum, &value) in sums.iter_mut().zip(source) {

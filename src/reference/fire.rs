@@ -35,9 +35,31 @@ pub(super) struct Distances<'a, R> {
     pub(super) off: &'a [R],
 }
 
-/// Whole thresholds crossed, with the sign of the distance.
+impl<R: Real> Distances<'_, R> {
+    /// The column of the first distance of more thresholds than are counted.
+    pub(super) fn first_beyond(&self) -> usize {
+        let beyond = |x: &usize| {
+            let one = Distances {
+                from: &self.from[*x..=*x],
+                to: &self.to[*x..=*x],
+                on: &self.on[*x..=*x],
+                off: &self.off[*x..=*x],
+            };
+            !count(&one, &mut [0])
+        };
+        (0..self.to.len()).find(beyond).unwrap_or(0)
+    }
+}
+
+/// More thresholds than this, up or down, are not counted.
+pub(super) const MOST: i32 = 1 << 30;
+
+/// Whole thresholds crossed, with the sign of the distance; whether all could be counted.
+#[must_use]
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn count<R: Real>(distances: &Distances<'_, R>, counts: &mut [R]) {
+pub(super) fn count<R: Real>(distances: &Distances<'_, R>, counts: &mut [i32]) -> bool {
+    let most = R::of_i32(MOST);
+    let mut fits = true;
     let thresholds = distances.on.iter().zip(distances.off);
     let half = R::of(0.5);
     for ((count, &d), (&on, &off)) in counts.iter_mut().zip(distances.to).zip(thresholds) {
@@ -47,8 +69,17 @@ pub(super) fn count<R: Real>(distances: &Distances<'_, R>, counts: &mut [R]) {
         let hair = quotient * R::TIE;
         let hair = if hair < half { hair } else { half };
         let whole = (quotient + hair).floor();
-        *count = if d >= R::ZERO { whole } else { -whole };
+        fits &= whole <= most;
+        *count = to_i32(if d >= R::ZERO { whole } else { -whole });
     }
+    fits
+}
+
+/// A whole number within 2^31, without the checks of `as` that keep a loop from being
+/// vectorised: added to 1.5 * 2^52, it stands in the lowest bits.
+#[inline]
+fn to_i32<R: Real>(whole: R) -> i32 {
+    (whole.to_f64() + 6_755_399_441_055_744.0).to_bits() as i32
 }
 
 /// When the thresholds were crossed, by linear interpolation between the frames.
@@ -79,11 +110,11 @@ pub(super) fn snap<R: Real>(distances: &Distances<'_, R>, row: &mut TrainRow<R>)
     let thresholds = distances.on.iter().zip(distances.off);
     for ((count, &d), (&on, &off)) in row.counts.iter_mut().zip(distances.to).zip(thresholds) {
         *count = if d > on {
-            R::ONE
+            1
         } else if -d > off {
-            -R::ONE
+            -1
         } else {
-            R::ZERO
+            0
         };
     }
     row.first.fill(R::ONE);
@@ -106,12 +137,12 @@ mod tests {
             off: &OFF,
         };
         let mut row = TrainRow::new(1);
-        count(&distances, &mut row.counts);
+        assert!(count(&distances, &mut row.counts));
         time(&distances, &mut row.first, &mut row.spacing);
         row
     }
 
-    fn snapped(d: f64) -> f64 {
+    fn snapped(d: f64) -> i32 {
         let mut row = TrainRow::new(1);
         snap(
             &Distances {
@@ -127,28 +158,49 @@ mod tests {
 
     #[test]
     fn a_tie_fires_when_it_steps_and_not_when_it_snaps() {
-        assert_eq!(one(0.0, 0.6).counts, [3.0]);
-        assert_eq!(one(0.0, 0.6 - 1e-9).counts, [2.0]);
-        assert_eq!(one(0.0, -1e6 * 0.1).counts, [-1_000_000.0]);
+        assert_eq!(one(0.0, 0.6).counts, [3]);
+        assert_eq!(one(0.0, 0.6 - 1e-9).counts, [2]);
+        assert_eq!(one(0.0, -1e6 * 0.1).counts, [-1_000_000]);
         assert_eq!(
             (snapped(0.2), snapped(0.2 + 1e-15), snapped(-0.11)),
-            (0.0, 1.0, -1.0)
+            (0, 1, -1)
         );
     }
 
     #[test]
     fn single_precision_ties_fire_too() {
-        let mut counts = [0f32];
-        count(
-            &Distances {
+        let mut counts = [0];
+        let distances = Distances {
+            from: &[0.0],
+            to: &[0.3f32 + 0.3],
+            on: &[0.2],
+            off: &[0.2],
+        };
+        assert!(count(&distances, &mut counts));
+        assert_eq!(counts, [3]);
+    }
+
+    #[test]
+    fn what_cannot_be_counted_is_noticed() {
+        let most = f64::from(MOST);
+        for (d, fits) in [
+            (most, true),
+            (-most, true),
+            (most + 1.0, false),
+            (-most - 1.0, false),
+            (f64::INFINITY, false),
+            (f64::NAN, false),
+        ] {
+            let distances = Distances {
                 from: &[0.0],
-                to: &[0.3 + 0.3],
-                on: &[0.2],
-                off: &[0.2],
-            },
-            &mut counts,
-        );
-        assert_eq!(counts, [3.0]);
+                to: &[d],
+                on: &[1.0],
+                off: &[1.0],
+            };
+            let mut counts = [0];
+            assert_eq!(count(&distances, &mut counts), fits, "{d}");
+            assert!(!fits || f64::from(counts[0]) == d);
+        }
     }
 
     proptest! {

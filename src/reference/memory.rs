@@ -24,6 +24,8 @@ use multiversion::multiversion;
 
 use crate::number::{Number, Real};
 
+use super::fire::MOST;
+
 /// The memory of one channel in one band of rows, row after row.
 #[derive(Clone, Debug)]
 pub(super) enum Memory<N: Number> {
@@ -87,33 +89,28 @@ impl<N: Number> Stepped<N> {
     }
 
     /// Moves the memory of the cells in `range` by `counts` steps; the column of the first
-    /// cell that took more than 2^30 of them if there is one.
+    /// cell that is then further from its base than is counted, if there is one.
     pub(super) fn take(
         &mut self,
         range: std::ops::Range<usize>,
-        counts: &[N::Real],
+        counts: &[i32],
     ) -> Result<(), usize> {
         if let Some(off) = &mut self.off {
             for (off, count) in off[range.clone()].iter_mut().zip(counts) {
-                *off += (-count.to_f64()).max(0.0);
+                *off += f64::from((-count).max(0));
             }
         }
-        if take(&mut self.net[range.clone()], counts) {
+        let net = &mut self.net[range];
+        if take(net, counts) {
             return Ok(());
         }
-        let beyond = self.net[range]
-            .iter()
-            .zip(counts)
-            .position(|(net, count)| !holds(*net, *count));
-        Err(beyond.unwrap_or(0))
+        Err(net.iter().position(|net| !holds(*net)).unwrap_or(0))
     }
 }
 
-/// How far a memory may move, in steps.
-const MOST: i32 = 1 << 30;
-
-fn holds<R: Real>(net: i32, count: R) -> bool {
-    net.unsigned_abs() <= MOST.unsigned_abs() && count.abs() <= R::of_i32(MOST)
+/// Counts are within [`MOST`], so the sum of two cannot wrap unnoticed.
+fn holds(net: i32) -> bool {
+    net.unsigned_abs() <= MOST.unsigned_abs()
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
@@ -132,11 +129,11 @@ fn stepped<N: Number>(
 
 /// Whether all cells could take their steps.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn take<R: Real>(net: &mut [i32], counts: &[R]) -> bool {
+fn take(net: &mut [i32], counts: &[i32]) -> bool {
     let mut fits = true;
     for (net, &count) in net.iter_mut().zip(counts) {
-        *net = net.wrapping_add(count.to_i32());
-        fits &= holds(*net, count);
+        *net = net.wrapping_add(count);
+        fits &= holds(*net);
     }
     fits
 }
@@ -159,10 +156,12 @@ mod tests {
     use super::*;
     use crate::number::{F32, F64};
 
-    fn after<N: Number>(number: &N, steps: &[f64], on: f64, off: f64) -> f64 {
+    const MILLIARD: i32 = 1_000_000_000;
+
+    fn after<N: Number>(number: &N, steps: &[i32], on: f64, off: f64) -> f64 {
         let mut memory = Stepped::<N>::new(vec![number.hold(0.5)], on == off);
         for &count in steps {
-            memory.take(0..1, &[N::Real::of(count)]).unwrap();
+            memory.take(0..1, &[count]).unwrap();
         }
         let mut out = [N::ZERO];
         memory.values(
@@ -177,38 +176,28 @@ mod tests {
 
     #[test]
     fn a_thousand_million_steps_do_not_drift() {
-        let there_and_back = [1e9, -1e9, 1e9, -1e9, 1.0];
+        let there_and_back = [MILLIARD, -MILLIARD, MILLIARD, -MILLIARD, 1];
         assert_eq!(after(&F64, &there_and_back, 0.2, 0.2), 0.7);
         assert_eq!(
-            after(
-                &F32,
-                &[1e6; 2]
-                    .map(|n| n)
-                    .into_iter()
-                    .chain([-2e6, 1.0])
-                    .collect::<Vec<_>>(),
-                0.2,
-                0.2
-            ),
+            after(&F32, &[1_000_000, 1_000_000, -2_000_000, 1], 0.2, 0.2),
             f64::from(0.7f32)
         );
         // Adding one by one in single precision is off by a hundredth after a million.
         let naive = (0..1_000_000).fold(0f32, |m, _| m + 0.2);
         assert!((naive - 200_000.0).abs() > 1000.0);
-        assert_eq!(after(&F64, &[1e6], 0.2, 0.2), 200_000.5);
+        assert_eq!(after(&F64, &[1_000_000], 0.2, 0.2), 200_000.5);
     }
 
     #[test]
     fn unequal_thresholds_step_by_their_own() {
-        assert!((after(&F64, &[3.0, -2.0, 1.0], 0.2, 0.3) - 0.7).abs() < 1e-15);
+        assert!((after(&F64, &[3, -2, 1], 0.2, 0.3) - 0.7).abs() < 1e-15);
     }
 
     #[test]
     fn what_cannot_be_counted_is_refused() {
         let mut memory = Stepped::<F64>::new(vec![0.0; 3], true);
-        assert_eq!(memory.take(0..3, &[1.0, 2e9, 0.0]), Err(1));
-        let mut memory = Stepped::<F64>::new(vec![0.0; 1], true);
-        memory.take(0..1, &[1e9]).unwrap();
-        assert_eq!(memory.take(0..1, &[1e9]), Err(0));
+        memory.take(0..3, &[1, MILLIARD, -MILLIARD]).unwrap();
+        assert_eq!(memory.take(0..3, &[1, -1, -MILLIARD]), Err(2));
+        assert_eq!(memory.take(0..3, &[1, MILLIARD, MILLIARD]), Err(1));
     }
 }

@@ -53,7 +53,7 @@ use crate::{
 };
 
 use self::{
-    band::{Band, Plan},
+    band::{Band, Plan, Sight},
     noise::LowPass,
     signal::{Padded, Photoreceptors},
 };
@@ -74,10 +74,12 @@ pub struct Reference<N: Number = F64> {
     photoreceptors: Photoreceptors<N>,
     low_pass: Option<LowPass>,
     signal: Padded<N::Held>,
-    /// A pixel memory, or the signal's distance from it.
-    pixels: Padded<N::Held>,
+    /// For each channel a pixel memory, or the signal's distance from it; none otherwise.
+    pixels: Vec<Padded<N::Held>>,
     cut: Vec<Range<usize>>,
     bands: Vec<Band<N>>,
+    /// What [`Sensor::watch`] makes its lists in.
+    parts: Vec<list::Part>,
     /// Times of the first frame and of the last, in seconds.
     seen: Option<(f64, f64)>,
     pairs: u64,
@@ -129,15 +131,11 @@ impl<N: Number> Reference<N> {
             .flat_map(|channel| channel.kernels.iter().chain(&channel.memory_kernel))
             .map(Kernel::reach)
             .fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
-        let band = if size.pixels() < SMALL {
+        let rows = if size.pixels() < SMALL {
             size.height
         } else {
             BAND_ROWS
         };
-        let cut = (0..size.height)
-            .step_by(band)
-            .map(|top| top..(top + band).min(size.height))
-            .collect();
         let held_pixels = matches!(
             description.memory,
             MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
@@ -149,13 +147,14 @@ impl<N: Number> Reference<N> {
             photoreceptors: Photoreceptors::new(number, description.response),
             low_pass: (description.noise.cutoff_hz > 0.0).then(|| LowPass::new(size)),
             pixels: if held_pixels {
-                padded.clone()
+                vec![padded.clone(); description.channels.len()]
             } else {
-                Padded::new(Size::new(1, 1), (0, 0), N::ZERO)
+                Vec::new()
             },
             signal: padded,
-            cut,
+            cut: bands(size.height, rows),
             bands: Vec::new(),
+            parts: Vec::new(),
             seen: None,
             pairs: 0,
             plan: Plan::new(number, description, size, seed),
@@ -279,44 +278,7 @@ impl<N: Number> Reference<N> {
         elapsed: f64,
         sink: &mut S,
     ) -> Result<(), SensorError> {
-        let times = sink.wants_times();
-        let mut parts = sink.begin(pair, &self.cut);
-        for channel in 0..self.plan.weights.len() {
-            self.lay_out_pixels(channel);
-            let Self {
-                plan,
-                signal,
-                pixels,
-                bands,
-                ..
-            } = self;
-            let seen = match plan.description.memory {
-                MemoryRule::RawSnap => &*pixels,
-                _ => &*signal,
-            };
-            let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| {
-                band.advance(
-                    plan,
-                    channel,
-                    (signal, seen, pixels),
-                    pair,
-                    elapsed,
-                    times,
-                    part,
-                )
-            };
-            if bands.len() == 1 {
-                bands.iter_mut().zip(&mut parts).try_for_each(one)?;
-            } else {
-                bands.par_iter_mut().zip(&mut parts).try_for_each(one)?;
-            }
-        }
-        drop(parts);
-        sink.end()
-    }
-
-    /// Lays out a pixel memory (or the distance from it) as a plane that kernels can read.
-    fn lay_out_pixels(&mut self, channel: usize) {
+        self.lay_out_pixels();
         let Self {
             plan,
             signal,
@@ -324,23 +286,61 @@ impl<N: Number> Reference<N> {
             bands,
             ..
         } = self;
-        let rule = plan.description.memory;
-        if !matches!(rule, MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep) {
-            return;
-        }
-        let rows = |y: usize, row: &mut [N::Held]| {
-            if let Some(band) = bands.iter().find(|band| band.rows.contains(&y)) {
-                band.memory_row(plan, channel, y, row);
-            }
-            if rule == MemoryRule::RawSnap {
-                for (held, now) in row.iter_mut().zip(signal.inner(y)) {
-                    *held = plan.number.sub(*now, *held);
-                }
-            }
-            Ok::<(), Infallible>(())
+        let sight = Sight {
+            signal,
+            pixels,
+            pair,
+            elapsed,
+            times: sink.wants_times(),
         };
-        let Ok(()) = pixels.fill(plan.description.border, N::ZERO, rows);
+        let mut parts = sink.begin(pair, &self.cut);
+        let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| band.advance(plan, sight, part);
+        if bands.len() == 1 || alone() {
+            bands.iter_mut().zip(&mut parts).try_for_each(one)?;
+        } else {
+            bands.par_iter_mut().zip(&mut parts).try_for_each(one)?;
+        }
+        drop(parts);
+        sink.end()
     }
+
+    /// Lays out pixel memories (or the distances from them) as planes that kernels can read.
+    fn lay_out_pixels(&mut self) {
+        let Self {
+            plan,
+            signal,
+            pixels,
+            bands,
+            ..
+        } = self;
+        for (channel, pixels) in pixels.iter_mut().enumerate() {
+            let rows = |y: usize, row: &mut [N::Held]| {
+                if let Some(band) = bands.iter().find(|band| band.rows.contains(&y)) {
+                    band.memory_row(plan, channel, y, row);
+                }
+                if plan.description.memory == MemoryRule::RawSnap {
+                    for (held, now) in row.iter_mut().zip(signal.inner(y)) {
+                        *held = plan.number.sub(*now, *held);
+                    }
+                }
+                Ok::<(), Infallible>(())
+            };
+            let Ok(()) = pixels.fill(plan.description.border, N::ZERO, rows);
+        }
+    }
+}
+
+/// The rows of each band.
+fn bands(height: usize, rows: usize) -> Vec<Range<usize>> {
+    (0..height)
+        .step_by(rows)
+        .map(|top| top..(top + rows).min(height))
+        .collect()
+}
+
+/// Whether there is only one thread to work on.
+fn alone() -> bool {
+    rayon::current_num_threads() == 1
 }
 
 impl<N: Number> Sensor for Reference<N> {
@@ -360,7 +360,11 @@ impl<N: Number> Sensor for Reference<N> {
         if self.seen.is_none() {
             packet.span.0 = Micros::from_seconds(frame.seconds);
         }
-        self.watch_into(frame, &mut EventList::new(packet, self.limit))?;
+        let parts = std::mem::take(&mut self.parts);
+        let mut list = EventList::with_parts(packet, self.limit, parts);
+        let watched = self.watch_into(frame, &mut list);
+        self.parts = list.into_parts();
+        watched?;
         packet.span.1 = Micros::from_seconds(frame.seconds);
         Ok(())
     }

@@ -1,9 +1,14 @@
 //! From a frame to the signal that the kernels see: light, response, number format, rim.
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::{
-    number::Number, photoreceptor::Response, plane::Size, scene::Frame, sensor::SensorError,
+    number::Number,
+    photoreceptor::{Curve, Response},
+    plane::Size,
+    scene::Frame,
+    sensor::SensorError,
 };
 
 use super::description::Border;
@@ -19,8 +24,8 @@ pub(super) struct Padded<H> {
     stride: usize,
 }
 
-/// Pixels that are filtered at a time.
-pub(super) const BLOCK: usize = 64;
+/// Pixels that are worked on at a time, at most.
+const BLOCK: usize = 64;
 
 impl<H: Copy + Send + Sync> Padded<H> {
     /// Room for planes of `size` under kernels that reach `rim` (rows, columns).
@@ -41,12 +46,11 @@ impl<H: Copy + Send + Sync> Padded<H> {
         &self.values[start..start + self.size.width]
     }
 
-    /// The `2 reach + 1` rows around row `y`, each from `reach` columns left of the first.
-    pub(super) fn around(&self, y: usize, reach: (usize, usize)) -> impl Iterator<Item = &[H]> {
-        (0..=2 * reach.0).map(move |k| {
-            let start = (y + self.rim.0 - reach.0 + k) * self.stride + self.rim.1 - reach.1;
-            &self.values[start..start + self.stride - self.rim.1 + reach.1]
-        })
+    /// The plane from `reach` above and left of the first pixel of row `y` on, and how far it is
+    /// from one row to the next. Each row of a kernel of that reach finds whole blocks there.
+    pub(super) fn from(&self, y: usize, reach: (usize, usize)) -> (&[H], usize) {
+        let start = (y + self.rim.0 - reach.0) * self.stride + self.rim.1 - reach.1;
+        (&self.values[start..], self.stride)
     }
 
     /// Fills every row of the plane through `fill(y, row)`, then the rim.
@@ -69,7 +73,7 @@ impl<H: Copy + Send + Sync> Padded<H> {
             row[left + width..].fill(east);
             Ok(())
         };
-        if self.size.pixels() < super::SMALL {
+        if self.size.pixels() < super::SMALL || super::alone() {
             rows.chunks_exact_mut(self.stride)
                 .enumerate()
                 .try_for_each(one)?;
@@ -104,15 +108,13 @@ pub(super) struct Photoreceptors<N: Number> {
     number: N,
     response: Response,
     /// The signal of each 8-bit light.
-    table: Vec<N::Held>,
+    table: [N::Held; 256],
 }
 
 impl<N: Number> Photoreceptors<N> {
     pub(super) fn new(number: N, response: Response) -> Self {
-        let signal = |light: u8| response.apply(light.into()).unwrap_or(0.0);
-        let table = (0..=u8::MAX)
-            .map(|light| number.hold(signal(light)))
-            .collect();
+        let signal = |light: usize| response.apply(light as f64).unwrap_or(0.0);
+        let table = std::array::from_fn(|light| number.hold(signal(light)));
         Self {
             number,
             response,
@@ -128,11 +130,9 @@ impl<N: Number> Photoreceptors<N> {
         out: &mut [N::Held],
     ) -> Result<(), SensorError> {
         let row = frame.light.row(y);
-        let light = row.as_slice();
-        if let Some(light) = light.filter(|light| whole_bytes(light)) {
-            for (out, light) in out.iter_mut().zip(light) {
-                *out = self.table[*light as usize & 0xff];
-            }
+        if let Some(light) = row.as_slice()
+            && (from_table(&self.table, light, out) || self.straight(light, out))
+        {
             return Ok(());
         }
         for (x, (out, light)) in out.iter_mut().zip(&row).enumerate() {
@@ -147,9 +147,62 @@ impl<N: Number> Photoreceptors<N> {
         }
         Ok(())
     }
+
+    /// The responses that are a straight line, for a row at once; whether this is one, and all
+    /// the light is within what it is defined for.
+    fn straight(&self, light: &[f64], out: &mut [N::Held]) -> bool {
+        let Response { curve, round_f32 } = self.response;
+        let (least, white) = match curve {
+            Curve::Identity => (f64::MIN, 1.0),
+            Curve::Linear { white } => (0.0, white),
+            Curve::Log { .. } | Curve::LinLog { .. } => return false,
+        };
+        divide(&self.number, (least, white, round_f32), light, out)
+    }
 }
 
-/// Whether all of these are 0, 1, … 255, as they are in 8-bit video.
-fn whole_bytes(light: &[f64]) -> bool {
-    light.iter().all(|light| f64::from(*light as u8) == *light)
+/// Looks up light that is 0, 1, … 255, as it is in 8-bit video; whether all of it was.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn from_table<H: Copy>(table: &[H; 256], light: &[f64], out: &mut [H]) -> bool {
+    for (light, out) in light.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
+        let mut bytes = [0u8; BLOCK];
+        let mut all = true;
+        for (byte, &light) in bytes.iter_mut().zip(light) {
+            // Added to 2^52, a whole number stands in the lowest bits.
+            let nearest = (light + MAGIC).to_bits() as u32 & 0xff;
+            all &= f64::from(nearest) == light;
+            *byte = nearest as u8;
+        }
+        if !all {
+            return false;
+        }
+        for (out, byte) in out.iter_mut().zip(&bytes) {
+            *out = table[usize::from(*byte)];
+        }
+    }
+    true
+}
+
+/// 2^52: the first double after which there are no fractions.
+const MAGIC: f64 = 4_503_599_627_370_496.0;
+
+/// `light / white`; whether all the light is finite and at least `least`.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn divide<N: Number>(
+    number: &N,
+    (least, white, round_f32): (f64, f64, bool),
+    light: &[f64],
+    out: &mut [N::Held],
+) -> bool {
+    let mut within = true;
+    for (out, &light) in out.iter_mut().zip(light) {
+        within &= light >= least && light <= f64::MAX;
+        let signal = light / white;
+        *out = number.hold(if round_f32 {
+            f64::from(signal as f32)
+        } else {
+            signal
+        });
+    }
+    within
 }

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use crate::{number::Real, sensor::SensorError};
 
 use super::train::{BandSink, Pair, Sink, TrainRow};
@@ -66,14 +68,17 @@ impl Sink for Tally {
 
 impl BandSink for TallyBand<'_> {
     fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
-        let (mut all, mut net) = (0.0, 0.0);
-        for count in &row.counts {
-            all += count.abs().to_f64();
-            net += count.to_f64();
-        }
+        let all = row.events() as i64;
+        let net = net(&row.counts);
         let (on, off) = &mut self.0[row.channel];
-        *on += f64::midpoint(all, net) as u64;
-        *off += f64::midpoint(all, -net) as u64;
+        *on += i64::midpoint(all, net) as u64;
+        *off += i64::midpoint(all, -net) as u64;
         Ok(())
     }
+}
+
+/// ON events less OFF events.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn net(counts: &[i32]) -> i64 {
+    counts.iter().map(|n| i64::from(*n)).sum()
 }

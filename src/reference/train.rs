@@ -8,6 +8,8 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use crate::{event::Polarity, number::Real, sensor::SensorError};
 
 /// Equally spaced events of one cell between two frames.
@@ -44,8 +46,8 @@ pub struct TrainRow<R> {
     pub channel: usize,
     /// Row.
     pub y: usize,
-    /// Whole numbers, with the sign of the events.
-    pub counts: Vec<R>,
+    /// How many events, with their sign; within 2^30.
+    pub counts: Vec<i32>,
     /// As [`Train::first`]; anything where there is no train.
     pub first: Vec<R>,
     /// As [`Train::spacing`]; anything where there is no train.
@@ -59,7 +61,7 @@ impl<R: Real> TrainRow<R> {
         Self {
             channel: 0,
             y: 0,
-            counts: vec![R::ZERO; width],
+            counts: vec![0; width],
             first: vec![R::ZERO; width],
             spacing: vec![R::ZERO; width],
         }
@@ -68,14 +70,14 @@ impl<R: Real> TrainRow<R> {
     /// The train in column `x`.
     #[must_use]
     pub fn get(&self, x: usize) -> Option<Train> {
-        let count = self.counts[x].to_f64();
-        (count != 0.0).then(|| Train {
-            polarity: if count > 0.0 {
+        let count = self.counts[x];
+        (count != 0).then(|| Train {
+            polarity: if count > 0 {
                 Polarity::On
             } else {
                 Polarity::Off
             },
-            count: count.abs() as u64,
+            count: count.unsigned_abs().into(),
             first: self.first[x].to_f64(),
             spacing: self.spacing[x].to_f64(),
         })
@@ -84,9 +86,9 @@ impl<R: Real> TrainRow<R> {
     /// Puts a train, or none, into column `x`.
     pub(super) fn set(&mut self, x: usize, train: Option<Train>) {
         match train {
-            None => self.counts[x] = R::ZERO,
+            None => self.counts[x] = 0,
             Some(train) => {
-                let count = R::of(train.count as f64);
+                let count = i32::try_from(train.count).unwrap_or(i32::MAX);
                 self.counts[x] = if train.polarity == Polarity::On {
                     count
                 } else {
@@ -98,10 +100,21 @@ impl<R: Real> TrainRow<R> {
         }
     }
 
+    /// All events of the row.
+    #[must_use]
+    pub fn events(&self) -> u64 {
+        events(&self.counts)
+    }
+
     /// The columns with a train, and the trains.
     pub fn trains(&self) -> impl Iterator<Item = (usize, Train)> {
         (0..self.counts.len()).filter_map(|x| Some((x, self.get(x)?)))
     }
+}
+
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn events(counts: &[i32]) -> u64 {
+    counts.iter().map(|n| u64::from(n.unsigned_abs())).sum()
 }
 
 /// The two frames a train lies between, in seconds.
@@ -147,8 +160,8 @@ pub trait Sink {
 
 /// The part of a sink that one band of rows is told to.
 pub trait BandSink {
-    /// One row of one channel. Channels come in turn; rows in order within a channel. A row
-    /// that is told again adds to what it said before.
+    /// One row of one channel. Rows come in order, and for each row the channels in turn. A
+    /// row that is told again adds to what it said before.
     ///
     /// # Errors
     /// When the sink cannot hold it.

@@ -13,6 +13,8 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use crate::{
     number::Real,
     plane::{Plane, Size},
@@ -26,6 +28,8 @@ use super::train::{BandSink, Pair, Sink, Train, TrainRow};
 pub struct VoxelGrid {
     earlier: Vec<Plane<f64>>,
     later: Vec<Plane<f64>>,
+    /// The later bin holds what is left of a bin that is over: it is written, not added to.
+    stale: bool,
 }
 
 impl VoxelGrid {
@@ -36,6 +40,7 @@ impl VoxelGrid {
         Self {
             earlier: empty.clone(),
             later: empty,
+            stale: false,
         }
     }
 
@@ -47,10 +52,13 @@ impl VoxelGrid {
 
     /// Moves on by one frame: the later bin becomes the earlier.
     pub fn advance(&mut self) {
-        std::mem::swap(&mut self.earlier, &mut self.later);
-        for plane in &mut self.later {
-            plane.fill(0.0);
+        if self.stale {
+            for plane in &mut self.later {
+                plane.fill(0.0);
+            }
         }
+        std::mem::swap(&mut self.earlier, &mut self.later);
+        self.stale = true;
     }
 }
 
@@ -80,6 +88,9 @@ pub struct VoxelBand<'a> {
     /// For each channel.
     earlier: Vec<&'a mut [f64]>,
     later: Vec<&'a mut [f64]>,
+    stale: bool,
+    /// The row and channel told last, which may be told again.
+    last: Option<(usize, usize)>,
 }
 
 impl Sink for VoxelGrid {
@@ -100,11 +111,14 @@ impl Sink for VoxelGrid {
                 width,
                 earlier,
                 later,
+                stale: self.stale,
+                last: None,
             })
             .collect()
     }
 
     fn end(&mut self) -> Result<(), SensorError> {
+        self.stale = false;
         Ok(())
     }
 }
@@ -114,19 +128,30 @@ impl BandSink for VoxelBand<'_> {
         let start = (row.y - self.top) * self.width;
         let earlier = &mut self.earlier[row.channel][start..start + self.width];
         let later = &mut self.later[row.channel][start..start + self.width];
-        add_shares(row, earlier, later);
+        let again = self.last.replace((row.y, row.channel)) == Some((row.y, row.channel));
+        if self.stale && !again {
+            later.fill(0.0);
+        }
+        add_shares(&row.counts, &row.first, &row.spacing, earlier, later);
         Ok(())
     }
 }
 
-fn add_shares<R: Real>(row: &TrainRow<R>, earlier: &mut [f64], later: &mut [f64]) {
-    let trains = row.counts.iter().zip(&row.first).zip(&row.spacing);
-    for (((count, first), spacing), (earlier, later)) in trains.zip(earlier.iter_mut().zip(later)) {
-        if *count != R::ZERO {
-            let (e, l) = share(count.to_f64(), first.to_f64(), spacing.to_f64());
-            *earlier += e;
-            *later += l;
-        }
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn add_shares<R: Real>(
+    counts: &[i32],
+    first: &[R],
+    spacing: &[R],
+    earlier: &mut [f64],
+    later: &mut [f64],
+) {
+    let trains = counts.iter().zip(first).zip(spacing);
+    for (((&count, first), spacing), (earlier, later)) in trains.zip(earlier.iter_mut().zip(later))
+    {
+        let (e, l) = share(f64::from(count), first.to_f64(), spacing.to_f64());
+        // Without a train, the place and the spacing may be anything.
+        *earlier += if count == 0 { 0.0 } else { e };
+        *later += if count == 0 { 0.0 } else { l };
     }
 }
 

@@ -1,0 +1,281 @@
+//! How fast the float model is, and how far from what the machine could do.
+//!
+//! `cargo bench --bench reference` (a minute or two), or with `-- --quick` (seconds, rougher).
+//! Every figure is the minimum over repetitions. The scene is made beforehand: 17 frames of a
+//! moving 8-bit texture, watched to and fro; about 0.8 events per cell and pair.
+//!
+//! The plain version, measured in the same run, is the obvious loop over pixels in double
+//! precision; both must make the same number of events. The machine's limits are measured too:
+//! multiplications and additions from registers, and bytes read and written over a working set
+//! of the same size. The floor of a pair is the longer of the two, as they could overlap.
+
+#[path = "reference/cost.rs"]
+mod cost;
+#[path = "reference/plain.rs"]
+mod plain;
+#[path = "reference/probe.rs"]
+mod probe;
+#[path = "reference/scene.rs"]
+mod scene;
+#[path = "reference/timing.rs"]
+mod timing;
+
+use amacrine::{
+    event::Packet,
+    number::{Bf16, F16, F32, F64, Number, Q},
+    plane::Size,
+    reference::{Counts, Description, EventList, Limit, Reference, VoxelGrid},
+};
+
+use crate::{cost::Cost, probe::Machine, scene::Clip, timing::Timing};
+
+const SIZES: [Size; 4] = [
+    Size::new(256, 256),
+    Size::new(260, 346),
+    Size::new(480, 640),
+    Size::new(720, 1280),
+];
+
+/// What is asked of the sensor.
+#[derive(Clone, Copy)]
+enum Ask {
+    List,
+    Counts,
+    Voxels,
+}
+
+impl Ask {
+    const ALL: [Self; 3] = [Self::List, Self::Counts, Self::Voxels];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::List => "list",
+            Self::Counts => "counts",
+            Self::Voxels => "voxels",
+        }
+    }
+}
+
+/// One line of a table.
+struct Line {
+    label: String,
+    ask: Ask,
+    kinds: usize,
+    threads: usize,
+    pixels: usize,
+    events: f64,
+    seconds: f64,
+    cost: Cost,
+}
+
+struct Bench {
+    timing: Timing,
+    machine: Machine,
+    pools: [rayon::ThreadPool; 2],
+}
+
+impl Bench {
+    /// Times the sensor that `text` describes on a clip.
+    fn line<N: Number>(
+        &self,
+        number: N,
+        text: &str,
+        clip: &mut Clip,
+        ask: Ask,
+        threads: usize,
+    ) -> Line {
+        let description = describe(text);
+        let kinds = description.channels.len();
+        let size = clip.size;
+        let cost = Cost::of(&number, &description, size);
+        let mut reference = Reference::with_number(number, description, size, 1)
+            .expect("the sensor has a size that can be addressed");
+        let (events, seconds) = self.pools[threads - 1].install(|| {
+            let mut packet = Packet::new(size, kinds as u8);
+            let mut counts = Counts::new(size, kinds);
+            let mut grid = VoxelGrid::new(size, kinds);
+            clip.rewind();
+            let mut next = |reference: &mut Reference<N>| {
+                let frame = clip.advance();
+                match ask {
+                    Ask::List => {
+                        packet.events.clear();
+                        let mut list = EventList::new(&mut packet, Limit::default());
+                        reference.watch_into(frame, &mut list)
+                    }
+                    Ask::Counts => reference.watch_into(frame, &mut counts),
+                    Ask::Voxels => {
+                        let watched = reference.watch_into(frame, &mut grid);
+                        grid.advance();
+                        watched
+                    }
+                }
+                .expect("the scene is finite and in order");
+            };
+            // Once to and fro before anything is timed: the state settles.
+            for _ in 0..=Clip::ROUND {
+                next(&mut reference);
+            }
+            let before = reference.report().events;
+            for _ in 0..Clip::ROUND {
+                next(&mut reference);
+            }
+            let events = (reference.report().events - before) as f64 / Clip::ROUND as f64;
+            (events, self.timing.seconds(|| next(&mut reference)))
+        });
+        Line {
+            label: number.format().to_string(),
+            ask,
+            kinds,
+            threads,
+            pixels: size.pixels(),
+            events,
+            seconds,
+            cost,
+        }
+    }
+
+    fn show(&mut self, line: &Line) {
+        let floor = line.cost.floor(line.threads, &mut self.machine);
+        println!(
+            "{:<22} {:>2} {:>7} {:>2} {:>9.0} {:>9.1} {:>7.2} {:>7.2} {:>8.2} {:>9.0} {:>5.0} %",
+            line.label,
+            line.kinds,
+            line.ask.name(),
+            line.threads,
+            1.0 / line.seconds,
+            line.events / line.seconds * 1e-6,
+            line.events / (line.pixels * line.kinds) as f64,
+            line.seconds * 1e9 / (line.pixels * line.kinds) as f64,
+            line.cost.bytes as f64 * 1e-6,
+            1.0 / floor,
+            100.0 * floor / line.seconds,
+        );
+    }
+}
+
+fn heading(title: &str) {
+    println!("\n{title}");
+    println!(
+        "{:<22} {:>2} {:>7} {:>2} {:>9} {:>9} {:>7} {:>7} {:>8} {:>9} {:>7}",
+        "",
+        "K",
+        "asked",
+        "th",
+        "pairs/s",
+        "Mev/s",
+        "ev/cell",
+        "ns/cell",
+        "MB/pair",
+        "floor/s",
+        "reached"
+    );
+}
+
+fn describe(text: &str) -> Description {
+    Description::parse("bench.toml", text, &|_| {
+        Err(std::io::ErrorKind::NotFound.into())
+    })
+    .expect("the bench's own sensors are valid")
+}
+
+/// A sensor with `kinds` channels of one 5x5 kernel.
+fn sensor(kinds: usize, more: &str) -> String {
+    let channel = format!(
+        "[[channel]]\nkernel = \"csdvs-5\"\nthreshold = {{ on = {t}, off = {t} }}\n",
+        t = scene::THRESHOLD
+    );
+    format!(
+        "response = {{ linear = 255 }}\nmemory = \"filtered-step\"\n{more}\n{}",
+        channel.repeat(kinds)
+    )
+}
+
+fn main() {
+    let quick = std::env::args().any(|arg| arg == "--quick");
+    let pool = |threads| {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("a pool of threads")
+    };
+    let timing = Timing::new(quick);
+    let mut bench = Bench {
+        timing,
+        machine: Machine::new(timing),
+        pools: [pool(1), pool(2)],
+    };
+    bench.machine.show();
+
+    let mut clip = Clip::new(SIZES[0]);
+    let plain_sensor = sensor(1, "");
+    let plain = plain::pace(&describe(&plain_sensor), &mut clip, timing);
+
+    heading("256x256, one 5x5 kernel, filtered-step");
+    let mut main_seconds = f64::INFINITY;
+    for threads in [1, 2] {
+        for ask in Ask::ALL {
+            let single = bench.line(F32, &plain_sensor, &mut clip, ask, threads);
+            let double = bench.line(F64, &plain_sensor, &mut clip, ask, threads);
+            if let (Ask::List, 1) = (ask, threads) {
+                main_seconds = single.seconds;
+                assert_eq!(
+                    double.events, plain.events,
+                    "the plain loop counts otherwise"
+                );
+            }
+            bench.show(&single);
+            bench.show(&double);
+        }
+    }
+    println!(
+        "plain loop over pixels, f64, list: {:.0} pairs/s, {:.1} Mev/s; f32 on one thread is {:.1} times as fast",
+        1.0 / plain.seconds,
+        plain.events / plain.seconds * 1e-6,
+        plain.seconds / main_seconds,
+    );
+
+    heading("256x256, other sensors and formats, one thread");
+    for (name, more) in [
+        ("dead-time 1 ms", "refractory = { us = 1000 }"),
+        (
+            "authors 1 ms",
+            "refractory = { us = 1000, rule = \"authors\" }",
+        ),
+        (
+            "shot 5 Hz, leak 0.1 Hz",
+            "noise = { shot-hz = 5, leak-hz = 0.1 }",
+        ),
+    ] {
+        let label = format!("f32 {name}");
+        let line = bench.line(F32, &sensor(1, more), &mut clip, Ask::List, 1);
+        bench.show(&Line { label, ..line });
+    }
+    let mut fine = clip.not_whole();
+    let line = bench.line(F32, &plain_sensor, &mut fine, Ask::List, 1);
+    bench.show(&Line {
+        label: "f32 fractions of light".to_owned(),
+        ..line
+    });
+    let line = bench.line(F16, &plain_sensor, &mut clip, Ask::Counts, 1);
+    bench.show(&line);
+    let line = bench.line(Bf16, &plain_sensor, &mut clip, Ask::Counts, 1);
+    bench.show(&line);
+    let line = bench.line(Q::<i16>::new(12), &plain_sensor, &mut clip, Ask::Counts, 1);
+    bench.show(&line);
+
+    heading("Growth with size and kinds, f32, one thread");
+    let kinds: &[usize] = if quick { &[1, 4] } else { &[1, 2, 4, 16] };
+    for size in SIZES {
+        let mut clip = Clip::new(size);
+        for &kinds in kinds {
+            for ask in Ask::ALL {
+                let line = bench.line(F32, &sensor(kinds, ""), &mut clip, ask, 1);
+                bench.show(&Line {
+                    label: size.to_string(),
+                    ..line
+                });
+            }
+        }
+    }
+}
