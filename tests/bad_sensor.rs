@@ -50,6 +50,7 @@ const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("pattern_without_four_thresholds", 7, 13, "pattern = \"2x2\" needs four thresholds", "give threshold = [{ … }, { … }, { … }, { … }]"),
     ("pixel_polarity_that_steps", 3, 12, "polarity = \"pixel\" needs the pixel as it was when the cell last fired, and a memory that", "use polarity = \"filtered\", or memory = \"raw-snap\" or"),
     ("pixel_step_that_runs_away", 6, 17, "a pixel memory stepped by filtered thresholds runs away through this kernel: what an", "use memory = \"filtered-step\" or \"raw-snap\", which are"),
+    ("pixel_step_with_its_sign_turned", 6, 17, "a pixel memory stepped by filtered thresholds runs away through this kernel: what an event should remove grows up to 2.00 times", "use memory = \"filtered-step\""),
     ("pixel_step_without_memory_kernel", 4, 1, "memory = \"authors-pixel-step\" needs a memory-kernel", "give the kernel that the memory is seen through (often the"),
     ("ragged_kernel", 5, 10, "row 1 of the kernel has 2 weights, row 0 has 3; all rows must be of one length", "kernels are 1x1, 3x3, 5x5, …: rows of numbers, row 0 to the"),
     ("seventeen_channels", 68, 1, "there are 17 channels", "give one to sixteen [[channel]] tables"),

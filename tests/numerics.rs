@@ -195,7 +195,7 @@ proptest! {
         prop_assert!(got == 0.0 || (got > 0.0) == (exact > 0.0));
     }
 
-    /// Every response takes light from 0 and 1e-6 to 1e9, 180 dB, and stays finite.
+    /// Every response takes light of 0 and from 1e-6 to 1e9, and stays finite.
     #[test]
     fn responses_take_any_light(from in -6.0f64..9.0, to in -6.0f64..9.0, dark: bool) {
         let light = |exponent: f64| if dark { 0.0 } else { 10f64.powf(exponent) };
@@ -429,6 +429,23 @@ fn narrow_numbers_say_what_they_can_hold() {
         step(Q::<i16>::new(8), plain("\"identity\"", 1.0), 0.0, -1e6).unwrap(),
         -128
     );
+}
+
+#[test]
+fn a_leak_is_good_while_the_format_holds_it() {
+    let rules = "response = \"identity\"\nmemory = \"filtered-step\"\nnoise = { leak-hz = 1 }";
+    let description = sensor(rules, "kernel = [[1]]\nthreshold = { on = 1, off = 1 }");
+    let still: Vec<_> = (0..=100).map(|t| (f64::from(t), 0.0)).collect();
+    let leaked = |tally: &Tally| (100..=101).contains(&tally.total());
+    let mut tally = Tally::new(1);
+    pixel(F64, description.clone(), &still, &mut tally).unwrap();
+    assert!(leaked(&tally), "{}", tally.total());
+    let mut tally = Tally::new(1);
+    pixel(F32, description.clone(), &still, &mut tally).unwrap();
+    assert!(leaked(&tally), "{}", tally.total());
+    let mut tally = Tally::new(1);
+    pixel(Q::<i16>::new(8), description, &still, &mut tally).unwrap();
+    assert!(leaked(&tally), "{}", tally.total());
 }
 
 #[test]

@@ -9,7 +9,8 @@ use std::{
 };
 
 use amacrine::{
-    event::Packet,
+    event::{Packet, Polarity},
+    kernel::Kernel,
     plane::{Plane, Size},
     reference::{Counts, Description, MemoryRule, Noise, Reference, RefractoryRule},
     scene::{
@@ -277,4 +278,121 @@ fn the_authors_files_give_the_authors_counts() {
         }
     }
     assert!(events > 50_000, "only {events} events were compared");
+}
+
+/// What a message about an unknown key lists.
+fn keys_expected(text: &str) -> Vec<String> {
+    let error = Description::parse("keys.toml", text, &|_| unreachable!()).unwrap_err();
+    let (_, listed) = error.message.split_once("expected").unwrap();
+    listed
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn every_key_and_built_in_kernel_is_documented() {
+    let page = fs::read_to_string(root().join("docs/reference.md")).unwrap();
+    let good = "response = { linear = 255 }\nmemory = \"filtered-step\"\n";
+    let channel = "[[channel]]\nkernel = \"dvs\"\n";
+    let tables = [
+        ("", format!("{good}no-key = 1")),
+        ("", format!("{good}{channel}no-key = 1")),
+        ("", format!("{good}noise = {{ no-key = 1 }}")),
+        (
+            "refractory.",
+            format!("{good}refractory = {{ no-key = 1 }}"),
+        ),
+        (
+            "threshold.",
+            format!("{good}{channel}threshold = {{ no-key = 1 }}"),
+        ),
+        ("", format!("{good}border = \"no-value\"")),
+        ("", format!("{good}polarity = \"no-value\"")),
+        (
+            "",
+            "response = { linear = 255 }\nmemory = \"no-value\"".to_owned(),
+        ),
+        (
+            "",
+            format!("{good}refractory = {{ us = 1, rule = \"no-value\" }}"),
+        ),
+    ];
+    let mut keys = 0;
+    for (prefix, text) in tables {
+        for key in keys_expected(&text) {
+            let forms = [
+                format!("`{prefix}{key}`"),
+                format!("`{key}."),
+                format!("`\"{key}\"`"),
+            ];
+            assert!(
+                forms.iter().any(|form| page.contains(form)),
+                "docs/reference.md does not say what {prefix}{key} is"
+            );
+            keys += 1;
+        }
+    }
+    assert!(keys > 35, "only {keys} keys");
+    for name in Kernel::builtin_names() {
+        assert!(
+            page.contains(&format!("`{name}`")),
+            "docs/reference.md does not name the kernel {name}"
+        );
+    }
+}
+
+fn parsed(channel: &str, read: &dyn Fn(&str) -> std::io::Result<Vec<u8>>) -> Description {
+    let text = format!(
+        "response = {{ linear = 255 }}\nmemory = \"filtered-step\"\n[[channel]]\n{channel}\nthreshold = {{ on = 0.05, off = 0.05 }}\n"
+    );
+    Description::parse("parsed.toml", &text, read).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_negative_gain_exchanges_on_and_off() {
+    let seen = |channel: &str| {
+        let mut disc = open(
+            "pattern:disc?width=30&height=20&frames=9",
+            &OpenOptions::default(),
+        )
+        .unwrap();
+        watch(parsed(channel, &|_| unreachable!()), &mut disc)
+            .1
+            .events
+    };
+    let on = seen("kernel = \"csdvs-5\"");
+    assert!(on.len() > 100);
+    let mut off = seen("kernel = \"csdvs-5\"\ngain = -1");
+    for event in &mut off {
+        event.polarity = match event.polarity {
+            Polarity::On => Polarity::Off,
+            Polarity::Off => Polarity::On,
+        };
+    }
+    assert_eq!(on, off);
+    let weights = |channel: &str| {
+        let read = parsed(channel, &|_| unreachable!());
+        read.channels[0].kernels[0].weights().clone()
+    };
+    let half = weights("kernel = \"sobel-x\"\ngain = 0.5");
+    assert_eq!(half, weights("kernel = \"sobel-x\"") * 0.5);
+}
+
+#[test]
+fn kernels_may_be_files_beside_the_sensor_file() {
+    let rows = ndarray::arr2(&[[0.0, -0.25, 0.0], [-0.25, 1.0, -0.5], [0.125, 0.0, 7.0]]);
+    let mut array = Vec::new();
+    ndarray_npy::WriteNpyExt::write_npy(&rows, &mut array).unwrap();
+    let read = |name: &str| match name {
+        "learned/k.npy" => Ok(array.clone()),
+        "hand.toml" => Ok(b"weights = [[0, -0.25, 0], [-0.25, 1, -0.5], [0.125, 0, 7]]".to_vec()),
+        _ => Err(std::io::ErrorKind::NotFound.into()),
+    };
+    for name in ["learned/k.npy", "hand.toml"] {
+        let description = parsed(&format!("kernel = \"{name}\""), &read);
+        assert_eq!(description.channels[0].kernels[0].weights(), rows);
+    }
 }
