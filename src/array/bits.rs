@@ -1,5 +1,7 @@
 //! One bit for every pixel, 64 pixels a word.
 
+use multiversion::multiversion;
+
 use crate::{
     isa::Direction,
     plane::{Plane, Size},
@@ -85,6 +87,28 @@ impl BitPlane {
         &mut self.words[y * self.stride..][..self.stride]
     }
 
+    /// Which columns hold a pixel that is 1.
+    #[must_use]
+    pub fn columns(&self) -> Vec<bool> {
+        let mut any = vec![0; self.stride];
+        for row in self.words.chunks_exact(self.stride) {
+            for (any, word) in any.iter_mut().zip(row) {
+                *any |= word;
+            }
+        }
+        (0..self.size.width)
+            .map(|x| any[x / 64] >> (x % 64) & 1 == 1)
+            .collect()
+    }
+
+    /// Takes the bits out, to be put back.
+    pub(super) fn take(&mut self) -> Self {
+        Self {
+            words: std::mem::take(&mut self.words),
+            ..*self
+        }
+    }
+
     /// Clears what lies beyond the width.
     fn cut(&mut self) {
         let used = self.size.width % 64;
@@ -95,22 +119,41 @@ impl BitPlane {
         }
     }
 
-    /// Each pixel becomes 1 where any of `sources` is.
-    pub(super) fn or(&mut self, sources: &[&Self]) {
-        self.words.fill(0);
-        for source in sources {
-            for (word, other) in self.words.iter_mut().zip(&source.words) {
-                *word |= other;
+    /// Whether all of a row is 1.
+    pub(super) fn is_whole(&self, y: usize) -> bool {
+        let (last, full) = (self.stride - 1, self.row(y));
+        let used = self.size.width - 64 * last;
+        full[..last].iter().all(|word| *word == !0) && full[last] == !0 >> (64 - used)
+    }
+
+    /// Each pixel becomes 1 where any of `others` is, or it itself where it is `kept`; with
+    /// `not` the other way.
+    pub(super) fn set_any(&mut self, others: &[&Self], kept: bool, not: bool) {
+        let turn = if not { !0 } else { 0 };
+        match others {
+            [] => any(&mut self.words, [], kept, turn),
+            [a] => any(&mut self.words, [&a.words], kept, turn),
+            [a, b] => any(&mut self.words, [&a.words, &b.words], kept, turn),
+            [a, b, c] => any(&mut self.words, [&a.words, &b.words, &c.words], kept, turn),
+            [a, b, c, d, more @ ..] => {
+                let four = [&a.words, &b.words, &c.words, &d.words].map(Vec::as_slice);
+                any(&mut self.words, four, kept, 0);
+                for more in more {
+                    any(&mut self.words, [&more.words], true, 0);
+                }
+                if not {
+                    any(&mut self.words, [], true, !0);
+                }
             }
+        }
+        if not {
+            self.cut();
         }
     }
 
     /// Each pixel the other way.
     pub(super) fn not(&mut self) {
-        for word in &mut self.words {
-            *word = !*word;
-        }
-        self.cut();
+        self.set_any(&[], true, true);
     }
 
     /// Takes `new` where `mask` is 1.
@@ -160,6 +203,21 @@ impl BitPlane {
         }
         out.cut();
         out
+    }
+}
+
+/// OR of `others` and, where kept, of what was there; then XOR `turn`.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn any<const N: usize>(words: &mut [u64], others: [&[u64]; N], kept: bool, turn: u64) {
+    let others = others.map(|other| &other[..words.len()]);
+    if kept {
+        for (i, word) in words.iter_mut().enumerate() {
+            *word = others.iter().fold(*word, |any, other| any | other[i]) ^ turn;
+        }
+    } else {
+        for (i, word) in words.iter_mut().enumerate() {
+            *word = others.iter().fold(0, |any, other| any | other[i]) ^ turn;
+        }
     }
 }
 

@@ -9,7 +9,7 @@
 
 use super::{
     BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Settings, State, check, host,
-    semantics,
+    rows, semantics,
 };
 use crate::{
     event::{Event, Packet, Polarity},
@@ -352,8 +352,9 @@ impl<D: Domain> Array for Chip<D> {
         let Settings {
             gain, reset_level, ..
         } = self.settings;
-        let charge = |light: &f64| self.domain.hold(reset_level + gain * light);
-        self.state.pix = light.iter().map(charge).collect();
+        let light = light.as_standard_layout();
+        let light = light.as_slice().unwrap_or_default();
+        rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
         Ok(())
     }
 

@@ -1,12 +1,15 @@
 //! What a cell holds, and how the summing bus treats it.
 
+// What is not inlined into the loops of `rows` is not compiled for wide vectors.
+#![allow(clippy::inline_always)]
+
 use std::fmt::Debug;
 
 use half::{bf16, f16};
 
 use crate::{
     isa::Analog,
-    number::{Number, Q, Width, divide},
+    number::{Number, Q, Wide, Width},
 };
 
 /// An arithmetic of the array.
@@ -41,6 +44,24 @@ pub trait Domain {
 
     /// The share of `-(sum)` that arrives in the cell at `place`.
     fn store(&self, sum: &Self::Sum, share: Share, place: Place) -> Self::Cell;
+
+    /// Stores along a row: the cell `i` right of `place` gets its share of `sum(i)`, limited
+    /// where the array clips.
+    #[inline(always)]
+    fn store_row(
+        &self,
+        sum: impl Fn(usize) -> Self::Sum,
+        share: Share,
+        place: Place,
+        clip: bool,
+        cells: &mut [Self::Cell],
+    ) {
+        for (i, cell) in cells.iter_mut().enumerate() {
+            let x = place.x + i;
+            let stored = self.store(&sum(i), share, Place { x, ..place });
+            *cell = if clip { self.limit(stored) } else { stored };
+        }
+    }
 
     /// `gain · sum²`, as it arrives in the cell at `place`; `None` where this domain has no answer.
     fn square(&self, sum: &Self::Sum, gain: f64, place: Place) -> Option<Self::Cell>;
@@ -241,7 +262,7 @@ single_bus!(
     bf16::from_f32
 );
 
-/// Fixed point in the cells, a 64-bit integer on the bus.
+/// Fixed point in the cells, an integer on the bus that holds every sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fixed<T> {
     number: Q<T>,
@@ -263,11 +284,12 @@ impl<T: Width> Fixed<T> {
 
 impl<T: Width> Domain for Fixed<T> {
     type Cell = T;
-    type Sum = i64;
+    type Sum = T::Wide;
 
     fn name(&self) -> String {
         self.number.format().to_string()
     }
+    #[inline]
     fn hold(&self, value: f64) -> T {
         self.number.hold(value)
     }
@@ -275,34 +297,29 @@ impl<T: Width> Domain for Fixed<T> {
         self.number.value(*cell)
     }
     #[inline]
-    fn nothing(&self) -> i64 {
-        0
+    fn nothing(&self) -> T::Wide {
+        T::Wide::default()
     }
     #[inline]
-    fn add(&self, sum: &mut i64, cell: &T, times: i32) {
-        let wide: i64 = (*cell).into();
-        *sum += wide * i64::from(times);
+    fn add(&self, sum: &mut T::Wide, cell: &T, times: i32) {
+        *sum = sum.plus(cell.widen().times(times));
     }
     #[inline]
-    fn join(&self, sum: &mut i64, other: &i64) {
-        *sum += other;
+    fn join(&self, sum: &mut T::Wide, other: &T::Wide) {
+        *sum = sum.plus(*other);
     }
     #[inline]
-    fn store(&self, sum: &i64, share: Share, _: Place) -> T {
-        let quotient = if share.by == 1 {
-            -sum
-        } else {
-            divide(-sum, share.by.into())
-        };
-        self.number.fit(quotient)
+    fn store(&self, sum: &T::Wide, share: Share, _: Place) -> T {
+        self.number.narrow(sum.times(-1).divided(share.by))
     }
-    fn square(&self, sum: &i64, gain: f64, _: Place) -> Option<T> {
-        let sum = *sum as f64 / self.number.one() as f64;
+    fn square(&self, sum: &T::Wide, gain: f64, _: Place) -> Option<T> {
+        let sum: i64 = (*sum).into();
+        let sum = sum as f64 / self.number.one() as f64;
         Some(self.number.hold(sum * sum * gain))
     }
     #[inline]
-    fn positive(&self, sum: &i64) -> Option<bool> {
-        Some(*sum > 0)
+    fn positive(&self, sum: &T::Wide) -> Option<bool> {
+        Some(*sum > T::Wide::default())
     }
     #[inline]
     fn limit(&self, cell: T) -> T {

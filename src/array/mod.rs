@@ -21,6 +21,7 @@ mod host;
 mod layout;
 mod ledger;
 mod readout;
+mod rows;
 pub mod semantics;
 mod settings;
 mod silicon;

@@ -77,12 +77,16 @@ impl Scan {
             missed: 0,
             ambiguous: false,
         };
+        let set = bits.columns();
         for column in 0..size.width {
             let column = if from_left {
                 size.width - 1 - column
             } else {
                 column
             };
+            if !set[size.width - 1 - column] {
+                continue;
+            }
             for row in 0..size.height {
                 let row = if from_bottom {
                     size.height - 1 - row

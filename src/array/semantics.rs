@@ -17,8 +17,14 @@
 //!   its value; one that several drive holds the sum of what each puts in.
 //! - R12 is written only where R0 was 1 before the word.
 
-use super::{BitPlane, Domain, Place, Propagation, Settings, Share, State, Undecided};
-use crate::isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target};
+use super::{
+    BitPlane, Domain, Place, Propagation, Settings, Share, State, Undecided,
+    rows::{self, Bus, Operand, Store, When},
+};
+use crate::{
+    isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target},
+    plane::Size,
+};
 
 /// Executes one instruction word on all pixels. `step` numbers the words since power-on.
 ///
@@ -58,16 +64,13 @@ pub fn execute<D: Domain>(
         } => array.blur(state, *target, *source, *horizontal, *vertical),
         Primitive::Set { targets } => fill(state, targets, true),
         Primitive::Clear { targets } => fill(state, targets, false),
-        Primitive::Or { target, sources } => {
-            let result = any(state, sources);
-            write(state, *target, &result);
+        Primitive::Or { target, sources } => logic(state, *target, sources, false),
+        Primitive::Nor { target, sources } => logic(state, *target, sources, true),
+        Primitive::WhereBit { sources } => {
+            let mut flag = state.flag.take();
+            flag.set_any(&others(state, sources, Bit::Flag), kept(sources, Bit::Flag), false);
+            state.flag = flag;
         }
-        Primitive::Nor { target, sources } => {
-            let mut result = any(state, sources);
-            result.not();
-            write(state, *target, &result);
-        }
-        Primitive::WhereBit { sources } => state.flag = any(state, sources),
         Primitive::Dnews {
             target,
             source,
@@ -91,144 +94,105 @@ struct Array<'a, D> {
 impl<D: Domain> Array<'_, D> {
     fn bus(&self, state: &mut State<D::Cell>, targets: &[Target], sources: &[Source]) {
         let news = state.layout.news;
-        // Which way from each NEWS cell the pixels lie that drive it.
-        let mut drivers = Vec::new();
+        // Where each NEWS cell lies, seen from the pixels that drive it.
+        let mut driven = Vec::new();
         let mut own = Vec::new();
         for (part, target) in targets.iter().enumerate() {
             let share = Share::of(targets.len(), part);
             match target {
-                Target::Register(register) if *register == news => drivers.push((None, share)),
+                Target::Register(register) if *register == news => driven.push(((0, 0), share)),
                 Target::Register(register) => own.push((*register, share)),
-                Target::Neighbour(direction) => {
-                    drivers.push((Some(direction.opposite()), share));
-                }
+                Target::Neighbour(direction) => driven.push((direction.step(), share)),
             }
         }
-        let reads_news = sources.iter().any(|source| match source {
-            Source::Register(register) => *register == news,
-            Source::Neighbour(_) => true,
-            Source::Pix | Source::In => false,
-        });
-        if drivers.len() > 1 || (reads_news && !drivers.is_empty()) {
-            self.bus_at_once(state, &own, &drivers, sources);
-            return;
-        }
-        // Nothing that is written is read in another row: row by row.
-        let mut sums = Vec::new();
-        for y in 0..state.layout.size.height {
-            self.sum_row(state, sources, y, &mut sums);
-            for (register, share) in &own {
-                self.store_row(state, *register, y, &sums, *share);
-            }
-            if let [(driver, share)] = drivers[..] {
-                self.drive_row(state, driver, y, &sums, share);
-            }
-        }
-        if let [(Some(direction), share)] = drivers[..] {
-            self.drive_from_outside(state, direction, sources.len(), share);
-        }
-    }
-
-    /// The bus of every pixel first, then all stores.
-    fn bus_at_once(
-        &self,
-        state: &mut State<D::Cell>,
-        own: &[(Analog, Share)],
-        drivers: &[(Option<Direction>, Share)],
-        sources: &[Source],
-    ) {
-        let size = state.layout.size;
-        let news = state.layout.news;
-        let rows: Vec<Vec<D::Sum>> = (0..size.height)
-            .map(|y| {
-                let mut sums = Vec::new();
-                self.sum_row(state, sources, y, &mut sums);
-                sums
-            })
+        // All reads come before all writes: NEWS, the one register that can be read and
+        // written, is written beside.
+        let mut planes: Vec<Vec<D::Cell>> = own
+            .iter()
+            .map(|(register, _)| std::mem::take(state.analog_mut(*register)))
             .collect();
-        let outside = self.outside(state, sources.len());
-        for (y, sums) in rows.iter().enumerate() {
-            for (register, share) in own {
-                self.store_row(state, *register, y, sums, *share);
-            }
-            for x in 0..size.width {
-                let mut total = self.domain.nothing();
-                let mut driven = None;
-                for (driver, share) in drivers {
-                    let (dy, dx) = driver.map_or((0, 0), Direction::step);
-                    let (y, x) = (y.wrapping_add_signed(dy), x.wrapping_add_signed(dx));
-                    let sum = match rows.get(y).and_then(|row| row.get(x)) {
-                        Some(sum) if state.flag.get(y, x) => sum,
-                        Some(_) => continue,
-                        None => &outside,
-                    };
-                    self.domain.join(&mut total, sum);
-                    driven = Some(*share);
-                }
-                if let Some(share) = driven {
-                    let cell = self.cell(&total, share, news, y, x);
-                    state.analog_mut(news)[y * size.width + x] = cell;
-                }
-            }
+        let mut driven_plane = match driven[..] {
+            [] => None,
+            [_] if !reads(sources, news) => Some(std::mem::take(state.analog_mut(news))),
+            _ => Some(state.analog(news).to_vec()),
+        };
+        let outside = vec![state.edge.clone(); state.layout.size.width];
+        let input = vec![state.input.clone(); state.layout.size.width];
+        let bus = bus_of(state, sources, &outside, &input);
+        let mut stores = Vec::with_capacity(targets.len());
+        for ((register, share), cells) in own.iter().zip(&mut planes) {
+            stores.push(Store {
+                cells,
+                register: *register,
+                share: *share,
+                beside: (0, 0),
+            });
+        }
+        match (&driven[..], &mut driven_plane) {
+            ([(beside, share)], Some(cells)) => stores.push(Store {
+                cells,
+                register: news,
+                share: *share,
+                beside: *beside,
+            }),
+            (several, Some(cells)) => self.drive(&bus, cells, several, &state.flag, news),
+            (_, None) => {}
+        }
+        let when = When {
+            flag: &state.flag,
+            clip: self.settings.clip,
+            step: self.step,
+        };
+        rows::store(self.domain, &bus, &mut stores, when);
+        if let ([(beside, share)], Some(cells)) = (&driven[..], &mut driven_plane) {
+            self.drive_from_outside(&bus, cells, *beside, *share, news);
+        }
+        for ((register, _), plane) in own.iter().zip(planes) {
+            *state.analog_mut(*register) = plane;
+        }
+        if let Some(plane) = driven_plane {
+            *state.analog_mut(news) = plane;
         }
     }
 
-    /// The bus of every pixel of row `y`.
-    fn sum_row(
+    /// NEWS cells that several pixels drive: each holds the sum of what they put in.
+    fn drive(
         &self,
-        state: &State<D::Cell>,
-        sources: &[Source],
-        y: usize,
-        sums: &mut Vec<D::Sum>,
+        bus: &Bus<'_, D::Cell>,
+        cells: &mut [D::Cell],
+        driven: &[((isize, isize), Share)],
+        flag: &BitPlane,
+        news: Analog,
     ) {
-        let domain = self.domain;
-        let width = state.layout.size.width;
-        sums.clear();
-        sums.resize(width, domain.nothing());
-        let add = |sums: &mut [D::Sum], cells: &[D::Cell]| {
-            for (sum, cell) in sums.iter_mut().zip(cells) {
-                domain.add(sum, cell, 1);
-            }
-        };
-        let add_one = |sums: &mut [D::Sum], cell: &D::Cell| {
-            for sum in sums {
-                domain.add(sum, cell, 1);
-            }
-        };
-        for source in sources {
-            match source {
-                Source::Register(register) => {
-                    add(sums, state.row(state.analog(*register), y));
+        let Size { height, width } = bus.size;
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let mut total = self.domain.nothing();
+            let mut any = None;
+            for ((dy, dx), share) in driven {
+                let (y, x) = (y.wrapping_add_signed(-dy), x.wrapping_add_signed(-dx));
+                let inside = y < height && x < width;
+                if inside && !flag.get(y, x) {
+                    continue;
                 }
-                Source::Pix => add(sums, state.row(&state.pix, y)),
-                Source::In => add_one(sums, &state.input),
-                Source::Neighbour(direction) => {
-                    let news = state.analog(state.layout.news);
-                    match direction {
-                        Direction::North if y > 0 => add(sums, state.row(news, y - 1)),
-                        Direction::South if y + 1 < state.layout.size.height => {
-                            add(sums, state.row(news, y + 1));
-                        }
-                        Direction::North | Direction::South => add_one(sums, &state.edge),
-                        Direction::West => {
-                            add_one(&mut sums[..1], &state.edge);
-                            add(&mut sums[1..], state.row(news, y));
-                        }
-                        Direction::East => {
-                            add(&mut sums[..width - 1], &state.row(news, y)[1..]);
-                            add_one(&mut sums[width - 1..], &state.edge);
-                        }
-                    }
-                }
+                let sum = if inside {
+                    bus.sum(self.domain, y, x)
+                } else {
+                    self.outside(bus)
+                };
+                self.domain.join(&mut total, &sum);
+                any = Some(*share);
+            }
+            if let Some(share) = any {
+                cells[y * width + x] = self.cell(&total, share, news, y, x);
             }
         }
     }
 
     /// What the bus of a pixel off the array carries.
-    fn outside(&self, state: &State<D::Cell>, sources: usize) -> D::Sum {
+    fn outside(&self, bus: &Bus<'_, D::Cell>) -> D::Sum {
         let mut sum = self.domain.nothing();
-        for _ in 0..sources {
-            self.domain.add(&mut sum, &state.edge, 1);
+        for _ in &bus.operands {
+            self.domain.add(&mut sum, &bus.outside[0], 1);
         }
         sum
     }
@@ -253,140 +217,65 @@ impl<D: Domain> Array<'_, D> {
         }
     }
 
-    /// Stores row `y` of the bus in a register of the same pixels, where FLAG is 1.
-    fn store_row(
-        &self,
-        state: &mut State<D::Cell>,
-        register: Analog,
-        y: usize,
-        sums: &[D::Sum],
-        share: Share,
-    ) {
-        self.store_beside(state, register, (0, 0), y, sums, share);
-    }
-
-    /// Stores row `y` of the bus in the NEWS cells that it drives, where FLAG is 1.
-    /// `driver` is where the driving pixel lies, seen from the NEWS cell.
-    fn drive_row(
-        &self,
-        state: &mut State<D::Cell>,
-        driver: Option<Direction>,
-        y: usize,
-        sums: &[D::Sum],
-        share: Share,
-    ) {
-        let step = driver.map_or((0, 0), |direction| direction.opposite().step());
-        self.store_beside(state, state.layout.news, step, y, sums, share);
-    }
-
-    /// Stores row `y` of the bus `(dy, dx)` beside, where the FLAG of row `y` is 1.
-    fn store_beside(
-        &self,
-        state: &mut State<D::Cell>,
-        register: Analog,
-        (dy, dx): (isize, isize),
-        y: usize,
-        sums: &[D::Sum],
-        share: Share,
-    ) {
-        let (height, width) = state.layout.size.shape();
-        let to_y = y.wrapping_add_signed(dy);
-        if to_y >= height {
-            return;
-        }
-        let cells = &mut state.analog[usize::from(register.0)][to_y * width..][..width];
-        // Where on the row the driving pixels lie whose target is on the array.
-        let (start, end) = (usize::from(dx < 0), width - usize::from(dx > 0));
-        for (k, flags) in state.flag.row(y).iter().enumerate() {
-            let (from, to) = ((64 * k).max(start), (64 * k + 64).min(end));
-            if from >= to || *flags == 0 {
-                continue;
-            }
-            let first = from.wrapping_add_signed(dx);
-            let cells = cells[first..][..to - from].iter_mut().zip(&sums[from..to]);
-            let cells = (first..).zip(cells);
-            let flags = flags >> (from % 64);
-            let all = !0 >> (64 - (to - from));
-            if flags & all == all {
-                // The common case has no branch inside, so that it runs in wide registers.
-                for (x, (cell, sum)) in cells {
-                    *cell = self.cell(sum, share, register, to_y, x);
-                }
-            } else {
-                for (i, (x, (cell, sum))) in cells.enumerate() {
-                    if flags >> i & 1 == 1 {
-                        *cell = self.cell(sum, share, register, to_y, x);
-                    }
-                }
-            }
-        }
-    }
-
     /// The NEWS cells at the border whose driver lies off the array.
     fn drive_from_outside(
         &self,
-        state: &mut State<D::Cell>,
-        driver: Direction,
-        sources: usize,
+        bus: &Bus<'_, D::Cell>,
+        cells: &mut [D::Cell],
+        beside: (isize, isize),
         share: Share,
+        news: Analog,
     ) {
-        let news = state.layout.news;
-        let (height, width) = state.layout.size.shape();
-        let sum = self.outside(state, sources);
-        let (ys, xs) = match driver {
-            Direction::North => (0..1, 0..width),
-            Direction::South => (height - 1..height, 0..width),
-            Direction::West => (0..height, 0..1),
-            Direction::East => (0..height, width - 1..width),
+        let Size { height, width } = bus.size;
+        let sum = self.outside(bus);
+        let (ys, xs) = match beside {
+            (1, _) => (0..1, 0..width),
+            (-1, _) => (height - 1..height, 0..width),
+            (_, 1) => (0..height, 0..1),
+            (_, -1) => (0..height, width - 1..width),
+            _ => return,
         };
         for y in ys {
             for x in xs.clone() {
-                let cell = self.cell(&sum, share, news, y, x);
-                state.analog_mut(news)[y * width + x] = cell;
+                cells[y * width + x] = self.cell(&sum, share, news, y, x);
             }
         }
     }
 
     fn square(&self, state: &mut State<D::Cell>, sources: &[Source]) -> Result<(), Undecided> {
         let news = state.layout.news;
-        let (height, width) = state.layout.size.shape();
-        let mut sums = Vec::new();
-        let mut squares = Vec::with_capacity(height * width);
+        let Size { height, width } = state.layout.size;
+        let outside = vec![state.edge.clone(); width];
+        let input = vec![state.input.clone(); width];
+        let bus = bus_of(state, sources, &outside, &input);
+        let mut squares = state.analog(news).to_vec();
         for y in 0..height {
-            self.sum_row(state, sources, y, &mut sums);
-            for (x, sum) in sums.iter().enumerate() {
+            for x in 0..width {
                 let place = Place {
                     y,
                     x,
                     register: news,
                     step: self.step,
                 };
-                let square = self.domain.square(sum, self.settings.square_gain, place);
+                let sum = bus.sum(self.domain, y, x);
+                let square = self.domain.square(&sum, self.settings.square_gain, place);
                 let cell = square.ok_or(Undecided { operation: "sq" })?;
-                squares.push(self.limit(cell));
+                if state.flag.get(y, x) {
+                    squares[y * width + x] = self.limit(cell);
+                }
             }
         }
-        for (i, square) in squares.into_iter().enumerate() {
-            if state.flag.get(i / width, i % width) {
-                state.analog_mut(news)[i] = square;
-            }
-        }
+        *state.analog_mut(news) = squares;
         Ok(())
     }
 
     fn set_flag(&self, state: &mut State<D::Cell>, sources: &[Source]) -> Result<(), Undecided> {
-        let mut sums = Vec::new();
-        for y in 0..state.layout.size.height {
-            self.sum_row(state, sources, y, &mut sums);
-            for (sums, flags) in sums.chunks(64).zip(state.flag.row_mut(y)) {
-                *flags = 0;
-                for (i, sum) in sums.iter().enumerate() {
-                    let positive = self.domain.positive(sum);
-                    let positive = positive.ok_or(Undecided { operation: "where" })?;
-                    *flags |= u64::from(positive) << i;
-                }
-            }
-        }
+        let outside = vec![state.edge.clone(); state.layout.size.width];
+        let input = vec![state.input.clone(); state.layout.size.width];
+        let mut flag = state.flag.clone();
+        let bus = bus_of(state, sources, &outside, &input);
+        rows::positive(self.domain, &bus, &mut flag)?;
+        state.flag = flag;
         Ok(())
     }
 
@@ -445,12 +334,69 @@ impl<D: Domain> Array<'_, D> {
     }
 }
 
-/// OR of the sources.
-fn any<C: Clone>(state: &State<C>, sources: &[Bit]) -> BitPlane {
-    let planes: Vec<_> = sources.iter().map(|bit| state.bits(*bit)).collect();
-    let mut result = BitPlane::zeros(state.layout.size);
-    result.or(&planes);
-    result
+/// The bus of every pixel.
+fn bus_of<'a, C: Clone>(
+    state: &'a State<C>,
+    sources: &[Source],
+    outside: &'a [C],
+    input: &'a [C],
+) -> Bus<'a, C> {
+    let size = state.layout.size;
+    let plane = |cells, beside| Operand {
+        cells,
+        stride: size.width,
+        beside,
+    };
+    let operand = |source: &Source| match source {
+        Source::Register(register) => plane(state.analog(*register), (0, 0)),
+        Source::Pix => plane(&state.pix, (0, 0)),
+        Source::In => Operand {
+            cells: input,
+            stride: 0,
+            beside: (0, 0),
+        },
+        Source::Neighbour(direction) => plane(state.analog(state.layout.news), direction.step()),
+    };
+    Bus {
+        size,
+        operands: sources.iter().map(operand).collect(),
+        outside,
+    }
+}
+
+/// Whether any of the sources is this pixel's or a neighbour's NEWS.
+fn reads(sources: &[Source], news: Analog) -> bool {
+    sources.iter().any(|source| match source {
+        Source::Register(register) => *register == news,
+        Source::Neighbour(_) => true,
+        Source::Pix | Source::In => false,
+    })
+}
+
+/// `target := [not] any source`, in place.
+fn logic<C: Clone>(state: &mut State<C>, target: Digital, sources: &[Bit], not: bool) {
+    if target == state.layout.roles.propagated {
+        let mut result = BitPlane::zeros(state.layout.size);
+        let planes: Vec<_> = sources.iter().map(|bit| state.bits(*bit)).collect();
+        result.set_any(&planes, false, not);
+        write(state, target, &result);
+        return;
+    }
+    let own = Bit::Register(target);
+    let mut plane = state.digital_mut(target).take();
+    plane.set_any(&others(state, sources, own), kept(sources, own), not);
+    *state.digital_mut(target) = plane;
+}
+
+/// Whether a word reads the operand that it writes.
+fn kept(sources: &[Bit], own: Bit) -> bool {
+    sources.contains(&own)
+}
+
+/// The operands that it does not write.
+fn others<'a, C: Clone>(state: &'a State<C>, sources: &[Bit], own: Bit) -> Vec<&'a BitPlane> {
+    let others = sources.iter().filter(|bit| **bit != own);
+    others.map(|bit| state.bits(*bit)).collect()
 }
 
 /// Writes a one-bit register; R12 only where R0 is 1.
@@ -472,15 +418,15 @@ fn mask_and_spreads<C>(state: &mut State<C>) -> [&mut BitPlane; 2] {
 }
 
 fn fill<C: Clone>(state: &mut State<C>, targets: &[Digital], value: bool) {
-    let mut constant = BitPlane::zeros(state.layout.size);
-    constant.fill(value);
     // R12 first: it goes by R0 as it was before this word.
     let spreads = state.layout.roles.propagated;
     if targets.contains(&spreads) {
+        let mut constant = BitPlane::zeros(state.layout.size);
+        constant.fill(value);
         write(state, spreads, &constant);
     }
     for target in targets.iter().filter(|target| **target != spreads) {
-        write(state, *target, &constant);
+        state.digital_mut(*target).fill(value);
     }
 }
 

@@ -14,9 +14,12 @@
 //! - A bus that splits between two cells does so unevenly: what one gets more the other gets
 //!   less, so that `diva`, which adds them again, corrects it to first order.
 
+// What is not inlined into the loops of `rows` is not compiled for wide vectors.
+#![allow(clippy::inline_always)]
+
 use super::{
     Domain, Layout, Place, Share,
-    chance::{hash, normal},
+    chance::{Draws, hash, normal},
 };
 
 /// How a chip errs. Analogue values are in LSB, the ADC's steps.
@@ -131,13 +134,19 @@ impl Silicon {
         value.clamp(self.errors.range.0 as f32, self.errors.range.1 as f32)
     }
 
+    /// What the cells from `place` on err by: the offset of each, and its noise.
+    #[inline(always)]
+    fn error(&self, place: Place, cells: usize) -> impl Fn(usize) -> f32 {
+        let first = self.pixel(place);
+        let offset = &self.offset[usize::from(place.register.0)][first..][..cells];
+        let draws = Draws::new(self.seed, NOISE, place.register.0, place.step);
+        let noise = self.errors.noise as f32;
+        move |i| offset[i] + noise * draws.normal((first + i) as u32)
+    }
+
     #[inline]
-    fn noise(&self, place: Place, pixel: usize) -> f32 {
-        if self.errors.noise == 0.0 {
-            return 0.0;
-        }
-        let word = hash(self.seed, NOISE, place.register.0, place.step, pixel as u64);
-        self.errors.noise as f32 * normal(word)
+    fn pixel(&self, place: Place) -> usize {
+        place.y * self.width + place.x
     }
 }
 
@@ -185,30 +194,53 @@ impl Domain for Silicon {
 
     #[inline]
     fn store(&self, sum: &f32, share: Share, place: Place) -> f32 {
-        let pixel = place.y * self.width + place.x;
-        let register = usize::from(place.register.0);
-        let mut current = sum / share.by as f32;
-        let mut error = self.offset[register][pixel] + self.noise(place, pixel);
-        if let Some(part) = share.part {
-            error += (self.errors.division as f32)
-                + self.errors.division_curve as f32 * current * current;
-            // What the others get more the last gets less.
-            let more = match (part, share.by) {
-                (0, 2..) => self.split[0][pixel],
-                (1, 2) => -self.split[0][pixel],
-                (1, _) => self.split[1][pixel],
-                (2, 3) => -self.split[0][pixel] - self.split[1][pixel],
-                _ => 0.0,
-            };
-            current *= 1.0 + more;
+        let mut cell = [0.0];
+        self.store_row(|_| *sum, share, place, false, &mut cell);
+        cell[0]
+    }
+
+    #[inline(always)]
+    fn store_row(
+        &self,
+        sum: impl Fn(usize) -> f32,
+        share: Share,
+        place: Place,
+        clip: bool,
+        cells: &mut [f32],
+    ) {
+        let (n, first) = (cells.len(), self.pixel(place));
+        let gain = &self.gain[usize::from(place.register.0)][first..][..n];
+        let error = self.error(place, n);
+        let limit = |cell: f32| if clip { self.limit(cell) } else { cell };
+        let Some(part) = share.part else {
+            for (i, cell) in cells.iter_mut().enumerate() {
+                let current = sum(i) / share.by as f32;
+                *cell = limit(self.saturated(gain[i] * current + error(i)));
+            }
+            return;
+        };
+        // What the others get more the last gets less.
+        let [weight, other_weight] = match (part, share.by) {
+            (0, 2..) => [1.0, 0.0],
+            (1, 2) => [-1.0, 0.0],
+            (1, _) => [0.0, 1.0],
+            (2, 3) => [-1.0, -1.0],
+            _ => [0.0, 0.0],
+        };
+        let [split, other_split] = self.split.each_ref().map(|plane| &plane[first..][..n]);
+        let division = self.errors.division as f32;
+        let curve = self.errors.division_curve as f32;
+        for (i, cell) in cells.iter_mut().enumerate() {
+            let current = sum(i) / share.by as f32;
+            let error = error(i) + division + curve * current * current;
+            let more = weight * split[i] + other_weight * other_split[i];
+            *cell = limit(self.saturated(gain[i] * (current * (1.0 + more)) + error));
         }
-        self.saturated(self.gain[register][pixel] * current + error)
     }
 
     /// The squarer has no calibration; only the transfer error of its store is modelled.
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
-        let pixel = place.y * self.width + place.x;
-        let error = self.offset[usize::from(place.register.0)][pixel] + self.noise(place, pixel);
+        let error = self.error(place, 1)(0);
         Some(self.saturated(sum * sum * gain as f32 + error))
     }
 

@@ -83,12 +83,6 @@ impl<C: Clone> State<C> {
         &mut self.digital[usize::from(register.0)]
     }
 
-    /// Row `y` of a plane.
-    pub(super) fn row<'a>(&self, plane: &'a [C], y: usize) -> &'a [C] {
-        let width = self.layout.size.width;
-        &plane[y * width..][..width]
-    }
-
     /// The values of an analogue register, in LSB.
     pub fn values<D: Domain<Cell = C>>(&self, domain: &D, register: Analog) -> Plane<f64> {
         let cells = self.analog(register);

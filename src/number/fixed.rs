@@ -16,6 +16,8 @@ pub enum Overflow {
 
 /// An integer that fixed point is held in.
 pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'static {
+    /// Holds sums of at least 2^15 of this width.
+    type Wide: Wide;
     /// Number of bits, sign included.
     const BITS: u8;
     /// Nought.
@@ -24,23 +26,93 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     fn saturate(wide: i64) -> Self;
     /// The lowest bits of `wide`.
     fn wrap(wide: i64) -> Self;
+    /// The nearest of this width to a whole number; 0 for NaN.
+    fn of_whole(whole: f64) -> Self;
+    /// The same, wider.
+    fn widen(self) -> Self::Wide;
+    /// The nearest of this width.
+    fn saturate_wide(wide: Self::Wide) -> Self;
+    /// The lowest bits of `wide`.
+    fn wrap_wide(wide: Self::Wide) -> Self;
 }
 
-macro_rules! width {
+/// An integer for sums.
+pub trait Wide: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'static {
+    /// The sum; the caller knows that it fits.
+    #[must_use]
+    fn plus(self, other: Self) -> Self;
+    /// So often; the caller knows that it fits.
+    #[must_use]
+    fn times(self, times: i32) -> Self;
+    /// As [`divide`].
+    #[must_use]
+    fn divided(self, by: u32) -> Self;
+}
+
+macro_rules! wide {
     ($($int:ty)*) => {$(
+        impl Wide for $int {
+            #[inline]
+            fn plus(self, other: Self) -> Self {
+                self + other
+            }
+            #[inline]
+            fn times(self, times: i32) -> Self {
+                self * <$int>::from(times)
+            }
+            #[inline]
+            fn divided(self, by: u32) -> Self {
+                match by {
+                    1 => self,
+                    2 => (self >> 1) + (self & self >> 1 & 1),
+                    _ => {
+                        let by = by as $int;
+                        let (floor, twice) = (self.div_euclid(by), 2 * self.rem_euclid(by));
+                        let up = twice > by || (twice == by && floor & 1 == 1);
+                        floor + <$int>::from(up)
+                    }
+                }
+            }
+        }
+    )*};
+}
+wide!(i32 i64);
+
+macro_rules! width {
+    ($($int:ty: $wide:ty)*) => {$(
         impl Width for $int {
+            type Wide = $wide;
             const BITS: u8 = <$int>::BITS as u8;
             const ZERO: $int = 0;
+            #[inline]
             fn saturate(wide: i64) -> Self {
                 wide.clamp(<$int>::MIN.into(), <$int>::MAX.into()) as $int
             }
+            #[inline]
             fn wrap(wide: i64) -> Self {
+                wide as $int
+            }
+            #[inline]
+            fn of_whole(whole: f64) -> Self {
+                // By way of i32, for which machines have an instruction on vectors.
+                whole.clamp(<$int>::MIN.into(), <$int>::MAX.into()) as i32 as $int
+            }
+            #[inline]
+            fn widen(self) -> $wide {
+                self.into()
+            }
+            #[inline]
+            fn saturate_wide(wide: $wide) -> Self {
+                wide.clamp(<$int>::MIN.into(), <$int>::MAX.into()) as $int
+            }
+            #[inline]
+            fn wrap_wide(wide: $wide) -> Self {
                 wide as $int
             }
         }
     )*};
 }
-width!(i8 i16 i32);
+width!(i8: i32 i16: i32 i32: i64);
 
 /// `numerator / denominator` to the nearest, halves to even.
 ///
@@ -89,8 +161,19 @@ impl<T: Width> Q<T> {
         }
     }
 
+    /// As [`Q::fit`], of the width's own sums.
+    #[must_use]
+    #[inline]
+    pub fn narrow(&self, wide: T::Wide) -> T {
+        match self.overflow {
+            Overflow::Saturate => T::saturate_wide(wide),
+            Overflow::Wrap => T::wrap_wide(wide),
+        }
+    }
+
     /// How many steps make one.
     #[must_use]
+    #[inline]
     pub fn one(&self) -> i64 {
         1 << self.fraction
     }
@@ -105,6 +188,7 @@ impl<T: Width> Number for Q<T> {
         Format::Fixed(FixedFormat::of(T::BITS, self.fraction, self.overflow))
     }
 
+    #[inline]
     fn hold(&self, real: f64) -> T {
         // Scaling by a power of two is exact, or overflows to infinity, which saturates.
         let steps = (real * self.one() as f64).round_ties_even();
@@ -113,7 +197,7 @@ impl<T: Width> Number for Q<T> {
                 // The remainder of floats is exact, so nothing of a huge number is lost.
                 T::wrap((steps % 2f64.powi(T::BITS.into())) as i64)
             }
-            _ => T::saturate(steps as i64),
+            _ => T::of_whole(steps),
         }
     }
 

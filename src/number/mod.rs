@@ -21,7 +21,7 @@ mod format;
 mod real;
 mod visit;
 
-pub use fixed::{Overflow, Q, Width, divide};
+pub use fixed::{Overflow, Q, Wide, Width, divide};
 pub use float::{Bf16, F16, F32, F64};
 pub use format::{FixedFormat, Format, FormatError};
 pub use real::Real;
