@@ -53,7 +53,7 @@ const SHOWN: &str = "silicon";
 /// How finely the clip is cut in time.
 const UPSAMPLING: Upsampling = Upsampling {
     bound: Bound::Contrast {
-        contrast: 0.3,
+        contrast: 0.5,
         offset: 10.0,
     },
     most_steps: 1000,
