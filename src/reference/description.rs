@@ -57,7 +57,7 @@ pub struct Description {
     pub channels: Vec<Channel>,
 }
 
-/// What an event does to the memory: see [`super::memory`].
+/// What an event does to the memory; `docs/reference.md` has the equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MemoryRule {
@@ -95,7 +95,7 @@ pub enum Border {
     Zero,
 }
 
-/// How long a cell is silent after an event: see [`super::refractory`].
+/// How long a cell is silent after an event; `docs/reference.md` has the equations.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Refractory {

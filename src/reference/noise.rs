@@ -28,7 +28,7 @@
 //! v2e's rules are known to be faulty in places, and are not copied: its shot events reset the
 //! memory to the photoreceptor's value even where the memory holds something else, come at
 //! most once a frame and are stamped with the frame's end; its leak starts in step in all
-//! cells; its low-pass is an Euler step that has to be clipped and lags by a frame.
+//! cells; its low-pass is an Euler step that has to be clipped.
 
 use ndarray::ArrayView1;
 use serde::Deserialize;
