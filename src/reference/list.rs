@@ -67,15 +67,8 @@ pub(super) struct Part {
     /// How many there are.
     total: u64,
     row: Row,
-    stretches: Vec<Stretch>,
-}
-
-/// Events of one band in one stretch of time, row by row.
-#[derive(Clone, Debug, Default)]
-struct Stretch {
-    /// Microseconds since [`Clock::start`].
-    times: Vec<u64>,
-    cells: Vec<Cell>,
+    /// The events of each stretch of time, row by row.
+    stretches: Vec<Vec<Event>>,
 }
 
 /// The part of a list that one band of rows is told to.
@@ -111,16 +104,14 @@ impl<'a> EventList<'a> {
     fn sort(&mut self) {
         let (clock, parts) = (self.clock, &self.parts);
         let length = |stretch: usize| {
-            let events = |part: &Part| part.stretches[stretch].times.len();
+            let events = |part: &Part| part.stretches[stretch].len();
             parts.iter().map(events).sum()
         };
         let lengths: Vec<usize> = (0..clock.stretches).map(length).collect();
         let events = &mut self.packet.events;
         let start = events.len();
-        events.resize(
-            start + lengths.iter().sum::<usize>(),
-            clock.event(0, Cell(0)),
-        );
+        let any = Cell(0).at(Micros(0));
+        events.resize(start + lengths.iter().sum::<usize>(), any);
         let mut fresh = &mut events[start..];
         let mut jobs = Vec::with_capacity(lengths.len());
         for (stretch, length) in lengths.into_iter().enumerate() {
@@ -129,7 +120,7 @@ impl<'a> EventList<'a> {
             fresh = rest;
         }
         let one = |next: &mut Vec<u32>, (stretch, out): (usize, &mut [Event])| {
-            let told = || parts.iter().map(|part| &part.stretches[stretch]);
+            let told = || parts.iter().flat_map(|part| &part.stretches[stretch]);
             clock.sort(told, stretch, next, out);
         };
         if jobs.len() == 1 {
@@ -206,10 +197,9 @@ impl Part {
     fn begin(&mut self, clock: Clock, room: u64) {
         (self.clock, self.room, self.total) = (clock, room, 0);
         self.row.clear();
-        self.stretches.resize_with(clock.stretches, Stretch::default);
-        for Stretch { times, cells } in &mut self.stretches {
-            times.clear();
-            cells.clear();
+        self.stretches.resize_with(clock.stretches, Vec::new);
+        for stretch in &mut self.stretches {
+            stretch.clear();
         }
     }
 
@@ -223,14 +213,12 @@ impl Part {
         } = self;
         row.merge();
         let (times, cells) = row.timed(clock);
+        let events = times.iter().zip(cells).map(|(t, cell)| clock.event(*t, *cell));
         if let [all] = &mut stretches[..] {
-            all.times.extend_from_slice(times);
-            all.cells.extend_from_slice(cells);
+            all.extend(events);
         } else {
-            for (t, cell) in times.iter().zip(cells) {
-                let stretch = &mut stretches[clock.stretch(*t)];
-                stretch.times.push(*t);
-                stretch.cells.push(*cell);
+            for (event, t) in events.zip(times) {
+                stretches[clock.stretch(*t)].push(event);
             }
         }
         row.clear();
@@ -245,10 +233,6 @@ impl Cell {
     fn of<R: Real>(row: &TrainRow<R>, x: u32) -> Self {
         let on = u64::from(row.counts[x as usize] > 0);
         Self(u64::from(x) | (row.y as u64) << 16 | on << 32 | (row.channel as u64) << 40)
-    }
-
-    const fn column(self) -> usize {
-        self.0 as u16 as usize
     }
 
     const fn at(self, t: Micros) -> Event {
@@ -495,38 +479,32 @@ impl Clock {
     }
 
     /// Sorts the events of one stretch, which come in order of row, column and channel.
-    fn sort<'a, I: Iterator<Item = &'a Stretch>>(
+    fn sort<'a, I: Iterator<Item = &'a Event>>(
         &self,
         told: impl Fn() -> I,
         stretch: usize,
         next: &mut Vec<u32>,
         out: &mut [Event],
     ) {
-        let from = (stretch as u64) << self.shift;
-        let bins = (self.span - from).min((1 << self.shift) - 1) + 1;
+        let since = (stretch as u64) << self.shift;
+        let bins = (self.span - since).min((1 << self.shift) - 1) + 1;
         if bins > 4 * out.len() as u64 {
-            let events = told().flat_map(|told| told.times.iter().zip(&told.cells));
-            for (out, (t, cell)) in out.iter_mut().zip(events) {
-                *out = self.event(*t, *cell);
+            for (out, event) in out.iter_mut().zip(told()) {
+                *out = *event;
             }
             out.sort_by_key(|event| event.t);
             return;
         }
+        let from = self.start.saturating_add(since);
         next.clear();
         next.resize(bins as usize, 0);
-        for Stretch { times, .. } in told() {
-            for t in times {
-                next[(t - from) as usize] += 1;
-            }
-        }
+        told().for_each(|event| next[(event.t.0 - from) as usize] += 1);
         starts(next);
-        for Stretch { times, cells } in told() {
-            for (t, cell) in times.iter().zip(cells) {
-                let place = &mut next[(t - from) as usize];
-                out[*place as usize] = self.event(*t, *cell);
-                *place += 1;
-            }
-        }
+        told().for_each(|event| {
+            let place = &mut next[(event.t.0 - from) as usize];
+            out[*place as usize] = *event;
+            *place += 1;
+        });
     }
 }
 
