@@ -6,7 +6,7 @@ use amacrine::{
 };
 
 /// Makes about 0.8 events per pixel and pair of the texture under `csdvs-5`.
-pub const THRESHOLD: f64 = 0.045;
+pub const THRESHOLD: f64 = 0.04;
 
 /// 240 frames a second.
 const INTERVAL: f64 = 1.0 / 240.0;

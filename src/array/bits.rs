@@ -229,7 +229,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_neighbour_is_seen_where_it_is(
-            (height, width) in (1usize..5, 1usize..140), boundary: bool, bits in prop::collection::vec(any::<bool>(), 700)
+            (height, width) in (1usize..5, 1usize..140), boundary: bool, bits in prop::collection::vec(prop::bool::ANY, 700)
         ) {
             let plane = Plane::from_shape_fn((height, width), |(y, x)| bits[y * width + x]);
             let packed = BitPlane::from_plane(&plane);

@@ -278,9 +278,7 @@ pub(super) fn positive<D: Domain>(
 
 #[inline(always)]
 fn is_positive<D: Domain>(domain: &D, sum: &D::Sum) -> Result<bool, Undecided> {
-    domain
-        .positive(sum)
-        .ok_or(Undecided { operation: "where" })
+    domain.positive(sum).ok_or(Undecided { operation: "where" })
 }
 
 #[inline(always)]

@@ -252,21 +252,18 @@ impl<N: Number> Band<N> {
         match state {
             Memory::FilteredStep(stepped) => {
                 stepped.values(number, range.clone(), on, off, memory);
-                memory::distance(number, drive, memory, to);
-                if !authors {
-                    memory::distance(number, &before[range.clone()], memory, from);
-                    before[range.clone()].copy_from_slice(drive);
+                if authors {
+                    memory::distance(number, drive, memory, to);
+                } else {
+                    let drives = (&mut before[range.clone()], &drive[..]);
+                    memory::distances(number, drives, memory, from, to);
                     if !leak.is_empty() {
                         fall(from, &leak[range.clone()], elapsed - pair.duration());
                         fall(to, &leak[range.clone()], elapsed);
                     }
                     let distances = Distances { from, to, on, off };
-                    if !fire::count(&distances, &mut trains.counts) {
-                        return Err(beyond(distances.first_beyond()));
-                    }
-                    if times || !fired.is_empty() {
-                        fire::time(&distances, &mut trains.first, &mut trains.spacing);
-                    }
+                    let times = times || !fired.is_empty();
+                    fire::cross(distances, times, trains).map_err(beyond)?;
                 }
             }
             Memory::PixelStep(_) => {
@@ -281,13 +278,13 @@ impl<N: Number> Band<N> {
                 if !leak.is_empty() {
                     fall(to, &leak[range.clone()], elapsed);
                 }
-                fire::snap(&Distances { from, to, on, off }, trains);
+                fire::snap(Distances { from, to, on, off }, trains);
             }
             Memory::RawSnap { .. } => {
                 for (to, drive) in to.iter_mut().zip(drive.iter()) {
                     *to = number.real(*drive);
                 }
-                fire::snap(&Distances { from, to, on, off }, trains);
+                fire::snap(Distances { from, to, on, off }, trains);
             }
         }
         if authors {

@@ -96,10 +96,10 @@ fn correlate<N: Number, const BLOCK: usize>(
         let mut sums = [N::ZERO; BLOCK];
         for (row, weights) in rows.iter().enumerate() {
             let start = row * stride + block * BLOCK;
-            for (k, &weight) in weights.iter().enumerate() {
-                let Some(source) = source.get(start + k..start + k + BLOCK) else {
-                    continue;
-                };
+            let Some(source) = source.get(start..start + weights.len() - 1 + BLOCK) else {
+                continue;
+            };
+            for (source, &weight) in source.windows(BLOCK).zip(weights) {
                 for (sum, &value) in sums.iter_mut().zip(source) {
                     *sum = number.add(*sum, number.mul(weight, value));
                 }

@@ -26,6 +26,7 @@ use crate::number::Real;
 use super::train::TrainRow;
 
 /// Distances from memory of a row of cells, and their thresholds.
+#[derive(Clone, Copy)]
 pub(super) struct Distances<'a, R> {
     /// At the earlier frame.
     pub(super) from: &'a [R],
@@ -35,44 +36,72 @@ pub(super) struct Distances<'a, R> {
     pub(super) off: &'a [R],
 }
 
-impl<R: Real> Distances<'_, R> {
-    /// The column of the first distance of more thresholds than are counted.
-    pub(super) fn first_beyond(&self) -> usize {
-        let beyond = |x: &usize| {
-            let one = Distances {
-                from: &self.from[*x..=*x],
-                to: &self.to[*x..=*x],
-                on: &self.on[*x..=*x],
-                off: &self.off[*x..=*x],
-            };
-            !count(&one, &mut [0])
-        };
-        (0..self.to.len()).find(beyond).unwrap_or(0)
-    }
-}
-
 /// More thresholds than this, up or down, are not counted.
 pub(super) const MOST: i32 = 1 << 30;
 
-/// Whole thresholds crossed, with the sign of the distance; whether all could be counted.
-#[must_use]
+/// How many thresholds a row of cells has crossed, and if `times` are wanted, when; the column
+/// of the first cell that crossed more than are counted, if there is one.
+pub(super) fn cross<R: Real>(
+    distances: Distances<'_, R>,
+    times: bool,
+    row: &mut TrainRow<R>,
+) -> Result<(), usize> {
+    let fits = if times {
+        count_and_time(distances, &mut row.counts, &mut row.first, &mut row.spacing)
+    } else {
+        count(distances, &mut row.counts)
+    };
+    if fits {
+        return Ok(());
+    }
+    let Distances { to, on, off, .. } = distances;
+    let beyond = |x: &usize| !whole(to[*x], on[*x], off[*x]).1;
+    Err((0..to.len()).find(beyond).unwrap_or(0))
+}
+
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn count<R: Real>(distances: &Distances<'_, R>, counts: &mut [i32]) -> bool {
-    let most = R::of_i32(MOST);
+fn count<R: Real>(distances: Distances<'_, R>, counts: &mut [i32]) -> bool {
     let mut fits = true;
-    let thresholds = distances.on.iter().zip(distances.off);
-    let half = R::of(0.5);
-    for ((count, &d), (&on, &off)) in counts.iter_mut().zip(distances.to).zip(thresholds) {
-        let theta = if d >= R::ZERO { on } else { off };
-        let quotient = d.abs() / theta;
-        // In single precision the tolerance of a large count would be more than an event.
-        let hair = quotient * R::TIE;
-        let hair = if hair < half { hair } else { half };
-        let whole = (quotient + hair).floor();
-        fits &= whole <= most;
-        *count = to_i32(if d >= R::ZERO { whole } else { -whole });
+    let Distances { to, on, off, .. } = distances;
+    for ((count, &d), (&on, &off)) in counts.iter_mut().zip(to).zip(on.iter().zip(off)) {
+        let (whole, counted) = whole(d, on, off);
+        *count = to_i32(whole);
+        fits &= counted;
     }
     fits
+}
+
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn count_and_time<R: Real>(
+    distances: Distances<'_, R>,
+    counts: &mut [i32],
+    first: &mut [R],
+    spacing: &mut [R],
+) -> bool {
+    let mut fits = true;
+    let Distances { from, to, on, off } = distances;
+    let lines = from.iter().zip(to).zip(on.iter().zip(off));
+    let out = counts.iter_mut().zip(first.iter_mut().zip(spacing));
+    for (((&from, &to), (&on, &off)), (count, (first, spacing))) in lines.zip(out) {
+        let (whole, counted) = whole(to, on, off);
+        *count = to_i32(whole);
+        fits &= counted;
+        (*first, *spacing) = place(from, to, on, off);
+    }
+    fits
+}
+
+/// Whole thresholds in a distance, with its sign; whether they can be counted.
+#[inline]
+fn whole<R: Real>(d: R, on: R, off: R) -> (R, bool) {
+    let theta = if d >= R::ZERO { on } else { off };
+    let quotient = d.abs() / theta;
+    // In single precision the tolerance of a large count would be more than an event.
+    let half = R::of(0.5);
+    let hair = quotient * R::TIE;
+    let whole = (quotient + if hair < half { hair } else { half }).floor();
+    let counted = whole <= R::of_i32(MOST);
+    (if d >= R::ZERO { whole } else { -whole }, counted)
 }
 
 /// A whole number within 2^31, without the checks of `as` that keep a loop from being
@@ -82,31 +111,29 @@ fn to_i32<R: Real>(whole: R) -> i32 {
     (whole.to_f64() + 6_755_399_441_055_744.0).to_bits() as i32
 }
 
-/// When the thresholds were crossed, by linear interpolation between the frames.
+/// Where a line from one distance to another meets the first threshold, and how far the next
+/// is, by linear interpolation between the frames.
 ///
 /// Where the line does not rise, a disturbance made the crossing: it is seen at the frame.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn time<R: Real>(distances: &Distances<'_, R>, first: &mut [R], spacing: &mut [R]) {
-    let lines = distances.from.iter().zip(distances.to);
-    let thresholds = distances.on.iter().zip(distances.off);
-    let out = first.iter_mut().zip(spacing);
-    for (((&d0, &d1), (&on, &off)), (first, spacing)) in lines.zip(thresholds).zip(out) {
-        let theta = if d1 >= R::ZERO { on } else { off };
-        let start = if d1 >= R::ZERO { d0 } else { -d0 };
-        let rise = d1.abs() - start;
-        let rises = rise > R::ZERO;
-        let per = R::ONE / if rises { rise } else { R::ONE };
-        let place = (theta - start) * per;
-        let place = if place > R::ZERO { place } else { R::ZERO };
-        let place = if place < R::ONE { place } else { R::ONE };
-        *first = if rises { place } else { R::ONE };
-        *spacing = if rises { theta * per } else { R::ZERO };
-    }
+#[inline]
+fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
+    let theta = if to >= R::ZERO { on } else { off };
+    let start = if to >= R::ZERO { from } else { -from };
+    let rise = to.abs() - start;
+    let rises = rise > R::ZERO;
+    let per = R::ONE / if rises { rise } else { R::ONE };
+    let place = (theta - start) * per;
+    let place = if place > R::ZERO { place } else { R::ZERO };
+    let place = if place < R::ONE { place } else { R::ONE };
+    (
+        if rises { place } else { R::ONE },
+        if rises { theta * per } else { R::ZERO },
+    )
 }
 
 /// The one decision of a memory that snaps: 1, 0 or -1 event, when the frame is taken.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn snap<R: Real>(distances: &Distances<'_, R>, row: &mut TrainRow<R>) {
+pub(super) fn snap<R: Real>(distances: Distances<'_, R>, row: &mut TrainRow<R>) {
     let thresholds = distances.on.iter().zip(distances.off);
     for ((count, &d), (&on, &off)) in row.counts.iter_mut().zip(distances.to).zip(thresholds) {
         *count = if d > on {
@@ -136,23 +163,22 @@ mod tests {
             on: &ON,
             off: &OFF,
         };
-        let mut row = TrainRow::new(1);
-        assert!(count(&distances, &mut row.counts));
-        time(&distances, &mut row.first, &mut row.spacing);
+        let [mut row, mut untimed] = [TrainRow::new(1), TrainRow::new(1)];
+        cross(distances, true, &mut row).unwrap();
+        cross(distances, false, &mut untimed).unwrap();
+        assert_eq!(row.counts, untimed.counts);
         row
     }
 
     fn snapped(d: f64) -> i32 {
         let mut row = TrainRow::new(1);
-        snap(
-            &Distances {
-                from: &[0.0],
-                to: &[d],
-                on: &ON,
-                off: &OFF,
-            },
-            &mut row,
-        );
+        let distances = Distances {
+            from: &[0.0],
+            to: &[d],
+            on: &ON,
+            off: &OFF,
+        };
+        snap(distances, &mut row);
         row.counts[0]
     }
 
@@ -169,19 +195,19 @@ mod tests {
 
     #[test]
     fn single_precision_ties_fire_too() {
-        let mut counts = [0];
         let distances = Distances {
             from: &[0.0],
             to: &[0.3f32 + 0.3],
             on: &[0.2],
             off: &[0.2],
         };
-        assert!(count(&distances, &mut counts));
-        assert_eq!(counts, [3]);
+        let mut row = TrainRow::new(1);
+        cross(distances, false, &mut row).unwrap();
+        assert_eq!(row.counts, [3]);
     }
 
     #[test]
-    fn what_cannot_be_counted_is_noticed() {
+    fn what_cannot_be_counted_is_refused() {
         let most = f64::from(MOST);
         for (d, fits) in [
             (most, true),
@@ -192,14 +218,17 @@ mod tests {
             (f64::NAN, false),
         ] {
             let distances = Distances {
-                from: &[0.0],
-                to: &[d],
-                on: &[1.0],
-                off: &[1.0],
+                from: &[0.0; 3],
+                to: &[1.0, d, 1.0],
+                on: &[1.0; 3],
+                off: &[1.0; 3],
             };
-            let mut counts = [0];
-            assert_eq!(count(&distances, &mut counts), fits, "{d}");
-            assert!(!fits || f64::from(counts[0]) == d);
+            for times in [false, true] {
+                let mut row = TrainRow::new(3);
+                let crossed = cross(distances, times, &mut row);
+                assert_eq!(crossed, if fits { Ok(()) } else { Err(1) }, "{d}");
+                assert!(!fits || f64::from(row.counts[1]) == d);
+            }
         }
     }
 

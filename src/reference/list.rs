@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::{
@@ -47,8 +48,8 @@ impl Default for Limit {
 /// A pair of frames whose events do not all fit is an error, or is dropped whole: which
 /// events are missing must not depend on how the work was shared out.
 ///
-/// Each band of rows deals its events out to stretches of time; a stretch's events are then
-/// sorted by counting. Both keep what they work on in cache, and both can be shared out.
+/// Each band of rows makes its events in order of row, column and channel, and deals them out
+/// to stretches of time; the events of a stretch are then sorted by counting.
 #[derive(Debug)]
 pub struct EventList<'a> {
     packet: &'a mut Packet,
@@ -98,6 +99,36 @@ impl<'a> EventList<'a> {
     fn room(&self) -> u64 {
         self.limit.events.saturating_sub(self.packet.events.len()) as u64
     }
+
+    /// Appends the events of all parts in order: by time, then row, column, channel.
+    fn sort(&mut self) {
+        let (clock, parts) = (self.clock, &self.parts);
+        let length = |stretch: usize| {
+            let events = |part: &Part| part.stretches[stretch].len();
+            parts.iter().map(events).sum()
+        };
+        let lengths: Vec<usize> = (0..clock.stretches).map(length).collect();
+        let events = &mut self.packet.events;
+        let start = events.len();
+        let any = Cell(0).at(Micros(0));
+        events.resize(start + lengths.iter().sum::<usize>(), any);
+        let mut fresh = &mut events[start..];
+        let mut jobs = Vec::with_capacity(lengths.len());
+        for (stretch, length) in lengths.into_iter().enumerate() {
+            let (out, rest) = fresh.split_at_mut(length);
+            jobs.push((stretch, out));
+            fresh = rest;
+        }
+        let one = |next: &mut Vec<u32>, (stretch, out): (usize, &mut [Event])| {
+            let told = || parts.iter().flat_map(|part| &part.stretches[stretch]);
+            clock.sort(told, stretch, next, out);
+        };
+        if jobs.len() == 1 {
+            jobs.into_iter().for_each(|job| one(&mut Vec::new(), job));
+        } else {
+            jobs.into_par_iter().for_each_init(Vec::new, one);
+        }
+    }
 }
 
 impl Sink for EventList<'_> {
@@ -111,7 +142,11 @@ impl Sink for EventList<'_> {
     }
 
     fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
-        self.clock = Clock::of(pair);
+        // As many events as last time, in stretches that fit into cache.
+        let total: u64 = self.parts.iter().map(|part| part.total).sum();
+        let shared = bands.len() > 1 && !super::alone();
+        let least = if shared { 16 } else { 1 };
+        self.clock = Clock::of(pair, (total / CACHED).clamp(least, 256));
         let room = self.room();
         self.parts.resize_with(bands.len(), Part::default);
         for part in &mut self.parts {
@@ -141,72 +176,6 @@ impl Sink for EventList<'_> {
     }
 }
 
-impl EventList<'_> {
-    /// Appends the events of all parts in order: by time, then row, column, channel.
-    fn sort(&mut self) {
-        let (clock, parts) = (self.clock, &self.parts);
-        let events = &mut self.packet.events;
-        let start = events.len();
-        let lengths: Vec<usize> = (0..clock.stretches())
-            .map(|stretch| parts.iter().map(|part| part.stretches[stretch].len()).sum())
-            .collect();
-        let Some(&any) = parts.iter().flat_map(|p| &p.stretches).flatten().next() else {
-            return;
-        };
-        events.resize(start + lengths.iter().sum::<usize>(), any);
-        let mut fresh = &mut events[start..];
-        let mut jobs = Vec::with_capacity(lengths.len());
-        for (stretch, length) in lengths.into_iter().enumerate() {
-            let (out, rest) = fresh.split_at_mut(length);
-            jobs.push((stretch, out));
-            fresh = rest;
-        }
-        let one = |next: &mut Vec<u32>, (stretch, out): (usize, &mut [Event])| {
-            let told = parts.iter().map(|part| &part.stretches[stretch][..]);
-            sort_stretch(told, clock.starts(stretch), clock.width(), next, out);
-        };
-        if parts.len() == 1 || super::alone() {
-            let mut next = Vec::new();
-            jobs.into_iter().for_each(|job| one(&mut next, job));
-        } else {
-            jobs.into_par_iter().for_each_init(Vec::new, one);
-        }
-    }
-}
-
-/// Sorts the events of one stretch of time, which come in order of row, column and channel.
-fn sort_stretch<'a>(
-    told: impl Iterator<Item = &'a [Event]> + Clone,
-    start: u64,
-    width: u64,
-    next: &mut Vec<u32>,
-    out: &mut [Event],
-) {
-    if width > 4 * out.len() as u64 {
-        for (out, event) in out.iter_mut().zip(told.flatten()) {
-            *out = *event;
-        }
-        out.sort_by_key(|event| event.t);
-        return;
-    }
-    let last = width as usize - 1;
-    let bin = |event: &Event| (event.t.0.wrapping_sub(start) as usize).min(last);
-    next.clear();
-    next.resize(width as usize, 0);
-    for event in told.clone().flatten() {
-        next[bin(event)] += 1;
-    }
-    let mut sum = 0;
-    for place in &mut *next {
-        sum += std::mem::replace(place, sum);
-    }
-    for event in told.flatten() {
-        let place = &mut next[bin(event)];
-        out[*place as usize] = *event;
-        *place += 1;
-    }
-}
-
 impl BandSink for ListBand<'_> {
     fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
         let part = &mut *self.0;
@@ -219,7 +188,7 @@ impl BandSink for ListBand<'_> {
         if part.row.y != row.y {
             part.deal();
         }
-        part.row.take(row, events as usize, &part.clock);
+        part.row.take(row, events as usize);
         Ok(())
     }
 }
@@ -228,7 +197,7 @@ impl Part {
     fn begin(&mut self, clock: Clock, room: u64) {
         (self.clock, self.room, self.total) = (clock, room, 0);
         self.row.clear();
-        self.stretches.resize_with(clock.stretches(), Vec::new);
+        self.stretches.resize_with(clock.stretches, Vec::new);
         for stretch in &mut self.stretches {
             stretch.clear();
         }
@@ -236,26 +205,51 @@ impl Part {
 
     /// Deals the events of the row out to the stretches of time.
     fn deal(&mut self) {
-        self.row.merge();
-        let last = self.stretches.len() - 1;
-        let y = self.row.y as u16;
-        for (t, cell) in self
-            .row
-            .times
+        let Self {
+            row,
+            clock,
+            stretches,
+            ..
+        } = self;
+        row.merge();
+        let (times, cells) = row.timed(clock);
+        let events = times
             .iter()
-            .zip(&self.row.cells)
-            .take(self.row.len)
-        {
-            let stretch = self.clock.stretch(*t).min(last);
-            self.stretches[stretch].push(Event {
-                t: Micros(*t),
-                x: cell.x,
-                y,
-                polarity: cell.polarity,
-                channel: cell.channel,
-            });
+            .zip(cells)
+            .map(|(t, cell)| clock.event(*t, *cell));
+        if let [all] = &mut stretches[..] {
+            all.extend(events);
+        } else {
+            for (event, t) in events.zip(times) {
+                stretches[clock.stretch(*t)].push(event);
+            }
         }
-        self.row.clear();
+        row.clear();
+    }
+}
+
+/// Whose event it is: column, row, sign and channel, as they lie in an [`Event`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Cell(u64);
+
+impl Cell {
+    fn of<R: Real>(row: &TrainRow<R>, x: u32) -> Self {
+        let on = u64::from(row.counts[x as usize] > 0);
+        Self(u64::from(x) | (row.y as u64) << 16 | on << 32 | (row.channel as u64) << 40)
+    }
+
+    const fn at(self, t: Micros) -> Event {
+        Event {
+            t,
+            x: self.0 as u16,
+            y: (self.0 >> 16) as u16,
+            polarity: if (self.0 >> 32) & 1 == 1 {
+                Polarity::On
+            } else {
+                Polarity::Off
+            },
+            channel: (self.0 >> 40) as u8,
+        }
     }
 }
 
@@ -263,77 +257,62 @@ impl Part {
 #[derive(Clone, Debug, Default)]
 struct Row {
     y: usize,
-    /// How many there are; the buffers are longer.
-    len: usize,
-    times: Vec<u64>,
-    cells: Vec<Cell>,
-    /// How often this row was told.
+    width: usize,
+    /// How often it was told.
     told: usize,
-    /// The columns that fired.
+    /// How many trains there are, the column of each, and how many events; the buffers are
+    /// longer.
+    trains: usize,
     columns: Vec<u32>,
-    /// For merging: where the events of each column go, and the events in order.
+    counts: Vec<u32>,
+    /// How many events there are.
+    len: usize,
+    /// Where between the two frames each of them lies, and whose it is.
+    places: Vec<f64>,
+    cells: Vec<Cell>,
+    times: Vec<u64>,
+    /// For merging: where the next train of each column goes, where each event goes, and the
+    /// events in order.
     next: Vec<u32>,
-    merged: (Vec<u64>, Vec<Cell>),
+    target: Vec<u32>,
+    merged: (Vec<f64>, Vec<Cell>),
 }
 
-/// Whose event it is.
-#[derive(Clone, Copy, Debug)]
-struct Cell {
-    x: u16,
-    polarity: Polarity,
-    channel: u8,
-}
-
-/// Events that are written at a time, whether there are as many or fewer.
+/// Events of a train that are written at a time, whether there are as many or fewer.
 const FEW: usize = 4;
 
 impl Row {
     fn clear(&mut self) {
-        (self.len, self.told) = (0, 0);
+        (self.len, self.trains, self.told) = (0, 0, 0);
     }
 
     /// Adds the events of a row of trains.
-    fn take<R: Real>(&mut self, row: &TrainRow<R>, events: usize, clock: &Clock) {
+    fn take<R: Real>(&mut self, row: &TrainRow<R>, events: usize) {
         self.y = row.y;
         self.told += 1;
-        let none = Cell {
-            x: 0,
-            polarity: Polarity::Off,
-            channel: 0,
-        };
         // Room for a few more than there are.
         let room = self.len + events + FEW;
-        if self.times.len() < room {
-            self.times.resize(room, 0);
-            self.cells.resize(room, none);
+        if self.places.len() < room {
+            self.places.resize(room, 0.0);
+            self.cells.resize(room, Cell::default());
         }
-        let width = row.counts.len();
-        if self.columns.len() < width {
-            self.columns.resize(width, 0);
-            self.next.resize(width, 0);
+        let most = self.trains + row.counts.len();
+        if self.columns.len() < most {
+            self.columns.resize(most, 0);
+            self.counts.resize(most, 0);
         }
-        let fired = columns(&row.counts, &mut self.columns);
-        for &x in &self.columns[..fired] {
-            let x = x as usize;
-            let count = row.counts[x];
-            let (first, spacing) = (row.first[x].to_f64(), row.spacing[x].to_f64());
-            let cell = Cell {
-                x: x as u16,
-                polarity: if count > 0 {
-                    Polarity::On
-                } else {
-                    Polarity::Off
-                },
-                channel: row.channel as u8,
-            };
-            let count = count.unsigned_abs() as usize;
-            for start in (0..count).step_by(FEW) {
-                let here = self.len + start..self.len + start + FEW;
-                clock.few(first, spacing, start, &mut self.times[here.clone()]);
-                self.cells[here].fill(cell);
-            }
-            self.len += count;
-        }
+        let columns = &mut self.columns[self.trains..];
+        let fired = fired(&row.counts, columns);
+        expand(
+            row,
+            &columns[..fired],
+            &mut self.counts[self.trains..],
+            &mut self.places[self.len..],
+            &mut self.cells[self.len..],
+        );
+        self.trains += fired;
+        self.len += events;
+        self.width = row.counts.len();
     }
 
     /// Puts the events into order of column where several channels, or one several times, have
@@ -342,36 +321,93 @@ impl Row {
         if self.told < 2 {
             return;
         }
-        let (times, cells) = (&self.times[..self.len], &self.cells[..self.len]);
-        self.next.fill(0);
-        for cell in cells {
-            self.next[usize::from(cell.x)] += 1;
+        self.next.clear();
+        self.next.resize(self.width, 0);
+        let columns = &self.columns[..self.trains];
+        let counts = &self.counts[..self.trains];
+        for (x, count) in columns.iter().zip(counts) {
+            self.next[*x as usize] += count;
         }
-        let mut sum = 0;
-        for place in &mut self.next {
-            sum += std::mem::replace(place, sum);
+        starts(&mut self.next);
+        let room = self.places.len();
+        self.target.resize(room, 0);
+        let mut len = 0;
+        for (x, count) in columns.iter().zip(counts) {
+            let next = &mut self.next[*x as usize];
+            let few: [u32; FEW] = std::array::from_fn(|i| *next + i as u32);
+            self.target[len..len + FEW].copy_from_slice(&few);
+            for i in FEW..*count as usize {
+                self.target[len + i] = *next + i as u32;
+            }
+            *next += count;
+            len += *count as usize;
         }
-        self.merged.0.resize(self.times.len(), 0);
-        self.merged.1.resize(self.cells.len(), self.cells[0]);
-        for (t, cell) in times.iter().zip(cells) {
-            let place = &mut self.next[usize::from(cell.x)];
-            self.merged.0[*place as usize] = *t;
-            self.merged.1[*place as usize] = *cell;
-            *place += 1;
+        let (places, cells) = &mut self.merged;
+        places.resize(room, 0.0);
+        cells.resize(room, Cell::default());
+        let events = self.places.iter().zip(&self.cells);
+        for (target, (place, cell)) in self.target[..self.len].iter().zip(events) {
+            places[*target as usize] = *place;
+            cells[*target as usize] = *cell;
         }
-        std::mem::swap(&mut self.times, &mut self.merged.0);
-        std::mem::swap(&mut self.cells, &mut self.merged.1);
+        std::mem::swap(&mut self.places, places);
+        std::mem::swap(&mut self.cells, cells);
+    }
+
+    /// Times and cells of the events.
+    fn timed(&mut self, clock: &Clock) -> (&[u64], &[Cell]) {
+        if self.times.len() < self.len {
+            self.times.resize(self.len, 0);
+        }
+        microseconds(clock, &self.places[..self.len], &mut self.times);
+        (&self.times[..self.len], &self.cells[..self.len])
     }
 }
 
 /// The columns that have a train, in order; how many. No branch depends on the events.
-fn columns(counts: &[i32], out: &mut [u32]) -> usize {
+fn fired(counts: &[i32], out: &mut [u32]) -> usize {
     let mut fired = 0;
     for (x, count) in counts.iter().enumerate() {
         out[fired] = x as u32;
         fired += usize::from(*count != 0);
     }
     fired
+}
+
+/// The events of the trains in these columns: how many each has, their places, and whose they
+/// are.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn expand<R: Real>(
+    row: &TrainRow<R>,
+    columns: &[u32],
+    counts: &mut [u32],
+    places: &mut [f64],
+    cells: &mut [Cell],
+) {
+    let mut len = 0;
+    for (&x, events) in columns.iter().zip(counts) {
+        let cell = Cell::of(row, x);
+        let (first, spacing) = (row.first[x as usize], row.spacing[x as usize]);
+        let (first, spacing) = (first.to_f64(), spacing.to_f64());
+        let few: [f64; FEW] = std::array::from_fn(|i| first + spacing * i as f64);
+        *events = row.counts[x as usize].unsigned_abs();
+        let count = *events as usize;
+        places[len..len + FEW].copy_from_slice(&few);
+        cells[len..len + FEW].copy_from_slice(&[cell; FEW]);
+        for i in FEW..count {
+            places[len + i] = first + spacing * i as f64;
+            cells[len + i] = cell;
+        }
+        len += count;
+    }
+}
+
+/// From counts to where each begins.
+fn starts(counts: &mut [u32]) {
+    let mut sum = 0;
+    for place in counts {
+        sum += std::mem::replace(place, sum);
+    }
 }
 
 /// From places between two frames to microseconds.
@@ -383,14 +419,16 @@ struct Clock {
     fraction: f64,
     /// From the earlier frame to the later, in microseconds.
     duration: f64,
-    /// A stretch is so many powers of two of a microsecond long.
+    /// How many stretches of time the pair is cut into, at least one.
+    stretches: usize,
+    /// Each is so many powers of two of a microsecond long, the last what is left.
     shift: u32,
-    /// The last stretch that has events.
-    last: usize,
+    /// Microseconds from the start to the later frame.
+    span: u64,
 }
 
-/// Stretches of time that a pair is cut into, at most.
-const STRETCHES: u64 = 64;
+/// Events that are sorted at a time, about.
+const CACHED: u64 = 1 << 15;
 
 /// 2^52: the first double after which there are no fractions.
 const MAGIC: f64 = 4_503_599_627_370_496.0;
@@ -400,62 +438,84 @@ impl Clock {
         start: 0,
         fraction: 0.0,
         duration: 0.0,
+        stretches: 1,
         shift: 0,
-        last: 0,
+        span: 0,
     };
 
-    fn of(pair: Pair) -> Self {
+    fn of(pair: Pair, stretches: u64) -> Self {
         let from = pair.from * 1e6;
         let clock = Self {
             start: from.floor() as u64,
             fraction: from - from.floor().max(0.0),
-            // A hundred years.
+            // Seventy years.
             duration: (pair.duration() * 1e6).min(MAGIC / 2.0),
             ..Self::NONE
         };
-        let span = clock.at(1.0) - clock.start;
-        let shift = (u64::BITS - span.leading_zeros()).saturating_sub(STRETCHES.ilog2());
+        let span = clock.at(1.0);
+        let shift = (span / stretches + 1).next_power_of_two().ilog2();
         Self {
+            span,
             shift,
-            last: (span >> shift) as usize,
+            stretches: (span >> shift) as usize + 1,
             ..clock
         }
     }
 
-    /// The nearest microsecond to a place; none before time 0.
+    /// Microseconds from the start to the nearest to a place; none before time 0.
     #[inline]
     fn at(&self, place: f64) -> u64 {
-        let since = self.fraction + place.clamp(0.0, 1.0) * self.duration;
+        let place = if place < 1.0 { place } else { 1.0 };
+        let since = self.fraction + place * self.duration;
+        let since = if since > 0.0 { since } else { 0.0 };
         // Added to 2^52, the nearest whole number stands in the lowest bits.
-        let whole = (since.max(0.0) + MAGIC).to_bits() - MAGIC.to_bits();
-        self.start.saturating_add(whole)
-    }
-
-    /// The times of a few events of a train, from number `start` on.
-    #[inline]
-    fn few(&self, first: f64, spacing: f64, start: usize, out: &mut [u64]) {
-        for (i, t) in out.iter_mut().enumerate() {
-            *t = self.at(first + spacing * (start + i) as f64);
-        }
-    }
-
-    const fn stretches(&self) -> usize {
-        self.last + 1
-    }
-
-    /// Microseconds in a stretch.
-    const fn width(&self) -> u64 {
-        1 << self.shift
-    }
-
-    /// The first microsecond of a stretch.
-    const fn starts(&self, stretch: usize) -> u64 {
-        self.start.saturating_add((stretch as u64) << self.shift)
+        (since + MAGIC).to_bits() - MAGIC.to_bits()
     }
 
     /// The stretch that a time lies in.
     const fn stretch(&self, t: u64) -> usize {
-        (t.saturating_sub(self.start) >> self.shift) as usize
+        (t >> self.shift) as usize
+    }
+
+    fn event(&self, t: u64, cell: Cell) -> Event {
+        cell.at(Micros(self.start.saturating_add(t)))
+    }
+
+    /// Sorts the events of one stretch, which come in order of row, column and channel.
+    fn sort<'a, I: Iterator<Item = &'a Event>>(
+        &self,
+        told: impl Fn() -> I,
+        stretch: usize,
+        next: &mut Vec<u32>,
+        out: &mut [Event],
+    ) {
+        let since = (stretch as u64) << self.shift;
+        let bins = (self.span - since).min((1 << self.shift) - 1) + 1;
+        if bins > 4 * out.len() as u64 {
+            for (out, event) in out.iter_mut().zip(told()) {
+                *out = *event;
+            }
+            out.sort_by_key(|event| event.t);
+            return;
+        }
+        let from = self.start.saturating_add(since);
+        next.clear();
+        next.resize(bins as usize, 0);
+        told().for_each(|event| next[(event.t.0 - from) as usize] += 1);
+        starts(next);
+        told().for_each(|event| {
+            let place = &mut next[(event.t.0 - from) as usize];
+            out[*place as usize] = *event;
+            *place += 1;
+        });
+    }
+}
+
+/// Microseconds from the clock's start to each of the places.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn microseconds(clock: &Clock, places: &[f64], out: &mut [u64]) {
+    for (out, place) in out.iter_mut().zip(places) {
+        *out = clock.at(*place);
     }
 }
 

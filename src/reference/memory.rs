@@ -151,6 +151,24 @@ pub(super) fn distance<N: Number>(
     }
 }
 
+/// The distances of the drive at two frames from one memory; the later drive takes the place
+/// of the earlier.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn distances<N: Number>(
+    number: &N,
+    (before, drive): (&mut [N::Held], &[N::Held]),
+    memory: &[N::Held],
+    from: &mut [N::Real],
+    to: &mut [N::Real],
+) {
+    let drives = before.iter_mut().zip(drive).zip(memory);
+    for (((before, &drive), &memory), (from, to)) in drives.zip(from.iter_mut().zip(to)) {
+        *from = number.real(number.sub(*before, memory));
+        *to = number.real(number.sub(drive, memory));
+        *before = drive;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -165,19 +165,20 @@ impl<N: Number> Photoreceptors<N> {
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn from_table<H: Copy>(table: &[H; 256], light: &[f64], out: &mut [H]) -> bool {
     for (light, out) in light.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
-        let mut bytes = [0u8; BLOCK];
-        let mut all = true;
-        for (byte, &light) in bytes.iter_mut().zip(light) {
-            // Added to 2^52, a whole number stands in the lowest bits.
-            let nearest = (light + MAGIC).to_bits() as u32 & 0xff;
-            all &= f64::from(nearest) == light;
-            *byte = nearest as u8;
+        let mut places = [0; BLOCK];
+        let mut wrong = 0;
+        for (place, &light) in places.iter_mut().zip(light) {
+            // Added to 2^52, a whole number stands in the lowest bits, and comes back whole.
+            let sum = light + MAGIC;
+            *place = sum.to_bits();
+            wrong |= (*place ^ MAGIC.to_bits()) & !0xff;
+            wrong |= (sum - MAGIC).to_bits() ^ light.to_bits();
         }
-        if !all {
+        if wrong != 0 {
             return false;
         }
-        for (out, byte) in out.iter_mut().zip(&bytes) {
-            *out = table[usize::from(*byte)];
+        for (out, place) in out.iter_mut().zip(&places) {
+            *out = table[*place as usize & 0xff];
         }
     }
     true

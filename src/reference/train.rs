@@ -100,6 +100,11 @@ impl<R: Real> TrainRow<R> {
         }
     }
 
+    /// Counts, first places and spacings.
+    pub(super) fn parts(&self) -> (&[i32], &[R], &[R]) {
+        (&self.counts, &self.first, &self.spacing)
+    }
+
     /// All events of the row.
     #[must_use]
     pub fn events(&self) -> u64 {

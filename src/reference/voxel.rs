@@ -9,7 +9,8 @@
 //! earlier = N - later
 //! ```
 //!
-//! with the sign of its events. Voxels are added up in double precision.
+//! with the sign of its events. A share is computed in the precision of the train; voxels are
+//! added up in double precision.
 
 use std::ops::Range;
 
@@ -75,8 +76,8 @@ pub fn bins(train: &Train) -> (f64, f64) {
 
 /// The closed form, with a signed count.
 #[inline]
-fn share(count: f64, first: f64, spacing: f64) -> (f64, f64) {
-    let later = count * first + spacing * (count * (count.abs() - 1.0) * 0.5);
+fn share<R: Real>(count: R, first: R, spacing: R) -> (R, R) {
+    let later = count * first + spacing * (count * (count.abs() - R::ONE) * R::of(0.5));
     (count - later, later)
 }
 
@@ -130,28 +131,30 @@ impl BandSink for VoxelBand<'_> {
         let later = &mut self.later[row.channel][start..start + self.width];
         let again = self.last.replace((row.y, row.channel)) == Some((row.y, row.channel));
         if self.stale && !again {
-            later.fill(0.0);
+            share_out::<R, true>(row.parts(), earlier, later);
+        } else {
+            share_out::<R, false>(row.parts(), earlier, later);
         }
-        add_shares(&row.counts, &row.first, &row.spacing, earlier, later);
         Ok(())
     }
 }
 
+/// Adds a row's shares to its two bins, or with `FRESH` writes them to the later.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn add_shares<R: Real>(
-    counts: &[i32],
-    first: &[R],
-    spacing: &[R],
+fn share_out<R: Real, const FRESH: bool>(
+    (counts, first, spacing): (&[i32], &[R], &[R]),
     earlier: &mut [f64],
     later: &mut [f64],
 ) {
     let trains = counts.iter().zip(first).zip(spacing);
-    for (((&count, first), spacing), (earlier, later)) in trains.zip(earlier.iter_mut().zip(later))
+    for (((&count, &first), &spacing), (earlier, later)) in
+        trains.zip(earlier.iter_mut().zip(later))
     {
-        let (e, l) = share(f64::from(count), first.to_f64(), spacing.to_f64());
+        let (e, l) = share(R::of_i32(count), first, spacing);
         // Without a train, the place and the spacing may be anything.
-        *earlier += if count == 0 { 0.0 } else { e };
-        *later += if count == 0 { 0.0 } else { l };
+        *earlier += if count == 0 { 0.0 } else { e.to_f64() };
+        let l = if count == 0 { 0.0 } else { l.to_f64() };
+        *later = if FRESH { l } else { *later + l };
     }
 }
 
