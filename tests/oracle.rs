@@ -8,6 +8,7 @@
 //! themselves, added as the released code adds them, to 1e-6 max(1, |v|).
 
 use std::{
+    fmt::Write as _,
     fs::File,
     ops::Range,
     path::{Path, PathBuf},
@@ -97,14 +98,15 @@ impl Oracle {
                     )
                 })
                 .collect();
-            text += &format!(
+            let _ = write!(
+                text,
                 "[[channel]]\npattern = \"2x2\"\nkernel = [{}]\nthreshold = [{}]\nlog-temporal = {}\n",
                 four.join(", "),
                 thresholds.join(", "),
                 self.is("logtemporal"),
             );
             if let Some(kernel) = memory_kernels.get(channel) {
-                text += &format!("memory-kernel = {kernel}\n");
+                let _ = writeln!(text, "memory-kernel = {kernel}");
             }
         }
         text

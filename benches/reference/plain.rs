@@ -1,5 +1,10 @@
 //! The plain version: the same model as the obvious loop over pixels, in double precision.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "the plain version is written plainly"
+)]
+
 use amacrine::{
     event::{Event, Polarity},
     reference::Description,

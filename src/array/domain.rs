@@ -178,7 +178,7 @@ impl Domain for Exact {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Single;
 
-/// Half precision in the cells, f32 on the bus. `T` is [`f16`] or [`bf16`].
+/// Half precision in the cells, f32 on the bus. `T` is [`struct@f16`] or [`struct@bf16`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Halves<T>(std::marker::PhantomData<T>);
 

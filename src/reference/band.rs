@@ -56,11 +56,11 @@ impl<N: Number> Plan<N> {
             .collect();
         Self {
             number,
+            description,
+            seed,
             weights,
             memory_weights,
             thresholds,
-            description,
-            seed,
         }
     }
 
@@ -83,13 +83,15 @@ pub(super) struct Sight<'a, N: Number> {
     pub(super) times: bool,
 }
 
+/// Derived, it would ask for a number that can be copied held.
+impl<N: Number> Copy for Sight<'_, N> {}
+
+#[expect(clippy::expl_impl_clone_on_copy, reason = "as above")]
 impl<N: Number> Clone for Sight<'_, N> {
     fn clone(&self) -> Self {
         *self
     }
 }
-
-impl<N: Number> Copy for Sight<'_, N> {}
 
 /// The cells of some rows, all channels.
 #[derive(Clone, Debug)]
@@ -196,6 +198,10 @@ impl<N: Number> Band<N> {
         Ok(())
     }
 
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one row from drive to memory, a paragraph for each memory rule"
+    )]
     fn row(
         &mut self,
         plan: &Plan<N>,

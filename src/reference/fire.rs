@@ -16,7 +16,7 @@
 //! u_i = (i θ - p d0) / (p (d1 - d0))          0 at the earlier frame, 1 at the later
 //! ```
 //!
-//! which is ESIM's rule (Rebecq et al., CoRL 2018). The released simulator instead draws its
+//! which is ESIM's rule (Rebecq et al., `CoRL` 2018). The released simulator instead draws its
 //! line from the memory itself, `d0 = 0`: see [`super::refractory`].
 
 use multiversion::multiversion;

@@ -124,7 +124,9 @@ impl<'a> EventList<'a> {
             clock.sort(told, stretch, next, out);
         };
         if jobs.len() == 1 {
-            jobs.into_iter().for_each(|job| one(&mut Vec::new(), job));
+            for job in jobs {
+                one(&mut Vec::new(), job);
+            }
         } else {
             jobs.into_par_iter().for_each_init(Vec::new, one);
         }
