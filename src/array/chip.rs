@@ -8,8 +8,8 @@
 //! The first frame runs the program's `init`, every later one its `frame`.
 
 use super::{
-    BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Settings, State, check, host,
-    rows, semantics,
+    BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Settings, State, check, host, rows,
+    semantics,
 };
 use crate::{
     event::{Event, Packet, Polarity},

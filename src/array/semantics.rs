@@ -68,7 +68,11 @@ pub fn execute<D: Domain>(
         Primitive::Nor { target, sources } => logic(state, *target, sources, true),
         Primitive::WhereBit { sources } => {
             let mut flag = state.flag.take();
-            flag.set_any(&others(state, sources, Bit::Flag), kept(sources, Bit::Flag), false);
+            flag.set_any(
+                &others(state, sources, Bit::Flag),
+                kept(sources, Bit::Flag),
+                false,
+            );
             state.flag = flag;
         }
         Primitive::Dnews {
