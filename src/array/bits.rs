@@ -131,18 +131,18 @@ impl BitPlane {
     pub(super) fn set_any(&mut self, others: &[&Self], kept: bool, not: bool) {
         let turn = if not { !0 } else { 0 };
         match others {
-            [] => any(&mut self.words, [], kept, turn),
-            [a] => any(&mut self.words, [&a.words], kept, turn),
-            [a, b] => any(&mut self.words, [&a.words, &b.words], kept, turn),
-            [a, b, c] => any(&mut self.words, [&a.words, &b.words, &c.words], kept, turn),
+            [] => or_all(&mut self.words, [], kept, turn),
+            [a] => or_all(&mut self.words, [&a.words], kept, turn),
+            [a, b] => or_all(&mut self.words, [&a.words, &b.words], kept, turn),
+            [a, b, c] => or_all(&mut self.words, [&a.words, &b.words, &c.words], kept, turn),
             [a, b, c, d, more @ ..] => {
                 let four = [&a.words, &b.words, &c.words, &d.words].map(Vec::as_slice);
-                any(&mut self.words, four, kept, 0);
+                or_all(&mut self.words, four, kept, 0);
                 for more in more {
-                    any(&mut self.words, [&more.words], true, 0);
+                    or_all(&mut self.words, [&more.words], true, 0);
                 }
                 if not {
-                    any(&mut self.words, [], true, !0);
+                    or_all(&mut self.words, [], true, !0);
                 }
             }
         }
@@ -208,7 +208,7 @@ impl BitPlane {
 
 /// OR of `others` and, where kept, of what was there; then XOR `turn`.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn any<const N: usize>(words: &mut [u64], others: [&[u64]; N], kept: bool, turn: u64) {
+fn or_all<const N: usize>(words: &mut [u64], others: [&[u64]; N], kept: bool, turn: u64) {
     let others = others.map(|other| &other[..words.len()]);
     if kept {
         for (i, word) in words.iter_mut().enumerate() {

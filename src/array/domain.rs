@@ -9,7 +9,7 @@ use half::{bf16, f16};
 
 use crate::{
     isa::Analog,
-    number::{Number, Q, Wide, Width},
+    number::{Number, Overflow, Q, Wide, Width},
 };
 
 /// An arithmetic of the array.
@@ -45,20 +45,31 @@ pub trait Domain {
     /// The share of `-(sum)` that arrives in the cell at `place`.
     fn store(&self, sum: &Self::Sum, share: Share, place: Place) -> Self::Cell;
 
-    /// Stores along a row: the cell `i` right of `place` gets its share of `sum(i)`, limited
-    /// where the array clips.
+    /// The cells `i` of all operands on one bus.
     #[inline(always)]
-    fn store_row(
+    fn sum<const N: usize>(&self, operands: &[&[Self::Cell]; N], i: usize) -> Self::Sum {
+        let mut sum = self.nothing();
+        for operand in operands {
+            self.add(&mut sum, &operand[i], 1);
+        }
+        sum
+    }
+
+    /// Stores along a row: the cell `i` right of `place` gets its share of what the operands
+    /// have at `i`, limited where the array clips.
+    #[inline(always)]
+    fn store_row<const N: usize>(
         &self,
-        sum: impl Fn(usize) -> Self::Sum,
+        operands: [&[Self::Cell]; N],
         share: Share,
         place: Place,
         clip: bool,
         cells: &mut [Self::Cell],
     ) {
+        let operands = operands.map(|operand| &operand[..cells.len()]);
         for (i, cell) in cells.iter_mut().enumerate() {
             let x = place.x + i;
-            let stored = self.store(&sum(i), share, Place { x, ..place });
+            let stored = self.store(&self.sum(&operands, i), share, Place { x, ..place });
             *cell = if clip { self.limit(stored) } else { stored };
         }
     }
@@ -125,7 +136,7 @@ pub struct Undecided {
 }
 
 /// The ends of the ADC scale, in LSB.
-const LIMITS: (f64, f64) = (-128.0, 127.0);
+pub(super) const LIMITS: (f64, f64) = (-128.0, 127.0);
 
 /// f64 everywhere: the arithmetic that the others are measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -311,6 +322,32 @@ impl<T: Width> Domain for Fixed<T> {
     #[inline]
     fn store(&self, sum: &T::Wide, share: Share, _: Place) -> T {
         self.number.narrow(sum.times(-1).divided(share.by))
+    }
+    #[inline(always)]
+    fn store_row<const N: usize>(
+        &self,
+        operands: [&[T]; N],
+        share: Share,
+        _: Place,
+        clip: bool,
+        cells: &mut [T],
+    ) {
+        let operands = operands.map(|operand| &operand[..cells.len()]);
+        let part = |i| self.sum(&operands, i).times(-1).divided(share.by);
+        // Without a choice inside the loop. Whoever clips to less than the width need not
+        // saturate first.
+        let (low, high) = if clip { self.limits } else { T::LIMITS };
+        let (low, high) = (low.widen(), high.widen());
+        if self.number.overflow() == Overflow::Saturate {
+            for (i, cell) in cells.iter_mut().enumerate() {
+                *cell = T::wrap_wide(part(i).clamp(low, high));
+            }
+        } else {
+            for (i, cell) in cells.iter_mut().enumerate() {
+                let wrapped = T::wrap_wide(part(i));
+                *cell = T::wrap_wide(wrapped.widen().clamp(low, high));
+            }
+        }
     }
     fn square(&self, sum: &T::Wide, gain: f64, _: Place) -> Option<T> {
         let sum: i64 = (*sum).into();

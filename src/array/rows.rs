@@ -143,29 +143,29 @@ fn store_n<D: Domain, const N: usize>(
                 register: store.register,
                 step: when.step,
             };
-            let mut part = |from: usize, to: usize, flags: Option<u64>| {
-                let cells = std::array::from_fn(|k| {
-                    &rows[k][from.wrapping_add_signed(steps[k])..][..to - from]
-                });
+            // A row without a mask goes in one run, any other by the words of the mask.
+            let runs = if whole { 1 } else { flags.len() };
+            for (k, &flags) in flags[..runs].iter().enumerate() {
+                let (from, to) = if whole {
+                    (start, end)
+                } else {
+                    ((64 * k).max(start), (64 * k + 64).min(end))
+                };
+                if from >= to || flags == 0 {
+                    continue;
+                }
+                let n = to - from;
+                let operands: [&[D::Cell]; N] =
+                    std::array::from_fn(|k| &rows[k][from.wrapping_add_signed(steps[k])..][..n]);
                 let first = from.wrapping_add_signed(dx);
                 let place = Place { x: first, ..place };
-                let row = &mut row[first..][..to - from];
-                if let Some(flags) = flags {
-                    let spare = &mut spare[..to - from];
-                    store_cells::<D, N>(domain, cells, spare, store.share, place, when.clip);
-                    merge(row, spare, flags);
+                let row = &mut row[first..][..n];
+                if whole {
+                    store_cells(domain, operands, row, store.share, place, when.clip);
                 } else {
-                    store_cells::<D, N>(domain, cells, row, store.share, place, when.clip);
-                }
-            };
-            if whole && start < end {
-                part(start, end, None);
-            } else {
-                for (k, flags) in flags.iter().enumerate() {
-                    let (from, to) = ((64 * k).max(start), (64 * k + 64).min(end));
-                    if from < to && *flags != 0 {
-                        part(from, to, Some(flags >> (from % 64)));
-                    }
+                    let spare = &mut spare[..n];
+                    store_cells(domain, operands, spare, store.share, place, when.clip);
+                    merge(row, spare, flags >> (from % 64));
                 }
             }
             for x in (0..start).chain(end.max(start)..width) {
@@ -185,20 +185,11 @@ fn store_cells<D: Domain, const N: usize>(
     place: Place,
     clip: bool,
 ) {
-    let operands = operands.map(|operand| &operand[..cells.len()]);
-    let sum = |i: usize| {
-        let mut sum = domain.nothing();
-        for operand in operands {
-            domain.add(&mut sum, &operand[i], 1);
-        }
-        sum
-    };
     // A division by a constant is not a division.
     match share.by {
-        1 => domain.store_row(sum, Share { by: 1, ..share }, place, clip, cells),
-        2 => domain.store_row(sum, Share { by: 2, ..share }, place, clip, cells),
-        3 => domain.store_row(sum, Share { by: 3, ..share }, place, clip, cells),
-        _ => domain.store_row(sum, share, place, clip, cells),
+        1 => domain.store_row(operands, Share { by: 1, ..share }, place, clip, cells),
+        2 => domain.store_row(operands, Share { by: 2, ..share }, place, clip, cells),
+        _ => domain.store_row(operands, share, place, clip, cells),
     }
 }
 
@@ -246,9 +237,12 @@ fn store_one<D: Domain>(
         register: store.register,
         step: when.step,
     };
-    let sum = bus.sum(domain, y, x);
-    let cell = &mut store.cells[to_y * bus.size.width + to_x..][..1];
-    domain.store_row(|_| sum.clone(), store.share, place, when.clip, cell);
+    let stored = domain.store(&bus.sum(domain, y, x), store.share, place);
+    store.cells[to_y * bus.size.width + to_x] = if when.clip {
+        domain.limit(stored)
+    } else {
+        stored
+    };
 }
 
 /// Sets the bits where the bus is above zero.
@@ -303,10 +297,7 @@ fn positive_n<D: Domain, const N: usize>(
             });
             let mut bytes = [0u8; 64];
             for (i, byte) in bytes[..n].iter_mut().enumerate() {
-                let mut sum = domain.nothing();
-                for operand in operands {
-                    domain.add(&mut sum, &operand[i], 1);
-                }
+                let sum = domain.sum(&operands, i);
                 *byte = is_positive(domain, &sum)?.into();
             }
             *word = packed(&bytes) << (from % 64);

@@ -134,19 +134,75 @@ impl Silicon {
         value.clamp(self.errors.range.0 as f32, self.errors.range.1 as f32)
     }
 
-    /// What the cells from `place` on err by: the offset of each, and its noise.
-    #[inline(always)]
-    fn error(&self, place: Place, cells: usize) -> impl Fn(usize) -> f32 {
-        let first = self.pixel(place);
-        let offset = &self.offset[usize::from(place.register.0)][first..][..cells];
-        let draws = Draws::new(self.seed, NOISE, place.register.0, place.step);
-        let noise = self.errors.noise as f32;
-        move |i| offset[i] + noise * draws.normal((first + i) as u32)
-    }
-
     #[inline]
     fn pixel(&self, place: Place) -> usize {
         place.y * self.width + place.x
+    }
+
+    /// Cells beside each other, from `place` on.
+    #[inline(always)]
+    fn run(&self, share: Share, place: Place, cells: usize) -> Run<'_> {
+        let (first, register) = (self.pixel(place), usize::from(place.register.0));
+        // What the others get more the last gets less.
+        let weights = match (share.part, share.by) {
+            (Some(0), 2..) => [1.0, 0.0],
+            (Some(1), 2) => [-1.0, 0.0],
+            (Some(1), _) => [0.0, 1.0],
+            (Some(2), 3) => [-1.0, -1.0],
+            _ => [0.0, 0.0],
+        };
+        Run {
+            first: first as u32,
+            by: share.by as f32,
+            gain: &self.gain[register][first..][..cells],
+            offset: &self.offset[register][first..][..cells],
+            split: self.split.each_ref().map(|plane| &plane[first..][..cells]),
+            weights,
+            division: self.errors.division as f32,
+            curve: self.errors.division_curve as f32,
+            draws: Draws::new(self.seed, NOISE, place.register.0, place.step),
+            noise: self.errors.noise as f32,
+            range: (self.errors.range.0 as f32, self.errors.range.1 as f32),
+        }
+    }
+}
+
+/// What all cells of a run have in common, and what is each one's own.
+struct Run<'a> {
+    first: u32,
+    by: f32,
+    gain: &'a [f32],
+    offset: &'a [f32],
+    split: [&'a [f32]; 2],
+    weights: [f32; 2],
+    division: f32,
+    curve: f32,
+    draws: Draws,
+    noise: f32,
+    range: (f32, f32),
+}
+
+impl Run<'_> {
+    #[inline(always)]
+    fn error(&self, i: usize) -> f32 {
+        self.offset[i] + self.noise * self.draws.normal(self.first + i as u32)
+    }
+
+    /// The cell `i` after a store from a bus that does not split.
+    #[inline(always)]
+    fn whole(&self, sum: f32, i: usize) -> f32 {
+        let value = self.gain[i] * (sum / self.by) + self.error(i);
+        value.clamp(self.range.0, self.range.1)
+    }
+
+    /// The cell `i` after a store from a bus that splits.
+    #[inline(always)]
+    fn part(&self, sum: f32, i: usize) -> f32 {
+        let current = sum / self.by;
+        let error = self.error(i) + self.division + self.curve * current * current;
+        let more = self.weights[0] * self.split[0][i] + self.weights[1] * self.split[1][i];
+        let value = self.gain[i] * (current * (1.0 + more)) + error;
+        value.clamp(self.range.0, self.range.1)
     }
 }
 
@@ -194,53 +250,45 @@ impl Domain for Silicon {
 
     #[inline]
     fn store(&self, sum: &f32, share: Share, place: Place) -> f32 {
-        let mut cell = [0.0];
-        self.store_row(|_| *sum, share, place, false, &mut cell);
-        cell[0]
+        let run = self.run(share, place, 1);
+        if share.part.is_some() {
+            run.part(*sum, 0)
+        } else {
+            run.whole(*sum, 0)
+        }
     }
 
     #[inline(always)]
-    fn store_row(
+    fn store_row<const N: usize>(
         &self,
-        sum: impl Fn(usize) -> f32,
+        operands: [&[f32]; N],
         share: Share,
         place: Place,
         clip: bool,
         cells: &mut [f32],
     ) {
-        let (n, first) = (cells.len(), self.pixel(place));
-        let gain = &self.gain[usize::from(place.register.0)][first..][..n];
-        let error = self.error(place, n);
-        let limit = |cell: f32| if clip { self.limit(cell) } else { cell };
-        let Some(part) = share.part else {
+        let n = cells.len();
+        let operands = operands.map(|operand| &operand[..n]);
+        let run = self.run(share, place, n);
+        if share.part.is_some() {
             for (i, cell) in cells.iter_mut().enumerate() {
-                let current = sum(i) / share.by as f32;
-                *cell = limit(self.saturated(gain[i] * current + error(i)));
+                *cell = run.part(self.sum(&operands, i), i);
             }
-            return;
-        };
-        // What the others get more the last gets less.
-        let [weight, other_weight] = match (part, share.by) {
-            (0, 2..) => [1.0, 0.0],
-            (1, 2) => [-1.0, 0.0],
-            (1, _) => [0.0, 1.0],
-            (2, 3) => [-1.0, -1.0],
-            _ => [0.0, 0.0],
-        };
-        let [split, other_split] = self.split.each_ref().map(|plane| &plane[first..][..n]);
-        let division = self.errors.division as f32;
-        let curve = self.errors.division_curve as f32;
-        for (i, cell) in cells.iter_mut().enumerate() {
-            let current = sum(i) / share.by as f32;
-            let error = error(i) + division + curve * current * current;
-            let more = weight * split[i] + other_weight * other_split[i];
-            *cell = limit(self.saturated(gain[i] * (current * (1.0 + more)) + error));
+        } else {
+            for (i, cell) in cells.iter_mut().enumerate() {
+                *cell = run.whole(self.sum(&operands, i), i);
+            }
+        }
+        if clip {
+            for cell in cells {
+                *cell = self.limit(*cell);
+            }
         }
     }
 
     /// The squarer has no calibration; only the transfer error of its store is modelled.
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
-        let error = self.error(place, 1)(0);
+        let error = self.run(Share::of(1, 0), place, 1).error(0);
         Some(self.saturated(sum * sum * gain as f32 + error))
     }
 

@@ -22,6 +22,8 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     const BITS: u8;
     /// Nought.
     const ZERO: Self;
+    /// The smallest and the largest.
+    const LIMITS: (Self, Self);
     /// The nearest of this width.
     fn saturate(wide: i64) -> Self;
     /// The lowest bits of `wide`.
@@ -84,6 +86,7 @@ macro_rules! width {
             type Wide = $wide;
             const BITS: u8 = <$int>::BITS as u8;
             const ZERO: $int = 0;
+            const LIMITS: ($int, $int) = (<$int>::MIN, <$int>::MAX);
             #[inline]
             fn saturate(wide: i64) -> Self {
                 wide.clamp(<$int>::MIN.into(), <$int>::MAX.into()) as $int
@@ -149,6 +152,13 @@ impl<T: Width> Q<T> {
     #[must_use]
     pub fn with_overflow(self, overflow: Overflow) -> Self {
         Self { overflow, ..self }
+    }
+
+    /// The rule for overflow.
+    #[must_use]
+    #[inline]
+    pub const fn overflow(&self) -> Overflow {
+        self.overflow
     }
 
     /// Brings a sum or quotient of held integers back to the width.

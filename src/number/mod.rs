@@ -15,12 +15,14 @@
 //!
 //! Everything rounds to the nearest, halves to even, once an operation.
 
+mod dyadic;
 mod fixed;
 mod float;
 mod format;
 mod real;
 mod visit;
 
+pub use dyadic::Dyadic;
 pub use fixed::{Overflow, Q, Wide, Width, divide};
 pub use float::{Bf16, F16, F32, F64};
 pub use format::{FixedFormat, Format, FormatError};

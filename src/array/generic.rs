@@ -1,0 +1,253 @@
+//! A program on a generic pixel: one that has all its neighbours and any light.
+//!
+//! It lies in the middle of an array that is just large enough for the border not to reach
+//! it. Its FLAG may be unknown, where it depends on what went in: then what a store would
+//! change holds either the old or the new.
+
+use super::{Domain, Input, Layout, Settings, State, Undecided, host, semantics::execute};
+use crate::{
+    isa::{Analog, Device, Direction, Primitive, Source, Target},
+    plane::{At, Size},
+    program::{Action, Host, Step},
+};
+
+/// A domain that can leave open what a cell holds.
+pub(super) trait Symbolic: Domain {
+    /// What goes in.
+    fn unknown(&self, input: Input, at: At) -> Self::Cell;
+    /// The photodiode after an exposure.
+    fn light(&self, settings: &Settings, at: At) -> Self::Cell;
+    /// What a cell holds when the word `step` may have stored `new` in place of `old`.
+    fn either(&self, old: &Self::Cell, new: &Self::Cell, step: u64) -> Self::Cell;
+}
+
+/// A program that a generic pixel cannot stand for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+pub enum GenericError {
+    /// An operation that treats pixels by their place, or by bits that are not known.
+    #[error("line {line}: `{what}` does not do the same in every pixel")]
+    #[diagnostic(help(
+        "diffusion goes by bits, a count by places; leave the instruction out, or run the program in a domain of numbers"
+    ))]
+    Place {
+        /// Line of the program text, from 1.
+        line: u32,
+        /// The instruction.
+        what: String,
+    },
+    /// It reaches too far.
+    #[error("the program reaches {rows} rows and {columns} columns far; at most {FARTHEST} here")]
+    #[diagnostic(help("take fewer transfers between neighbours at once"))]
+    Reach {
+        /// Transfers along columns.
+        rows: usize,
+        /// Transfers along rows.
+        columns: usize,
+    },
+}
+
+/// Transfers in one direction: beyond, the array around the pixel becomes unwieldy.
+const FARTHEST: usize = 200;
+
+/// One word that ran.
+pub(super) struct Ran<'a> {
+    pub(super) line: u32,
+    pub(super) word: &'a Primitive,
+}
+
+/// The array around the generic pixel.
+pub(super) struct Generic<'a, D: Domain> {
+    domain: &'a D,
+    device: &'a Device,
+    settings: Settings,
+    pub(super) state: State<D::Cell>,
+    /// Whether FLAG is unknown.
+    unknown: bool,
+    /// Of every word so far: its line and text.
+    pub(super) words: Vec<(u32, String)>,
+}
+
+impl<'a, D: Symbolic> Generic<'a, D> {
+    /// Before the first word, around a pixel that has room for these steps.
+    pub(super) fn new(
+        domain: &'a D,
+        device: &'a Device,
+        settings: Settings,
+        steps: &[Step],
+    ) -> Result<Self, GenericError> {
+        let (rows, columns) = reach(steps);
+        if rows.max(columns) > FARTHEST {
+            return Err(GenericError::Reach { rows, columns });
+        }
+        let size = Size::new(2 * rows + 1, 2 * columns + 1);
+        let mut state = State::new(domain, Layout::of(device, size), settings.edge);
+        let places = (0..size.height).flat_map(|y| (0..size.width).map(move |x| At { y, x }));
+        for (i, at) in places.enumerate() {
+            for (r, plane) in (0..).zip(&mut state.analog) {
+                plane[i] = domain.unknown(Input::Register(Analog(r)), at);
+            }
+            state.pix[i] = domain.light(&settings, at);
+        }
+        Ok(Self {
+            domain,
+            device,
+            settings,
+            state,
+            unknown: false,
+            words: Vec::new(),
+        })
+    }
+
+    /// Where it lies.
+    pub(super) fn centre(&self) -> At {
+        let (height, width) = self.state.layout.size.shape();
+        At {
+            y: height / 2,
+            x: width / 2,
+        }
+    }
+
+    /// What it holds.
+    pub(super) fn cell(&self, register: Analog) -> &D::Cell {
+        let At { y, x } = self.centre();
+        &self.state.analog(register)[y * self.state.layout.size.width + x]
+    }
+
+    /// Runs the steps; `after` sees every word.
+    pub(super) fn run(
+        &mut self,
+        steps: &[Step],
+        after: &mut impl FnMut(&Self, Ran<'_>),
+    ) -> Result<(), GenericError> {
+        for step in steps {
+            match &step.action {
+                Action::Word(word) => {
+                    self.word(word, step.line)?;
+                    let line = step.line;
+                    after(self, Ran { line, word });
+                }
+                Action::Host(operation) => self.host(operation, step.line)?,
+                Action::Repeat { times, body } => {
+                    for _ in 0..*times {
+                        self.run(body, after)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn word(&mut self, word: &Primitive, line: u32) -> Result<(), GenericError> {
+        let number = self.words.len() as u64;
+        let text = word.text(self.device);
+        self.words.push((line, text.clone()));
+        match word {
+            Primitive::All => self.unknown = false,
+            // The bits may come from an unknown FLAG.
+            Primitive::WhereBit { .. } => {
+                self.unknown = true;
+                return Ok(());
+            }
+            Primitive::Blur { .. } => {
+                // Its gates are bits; only those that were never written are known.
+                return Err(GenericError::Place { line, what: text });
+            }
+            _ => {}
+        }
+        let before = self.unknown.then(|| self.state.analog.clone());
+        let result = execute(self.domain, &self.settings, &mut self.state, word, number);
+        match (word, result) {
+            (Primitive::Where { .. }, result) => {
+                // All or none: the border may differ, the generic pixel decides.
+                let At { y, x } = self.centre();
+                let on = self.state.flag.get(y, x);
+                self.unknown = result.is_err() || !on;
+                self.state.flag.fill(true);
+            }
+            (_, Err(Undecided { .. })) => return Err(GenericError::Place { line, what: text }),
+            (_, Ok(())) => {}
+        }
+        if let Some(before) = before {
+            for (plane, before) in self.state.analog.iter_mut().zip(&before) {
+                for (cell, old) in plane.iter_mut().zip(before) {
+                    if cell != old {
+                        *cell = self.domain.either(old, cell, number);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn host(&mut self, operation: &Host, line: u32) -> Result<(), GenericError> {
+        match operation {
+            Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. } => {
+                host::execute(self.domain, &mut self.state, operation);
+                Ok(())
+            }
+            // They look, or they change bits, which matter by way of FLAG alone.
+            Host::ScanEvents { .. }
+            | Host::ScanEventsFrom { .. }
+            | Host::ReadAnalog { .. }
+            | Host::ReadPixel { .. }
+            | Host::ScanAnalog { .. }
+            | Host::ScanBlocks { .. }
+            | Host::ScanDigital { .. }
+            | Host::ScanBoundingBox { .. }
+            | Host::GlobalSum { .. }
+            | Host::GlobalOr { .. }
+            | Host::Load { .. }
+            | Host::Select { .. }
+            | Host::DrawBegin { .. }
+            | Host::Draw { .. }
+            | Host::DrawEnd => Ok(()),
+            Host::GlobalCount { .. } => Err(GenericError::Place {
+                line,
+                what: operation.text(self.device),
+            }),
+        }
+    }
+}
+
+/// How far, in rows and columns, what goes in can lie from where it arrives.
+fn reach(steps: &[Step]) -> (usize, usize) {
+    let mut far = (0usize, 0usize);
+    for step in steps {
+        let (rows, columns) = match &step.action {
+            Action::Word(Primitive::Bus { targets, sources }) => {
+                let to = targets.iter().filter_map(|target| match target {
+                    Target::Neighbour(direction) => Some(*direction),
+                    Target::Register(_) => None,
+                });
+                let (to, from) = (farthest(to), farthest(beside(sources)));
+                (to.0 + from.0, to.1 + from.1)
+            }
+            Action::Word(Primitive::Square { sources } | Primitive::Where { sources }) => {
+                farthest(beside(sources))
+            }
+            Action::Word(_) | Action::Host(_) => (0, 0),
+            Action::Repeat { times, body } => {
+                let (rows, columns) = reach(body);
+                let times = *times as usize;
+                (rows.saturating_mul(times), columns.saturating_mul(times))
+            }
+        };
+        far = (far.0.saturating_add(rows), far.1.saturating_add(columns));
+    }
+    far
+}
+
+fn beside(sources: &[Source]) -> impl Iterator<Item = Direction> {
+    sources.iter().filter_map(|source| match source {
+        Source::Neighbour(direction) => Some(*direction),
+        Source::Register(_) | Source::Pix | Source::In => None,
+    })
+}
+
+/// In rows and columns, 0 or 1 each.
+fn farthest(directions: impl Iterator<Item = Direction>) -> (usize, usize) {
+    directions.fold((0, 0), |(rows, columns), direction| {
+        let (dy, dx) = direction.step();
+        (rows.max(dy.unsigned_abs()), columns.max(dx.unsigned_abs()))
+    })
+}
