@@ -318,15 +318,12 @@ impl Symbolic for Bounds {
     fn light(&self, settings: &Settings, at: At) -> Cell {
         let mut light = self.hold(settings.reset_level).value;
         let gain = Dyadic::of(settings.gain).filter(|gain| !gain.is_zero());
-        match (&mut light, gain) {
-            (Value::Form(form), Some(gain)) => {
-                form.taps.insert((Input::Light, at), gain);
-            }
-            _ => {
-                let one = |light: f64| settings.reset_level + settings.gain * light;
-                let ends = [one(self.inputs.light.low), one(self.inputs.light.high)];
-                light = Value::Within(Interval::new(ends[0].min(ends[1]), ends[0].max(ends[1])));
-            }
+        if let (Value::Form(form), Some(gain)) = (&mut light, gain) {
+            form.taps.insert((Input::Light, at), gain);
+        } else {
+            let one = |light: f64| settings.reset_level + settings.gain * light;
+            let ends = [one(self.inputs.light.low), one(self.inputs.light.high)];
+            light = Value::Within(Interval::new(ends[0].min(ends[1]), ends[0].max(ends[1])));
         }
         self.cell(light)
     }
