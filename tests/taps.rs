@@ -145,7 +145,7 @@ fn what_is_not_linear_is_told_by_line() {
     };
     assert_eq!((error.line, error.why), (1, Why::Parts));
 
-    let (line, reason, what) = why("mov(B, A);\nsq(C, A);\nmov(D, C);", 3);
+    let (line, reason, what) = why("mov(B, A);\nsq(A);\nbus(D, NEWS);", 3);
     assert_eq!((line, reason), (2, Why::Square), "{what}");
     let (line, reason, _) = why("where(A);\nmov(B, A);\nall();", 1);
     assert_eq!((line, reason), (2, Why::Flag));
