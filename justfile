@@ -17,6 +17,7 @@ ci:
 # Speed of the float reference, against a plain version and the machine's limits
 bench:
     cargo bench --bench reference
+    cargo bench --bench array
 
 # The bundled clip, from OpenCV's vtest.avi as y4m (see clips/README.md)
 clip Y4M:
