@@ -23,6 +23,7 @@ mod noise;
 mod refractory;
 mod signal;
 mod sinks;
+mod step;
 mod tally;
 mod train;
 mod voxel;
