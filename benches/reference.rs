@@ -158,13 +158,25 @@ fn heading(title: &str) {
     println!("\n{title}");
     println!(
         "{:<22} {:>2} {:>7} {:>2} {:>9} {:>9} {:>7} {:>7} {:>8} {:>9} {:>7}",
-        "", "K", "asked", "th", "pairs/s", "Mev/s", "ev/cell", "ns/cell", "MB/pair", "floor/s", "reached"
+        "",
+        "K",
+        "asked",
+        "th",
+        "pairs/s",
+        "Mev/s",
+        "ev/cell",
+        "ns/cell",
+        "MB/pair",
+        "floor/s",
+        "reached"
     );
 }
 
 fn describe(text: &str) -> Description {
-    Description::parse("bench.toml", text, &|_| Err(std::io::ErrorKind::NotFound.into()))
-        .expect("the bench's own sensors are valid")
+    Description::parse("bench.toml", text, &|_| {
+        Err(std::io::ErrorKind::NotFound.into())
+    })
+    .expect("the bench's own sensors are valid")
 }
 
 /// A sensor with `kinds` channels of one 5x5 kernel.
@@ -207,7 +219,10 @@ fn main() {
             let double = bench.line(F64, &plain_sensor, &mut clip, ask, threads);
             if let (Ask::List, 1) = (ask, threads) {
                 main_seconds = single.seconds;
-                assert_eq!(double.events, plain.events, "the plain loop counts otherwise");
+                assert_eq!(
+                    double.events, plain.events,
+                    "the plain loop counts otherwise"
+                );
             }
             bench.show(&single);
             bench.show(&double);
@@ -223,8 +238,14 @@ fn main() {
     heading("256x256, other sensors and formats, one thread");
     for (name, more) in [
         ("dead-time 1 ms", "refractory = { us = 1000 }"),
-        ("authors 1 ms", "refractory = { us = 1000, rule = \"authors\" }"),
-        ("shot 5 Hz, leak 0.1 Hz", "noise = { shot-hz = 5, leak-hz = 0.1 }"),
+        (
+            "authors 1 ms",
+            "refractory = { us = 1000, rule = \"authors\" }",
+        ),
+        (
+            "shot 5 Hz, leak 0.1 Hz",
+            "noise = { shot-hz = 5, leak-hz = 0.1 }",
+        ),
     ] {
         let label = format!("f32 {name}");
         let line = bench.line(F32, &sensor(1, more), &mut clip, Ask::List, 1);

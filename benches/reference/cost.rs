@@ -18,7 +18,10 @@ impl Cost {
     /// For a memory that steps: base (read), steps and the last drive (read and written) of
     /// each cell; the signal, written once and read once; the light, read.
     pub fn of<N: Number>(_: &N, description: &Description, size: Size) -> Self {
-        let (held, cells) = (size_of::<N::Held>(), size.pixels() * description.channels.len());
+        let (held, cells) = (
+            size_of::<N::Held>(),
+            size.pixels() * description.channels.len(),
+        );
         let taps: usize = description
             .channels
             .iter()

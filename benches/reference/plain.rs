@@ -68,7 +68,11 @@ impl Plain {
         let memory = self.memory[y][x];
         let (from, to) = (self.before[y][x] - memory, drive - memory);
         let count = (to.abs() / self.threshold * (1.0 + 1e-12)).floor();
-        let polarity = if to > 0.0 { Polarity::On } else { Polarity::Off };
+        let polarity = if to > 0.0 {
+            Polarity::On
+        } else {
+            Polarity::Off
+        };
         for i in 1..=count as u64 {
             let level = i as f64 * self.threshold * to.signum();
             let place = (level - from) / (to - from);

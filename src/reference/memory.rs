@@ -200,12 +200,7 @@ mod tests {
         let there_and_back = [MILLIARD, -MILLIARD, MILLIARD, -MILLIARD, 1];
         assert_eq!(after(&F64, &there_and_back, 0.2, 0.2), 0.7);
         assert_eq!(
-            after(
-                &F32,
-                &[1_000_000, 1_000_000, -2_000_000, 1],
-                0.2,
-                0.2
-            ),
+            after(&F32, &[1_000_000, 1_000_000, -2_000_000, 1], 0.2, 0.2),
             f64::from(0.7f32)
         );
         // Adding one by one in single precision is off by a hundredth after a million.
