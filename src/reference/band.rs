@@ -13,12 +13,13 @@ use super::{
     Report,
     description::{Description, MemoryRule, PolarityRule, RefractoryRule},
     drive::{Weights, log_temporal},
-    fire::{self, Distances, MOST},
+    fire,
     hash::Place,
     memory::{self, Memory, Stepped},
     noise::{Noise, Thresholds},
     refractory::{self, awake},
     signal::Padded,
+    step::Seen,
     train::{BandSink, Pair, Train, TrainRow},
 };
 
@@ -121,7 +122,6 @@ struct Scratch<N: Number> {
     drive: Vec<N::Held>,
     other: Vec<N::Held>,
     memory: Vec<N::Held>,
-    from: Vec<N::Real>,
     to: Vec<N::Real>,
     trains: TrainRow<N::Real>,
     /// When each cell had last fired before this pair, in seconds.
@@ -140,7 +140,6 @@ impl<N: Number> Band<N> {
             drive: vec![N::ZERO; width],
             other: vec![N::ZERO; width],
             memory: vec![N::ZERO; width],
-            from: vec![N::Real::ZERO; width],
             to: vec![N::Real::ZERO; width],
             trains: TrainRow::new(width),
             rested: vec![f64::NEG_INFINITY; width],
@@ -228,7 +227,6 @@ impl<N: Number> Band<N> {
             drive,
             other,
             memory,
-            from,
             to,
             trains,
             rested,
@@ -256,21 +254,23 @@ impl<N: Number> Band<N> {
             log_temporal(number, drive, 1e-8);
         }
         match state {
-            Memory::FilteredStep(stepped) => {
+            Memory::FilteredStep(stepped) if authors => {
                 stepped.values(number, range.clone(), on, off, memory);
-                if authors {
-                    memory::distance(number, drive, memory, to);
-                } else {
-                    let drives = (&mut before[range.clone()], &drive[..]);
-                    memory::distances(number, drives, memory, from, to);
-                    if !leak.is_empty() {
-                        fall(from, &leak[range.clone()], elapsed - pair.duration());
-                        fall(to, &leak[range.clone()], elapsed);
-                    }
-                    let distances = Distances { from, to, on, off };
-                    let times = times || !fired.is_empty();
-                    fire::cross(distances, times, trains).map_err(beyond)?;
-                }
+                memory::distance(number, drive, memory, to);
+            }
+            Memory::FilteredStep(stepped) => {
+                let seen = Seen {
+                    drive,
+                    on,
+                    off,
+                    leak: leak.get(range.clone()).unwrap_or_default(),
+                    elapsed: (elapsed - pair.duration(), elapsed),
+                };
+                let times = times || !fired.is_empty();
+                let before = &mut before[range.clone()];
+                stepped
+                    .cross(number, range.clone(), before, &seen, times, trains)
+                    .map_err(beyond)?;
             }
             Memory::PixelStep(_) => {
                 let Some(weights) = &plan.memory_weights[channel] else {
@@ -284,13 +284,13 @@ impl<N: Number> Band<N> {
                 if !leak.is_empty() {
                     fall(to, &leak[range.clone()], elapsed);
                 }
-                fire::snap(Distances { from, to, on, off }, trains);
+                fire::snap(to, on, off, trains);
             }
             Memory::RawSnap { .. } => {
                 for (to, drive) in to.iter_mut().zip(drive.iter()) {
                     *to = number.real(*drive);
                 }
-                fire::snap(Distances { from, to, on, off }, trains);
+                fire::snap(to, on, off, trains);
             }
         }
         if authors {
@@ -298,6 +298,7 @@ impl<N: Number> Band<N> {
             authors_row(plan, pair, (on, off), to, fired, trains).map_err(beyond)?;
         }
         match state {
+            Memory::FilteredStep(_) if !authors => {}
             Memory::FilteredStep(stepped) | Memory::PixelStep(stepped) => {
                 stepped
                     .take(range.clone(), &trains.counts)
@@ -565,7 +566,7 @@ fn authors_row<N: Number>(
         let since = fired.as_ref().map_or(0.0, |fired| pair.from - fired[x]);
         let train: Option<Train> =
             refractory::authors(d.to_f64(), (on[x].to_f64(), off[x].to_f64()), dt, r, since);
-        if train.is_some_and(|train| train.count > u64::from(MOST.unsigned_abs())) {
+        if train.is_some_and(|train| train.count > u64::from(memory::MOST.unsigned_abs())) {
             return Err(x);
         }
         if let (Some(train), Some(fired)) = (train, &mut fired) {

@@ -84,3 +84,35 @@ impl BandSink for CountBand<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_that_is_told_again_adds() {
+        let mut counts = Counts::new(Size::new(1, 2), 2);
+        let pair = Pair {
+            index: 0,
+            from: 0.0,
+            to: 1.0,
+        };
+        for _ in 0..2 {
+            let mut bands = counts.begin(pair, std::slice::from_ref(&(0..1)));
+            for (channel, told) in [(0, [1, 2]), (0, [3, -5]), (1, [7, 0])] {
+                let mut row = TrainRow::<f32>::new(2);
+                row.channel = channel;
+                row.counts = told.to_vec();
+                bands[0].row(&row).unwrap();
+            }
+            drop(bands);
+            counts.end().unwrap();
+            let planes: Vec<_> = counts
+                .planes()
+                .iter()
+                .map(|p| p.as_slice().unwrap().to_vec())
+                .collect();
+            assert_eq!(planes, [[4, -3], [7, 0]]);
+        }
+    }
+}

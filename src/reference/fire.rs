@@ -25,89 +25,21 @@ use crate::number::Real;
 
 use super::train::TrainRow;
 
-/// Distances from memory of a row of cells, and their thresholds.
-#[derive(Clone, Copy)]
-pub(super) struct Distances<'a, R> {
-    /// At the earlier frame.
-    pub(super) from: &'a [R],
-    /// At the later frame.
-    pub(super) to: &'a [R],
-    pub(super) on: &'a [R],
-    pub(super) off: &'a [R],
-}
-
-/// More thresholds than this, up or down, are not counted.
-pub(super) const MOST: i32 = 1 << 30;
-
-/// How many thresholds a row of cells has crossed, and if `times` are wanted, when; the column
-/// of the first cell that crossed more than are counted, if there is one.
-pub(super) fn cross<R: Real>(
-    distances: Distances<'_, R>,
-    times: bool,
-    row: &mut TrainRow<R>,
-) -> Result<(), usize> {
-    let fits = if times {
-        count_and_time(distances, &mut row.counts, &mut row.first, &mut row.spacing)
-    } else {
-        count(distances, &mut row.counts)
-    };
-    if fits {
-        return Ok(());
-    }
-    let Distances { to, on, off, .. } = distances;
-    let beyond = |x: &usize| !whole(to[*x], on[*x], off[*x]).1;
-    Err((0..to.len()).find(beyond).unwrap_or(0))
-}
-
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn count<R: Real>(distances: Distances<'_, R>, counts: &mut [i32]) -> bool {
-    let mut fits = true;
-    let Distances { to, on, off, .. } = distances;
-    for ((count, &d), (&on, &off)) in counts.iter_mut().zip(to).zip(on.iter().zip(off)) {
-        let (whole, counted) = whole(d, on, off);
-        *count = to_i32(whole);
-        fits &= counted;
-    }
-    fits
-}
-
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn count_and_time<R: Real>(
-    distances: Distances<'_, R>,
-    counts: &mut [i32],
-    first: &mut [R],
-    spacing: &mut [R],
-) -> bool {
-    let mut fits = true;
-    let Distances { from, to, on, off } = distances;
-    let lines = from.iter().zip(to).zip(on.iter().zip(off));
-    let out = counts.iter_mut().zip(first.iter_mut().zip(spacing));
-    for (((&from, &to), (&on, &off)), (count, (first, spacing))) in lines.zip(out) {
-        let (whole, counted) = whole(to, on, off);
-        *count = to_i32(whole);
-        fits &= counted;
-        (*first, *spacing) = place(from, to, on, off);
-    }
-    fits
-}
-
-/// Whole thresholds in a distance, with its sign; whether they can be counted.
+/// Whole thresholds in a distance, with its sign; `i32::MIN` if they are more than 2^31, or
+/// the distance is not a number.
 #[inline]
-fn whole<R: Real>(d: R, on: R, off: R) -> (R, bool) {
+pub(super) fn count<R: Real>(d: R, on: R, off: R) -> i32 {
     let theta = if d >= R::ZERO { on } else { off };
     let quotient = d.abs() / theta;
     // In single precision the tolerance of a large count would be more than an event.
     let half = R::of(0.5);
     let hair = quotient * R::TIE;
     let whole = (quotient + if hair < half { hair } else { half }).floor();
-    let counted = whole <= R::of_i32(MOST);
-    (if d >= R::ZERO { whole } else { -whole }, counted)
-}
-
-/// A whole number within 2^31, without the checks of `as` that keep a loop from being
-/// vectorised: added to 1.5 * 2^52, it stands in the lowest bits.
-#[inline]
-fn to_i32<R: Real>(whole: R) -> i32 {
+    let beyond = R::of(2_147_483_648.0);
+    let whole = if whole < beyond { whole } else { beyond };
+    let whole = if d >= R::ZERO { whole } else { -whole };
+    // The same as `as`, whose checks would keep the loop from being vectorised: added to
+    // 1.5 * 2^52, a whole number stands in the lowest bits.
     (whole.to_f64() + 6_755_399_441_055_744.0).to_bits() as i32
 }
 
@@ -116,7 +48,7 @@ fn to_i32<R: Real>(whole: R) -> i32 {
 ///
 /// Where the line does not rise, a disturbance made the crossing: it is seen at the frame.
 #[inline]
-fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
+pub(super) fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
     let theta = if to >= R::ZERO { on } else { off };
     let start = if to >= R::ZERO { from } else { -from };
     let rise = to.abs() - start;
@@ -133,9 +65,9 @@ fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
 
 /// The one decision of a memory that snaps: 1, 0 or -1 event, when the frame is taken.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn snap<R: Real>(distances: Distances<'_, R>, row: &mut TrainRow<R>) {
-    let thresholds = distances.on.iter().zip(distances.off);
-    for ((count, &d), (&on, &off)) in row.counts.iter_mut().zip(distances.to).zip(thresholds) {
+pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut TrainRow<R>) {
+    let cells = distances.iter().zip(on.iter().zip(off));
+    for (count, (&d, (&on, &off))) in row.counts.iter_mut().zip(cells) {
         *count = if d > on {
             1
         } else if -d > off {
@@ -151,42 +83,27 @@ pub(super) fn snap<R: Real>(distances: Distances<'_, R>, row: &mut TrainRow<R>) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{event::Polarity, reference::train::Train};
     use proptest::prelude::*;
 
-    const ON: [f64; 1] = [0.2];
-    const OFF: [f64; 1] = [0.1];
+    const ON: f64 = 0.2;
+    const OFF: f64 = 0.1;
 
-    fn one(from: f64, to: f64) -> TrainRow<f64> {
-        let distances = Distances {
-            from: &[from],
-            to: &[to],
-            on: &ON,
-            off: &OFF,
-        };
-        let [mut row, mut untimed] = [TrainRow::new(1), TrainRow::new(1)];
-        cross(distances, true, &mut row).unwrap();
-        cross(distances, false, &mut untimed).unwrap();
-        assert_eq!(row.counts, untimed.counts);
-        row
+    fn count(d: f64) -> i32 {
+        super::count(d, ON, OFF)
     }
 
     fn snapped(d: f64) -> i32 {
         let mut row = TrainRow::new(1);
-        let distances = Distances {
-            from: &[0.0],
-            to: &[d],
-            on: &ON,
-            off: &OFF,
-        };
-        snap(distances, &mut row);
+        snap(&[d], &[ON], &[OFF], &mut row);
         row.counts[0]
     }
 
     #[test]
     fn a_tie_fires_when_it_steps_and_not_when_it_snaps() {
-        assert_eq!(one(0.0, 0.6).counts, [3]);
-        assert_eq!(one(0.0, 0.6 - 1e-9).counts, [2]);
-        assert_eq!(one(0.0, -1e6 * 0.1).counts, [-1_000_000]);
+        assert_eq!(count(0.6), 3);
+        assert_eq!(count(0.6 - 1e-9), 2);
+        assert_eq!(count(-1e6 * 0.1), -1_000_000);
         assert_eq!(
             (snapped(0.2), snapped(0.2 + 1e-15), snapped(-0.11)),
             (0, 1, -1)
@@ -195,40 +112,18 @@ mod tests {
 
     #[test]
     fn single_precision_ties_fire_too() {
-        let distances = Distances {
-            from: &[0.0],
-            to: &[0.3f32 + 0.3],
-            on: &[0.2],
-            off: &[0.2],
-        };
-        let mut row = TrainRow::new(1);
-        cross(distances, false, &mut row).unwrap();
-        assert_eq!(row.counts, [3]);
+        assert_eq!(super::count(0.3f32 + 0.3, 0.2, 0.2), 3);
     }
 
     #[test]
-    fn what_cannot_be_counted_is_refused() {
-        let most = f64::from(MOST);
-        for (d, fits) in [
-            (most, true),
-            (-most, true),
-            (most + 1.0, false),
-            (-most - 1.0, false),
-            (f64::INFINITY, false),
-            (f64::NAN, false),
-        ] {
-            let distances = Distances {
-                from: &[0.0; 3],
-                to: &[1.0, d, 1.0],
-                on: &[1.0; 3],
-                off: &[1.0; 3],
-            };
-            for times in [false, true] {
-                let mut row = TrainRow::new(3);
-                let crossed = cross(distances, times, &mut row);
-                assert_eq!(crossed, if fits { Ok(()) } else { Err(1) }, "{d}");
-                assert!(!fits || f64::from(row.counts[1]) == d);
-            }
+    fn what_cannot_be_counted_is_marked() {
+        let most = f64::from(i32::MAX);
+        for d in [most, -most] {
+            assert_eq!(f64::from(super::count(d, 1.0, 1.0)), d);
+        }
+        for d in [most + 1.0, -most - 1.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(super::count(d, 1.0, 1.0), i32::MIN, "{d}");
+            assert_eq!(super::count(d as f32, 1.0, 1.0), i32::MIN, "{d}");
         }
     }
 
@@ -236,15 +131,13 @@ mod tests {
         /// Each event lies where the line meets its level, and no further level is reached.
         #[test]
         fn crossings_lie_where_the_line_meets_the_levels(d0 in -0.0999f64..0.1999, d1 in -3.0f64..3.0) {
-            let Some(train) = one(d0, d1).get(0) else {
-                prop_assert!(d1 < 0.2 && d1 > -0.1);
-                return Ok(());
-            };
-            let theta = if d1 > 0.0 { 0.2 } else { 0.1 };
+            let theta = if d1 > 0.0 { ON } else { OFF };
+            let (first, spacing) = place(d0, d1, ON, OFF);
+            let train = Train { polarity: Polarity::On, count: count(d1).unsigned_abs().into(), first, spacing };
             for i in 0..train.count {
                 let u = train.at(i);
                 let line = d0 + u * (d1 - d0);
-                let level = f64::from(train.polarity.sign()) * theta * (i + 1) as f64;
+                let level = d1.signum() * theta * (i + 1) as f64;
                 prop_assert!((line - level).abs() < 1e-12, "event {} at {}: {} is not {}", i, u, line, level);
             }
             prop_assert!(d1.abs() < theta * (train.count + 1) as f64);

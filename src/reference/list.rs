@@ -429,8 +429,8 @@ struct Clock {
     span: u64,
 }
 
-/// Events that are sorted at a time, about.
-const CACHED: u64 = 1 << 15;
+/// Events that one thread sorts at a time, about: as many as a cache holds.
+const CACHED: u64 = 1 << 17;
 
 /// 2^52: the first double after which there are no fractions.
 const MAGIC: f64 = 4_503_599_627_370_496.0;
@@ -548,22 +548,82 @@ mod tests {
         list.end()
     }
 
+    /// The slow twin: every event by itself, put into order by comparison.
+    fn one_by_one(rows: &[TrainRow<f64>], pair: Pair) -> Vec<Event> {
+        let mut events = Vec::new();
+        for row in rows {
+            for (x, train) in row.trains() {
+                for i in 0..train.count {
+                    events.push(Event {
+                        t: Micros::from_seconds(pair.from + train.at(i) * pair.duration()),
+                        x: x as u16,
+                        y: row.y as u16,
+                        polarity: train.polarity,
+                        channel: row.channel as u8,
+                    });
+                }
+            }
+        }
+        events.sort_by_key(|e| (e.t, e.y, e.x, e.channel));
+        events
+    }
+
     proptest! {
-        /// Counting and comparing put the same events into the same order.
+        /// Several channels, rows that are told again, short pairs and long, few events and
+        /// many, one thread and two.
         #[test]
-        fn both_sorts_agree(rows in proptest::collection::vec(proptest::collection::vec(-9i8..9, 7), 1..9), index in 0u64..1000) {
-            // The longer pair is too long to be counted: its times are those of the shorter, times 32.
-            let pair = |dt: f64| Pair { index, from: index as f64 * dt, to: (index + 1) as f64 * dt };
-            let [mut short, mut long] = [Packet::new(Size::new(9, 7), 1), Packet::new(Size::new(9, 7), 1)];
-            told(&rows, pair(0.004_096), Limit::default(), &mut short).unwrap();
-            told(&rows, pair(0.131_072), Limit::default(), &mut long).unwrap();
-            prop_assert!(short.events.is_sorted_by_key(|e| (e.t, e.y, e.x)));
-            let total: i64 = rows.iter().flatten().map(|c| i64::from(c.abs())).sum();
-            prop_assert_eq!(short.events.len() as i64, total);
-            let scaled: Vec<_> = short.canonical().iter().map(|e| (e.t.0 * 32, e.y, e.x, e.polarity)).collect();
-            let mut exact: Vec<_> = long.events.iter().map(|e| (e.t.0, e.y, e.x, e.polarity)).collect();
-            exact.sort_by_key(|e| (e.0 / 32, e.1, e.2));
-            prop_assert_eq!(exact.len(), scaled.len());
+        fn events_are_in_order(
+            counts in proptest::collection::vec(proptest::collection::vec(-9i32..10, 7), 12),
+            sparse: bool,
+            channels in 1usize..4,
+            index in 0u32..1000,
+            duration in proptest::sample::select(vec![1e-6, 7e-4, 1.0 / 240.0, 3.0, 1e5]),
+        ) {
+            // Each row is told by each channel in turn, and the last channel tells it again.
+            let told = channels + 1;
+            let rows: Vec<TrainRow<f64>> = counts.iter().enumerate().map(|(n, counts)| {
+                let keep = |x: usize| i32::from(!sparse || (n + x).is_multiple_of(5));
+                TrainRow {
+                    channel: (n % told).min(channels - 1),
+                    y: n / told,
+                    counts: counts.iter().enumerate().map(|(x, count)| count * keep(x)).collect(),
+                    first: (0..7).map(|x| (x * 7 % 10 + n) as f64 / 30.0).collect(),
+                    spacing: vec![1.0 / 37.0; 7],
+                }
+            }).collect();
+            let pair = Pair { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };
+            let slow = one_by_one(&rows, pair);
+            for threads in [1, 2] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let mut packet = Packet::new(Size::new(12, 7), 1);
+                let bands: Vec<_> = (0..12).map(|y| y..y + 1).collect();
+                let told_twice = pool.install(|| {
+                    let mut list = EventList::new(&mut packet, Limit::default());
+                    for _ in 0..2 {
+                        let mut parts = list.begin(pair, &bands);
+                        for row in &rows {
+                            parts[row.y].row(row).unwrap();
+                        }
+                        drop(parts);
+                        list.end().unwrap();
+                    }
+                    packet.events.len()
+                });
+                prop_assert_eq!(told_twice, 2 * slow.len());
+                for fast in packet.events.chunks(slow.len().max(1)) {
+                    prop_assert!(fast.is_sorted_by_key(|e| (e.t, e.y, e.x, e.channel)));
+                    // Halves of a microsecond may be rounded either way, and the order with them.
+                    let by_cell = |events: &[Event]| {
+                        let mut events = events.to_vec();
+                        events.sort_by_key(|e| (e.y, e.x, e.channel, e.polarity, e.t));
+                        events
+                    };
+                    for (fast, slow) in by_cell(fast).iter().zip(by_cell(&slow)) {
+                        prop_assert!(fast.t.0.abs_diff(slow.t.0) <= 1);
+                        prop_assert_eq!(Event { t: slow.t, ..*fast }, slow);
+                    }
+                }
+            }
         }
     }
 

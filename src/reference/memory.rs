@@ -24,8 +24,6 @@ use multiversion::multiversion;
 
 use crate::number::{Number, Real};
 
-use super::fire::MOST;
-
 /// The memory of one channel in one band of rows, row after row.
 #[derive(Clone, Debug)]
 pub(super) enum Memory<N: Number> {
@@ -46,11 +44,11 @@ pub(super) enum Memory<N: Number> {
 /// A memory that is moved by whole thresholds.
 #[derive(Clone, Debug)]
 pub(super) struct Stepped<N: Number> {
-    base: Vec<N::Held>,
+    pub(super) base: Vec<N::Held>,
     /// ON steps less OFF steps.
-    net: Vec<i32>,
+    pub(super) net: Vec<i32>,
     /// OFF steps, where the two thresholds differ.
-    off: Option<Vec<f64>>,
+    pub(super) off: Option<Vec<f64>>,
 }
 
 impl<N: Number> Stepped<N> {
@@ -84,7 +82,7 @@ impl<N: Number> Stepped<N> {
         );
         let Some(steps) = &self.off else { return };
         for ((out, steps), (on, off)) in out.iter_mut().zip(&steps[range]).zip(on.iter().zip(off)) {
-            *out = number.hold_real(number.real(*out) + N::Real::of(*steps) * (*on - *off));
+            *out = less_off(number, *out, *steps, *on, *off);
         }
     }
 
@@ -97,20 +95,43 @@ impl<N: Number> Stepped<N> {
     ) -> Result<(), usize> {
         if let Some(off) = &mut self.off {
             for (off, count) in off[range.clone()].iter_mut().zip(counts) {
-                *off += f64::from((-count).max(0));
+                *off -= f64::from((*count).min(0));
             }
         }
         let net = &mut self.net[range];
         if take(net, counts) {
             return Ok(());
         }
-        Err(net.iter().position(|net| !holds(*net)).unwrap_or(0))
+        Err(net.iter().position(|net| room(*net) < 0).unwrap_or(0))
     }
 }
 
-/// Counts are within [`MOST`], so the sum of two cannot wrap unnoticed.
-fn holds(net: i32) -> bool {
-    net.unsigned_abs() <= MOST.unsigned_abs()
+/// How far a memory may move, in steps; so far that `net` cannot wrap unnoticed, whatever one
+/// pair of frames adds.
+pub(super) const MOST: i32 = 1 << 30;
+
+/// Below zero if the memory is too far, so that many can be checked at once.
+#[inline]
+pub(super) fn room(net: i32) -> i32 {
+    net.wrapping_add(MOST)
+}
+
+/// `base + net θ_on`
+#[inline]
+pub(super) fn at<N: Number>(number: &N, base: N::Held, net: i32, on: N::Real) -> N::Held {
+    number.hold_real(number.real(base) + N::Real::of_i32(net) * on)
+}
+
+/// `memory + off (θ_on - θ_off)`, where the two thresholds differ.
+#[inline]
+pub(super) fn less_off<N: Number>(
+    number: &N,
+    memory: N::Held,
+    steps: f64,
+    on: N::Real,
+    off: N::Real,
+) -> N::Held {
+    number.hold_real(number.real(memory) + N::Real::of(steps) * (on - off))
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
@@ -123,19 +144,19 @@ fn stepped<N: Number>(
 ) {
     let cells = base.iter().zip(net).zip(on);
     for (out, ((&base, &net), &on)) in out.iter_mut().zip(cells) {
-        *out = number.hold_real(number.real(base) + N::Real::of_i32(net) * on);
+        *out = at(number, base, net, on);
     }
 }
 
 /// Whether all cells could take their steps.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn take(net: &mut [i32], counts: &[i32]) -> bool {
-    let mut fits = true;
+    let mut all = 0;
     for (net, &count) in net.iter_mut().zip(counts) {
         *net = net.wrapping_add(count);
-        fits &= holds(*net);
+        all |= room(*net);
     }
-    fits
+    all >= 0
 }
 
 /// `d = S - M` in the number format, as what it is worth.
@@ -148,24 +169,6 @@ pub(super) fn distance<N: Number>(
 ) {
     for (out, (&drive, &memory)) in out.iter_mut().zip(drive.iter().zip(memory)) {
         *out = number.real(number.sub(drive, memory));
-    }
-}
-
-/// The distances of the drive at two frames from one memory; the later drive takes the place
-/// of the earlier.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn distances<N: Number>(
-    number: &N,
-    (before, drive): (&mut [N::Held], &[N::Held]),
-    memory: &[N::Held],
-    from: &mut [N::Real],
-    to: &mut [N::Real],
-) {
-    let drives = before.iter_mut().zip(drive).zip(memory);
-    for (((before, &drive), &memory), (from, to)) in drives.zip(from.iter_mut().zip(to)) {
-        *from = number.real(number.sub(*before, memory));
-        *to = number.real(number.sub(drive, memory));
-        *before = drive;
     }
 }
 

@@ -23,6 +23,7 @@ mod noise;
 mod refractory;
 mod signal;
 mod sinks;
+mod step;
 mod tally;
 mod train;
 mod voxel;
@@ -121,6 +122,22 @@ impl<N: Number> Reference<N> {
         size: Size,
         seed: u64,
     ) -> Result<Self, SensorError> {
+        let rows = if size.pixels() < SMALL {
+            size.height
+        } else {
+            BAND_ROWS
+        };
+        Self::in_bands(number, description, size, seed, rows)
+    }
+
+    /// The same, in bands of so many rows.
+    fn in_bands(
+        number: N,
+        description: Description,
+        size: Size,
+        seed: u64,
+        rows: usize,
+    ) -> Result<Self, SensorError> {
         let addresses = 1..=1 << 16;
         if !addresses.contains(&size.width) || !addresses.contains(&size.height) {
             return Err(SensorError::Addresses { size });
@@ -131,11 +148,6 @@ impl<N: Number> Reference<N> {
             .flat_map(|channel| channel.kernels.iter().chain(&channel.memory_kernel))
             .map(Kernel::reach)
             .fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
-        let rows = if size.pixels() < SMALL {
-            size.height
-        } else {
-            BAND_ROWS
-        };
         let held_pixels = matches!(
             description.memory,
             MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
@@ -152,7 +164,7 @@ impl<N: Number> Reference<N> {
                 Vec::new()
             },
             signal: padded,
-            cut: bands(size.height, rows),
+            cut: bands(size.height, rows.max(1)),
             bands: Vec::new(),
             parts: Vec::new(),
             seen: None,
@@ -367,5 +379,98 @@ impl<N: Number> Sensor for Reference<N> {
         watched?;
         packet.span.1 = Micros::from_seconds(frame.seconds);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn sensors() -> impl Strategy<Value = String> {
+        let memory = proptest::sample::select(vec![
+            "memory = \"filtered-step\"",
+            "memory = \"filtered-step\"\nrefractory = { us = 700 }",
+            "memory = \"filtered-step\"\nrefractory = { us = 300, rule = \"authors\" }",
+            "memory = \"filtered-snap\"\npolarity = \"pixel\"\nrefractory = { us = 1500 }",
+            "memory = \"raw-snap\"",
+        ]);
+        let noise = proptest::sample::select(vec![
+            "",
+            "noise = { shot-hz = 200, jitter-us = 100 }",
+            "noise = { hot-fraction = 0.1, hot-hz = 900, cutoff-hz = 300 }",
+        ]);
+        let channels = proptest::sample::subsequence(
+            vec![
+                "kernel = \"csdvs-5\"\nthreshold = { on = 0.02, off = 0.03 }",
+                "kernel = \"laplacian\"\nthreshold = { on = 0.05, off = 0.05, sigma = 0.01 }",
+                "pattern = \"2x2\"\nkernel = [\"dvs\", \"sobel-x\", \"csdvs-3\", \"sobel-y\"]\nthreshold = [{ on = 0.1, off = 0.1 }, { on = 0.2, off = 0.1 }, { on = 0.05, off = 0.1 }, { on = 0.1, off = 0.3 }]",
+            ],
+            1..=3,
+        );
+        (memory, noise, channels).prop_map(|(memory, noise, channels)| {
+            let channels: Vec<_> = channels
+                .iter()
+                .map(|c| format!("[[channel]]\n{c}\n"))
+                .collect();
+            format!(
+                "response = {{ linear = 255 }}\n{memory}\n{noise}\n{}",
+                channels.concat()
+            )
+        })
+    }
+
+    /// Everything that a run says.
+    fn watch(text: &str, frames: &[Frame], threads: usize, rows: usize) -> (Packet, Vec<u8>) {
+        let description = Description::parse("test.toml", text, &|_| unreachable!()).unwrap();
+        let size = Size::of(&frames[0].light);
+        let channels = description.channels.len();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let mut reference = Reference::in_bands(F64, description, size, 5, rows).unwrap();
+            let mut packet = Packet::new(size, channels as u8);
+            let mut counts = Counts::new(size, channels);
+            let mut grid = VoxelGrid::new(size, channels);
+            let mut said = Vec::new();
+            for frame in frames {
+                let mut list = EventList::new(&mut packet, Limit::default());
+                let mut sinks = (&mut list, (&mut counts, &mut grid));
+                reference.watch_into(frame, &mut sinks).unwrap();
+                for (plane, voxels) in counts.planes().iter().zip(grid.earlier()) {
+                    said.extend(plane.iter().flat_map(|count| count.to_le_bytes()));
+                    said.extend(voxels.iter().flat_map(|voxel| voxel.to_le_bytes()));
+                }
+                grid.advance();
+            }
+            said.extend(format!("{:?}", reference.report()).bytes());
+            (packet, said)
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        /// Bit by bit.
+        #[test]
+        fn nothing_depends_on_bands_and_threads(
+            text in sensors(),
+            (height, width) in (1usize..40, 1usize..150),
+            rows in 1usize..17,
+            seed in 0u64..1000,
+        ) {
+            let frames: Vec<_> = (0..4u64).map(|n| Frame {
+                index: n,
+                seconds: n as f64 * 0.004 + 1.0,
+                light: Plane::from_shape_fn((height, width), |(y, x)| {
+                    let mixed = (seed ^ n << 40 ^ (y as u64) << 20 ^ x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                    ((mixed >> 40) % 256) as f64
+                }),
+            }).collect();
+            let one = watch(&text, &frames, 1, height);
+            for (threads, rows) in [(1, rows), (2, rows), (3, 1)] {
+                let other = watch(&text, &frames, threads, rows);
+                prop_assert_eq!(&one.0, &other.0);
+                prop_assert!(one.1 == other.1);
+            }
+        }
     }
 }

@@ -46,7 +46,7 @@ pub struct TrainRow<R> {
     pub channel: usize,
     /// Row.
     pub y: usize,
-    /// How many events, with their sign; within 2^30.
+    /// How many events, with their sign.
     pub counts: Vec<i32>,
     /// As [`Train::first`]; anything where there is no train.
     pub first: Vec<R>,

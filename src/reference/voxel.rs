@@ -202,4 +202,56 @@ mod tests {
             prop_assert!((l - later).abs() < 1e-9 * count as f64);
         }
     }
+    /// Rows told once, twice or not at all, and bins that are passed over: as if every train
+    /// were added on its own.
+    #[test]
+    fn bins_pass_from_pair_to_pair() {
+        let size = Size::new(2, 3);
+        let mut grid = VoxelGrid::new(size, 1);
+        let mut slow = vec![Plane::<f64>::zeros(size.shape()); 6];
+        // For each pair, the rows that are told, and the first count of each.
+        let told: [&[(usize, i32)]; 4] = [
+            &[(0, 2), (1, -1)],
+            &[(0, 3), (0, 1), (1, 5)],
+            &[],
+            &[(1, 1)],
+        ];
+        for (n, rows) in told.into_iter().enumerate() {
+            let pair = Pair {
+                index: n as u64,
+                from: n as f64,
+                to: n as f64 + 1.0,
+            };
+            let mut bands = grid.begin(pair, std::slice::from_ref(&(0..2)));
+            // Every row is told in every pair.
+            for y in 0..2 {
+                let mut counts: Vec<i32> = rows.iter().filter(|r| r.0 == y).map(|r| r.1).collect();
+                if counts.is_empty() {
+                    counts.push(0);
+                }
+                for count in counts {
+                    let row = TrainRow::<f64> {
+                        channel: 0,
+                        y,
+                        counts: vec![count, 0, -count],
+                        first: vec![0.25, f64::NAN, 0.5],
+                        spacing: vec![0.125; 3],
+                    };
+                    for (x, train) in row.trains() {
+                        let (e, l) = bins(&train);
+                        slow[n][[y, x]] += e;
+                        slow[n + 1][[y, x]] += l;
+                    }
+                    bands[0].row(&row).unwrap();
+                }
+            }
+            drop(bands);
+            grid.end().unwrap();
+            assert_eq!(grid.earlier()[0], slow[n]);
+            grid.advance();
+        }
+        assert_eq!(grid.earlier()[0], slow[4]);
+        grid.advance();
+        assert_eq!(grid.earlier()[0], slow[5]);
+    }
 }

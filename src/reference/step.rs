@@ -1,0 +1,128 @@
+//! A row of cells whose memory steps, in one pass: distance, fire, time, memory, as
+//! [`super::memory`] and [`super::fire`] say, cell by cell.
+//!
+//! The passes one after the other would be the same, and take half as long again: each is
+//! either all loads and stores or all division.
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use crate::number::{Number, Real};
+
+use super::{
+    fire,
+    memory::{self, Stepped},
+    train::TrainRow,
+};
+
+/// What a row of cells sees, and how its memory has fallen.
+pub(super) struct Seen<'a, N: Number> {
+    /// The drive at the later frame.
+    pub(super) drive: &'a [N::Held],
+    pub(super) on: &'a [N::Real],
+    pub(super) off: &'a [N::Real],
+    /// How far each memory falls in a second; empty without leak.
+    pub(super) leak: &'a [N::Real],
+    /// The times of the two frames, in seconds since the first.
+    pub(super) elapsed: (f64, f64),
+}
+
+impl<N: Number> Stepped<N> {
+    /// Lets the cells in `range` cross thresholds on the way from the drive `before` to the
+    /// one they see now, which takes its place, and moves their memory; with when, if `times`
+    /// are wanted. The column of the first cell that crossed more than are counted, if there
+    /// is one.
+    pub(super) fn cross(
+        &mut self,
+        number: &N,
+        range: Range<usize>,
+        before: &mut [N::Held],
+        seen: &Seen<'_, N>,
+        times: bool,
+        row: &mut TrainRow<N::Real>,
+    ) -> Result<(), usize> {
+        let steps = Steps {
+            base: &self.base[range.clone()],
+            net: &mut self.net[range.clone()],
+            off: self
+                .off
+                .as_mut()
+                .map_or(&mut [], |off| &mut off[range.clone()]),
+        };
+        let run = match (times, seen.leak.is_empty(), steps.off.is_empty()) {
+            (false, true, true) => step::<N, false, false, false>,
+            (false, true, false) => step::<N, false, false, true>,
+            (false, false, true) => step::<N, false, true, false>,
+            (false, false, false) => step::<N, false, true, true>,
+            (true, true, true) => step::<N, true, false, false>,
+            (true, true, false) => step::<N, true, false, true>,
+            (true, false, true) => step::<N, true, true, false>,
+            (true, false, false) => step::<N, true, true, true>,
+        };
+        if run(number, steps, before, seen, row) {
+            return Ok(());
+        }
+        let mut net = self.net[range].iter();
+        Err(net.position(|net| memory::room(*net) < 0).unwrap_or(0))
+    }
+}
+
+/// The memory of a row.
+struct Steps<'a, N: Number> {
+    base: &'a [N::Held],
+    net: &'a mut [i32],
+    off: &'a mut [f64],
+}
+
+/// Whether all cells could be counted.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
+    number: &N,
+    steps: Steps<'_, N>,
+    before: &mut [N::Held],
+    seen: &Seen<'_, N>,
+    row: &mut TrainRow<N::Real>,
+) -> bool {
+    let cells = seen.drive.len();
+    // All of one length, so that nothing is checked in the loop.
+    let (drive, on, off) = (seen.drive, &seen.on[..cells], &seen.off[..cells]);
+    let (base, net, before) = (
+        &steps.base[..cells],
+        &mut steps.net[..cells],
+        &mut before[..cells],
+    );
+    let leak = &seen.leak[..if LEAK { cells } else { 0 }];
+    let off_steps = &mut steps.off[..if OFF { cells } else { 0 }];
+    let counts = &mut row.counts[..cells];
+    let (first, spacing) = (&mut row.first[..cells], &mut row.spacing[..cells]);
+    let fallen = (N::Real::of(seen.elapsed.0), N::Real::of(seen.elapsed.1));
+    let mut room = 0;
+    for x in 0..cells {
+        let (on, off) = (on[x], off[x]);
+        let mut memory = memory::at(number, base[x], net[x], on);
+        if OFF {
+            memory = memory::less_off(number, memory, off_steps[x], on, off);
+        }
+        let mut to = number.real(number.sub(drive[x], memory));
+        if LEAK {
+            to = to + leak[x] * fallen.1;
+        }
+        let count = fire::count(to, on, off);
+        if TIMES {
+            let mut from = number.real(number.sub(before[x], memory));
+            if LEAK {
+                from = from + leak[x] * fallen.0;
+            }
+            (first[x], spacing[x]) = fire::place(from, to, on, off);
+        }
+        before[x] = drive[x];
+        counts[x] = count;
+        net[x] = net[x].wrapping_add(count);
+        if OFF {
+            off_steps[x] -= f64::from(count.min(0));
+        }
+        room |= memory::room(net[x]);
+    }
+    room >= 0
+}
