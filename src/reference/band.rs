@@ -510,7 +510,7 @@ fn authors_row<N: Number>(
         let since = fired.as_ref().map_or(0.0, |fired| pair.from - fired[x]);
         let train: Option<Train> =
             refractory::authors(d.to_f64(), (on[x].to_f64(), off[x].to_f64()), dt, r, since);
-        if train.is_some_and(|train| train.count > memory::MOST.unsigned_abs().into()) {
+        if train.is_some_and(|train| train.count > u64::from(memory::MOST.unsigned_abs())) {
             return Err(x);
         }
         if let (Some(train), Some(fired)) = (train, &mut fired) {
