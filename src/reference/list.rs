@@ -1,4 +1,4 @@
-//! Events as a list, in order of time: ties row by row, then by channel.
+//! Events as a list, in order of time: within a pair of frames, ties row by row, then by channel.
 
 use std::ops::Range;
 
