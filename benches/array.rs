@@ -114,6 +114,7 @@ fn sequences() -> Vec<(&'static str, Vec<Primitive>)> {
             sources: vec![Bit::Register(Digital(6))],
         },
         or(8, &[7, 5]),
+        bus(&[3], &[r(1)]),
     ]);
     assert_eq!(mixed.len(), 20);
     vec![

@@ -185,7 +185,7 @@ impl<'a> Twin<'a> {
         }
     }
 
-    /// The supplement's α_r and β_r.
+    /// The supplement's refractory terms.
     fn authors(&mut self, now: f64, at: (usize, usize), d: f64) {
         let threshold = self.threshold(at.0, at.1);
         let theta = if d >= 0.0 {
@@ -323,7 +323,7 @@ fn sensors() -> impl Strategy<Value = String> {
                 "response = \"identity\"\nmemory = \"{memory}\"\npolarity = \"{polarity}\"\nborder = \"{border}\"\nrefractory = {{ us = {us}, rule = \"{rule}\" }}\n"
             );
             for channel in channels {
-                text += &format!("[[channel]]\n{channel}\n");
+                text.extend(["[[channel]]\n", &channel, "\n"]);
                 if memory == "authors-pixel-step" {
                     text += "memory-kernel = \"csdvs-3\"\n";
                 }
