@@ -33,7 +33,7 @@ pub struct Arguments {
 }
 
 /// `name=value`, for the command line.
-fn constant(text: &str) -> Result<(String, f64), String> {
+pub(super) fn constant(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;

@@ -60,7 +60,7 @@ pub struct Arguments {
     #[arg(long)]
     chip: Option<String>,
     /// Set a constant of the program; can be given more than once
-    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = constant)]
+    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::asm::constant)]
     constants: Vec<(String, f64)>,
     /// Write the events that were read out (.csv, .npy, .txt)
     #[arg(long)]
@@ -87,18 +87,6 @@ fn assignment(text: &str) -> Result<(String, PathBuf), String> {
         }
         _ => Err(format!("`{text}` is not REGISTER=FILE.npy")),
     }
-}
-
-/// `name=value`, for the command line.
-fn constant(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text
-        .split_once('=')
-        .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
-    let value = value
-        .trim()
-        .parse()
-        .map_err(|_| format!("`{value}` is not a number"))?;
-    Ok((name.trim().to_owned(), value))
 }
 
 /// Runs the verb.
