@@ -24,7 +24,8 @@ use amacrine::{
     event::Packet,
     number::{Bf16, F16, F32, F64, Number, Q},
     plane::Size,
-    reference::{Counts, Description, EventList, Limit, Reference, VoxelGrid},
+    reference::{Counts, Description, Reference, VoxelGrid},
+    sensor::Sensor,
 };
 
 use crate::{cost::Cost, probe::Machine, scene::Clip, timing::Timing};
@@ -100,8 +101,7 @@ impl Bench {
                 match ask {
                     Ask::List => {
                         packet.events.clear();
-                        let mut list = EventList::new(&mut packet, Limit::default());
-                        reference.watch_into(frame, &mut list)
+                        reference.watch(frame, &mut packet)
                     }
                     Ask::Counts => reference.watch_into(frame, &mut counts),
                     Ask::Voxels => {
@@ -264,17 +264,19 @@ fn main() {
     let line = bench.line(Q::<i16>::new(12), &plain_sensor, &mut clip, Ask::Counts, 1);
     bench.show(&line);
 
-    heading("Growth with size and kinds, f32, one thread");
+    heading("Growth with size, kinds and threads, f32");
     let kinds: &[usize] = if quick { &[1, 4] } else { &[1, 2, 4, 16] };
     for size in SIZES {
         let mut clip = Clip::new(size);
         for &kinds in kinds {
-            for ask in Ask::ALL {
-                let line = bench.line(F32, &sensor(kinds, ""), &mut clip, ask, 1);
-                bench.show(&Line {
-                    label: size.to_string(),
-                    ..line
-                });
+            for threads in [1, 2] {
+                for ask in Ask::ALL {
+                    let line = bench.line(F32, &sensor(kinds, ""), &mut clip, ask, threads);
+                    bench.show(&Line {
+                        label: size.to_string(),
+                        ..line
+                    });
+                }
             }
         }
     }

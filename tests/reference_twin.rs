@@ -408,7 +408,7 @@ proptest! {
             let told = packet.events.len();
             let mut list = EventList::new(&mut packet, Limit::default());
             reference.watch_into(frame, &mut (&mut list, (&mut counts, &mut grid))).unwrap();
-            let order = |e: &Event| (e.t, e.y, e.x, e.channel);
+            let order = |e: &Event| (e.t, e.y, e.channel, e.x);
             prop_assert!(packet.events[told..].is_sorted_by_key(order));
             if n == 0 {
                 continue;

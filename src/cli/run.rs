@@ -253,11 +253,11 @@ fn watch<N: Number, S: Scene>(
     let progress = Progress::new("watching", scene.frames());
 
     let (mut frames, mut first, mut last, mut too_short) = (0, None, 0.0, 0);
+    let mut list = arguments
+        .events
+        .as_ref()
+        .map(|_| EventList::new(&mut packet, limit));
     while let Some(frame) = scene.next_frame()? {
-        let mut list = arguments
-            .events
-            .as_ref()
-            .map(|_| EventList::new(&mut packet, limit));
         reference.watch_into(
             &frame,
             &mut ((&mut tally, &mut list), (&mut counts, &mut grid)),

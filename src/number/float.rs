@@ -2,7 +2,10 @@
 
 use half::{bf16, f16};
 
-use super::{Format, Number};
+use super::{
+    Format, Number,
+    halves::{narrow_bf16, narrow_f16, widen_bf16, widen_f16},
+};
 
 /// IEEE binary64: the arithmetic that all others are measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -98,58 +101,76 @@ impl Number for F32 {
     }
 }
 
-/// The two halves compute in f64 and round once: 53 bits are more than twice 11 plus two, so
+/// The two halves add in f32 and round again: 24 bits are at least twice 11 plus two, so that
 /// the first rounding can never spoil the second (Figueroa 1995, doi:10.1145/221332.221334).
+/// A product of two binary16 is exact in f32; one of two bfloat16 can be too small for it.
 macro_rules! half_number {
-    ($name:ident, $held:ident, $format:expr) => {
+    ($name:ident, $held:ident, $format:expr, $widen:ident, $narrow:ident, $product:expr) => {
         impl Number for $name {
             type Held = $held;
             type Real = f32;
             const ZERO: $held = $held::ZERO;
 
             #[inline]
-
             fn format(&self) -> Format {
                 $format
             }
             #[inline]
             fn hold(&self, real: f64) -> $held {
-                $held::from_f32(narrow_to_odd(real))
+                $narrow(narrow_to_odd(real))
             }
             #[inline]
             fn value(&self, held: $held) -> f64 {
-                held.to_f64()
+                f64::from($widen(held))
             }
             #[inline]
             fn real(&self, held: $held) -> f32 {
-                held.to_f32()
+                $widen(held)
             }
             #[inline]
             fn hold_real(&self, real: f32) -> $held {
-                $held::from_f32(real)
+                $narrow(real)
             }
             #[inline]
             fn add(&self, a: $held, b: $held) -> $held {
-                self.hold(a.to_f64() + b.to_f64())
+                $narrow($widen(a) + $widen(b))
             }
             #[inline]
             fn sub(&self, a: $held, b: $held) -> $held {
-                self.hold(a.to_f64() - b.to_f64())
+                $narrow($widen(a) - $widen(b))
             }
             #[inline]
             fn mul(&self, a: $held, b: $held) -> $held {
-                self.hold(a.to_f64() * b.to_f64())
+                $product(a, b)
             }
         }
     };
 }
 
-half_number!(F16, f16, Format::F16);
-half_number!(Bf16, bf16, Format::Bf16);
+#[inline]
+fn product_f16(a: f16, b: f16) -> f16 {
+    narrow_f16(widen_f16(a) * widen_f16(b))
+}
+
+#[inline]
+fn product_bf16(a: bf16, b: bf16) -> bf16 {
+    Bf16.hold(Bf16.value(a) * Bf16.value(b))
+}
+
+half_number!(F16, f16, Format::F16, widen_f16, narrow_f16, product_f16);
+half_number!(
+    Bf16,
+    bf16,
+    Format::Bf16,
+    widen_bf16,
+    narrow_bf16,
+    product_bf16
+);
 
 /// f64 to f32, rounded to odd: what is cut off stays visible in the last bit, so that a second
 /// rounding to fewer bits is as good as one. (`half::f16::from_f64` rounds twice on machines
 /// that have the instruction for f32.)
+#[inline]
 fn narrow_to_odd(real: f64) -> f32 {
     let near = real as f32;
     if near.is_nan() || f64::from(near) == real {

@@ -19,6 +19,7 @@ mod dyadic;
 mod fixed;
 mod float;
 mod format;
+mod halves;
 mod real;
 mod visit;
 

@@ -18,7 +18,7 @@ use super::{
     memory::{self, Memory, Stepped},
     noise::{Noise, Thresholds},
     refractory::{self, awake},
-    signal::Padded,
+    signal::{Light, Padded},
     step::Seen,
     train::{BandSink, Pair, Train, TrainRow},
 };
@@ -73,7 +73,8 @@ impl<N: Number> Plan<N> {
 /// What all bands see of a pair of frames.
 #[derive(Debug)]
 pub(super) struct Sight<'a, N: Number> {
-    pub(super) signal: &'a Padded<N::Held>,
+    /// The frame; none if the bands have taken it in already.
+    pub(super) light: Option<Light<'a, N>>,
     /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
     /// distance from it if it snaps.
     pub(super) pixels: &'a [Padded<N::Held>],
@@ -99,6 +100,8 @@ impl<N: Number> Clone for Sight<'_, N> {
 pub(super) struct Band<N: Number> {
     pub(super) rows: Range<usize>,
     width: usize,
+    /// What its cells see of the last frame.
+    pub(super) signal: Padded<N::Held>,
     channels: Vec<Cells<N>>,
     scratch: Scratch<N>,
     pub(super) report: Report,
@@ -130,12 +133,17 @@ struct Scratch<N: Number> {
 
 impl<N: Number> Band<N> {
     /// A band whose memory is what it sees at the first frame.
+    ///
+    /// # Errors
+    /// As [`Band::see`].
     pub(super) fn settle(
         plan: &Plan<N>,
+        mut signal: Padded<N::Held>,
         rows: Range<usize>,
-        width: usize,
-        signal: &Padded<N::Held>,
-    ) -> Self {
+        light: Light<'_, N>,
+    ) -> Result<Self, SensorError> {
+        see(plan, &mut signal, light)?;
+        let width = signal.inner(rows.start).len();
         let mut scratch = Scratch {
             drive: vec![N::ZERO; width],
             other: vec![N::ZERO; width],
@@ -145,15 +153,24 @@ impl<N: Number> Band<N> {
             rested: vec![f64::NEG_INFINITY; width],
         };
         let channels = (0..plan.weights.len())
-            .map(|channel| Cells::settle(plan, channel, &rows, signal, &mut scratch))
+            .map(|channel| Cells::settle(plan, channel, &rows, &signal, &mut scratch))
             .collect();
-        Self {
+        Ok(Self {
             rows,
             width,
+            signal,
             channels,
             scratch,
             report: Report::default(),
-        }
+        })
+    }
+
+    /// Takes in a frame.
+    ///
+    /// # Errors
+    /// When it holds light that the response is not defined for.
+    pub(super) fn see(&mut self, plan: &Plan<N>, light: Light<'_, N>) -> Result<(), SensorError> {
+        see(plan, &mut self.signal, light)
     }
 
     /// Row `y` of a pixel memory, or of the filtered one.
@@ -183,6 +200,9 @@ impl<N: Number> Band<N> {
         sight: Sight<'_, N>,
         sink: &mut S,
     ) -> Result<(), SensorError> {
+        if let Some(light) = sight.light {
+            self.see(plan, light)?;
+        }
         for y in self.rows.clone() {
             for channel in 0..plan.weights.len() {
                 self.row(plan, channel, y, sight)?;
@@ -190,7 +210,7 @@ impl<N: Number> Band<N> {
                 self.report.events += row.events();
                 sink.row(row)?;
                 if plan.description.noise.fires() {
-                    self.disturb(plan, channel, y, sight.signal, sight.pair, sink)?;
+                    self.disturb(plan, channel, y, sight.pair, sink)?;
                 }
             }
         }
@@ -209,15 +229,16 @@ impl<N: Number> Band<N> {
         sight: Sight<'_, N>,
     ) -> Result<(), SensorError> {
         let Sight {
-            signal,
             pixels,
             pair,
             elapsed,
             times,
+            ..
         } = sight;
         let range = self.range(y);
         let (number, description) = (&plan.number, &plan.description);
         let Self {
+            signal,
             channels,
             scratch,
             report,
@@ -371,7 +392,6 @@ impl<N: Number> Band<N> {
         plan: &Plan<N>,
         channel: usize,
         y: usize,
-        signal: &Padded<N::Held>,
         pair: Pair,
         sink: &mut S,
     ) -> Result<(), SensorError> {
@@ -380,7 +400,7 @@ impl<N: Number> Band<N> {
         let (dt, refractory) = (pair.duration(), plan.refractory());
         let Scratch { trains, rested, .. } = &mut self.scratch;
         let fired = &mut self.channels[channel].fired;
-        let seen = signal.inner(y);
+        let seen = self.signal.inner(y);
         let mut strays = Vec::new();
         for x in 0..self.width {
             let place = Place {
@@ -428,6 +448,16 @@ impl<N: Number> Band<N> {
         }
         Ok(())
     }
+}
+
+fn see<N: Number>(
+    plan: &Plan<N>,
+    signal: &mut Padded<N::Held>,
+    light: Light<'_, N>,
+) -> Result<(), SensorError> {
+    let border = plan.description.border;
+    let mut rows = signal.needed();
+    rows.try_for_each(|y| signal.fill(y, border, N::ZERO, |row| light.row(y, row)))
 }
 
 impl<N: Number> Cells<N> {

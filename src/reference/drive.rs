@@ -174,8 +174,11 @@ mod tests {
             let border = if zero { Border::Zero } else { Border::Replicate };
             let kernels = if pattern { &four[..] } else { &four[..1] };
             let rim = kernels.iter().map(Kernel::reach).fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
-            let mut padded = Padded::new(Size::of(&plane), rim, 0.0);
-            padded.fill(border, 0.0, |y, row| { row.copy_from_slice(&plane.row(y).to_vec()); Ok::<(), ()>(()) }).unwrap();
+            let mut padded = Padded::new(Size::of(&plane), 0..plane.nrows(), rim, 0.0);
+            for y in 0..plane.nrows() {
+                let row = |row: &mut [f64]| { row.copy_from_slice(&plane.row(y).to_vec()); Ok::<(), ()>(()) };
+                padded.fill(y, border, 0.0, row).unwrap();
+            }
             let weights = Weights::new(&F64, kernels);
             let mut out = vec![0.0; plane.ncols()];
             let mut other = out.clone();

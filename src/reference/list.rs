@@ -1,4 +1,5 @@
-//! Events as a list, in order of time: within a pair of frames, ties row by row, then by channel.
+//! Events as a list, in order of time: within a pair of frames, ties row by row, then by
+//! channel, then by column.
 
 use std::ops::Range;
 
@@ -48,27 +49,37 @@ impl Default for Limit {
 /// A pair of frames whose events do not all fit is an error, or is dropped whole: which
 /// events are missing must not depend on how the work was shared out.
 ///
-/// Each band of rows makes its events in order of row, column and channel, and deals them out
-/// to stretches of time; the events of a stretch are then sorted by counting.
+/// Each band of rows notes its events as it is told of them, 8 bytes each, and deals them out
+/// to stretches of time; a stretch is then sorted by counting, which keeps what happens in the
+/// same microsecond in the order in which it was told.
 #[derive(Debug)]
 pub struct EventList<'a> {
     packet: &'a mut Packet,
     limit: Limit,
     clock: Clock,
+    buffers: Buffers,
+}
+
+/// What lists are made in.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Buffers {
     parts: Vec<Part>,
+    /// The notes of all parts in order; the buffer is longer.
+    sorted: Vec<Note>,
 }
 
 /// What one band of rows has said in the current pair.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Part {
+struct Part {
     clock: Clock,
     /// How many events fit.
     room: u64,
     /// How many there are.
     total: u64,
-    row: Row,
-    /// The events of each stretch of time, row by row.
-    stretches: Vec<Vec<Event>>,
+    row: Vec<Note>,
+    stretches: Vec<Stretch>,
+    /// The events of a pair that is too long for notes.
+    events: Vec<Event>,
 }
 
 /// The part of a list that one band of rows is told to.
@@ -78,57 +89,71 @@ pub struct ListBand<'a>(&'a mut Part);
 impl<'a> EventList<'a> {
     /// A list that goes on where the packet ends. It may be told of many pairs, and then
     /// makes their events in the same buffers.
-    pub const fn new(packet: &'a mut Packet, limit: Limit) -> Self {
-        Self::with_parts(packet, limit, Vec::new())
+    pub fn new(packet: &'a mut Packet, limit: Limit) -> Self {
+        Self::with_buffers(packet, limit, Buffers::default())
     }
 
     /// The same, in buffers that were used before.
-    pub(super) const fn with_parts(packet: &'a mut Packet, limit: Limit, parts: Vec<Part>) -> Self {
+    pub(super) const fn with_buffers(
+        packet: &'a mut Packet,
+        limit: Limit,
+        buffers: Buffers,
+    ) -> Self {
         Self {
             packet,
             limit,
             clock: Clock::NONE,
-            parts,
+            buffers,
         }
     }
 
-    pub(super) fn into_parts(self) -> Vec<Part> {
-        self.parts
+    pub(super) fn into_buffers(self) -> Buffers {
+        self.buffers
     }
 
     fn room(&self) -> u64 {
         self.limit.events.saturating_sub(self.packet.events.len()) as u64
     }
 
-    /// Appends the events of all parts in order: by time, then row, column, channel.
+    /// Appends the events of all parts in order.
     fn sort(&mut self) {
-        let (clock, parts) = (self.clock, &self.parts);
-        let length = |stretch: usize| {
-            let events = |part: &Part| part.stretches[stretch].len();
-            parts.iter().map(events).sum()
-        };
-        let lengths: Vec<usize> = (0..clock.stretches).map(length).collect();
+        let clock = self.clock;
+        let Buffers { parts, sorted } = &mut self.buffers;
         let events = &mut self.packet.events;
-        let start = events.len();
-        let any = Cell(0).at(Micros(0));
-        events.resize(start + lengths.iter().sum::<usize>(), any);
-        let mut fresh = &mut events[start..];
-        let mut jobs = Vec::with_capacity(lengths.len());
-        for (stretch, length) in lengths.into_iter().enumerate() {
-            let (out, rest) = fresh.split_at_mut(length);
-            jobs.push((stretch, out));
-            fresh = rest;
+        if clock.is_long() {
+            let start = events.len();
+            for part in parts {
+                events.append(&mut part.events);
+            }
+            events[start..].sort_by_key(|event| event.t);
+            return;
         }
-        let one = |next: &mut Vec<u32>, (stretch, out): (usize, &mut [Event])| {
-            let told = || parts.iter().flat_map(|part| &part.stretches[stretch]);
+        let length = |stretch: usize| parts.iter().map(|part| part.stretches[stretch].len).sum();
+        let lengths: Vec<usize> = (0..clock.stretches).map(length).collect();
+        let total = lengths.iter().sum();
+        if sorted.len() < total {
+            sorted.resize(total, Note::default());
+        }
+        let sorted = &mut sorted[..total];
+        let mut rest = &mut *sorted;
+        let jobs = lengths.into_iter().enumerate().map(|(stretch, length)| {
+            let (out, after) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = after;
+            (stretch, out)
+        });
+        let one = |next: &mut Vec<u32>, (stretch, out): (usize, &mut [Note])| {
+            let told = || parts.iter().map(|part| part.stretches[stretch].notes());
             clock.sort(told, stretch, next, out);
         };
-        if jobs.len() == 1 {
-            for job in jobs {
-                one(&mut Vec::new(), job);
-            }
+        if super::alone() || total < ENOUGH {
+            let mut next = Vec::new();
+            jobs.for_each(|job| one(&mut next, job));
+            events.extend(sorted.iter().map(|note| clock.event(*note)));
         } else {
+            let jobs: Vec<_> = jobs.collect();
             jobs.into_par_iter().for_each_init(Vec::new, one);
+            let sorted = sorted.par_iter().with_min_len(ENOUGH);
+            events.par_extend(sorted.map(|note| clock.event(*note)));
         }
     }
 }
@@ -144,21 +169,24 @@ impl Sink for EventList<'_> {
     }
 
     fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
-        // As many events as last time, in stretches that fit into cache.
-        let total: u64 = self.parts.iter().map(|part| part.total).sum();
-        let shared = bands.len() > 1 && !super::alone();
-        let least = if shared { 16 } else { 1 };
-        self.clock = Clock::of(pair, (total / CACHED).clamp(least, 256));
+        let threads = if bands.len() > 1 {
+            rayon::current_num_threads()
+        } else {
+            1
+        };
+        self.clock = Clock::of(pair, threads);
         let room = self.room();
-        self.parts.resize_with(bands.len(), Part::default);
-        for part in &mut self.parts {
+        let parts = &mut self.buffers.parts;
+        parts.resize_with(bands.len(), Part::default);
+        for part in &mut *parts {
             part.begin(self.clock, room);
         }
-        self.parts.iter_mut().map(ListBand).collect()
+        parts.iter_mut().map(ListBand).collect()
     }
 
     fn end(&mut self) -> Result<(), SensorError> {
-        let total: u64 = self.parts.iter().map(|part| part.total).sum();
+        let parts = self.buffers.parts.iter();
+        let total: u64 = parts.map(|part| part.total).sum();
         if total > self.room() {
             return match self.limit.when_full {
                 WhenFull::Stop => Err(SensorError::ListFull {
@@ -169,9 +197,6 @@ impl Sink for EventList<'_> {
                     Ok(())
                 }
             };
-        }
-        for part in &mut self.parts {
-            part.deal();
         }
         self.sort();
         Ok(())
@@ -184,13 +209,9 @@ impl BandSink for ListBand<'_> {
         let events = row.events();
         part.total = part.total.saturating_add(events);
         // What does not fit is not kept: a single cell may say 2^30 events.
-        if part.total > part.room {
-            return Ok(());
+        if part.total <= part.room {
+            part.take(row, events as usize);
         }
-        if part.row.y != row.y {
-            part.deal();
-        }
-        part.row.take(row, events as usize);
         Ok(())
     }
 }
@@ -198,218 +219,205 @@ impl BandSink for ListBand<'_> {
 impl Part {
     fn begin(&mut self, clock: Clock, room: u64) {
         (self.clock, self.room, self.total) = (clock, room, 0);
-        self.row.clear();
-        self.stretches.resize_with(clock.stretches, Vec::new);
+        self.events.clear();
+        self.stretches
+            .resize_with(clock.stretches, Stretch::default);
         for stretch in &mut self.stretches {
-            stretch.clear();
+            stretch.len = 0;
         }
     }
 
-    /// Deals the events of the row out to the stretches of time.
-    fn deal(&mut self) {
+    /// Notes the events of a row of trains.
+    fn take<R: Real>(&mut self, row: &TrainRow<R>, events: usize) {
         let Self {
-            row,
             clock,
             stretches,
+            row: notes,
             ..
         } = self;
-        row.merge();
-        let (times, cells) = row.timed(clock);
-        let events = times
-            .iter()
-            .zip(cells)
-            .map(|(t, cell)| clock.event(*t, *cell));
-        if let [all] = &mut stretches[..] {
-            all.extend(events);
-        } else {
-            for (event, t) in events.zip(times) {
-                stretches[clock.stretch(*t)].push(event);
+        if clock.is_long() {
+            for (x, train) in row.trains() {
+                let note = Note::of(row.channel, row.y).column(x, row.counts[x]);
+                let event = |i| note.at(clock.time(clock.at(train.at(i))));
+                self.events.extend((0..train.count).map(event));
             }
+            return;
         }
-        row.clear();
+        if let [all] = &mut stretches[..] {
+            expand(row, clock, all.room(events + FEW));
+            all.len += events;
+            return;
+        }
+        notes.resize(notes.len().max(events + FEW), Note::default());
+        expand(row, clock, notes);
+        for (k, stretch) in stretches.iter_mut().enumerate() {
+            let out = stretch.room(events);
+            stretch.len += pick(&notes[..events], clock.shift, k as u64, out);
+        }
     }
 }
 
-/// Whose event it is: column, row, sign and channel, as they lie in an [`Event`].
-#[derive(Clone, Copy, Debug, Default)]
-struct Cell(u64);
+/// Copies the notes of stretch `k`; how many they are. No branch depends on them.
+fn pick(notes: &[Note], shift: u32, k: u64, out: &mut [Note]) -> usize {
+    let mut len = 0;
+    for note in notes {
+        out[len] = *note;
+        len += usize::from(note.since() >> shift == k);
+    }
+    len
+}
 
-impl Cell {
-    fn of<R: Real>(row: &TrainRow<R>, x: u32) -> Self {
-        let on = u64::from(row.counts[x as usize] > 0);
-        Self(u64::from(x) | (row.y as u64) << 16 | on << 32 | (row.channel as u64) << 40)
+/// The notes of a stretch of time, row by row; the buffer is longer.
+#[derive(Clone, Debug, Default)]
+struct Stretch {
+    notes: Vec<Note>,
+    len: usize,
+}
+
+impl Stretch {
+    fn notes(&self) -> &[Note] {
+        &self.notes[..self.len]
     }
 
+    /// Room for so many more.
+    fn room(&mut self, more: usize) -> &mut [Note] {
+        let end = self.len + more;
+        if self.notes.len() < end {
+            self.notes.resize(end.next_power_of_two(), Note::default());
+        }
+        &mut self.notes[self.len..end]
+    }
+}
+
+/// An event in 8 bytes, from the lowest bit on: 23 bits for the microseconds since the clock's
+/// start, 16 each for column and row, one for the sign (1 is OFF), 8 for the channel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Note(u64);
+
+impl Note {
+    /// Bits of the time.
+    const TIME: u32 = 23;
+
+    /// At the clock's start, in column 0, and ON.
+    fn of(channel: usize, y: usize) -> Self {
+        Self((y as u64) << (Self::TIME + 16) | (channel as u64) << (Self::TIME + 33))
+    }
+
+    /// With a column, and the sign of a count.
+    #[inline]
+    const fn column(self, x: usize, count: i32) -> Self {
+        let off = (count as u32 & 1 << 31) as u64;
+        Self(self.0 + ((x as u64) << Self::TIME) + (off << (Self::TIME + 1)))
+    }
+
+    #[inline]
+    const fn after(self, since: u64) -> Self {
+        Self(self.0.wrapping_add(since))
+    }
+
+    #[inline]
+    const fn since(self) -> u64 {
+        self.0 & ((1 << Self::TIME) - 1)
+    }
+
+    #[inline]
     const fn at(self, t: Micros) -> Event {
+        let whose = self.0 >> Self::TIME;
         Event {
             t,
-            x: self.0 as u16,
-            y: (self.0 >> 16) as u16,
-            polarity: if (self.0 >> 32) & 1 == 1 {
+            x: whose as u16,
+            y: (whose >> 16) as u16,
+            polarity: if (whose >> 32) & 1 == 0 {
                 Polarity::On
             } else {
                 Polarity::Off
             },
-            channel: (self.0 >> 40) as u8,
+            channel: (whose >> 33) as u8,
         }
     }
-}
-
-/// The events of one row, all channels.
-#[derive(Clone, Debug, Default)]
-struct Row {
-    y: usize,
-    width: usize,
-    /// How often it was told.
-    told: usize,
-    /// How many trains there are, the column of each, and how many events; the buffers are
-    /// longer.
-    trains: usize,
-    columns: Vec<u32>,
-    counts: Vec<u32>,
-    /// How many events there are.
-    len: usize,
-    /// Where between the two frames each of them lies, and whose it is.
-    places: Vec<f64>,
-    cells: Vec<Cell>,
-    times: Vec<u64>,
-    /// For merging: where the next train of each column goes, where each event goes, and the
-    /// events in order.
-    next: Vec<u32>,
-    target: Vec<u32>,
-    merged: (Vec<f64>, Vec<Cell>),
 }
 
 /// Events of a train that are written at a time, whether there are as many or fewer.
 const FEW: usize = 4;
 
-impl Row {
-    fn clear(&mut self) {
-        (self.len, self.trains, self.told) = (0, 0, 0);
-    }
-
-    /// Adds the events of a row of trains.
-    fn take<R: Real>(&mut self, row: &TrainRow<R>, events: usize) {
-        self.y = row.y;
-        self.told += 1;
-        // Room for a few more than there are.
-        let room = self.len + events + FEW;
-        if self.places.len() < room {
-            self.places.resize(room, 0.0);
-            self.cells.resize(room, Cell::default());
-        }
-        let most = self.trains + row.counts.len();
-        if self.columns.len() < most {
-            self.columns.resize(most, 0);
-            self.counts.resize(most, 0);
-        }
-        let columns = &mut self.columns[self.trains..];
-        let fired = fired(&row.counts, columns);
-        expand(
-            row,
-            &columns[..fired],
-            &mut self.counts[self.trains..],
-            &mut self.places[self.len..],
-            &mut self.cells[self.len..],
-        );
-        self.trains += fired;
-        self.len += events;
-        self.width = row.counts.len();
-    }
-
-    /// Puts the events into order of column where several channels, or one several times, have
-    /// told of this row.
-    fn merge(&mut self) {
-        if self.told < 2 {
-            return;
-        }
-        self.next.clear();
-        self.next.resize(self.width, 0);
-        let columns = &self.columns[..self.trains];
-        let counts = &self.counts[..self.trains];
-        for (x, count) in columns.iter().zip(counts) {
-            self.next[*x as usize] += count;
-        }
-        starts(&mut self.next);
-        let room = self.places.len();
-        self.target.resize(room, 0);
-        let mut len = 0;
-        for (x, count) in columns.iter().zip(counts) {
-            let next = &mut self.next[*x as usize];
-            let few: [u32; FEW] = std::array::from_fn(|i| *next + i as u32);
-            self.target[len..len + FEW].copy_from_slice(&few);
-            for i in FEW..*count as usize {
-                self.target[len + i] = *next + i as u32;
-            }
-            *next += count;
-            len += *count as usize;
-        }
-        let (places, cells) = &mut self.merged;
-        places.resize(room, 0.0);
-        cells.resize(room, Cell::default());
-        let events = self.places.iter().zip(&self.cells);
-        for (target, (place, cell)) in self.target[..self.len].iter().zip(events) {
-            places[*target as usize] = *place;
-            cells[*target as usize] = *cell;
-        }
-        std::mem::swap(&mut self.places, places);
-        std::mem::swap(&mut self.cells, cells);
-    }
-
-    /// Times and cells of the events.
-    fn timed(&mut self, clock: &Clock) -> (&[u64], &[Cell]) {
-        if self.times.len() < self.len {
-            self.times.resize(self.len, 0);
-        }
-        microseconds(clock, &self.places[..self.len], &mut self.times);
-        (&self.times[..self.len], &self.cells[..self.len])
-    }
-}
-
-/// The columns that have a train, in order; how many. No branch depends on the events.
-fn fired(counts: &[i32], out: &mut [u32]) -> usize {
-    let mut fired = 0;
-    for (x, count) in counts.iter().enumerate() {
-        out[fired] = x as u32;
-        fired += usize::from(*count != 0);
-    }
-    fired
-}
-
-/// The events of the trains in these columns: how many each has, their places, and whose they
-/// are.
+/// Notes the events of a row of trains; `out` has room for a few more than there are.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn expand<R: Real>(
-    row: &TrainRow<R>,
-    columns: &[u32],
-    counts: &mut [u32],
-    places: &mut [f64],
-    cells: &mut [Cell],
-) {
+fn expand<R: Real>(row: &TrainRow<R>, clock: &Clock, out: &mut [Note]) {
+    let (counts, first, spacing) = row.parts();
     let mut len = 0;
-    for (&x, events) in columns.iter().zip(counts) {
-        let cell = Cell::of(row, x);
-        let (first, spacing) = (row.first[x as usize], row.spacing[x as usize]);
-        let (first, spacing) = (first.to_f64(), spacing.to_f64());
-        let few: [f64; FEW] = std::array::from_fn(|i| first + spacing * i as f64);
-        *events = row.counts[x as usize].unsigned_abs();
-        let count = *events as usize;
-        places[len..len + FEW].copy_from_slice(&few);
-        cells[len..len + FEW].copy_from_slice(&[cell; FEW]);
+    let (blocks, rest) = counts.as_chunks();
+    let (blocks_first, rest_first) = first.as_chunks();
+    let (blocks_spacing, rest_spacing) = spacing.as_chunks();
+    let note = Note::of(row.channel, row.y);
+    let blocks = blocks.iter().zip(blocks_first.iter().zip(blocks_spacing));
+    for (block, (counts, (first, spacing))) in blocks.enumerate() {
+        let note = note.column(BLOCK * block, 0);
+        len += expand_block(counts, first, spacing, note, clock, &mut out[len..]);
+    }
+    let mut last = ([0; BLOCK], [R::ZERO; BLOCK], [R::ZERO; BLOCK]);
+    last.0[..rest.len()].copy_from_slice(rest);
+    last.1[..rest.len()].copy_from_slice(rest_first);
+    last.2[..rest.len()].copy_from_slice(rest_spacing);
+    let note = note.column(counts.len() - rest.len(), 0);
+    expand_block(&last.0, &last.1, &last.2, note, clock, &mut out[len..]);
+}
+
+/// Trains that are expanded at a time.
+const BLOCK: usize = 64;
+
+/// Those of some columns; how many events they have. No branch depends on how many each has,
+/// few as they mostly are.
+#[expect(
+    clippy::inline_always,
+    reason = "what is not inlined is not compiled for the wide vectors"
+)]
+#[inline(always)]
+fn expand_block<R: Real>(
+    counts: &[i32; BLOCK],
+    first: &[R; BLOCK],
+    spacing: &[R; BLOCK],
+    note: Note,
+    clock: &Clock,
+    out: &mut [Note],
+) -> usize {
+    let mut fired = fired(counts);
+    let notes: [Note; BLOCK] = std::array::from_fn(|x| note.column(x, counts[x]));
+    let many: [u32; BLOCK] = counts.map(i32::unsigned_abs);
+    let mut len = 0;
+    while fired != 0 {
+        let x = fired.trailing_zeros() as usize % BLOCK;
+        fired &= fired - 1;
+        let note = notes[x];
+        let (first, spacing) = (first[x].to_f64(), spacing[x].to_f64());
+        let event = |i: usize| note.after(clock.at(first + spacing * i as f64));
+        out[len..len + FEW].copy_from_slice(&std::array::from_fn::<_, FEW, _>(event));
+        let count = many[x] as usize;
         for i in FEW..count {
-            places[len + i] = first + spacing * i as f64;
-            cells[len + i] = cell;
+            out[len + i] = event(i);
         }
         len += count;
     }
+    len
 }
 
-/// From counts to where each begins.
-fn starts(counts: &mut [u32]) {
-    let mut sum = 0;
-    for place in counts {
-        sum += std::mem::replace(place, sum);
+/// A bit for each count that is not 0.
+#[expect(
+    clippy::inline_always,
+    reason = "what is not inlined is not compiled for the wide vectors"
+)]
+#[inline(always)]
+fn fired(counts: &[i32; BLOCK]) -> u64 {
+    let mut bytes = [0u8; 64];
+    for (byte, count) in bytes.iter_mut().zip(counts) {
+        *byte = u8::from(*count != 0);
     }
+    let mut bits = 0;
+    for (k, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
+        // The product brings bit 8i to bit 56 + i, and nothing else there.
+        let top = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+        bits |= top << (8 * k);
+    }
+    bits
 }
 
 /// From places between two frames to microseconds.
@@ -429,8 +437,12 @@ struct Clock {
     span: u64,
 }
 
-/// Events that one thread sorts at a time, about: as many as a cache holds.
-const CACHED: u64 = 1 << 17;
+/// Microseconds of a stretch, about: each has a place in memory that is written to, and these
+/// should fit into a cache.
+const CACHED: u64 = 1 << 15;
+
+/// Fewer events are not worth sharing out.
+const ENOUGH: usize = 1 << 12;
 
 /// 2^52: the first double after which there are no fractions.
 const MAGIC: f64 = 4_503_599_627_370_496.0;
@@ -445,16 +457,19 @@ impl Clock {
         span: 0,
     };
 
-    fn of(pair: Pair, stretches: u64) -> Self {
+    fn of(pair: Pair, threads: usize) -> Self {
         let from = pair.from * 1e6;
         let clock = Self {
-            start: from.floor() as u64,
+            // So that no sum of times overflows.
+            start: (from.floor() as u64).min(1 << 63),
             fraction: from - from.floor().max(0.0),
             // Seventy years.
             duration: (pair.duration() * 1e6).min(MAGIC / 2.0),
             ..Self::NONE
         };
         let span = clock.at(1.0);
+        let stretches = (span / CACHED).clamp(1, 256) as usize;
+        let stretches = stretches.next_multiple_of(threads) as u64;
         let shift = (span / stretches + 1).next_power_of_two().ilog2();
         Self {
             span,
@@ -462,6 +477,11 @@ impl Clock {
             stretches: (span >> shift) as usize + 1,
             ..clock
         }
+    }
+
+    /// Whether the pair is too long for notes: eight seconds and more.
+    const fn is_long(&self) -> bool {
+        self.span >> Note::TIME != 0
     }
 
     /// Microseconds from the start to the nearest to a place; none before time 0.
@@ -474,50 +494,56 @@ impl Clock {
         (since + MAGIC).to_bits() - MAGIC.to_bits()
     }
 
-    /// The stretch that a time lies in.
-    const fn stretch(&self, t: u64) -> usize {
-        (t >> self.shift) as usize
+    #[inline]
+    const fn time(&self, since: u64) -> Micros {
+        Micros(self.start + since)
     }
 
-    fn event(&self, t: u64, cell: Cell) -> Event {
-        cell.at(Micros(self.start.saturating_add(t)))
+    #[inline]
+    const fn event(&self, note: Note) -> Event {
+        note.at(self.time(note.since()))
     }
 
-    /// Sorts the events of one stretch, which come in order of row, column and channel.
-    fn sort<'a, I: Iterator<Item = &'a Event>>(
+    /// Sorts the notes of one stretch by time; those of one microsecond stay in order.
+    fn sort<'a, I: Iterator<Item = &'a [Note]>>(
         &self,
         told: impl Fn() -> I,
         stretch: usize,
         next: &mut Vec<u32>,
-        out: &mut [Event],
+        out: &mut [Note],
     ) {
         let since = (stretch as u64) << self.shift;
         let bins = (self.span - since).min((1 << self.shift) - 1) + 1;
         if bins > 4 * out.len() as u64 {
-            for (out, event) in out.iter_mut().zip(told()) {
-                *out = *event;
+            for (out, note) in out.iter_mut().zip(told().flatten()) {
+                *out = *note;
             }
-            out.sort_by_key(|event| event.t);
+            out.sort_by_key(|note| note.since());
             return;
         }
-        let from = self.start.saturating_add(since);
         next.clear();
         next.resize(bins as usize, 0);
-        told().for_each(|event| next[(event.t.0 - from) as usize] += 1);
+        for notes in told() {
+            for note in notes {
+                next[(note.since() - since) as usize] += 1;
+            }
+        }
         starts(next);
-        told().for_each(|event| {
-            let place = &mut next[(event.t.0 - from) as usize];
-            out[*place as usize] = *event;
-            *place += 1;
-        });
+        for notes in told() {
+            for note in notes {
+                let place = &mut next[(note.since() - since) as usize];
+                out[*place as usize] = *note;
+                *place += 1;
+            }
+        }
     }
 }
 
-/// Microseconds from the clock's start to each of the places.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn microseconds(clock: &Clock, places: &[f64], out: &mut [u64]) {
-    for (out, place) in out.iter_mut().zip(places) {
-        *out = clock.at(*place);
+/// From counts to where each begins.
+fn starts(counts: &mut [u32]) {
+    let mut sum = 0;
+    for place in counts {
+        sum += std::mem::replace(place, sum);
     }
 }
 
@@ -564,7 +590,7 @@ mod tests {
                 }
             }
         }
-        events.sort_by_key(|e| (e.t, e.y, e.x, e.channel));
+        events.sort_by_key(|e| (e.t, e.y, e.channel, e.x));
         events
     }
 
@@ -575,12 +601,13 @@ mod tests {
         fn events_are_in_order(
             counts in proptest::collection::vec(proptest::collection::vec(-9i32..10, 7), 12),
             sparse: bool,
+            again: bool,
             channels in 1usize..4,
             index in 0u32..1000,
             duration in proptest::sample::select(vec![1e-6, 7e-4, 1.0 / 240.0, 3.0, 1e5]),
         ) {
-            // Each row is told by each channel in turn, and the last channel tells it again.
-            let told = channels + 1;
+            // Each row is told by each channel in turn, and the last channel may tell it again.
+            let told = channels + usize::from(again);
             let rows: Vec<TrainRow<f64>> = counts.iter().enumerate().map(|(n, counts)| {
                 let keep = |x: usize| i32::from(!sparse || (n + x).is_multiple_of(5));
                 TrainRow {
@@ -611,7 +638,10 @@ mod tests {
                 });
                 prop_assert_eq!(told_twice, 2 * slow.len());
                 for fast in packet.events.chunks(slow.len().max(1)) {
-                    prop_assert!(fast.is_sorted_by_key(|e| (e.t, e.y, e.x, e.channel)));
+                    prop_assert!(fast.is_sorted_by_key(|e| (e.t, e.y, e.channel)));
+                    if !again {
+                        prop_assert!(fast.is_sorted_by_key(|e| (e.t, e.y, e.channel, e.x)));
+                    }
                     // Halves of a microsecond may be rounded either way, and the order with them.
                     let by_cell = |events: &[Event]| {
                         let mut events = events.to_vec();

@@ -56,7 +56,7 @@ use crate::{
 use self::{
     band::{Band, Plan, Sight},
     noise::LowPass,
-    signal::{Padded, Photoreceptors},
+    signal::{Light, Padded, Photoreceptors},
 };
 
 /// Below so many pixels, sharing out the work costs more than it gives.
@@ -64,7 +64,7 @@ const SMALL: usize = 1 << 13;
 
 /// Rows of a band: small enough that a band's scratch stays in cache, large enough to be
 /// worth sharing out. The events do not depend on it.
-const BAND_ROWS: usize = 32;
+const BAND_ROWS: usize = 64;
 
 /// The float model of one sensor, in one number format.
 #[derive(Clone, Debug)]
@@ -74,13 +74,14 @@ pub struct Reference<N: Number = F64> {
     limit: Limit,
     photoreceptors: Photoreceptors<N>,
     low_pass: Option<LowPass>,
-    signal: Padded<N::Held>,
+    /// Rows and columns that the kernels reach.
+    reach: (usize, usize),
     /// For each channel a pixel memory, or the signal's distance from it; none otherwise.
     pixels: Vec<Padded<N::Held>>,
     cut: Vec<Range<usize>>,
     bands: Vec<Band<N>>,
     /// What [`Sensor::watch`] makes its lists in.
-    parts: Vec<list::Part>,
+    buffers: list::Buffers,
     /// Times of the first frame and of the last, in seconds.
     seen: Option<(f64, f64)>,
     pairs: u64,
@@ -152,21 +153,21 @@ impl<N: Number> Reference<N> {
             description.memory,
             MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
         );
-        let padded = Padded::new(size, reach, N::ZERO);
         Ok(Self {
             size,
             limit: Limit::default(),
             photoreceptors: Photoreceptors::new(number, description.response),
             low_pass: (description.noise.cutoff_hz > 0.0).then(|| LowPass::new(size)),
             pixels: if held_pixels {
-                vec![padded.clone(); description.channels.len()]
+                let whole = Padded::new(size, 0..size.height, reach, N::ZERO);
+                vec![whole; description.channels.len()]
             } else {
                 Vec::new()
             },
-            signal: padded,
+            reach,
             cut: bands(size.height, rows.max(1)),
             bands: Vec::new(),
-            parts: Vec::new(),
+            buffers: list::Buffers::default(),
             seen: None,
             pairs: 0,
             plan: Plan::new(number, description, size, seed),
@@ -240,14 +241,13 @@ impl<N: Number> Reference<N> {
         if !seconds.is_finite() || !later {
             return Err(SensorError::Time { index, seconds });
         }
-        self.see(frame)?;
+        if let Some(low_pass) = &mut self.low_pass {
+            let dt = self.seen.map_or(f64::INFINITY, |(_, last)| seconds - last);
+            low_pass.see(&self.plan.description, frame, dt)?;
+        }
         let Some((start, from)) = self.seen else {
             self.seen = Some((seconds, seconds));
-            let settle = |rows: &Range<usize>| {
-                Band::settle(&self.plan, rows.clone(), self.size.width, &self.signal)
-            };
-            self.bands = self.cut.par_iter().map(settle).collect();
-            return Ok(());
+            return self.settle(frame);
         };
         self.seen = Some((start, seconds));
         let pair = Pair {
@@ -256,90 +256,94 @@ impl<N: Number> Reference<N> {
             to: seconds,
         };
         self.pairs += 1;
-        self.advance(pair, seconds - start, sink)
+        self.advance(frame, pair, seconds - start, sink)
     }
 
-    /// Light to signal, with a rim.
-    fn see(&mut self, frame: &Frame) -> Result<(), SensorError> {
+    /// The first frame.
+    fn settle(&mut self, frame: &Frame) -> Result<(), SensorError> {
         let Self {
-            photoreceptors,
-            low_pass,
-            signal,
-            plan,
-            seen,
-            ..
+            plan, size, reach, ..
         } = self;
-        let border = plan.description.border;
-        if let Some(low_pass) = low_pass {
-            let dt = seen.map_or(f64::INFINITY, |(_, last)| frame.seconds - last);
-            low_pass.see(&plan.description, frame, dt)?;
-            let held = |y: usize, row: &mut [N::Held]| {
-                for (to, value) in row.iter_mut().zip(low_pass.row(y)) {
-                    *to = plan.number.hold(*value);
-                }
-                Ok(())
-            };
-            return signal.fill(border, N::ZERO, held);
-        }
-        signal.fill(border, N::ZERO, |y, row| photoreceptors.row(frame, y, row))
+        let light = Light {
+            photoreceptors: &self.photoreceptors,
+            frame,
+            low_pass: self.low_pass.as_ref(),
+        };
+        let settle = |rows: &Range<usize>| {
+            let signal = Padded::new(*size, rows.clone(), *reach, N::ZERO);
+            Band::settle(plan, signal, rows.clone(), light)
+        };
+        let bands: Result<_, _> = self.cut.par_iter().map(settle).collect();
+        self.bands = bands.map_err(|error| first_fault(light, *size).unwrap_or(error))?;
+        Ok(())
     }
 
     fn advance<S: Sink>(
         &mut self,
+        frame: &Frame,
         pair: Pair,
         elapsed: f64,
         sink: &mut S,
     ) -> Result<(), SensorError> {
-        self.lay_out_pixels();
-        let Self {
-            plan,
-            signal,
-            pixels,
-            bands,
-            ..
-        } = self;
+        let light = Light {
+            photoreceptors: &self.photoreceptors,
+            frame,
+            low_pass: self.low_pass.as_ref(),
+        };
+        let (plan, bands) = (&self.plan, &mut self.bands);
+        let fault = |error| first_fault(light, self.size).unwrap_or(error);
+        let holds_pixels = !self.pixels.is_empty();
+        if holds_pixels {
+            // Kernels read the pixel memory of cells beyond their band.
+            let see = |band: &mut Band<N>| band.see(plan, light);
+            bands.par_iter_mut().try_for_each(see).map_err(fault)?;
+            lay_out_pixels(plan, bands, &mut self.pixels);
+        }
         let sight = Sight {
-            signal,
-            pixels,
+            light: (!holds_pixels).then_some(light),
+            pixels: &self.pixels,
             pair,
             elapsed,
             times: sink.wants_times(),
         };
         let mut parts = sink.begin(pair, &self.cut);
         let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| band.advance(plan, sight, part);
-        if bands.len() == 1 || alone() {
-            bands.iter_mut().zip(&mut parts).try_for_each(one)?;
+        let advanced = if bands.len() == 1 || alone() {
+            bands.iter_mut().zip(&mut parts).try_for_each(one)
         } else {
-            bands.par_iter_mut().zip(&mut parts).try_for_each(one)?;
-        }
+            bands.par_iter_mut().zip(&mut parts).try_for_each(one)
+        };
         drop(parts);
+        advanced.map_err(fault)?;
         sink.end()
     }
+}
 
-    /// Lays out pixel memories (or the distances from them) as planes that kernels can read.
-    fn lay_out_pixels(&mut self) {
-        let Self {
-            plan,
-            signal,
-            pixels,
-            bands,
-            ..
-        } = self;
-        for (channel, pixels) in pixels.iter_mut().enumerate() {
-            let rows = |y: usize, row: &mut [N::Held]| {
-                if let Some(band) = bands.iter().find(|band| band.rows.contains(&y)) {
+/// Lays out pixel memories (or the distances from them) as planes that kernels can read.
+fn lay_out_pixels<N: Number>(plan: &Plan<N>, bands: &[Band<N>], pixels: &mut [Padded<N::Held>]) {
+    for (channel, pixels) in pixels.iter_mut().enumerate() {
+        for band in bands {
+            for y in band.rows.clone() {
+                let row = |row: &mut [N::Held]| {
                     band.memory_row(plan, channel, y, row);
-                }
-                if plan.description.memory == MemoryRule::RawSnap {
-                    for (held, now) in row.iter_mut().zip(signal.inner(y)) {
-                        *held = plan.number.sub(*now, *held);
+                    if plan.description.memory == MemoryRule::RawSnap {
+                        for (held, now) in row.iter_mut().zip(band.signal.inner(y)) {
+                            *held = plan.number.sub(*now, *held);
+                        }
                     }
-                }
-                Ok::<(), Infallible>(())
-            };
-            let Ok(()) = pixels.fill(plan.description.border, N::ZERO, rows);
+                    Ok::<(), Infallible>(())
+                };
+                let Ok(()) = pixels.fill(y, plan.description.border, N::ZERO, row);
+            }
         }
     }
+}
+
+/// The first light, row by row, that the response is not defined for: whichever band met one
+/// first.
+fn first_fault<N: Number>(light: Light<'_, N>, size: Size) -> Option<SensorError> {
+    let mut row = vec![N::ZERO; size.width];
+    (0..size.height).find_map(|y| light.row(y, &mut row).err())
 }
 
 /// The rows of each band.
@@ -372,10 +376,10 @@ impl<N: Number> Sensor for Reference<N> {
         if self.seen.is_none() {
             packet.span.0 = Micros::from_seconds(frame.seconds);
         }
-        let parts = std::mem::take(&mut self.parts);
-        let mut list = EventList::with_parts(packet, self.limit, parts);
+        let buffers = std::mem::take(&mut self.buffers);
+        let mut list = EventList::with_buffers(packet, self.limit, buffers);
         let watched = self.watch_into(frame, &mut list);
-        self.parts = list.into_parts();
+        self.buffers = list.into_buffers();
         watched?;
         packet.span.1 = Micros::from_seconds(frame.seconds);
         Ok(())

@@ -1,7 +1,8 @@
 //! From a frame to the signal that the kernels see: light, response, number format, rim.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
-use rayon::prelude::*;
 
 use crate::{
     number::Number,
@@ -11,13 +12,16 @@ use crate::{
     sensor::SensorError,
 };
 
-use super::description::Border;
+use super::{description::Border, noise::LowPass};
 
-/// A plane with a rim, so that a kernel can be laid on every pixel; row after row.
+/// Some rows of a plane, with a rim, so that a kernel can be laid on every pixel of them; row
+/// after row.
 #[derive(Clone, Debug)]
 pub(super) struct Padded<H> {
     values: Vec<H>,
     size: Size,
+    /// Which rows of the plane.
+    rows: Range<usize>,
     /// Rows above and below, columns left and right.
     rim: (usize, usize),
     /// From one row to the next: the columns, both rims, and room for a whole block at the end.
@@ -27,76 +31,106 @@ pub(super) struct Padded<H> {
 /// Pixels that are worked on at a time, at most.
 const BLOCK: usize = 64;
 
-impl<H: Copy + Send + Sync> Padded<H> {
-    /// Room for planes of `size` under kernels that reach `rim` (rows, columns).
-    pub(super) fn new(size: Size, rim: (usize, usize), zero: H) -> Self {
+impl<H: Copy> Padded<H> {
+    /// Room for these rows of planes of `size` under kernels that reach `rim` (rows, columns).
+    pub(super) fn new(size: Size, rows: Range<usize>, rim: (usize, usize), zero: H) -> Self {
         let stride = size.width.next_multiple_of(BLOCK) + 2 * rim.1;
-        let values = vec![zero; (size.height + 2 * rim.0) * stride];
+        let values = vec![zero; (rows.len() + 2 * rim.0) * stride];
         Self {
             values,
             size,
+            rows,
             rim,
             stride,
         }
     }
 
+    /// Where row `y` lies.
+    fn start(&self, y: usize) -> usize {
+        (y + self.rim.0 - self.rows.start) * self.stride
+    }
+
     /// Row `y` of the plane without its rim.
     pub(super) fn inner(&self, y: usize) -> &[H] {
-        let start = (y + self.rim.0) * self.stride + self.rim.1;
+        let start = self.start(y) + self.rim.1;
         &self.values[start..start + self.size.width]
     }
 
     /// The plane from `reach` above and left of the first pixel of row `y` on, and how far it is
     /// from one row to the next. Each row of a kernel of that reach finds whole blocks there.
     pub(super) fn from(&self, y: usize, reach: (usize, usize)) -> (&[H], usize) {
-        let start = (y + self.rim.0 - reach.0) * self.stride + self.rim.1 - reach.1;
+        let start = self.start(y) - reach.0 * self.stride + self.rim.1 - reach.1;
         (&self.values[start..], self.stride)
     }
 
-    /// Fills every row of the plane through `fill(y, row)`, then the rim.
-    pub(super) fn fill<E: Send>(
+    /// The rows of the plane that are needed: these, and those in the rim.
+    pub(super) fn needed(&self) -> Range<usize> {
+        let above = self.rim.0;
+        self.rows.start.saturating_sub(above)..(self.rows.end + above).min(self.size.height)
+    }
+
+    /// Row `y` of those needed is what `fill` makes it; its rim follows, and what lies off the
+    /// array next to it.
+    pub(super) fn fill<E>(
         &mut self,
+        y: usize,
         border: Border,
         zero: H,
-        fill: impl Fn(usize, &mut [H]) -> Result<(), E> + Sync,
+        fill: impl FnOnce(&mut [H]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let (above, left) = self.rim;
-        let Size { height, width } = self.size;
-        let rows = &mut self.values[above * self.stride..(above + height) * self.stride];
-        let one = |(y, row): (usize, &mut [H])| {
-            fill(y, &mut row[left..left + width])?;
-            let (west, east) = match border {
-                Border::Replicate => (row[left], row[left + width - 1]),
-                Border::Zero => (zero, zero),
-            };
-            row[..left].fill(west);
-            row[left + width..].fill(east);
-            Ok(())
+        let (start, stride) = (self.start(y), self.stride);
+        let (left, width) = (self.rim.1, self.size.width);
+        let row = &mut self.values[start..start + stride];
+        fill(&mut row[left..left + width])?;
+        let (west, east) = match border {
+            Border::Replicate => (row[left], row[left + width - 1]),
+            Border::Zero => (zero, zero),
         };
-        if self.size.pixels() < super::SMALL || super::alone() {
-            rows.chunks_exact_mut(self.stride)
-                .enumerate()
-                .try_for_each(one)?;
+        row[..left].fill(west);
+        row[left + width..].fill(east);
+        let above = if y == 0 { 0..start } else { 0..0 };
+        let below = if y + 1 == self.size.height {
+            start + stride..self.values.len()
         } else {
-            rows.par_chunks_exact_mut(self.stride)
-                .enumerate()
-                .with_min_len(16)
-                .try_for_each(one)?;
-        }
-        let first = above * self.stride..(above + 1) * self.stride;
-        let last = (above + height - 1) * self.stride..(above + height) * self.stride;
-        for k in 0..above {
-            let (top, bottom) = (k * self.stride, (above + height + k) * self.stride);
+            0..0
+        };
+        for to in above.chain(below).step_by(stride) {
             match border {
-                Border::Replicate => {
-                    self.values.copy_within(first.clone(), top);
-                    self.values.copy_within(last.clone(), bottom);
-                }
-                Border::Zero => {
-                    self.values[top..top + self.stride].fill(zero);
-                    self.values[bottom..bottom + self.stride].fill(zero);
-                }
+                Border::Replicate => self.values.copy_within(start..start + stride, to),
+                Border::Zero => self.values[to..to + stride].fill(zero),
             }
+        }
+        Ok(())
+    }
+}
+
+/// A frame as the photoreceptors give it.
+#[derive(Debug)]
+pub(super) struct Light<'a, N: Number> {
+    pub(super) photoreceptors: &'a Photoreceptors<N>,
+    pub(super) frame: &'a Frame,
+    /// What they are slow to say, where they are.
+    pub(super) low_pass: Option<&'a LowPass>,
+}
+
+/// Derived, it would ask for a number that can be copied.
+impl<N: Number> Copy for Light<'_, N> {}
+
+#[expect(clippy::expl_impl_clone_on_copy, reason = "as above")]
+impl<N: Number> Clone for Light<'_, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<N: Number> Light<'_, N> {
+    /// Row `y` of the signal.
+    pub(super) fn row(&self, y: usize, out: &mut [N::Held]) -> Result<(), SensorError> {
+        let Some(low_pass) = self.low_pass else {
+            return self.photoreceptors.row(self.frame, y, out);
+        };
+        for (to, value) in out.iter_mut().zip(low_pass.row(y)) {
+            *to = self.photoreceptors.number.hold(*value);
         }
         Ok(())
     }
@@ -131,7 +165,7 @@ impl<N: Number> Photoreceptors<N> {
     ) -> Result<(), SensorError> {
         let row = frame.light.row(y);
         if let Some(light) = row.as_slice()
-            && (from_table(&self.table, light, out) || self.straight(light, out))
+            && (self.straight(light, out) || from_table(&self.table, light, out))
         {
             return Ok(());
         }
@@ -206,4 +240,38 @@ fn divide<N: Number>(
         });
     }
     within
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::{F32, F64};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// However it is computed, the signal is the response, rounded.
+        #[test]
+        fn rows_are_the_response(
+            light in proptest::collection::vec(prop_oneof![
+                (0u8..=255).prop_map(f64::from),
+                (0f32..1e9).prop_map(f64::from),
+                0f64..1e9,
+                Just(1e-45),
+            ], 1..70),
+            white in prop_oneof![Just(255.0), 1e-3f64..1e9],
+            round_f32: bool,
+        ) {
+            let response = Response { curve: Curve::Linear { white }, round_f32 };
+            let width = light.len();
+            let frame = Frame { index: 0, seconds: 0.0, light: crate::plane::Plane::from_shape_vec((1, width), light.clone()).unwrap() };
+            let (mut single, mut double) = (vec![0f32; width], vec![0f64; width]);
+            Photoreceptors::new(F32, response).row(&frame, 0, &mut single).unwrap();
+            Photoreceptors::new(F64, response).row(&frame, 0, &mut double).unwrap();
+            for (x, light) in light.iter().enumerate() {
+                let signal = response.apply(*light).unwrap();
+                prop_assert_eq!(single[x].to_bits(), (signal as f32).to_bits());
+                prop_assert_eq!(double[x].to_bits(), signal.to_bits());
+            }
+        }
+    }
 }
