@@ -315,8 +315,20 @@ impl<N: Number> Band<N> {
             }
         }
         if authors {
-            let fired = fired.get_mut(range.clone());
-            authors_row(plan, pair, (on, off), to, fired, trains).map_err(beyond)?;
+            let fired = if fired.is_empty() {
+                // Without a refractory period all cells are always rested.
+                rested.fill(f64::NEG_INFINITY);
+                &mut rested[..]
+            } else {
+                &mut fired[range.clone()]
+            };
+            let r = plan.refractory();
+            if !refractory::authors(pair, r, (on, off), to, fired, trains) {
+                let mut counts = trains.counts.iter();
+                let most = memory::MOST.unsigned_abs();
+                let x = counts.position(|count| count.unsigned_abs() > most);
+                return Err(beyond(x.unwrap_or(0)));
+            }
         }
         match state {
             Memory::FilteredStep(_) if !authors => {}
@@ -361,7 +373,10 @@ impl<N: Number> Band<N> {
             }
         }
         if !authors && !fired.is_empty() {
-            rest(plan, pair, &mut fired[range], trains, report);
+            let fired = &mut fired[range];
+            let before = trains.events();
+            refractory::dead_time(pair, plan.refractory(), fired, trains);
+            report.lost_to_refractory += before - trains.events();
         }
         if description.noise.jitter_us > 0.0 && times {
             for x in 0..self.width {
@@ -556,53 +571,4 @@ fn sign<R: Real>(count: &mut i32, own: R, report: &mut Report) {
         report.without_sign += 1;
         0
     };
-}
-
-/// The dead time after an event.
-fn rest<N: Number>(
-    plan: &Plan<N>,
-    pair: Pair,
-    fired: &mut [f64],
-    trains: &mut TrainRow<N::Real>,
-    report: &mut Report,
-) {
-    let dt = pair.duration();
-    let r = plan.refractory() / dt;
-    for (x, fired) in fired.iter_mut().enumerate() {
-        let Some(train) = trains.get(x) else { continue };
-        let kept = refractory::dead_time(train, r, (pair.from - *fired) / dt);
-        report.lost_to_refractory += train.count - kept.map_or(0, |kept| kept.count);
-        if let Some(kept) = kept {
-            *fired = pair.from + kept.last() * dt;
-        }
-        if kept != Some(train) {
-            trains.set(x, kept);
-        }
-    }
-}
-
-/// The released simulator's rule for a row, in double precision; the column of the first cell
-/// with more events than are counted, if there is one.
-fn authors_row<N: Number>(
-    plan: &Plan<N>,
-    pair: Pair,
-    (on, off): (&[N::Real], &[N::Real]),
-    distances: &[N::Real],
-    mut fired: Option<&mut [f64]>,
-    trains: &mut TrainRow<N::Real>,
-) -> Result<(), usize> {
-    let (dt, r) = (pair.duration(), plan.refractory());
-    for (x, d) in distances.iter().enumerate() {
-        let since = fired.as_ref().map_or(0.0, |fired| pair.from - fired[x]);
-        let train: Option<Train> =
-            refractory::authors(d.to_f64(), (on[x].to_f64(), off[x].to_f64()), dt, r, since);
-        if train.is_some_and(|train| train.count > u64::from(memory::MOST.unsigned_abs())) {
-            return Err(x);
-        }
-        if let (Some(train), Some(fired)) = (train, &mut fired) {
-            fired[x] = pair.from + train.last() * dt;
-        }
-        trains.set(x, train);
-    }
-    Ok(())
 }

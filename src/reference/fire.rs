@@ -38,9 +38,14 @@ pub(super) fn count<R: Real>(d: R, on: R, off: R) -> i32 {
     let beyond = R::of(2_147_483_648.0);
     let whole = if whole < beyond { whole } else { beyond };
     let whole = if d >= R::ZERO { whole } else { -whole };
-    // The same as `as`, whose checks would keep the loop from being vectorised: added to
-    // 1.5 * 2^52, a whole number stands in the lowest bits.
-    (whole.to_f64() + 6_755_399_441_055_744.0).to_bits() as i32
+    to_i32(whole.to_f64())
+}
+
+/// A whole number as an integer: the same as `as`, whose checks would keep loops from being
+/// vectorised. Added to 1.5 * 2^52, a whole number stands in the lowest bits.
+#[inline]
+pub(super) fn to_i32(whole: f64) -> i32 {
+    (whole + 6_755_399_441_055_744.0).to_bits() as i32
 }
 
 /// Where a line from one distance to another meets the first threshold, and how far the next
