@@ -5,6 +5,7 @@ pub mod compare;
 pub mod demo;
 pub mod exec;
 mod progress;
+pub mod quantise;
 pub mod run;
 mod timed;
 
@@ -19,6 +20,7 @@ Examples:
   amacrine run --scene clip.mp4 --sensor sensors/dvs.toml --upsample 0.1 --events events.npy
   amacrine exec programs/convolve/sobel.scamp --image frame.png --dump registers
   amacrine asm programs/rgc/centre_surround.scamp
+  amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compare out/reference.npy out/silicon.npy --within 1ms";
 
 /// What real silicon does to the retina's computation.
@@ -39,6 +41,8 @@ enum Verb {
     Exec(exec::Arguments),
     /// Check a program: expansion, words, microseconds, registers
     Asm(asm::Arguments),
+    /// A kernel in few values: levels, scale, and what is lost
+    Quantise(quantise::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
 }
@@ -54,6 +58,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Run(arguments)) => run::run(&arguments),
         Some(Verb::Exec(arguments)) => exec::run(&arguments),
         Some(Verb::Asm(arguments)) => asm::run(&arguments),
+        Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
     };
     match result {

@@ -5,6 +5,7 @@
 //! Built-in kernels are files in `kernels/`, each with where it came from.
 
 mod file;
+pub mod quantise;
 mod zoo;
 
 pub use file::KernelFileError;

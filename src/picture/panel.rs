@@ -109,6 +109,26 @@ impl Difference {
     }
 }
 
+/// The weights of a kernel: ON's colour above 0, OFF's below, pale to full at `most`.
+#[must_use]
+pub fn weights(weights: &Plane<f64>, most: f64) -> RgbImage {
+    let (height, width) = weights.dim();
+    RgbImage::from_fn(width as u32, height as u32, |x, y| {
+        let weight = weights[[y as usize, x as usize]];
+        let full = if weight < 0.0 { ink::OFF } else { ink::ON };
+        let part = if most > 0.0 {
+            (weight.abs() / most).min(1.0)
+        } else {
+            0.0
+        };
+        let mixed =
+            |empty: u8, full: u8| f64::from(empty) + part * (f64::from(full) - f64::from(empty));
+        Rgb(std::array::from_fn(|i| {
+            mixed(ink::EMPTY.0[i], full.0[i]).round() as u8
+        }))
+    })
+}
+
 /// Every pixel as a square of `times` by `times`.
 #[must_use]
 pub fn enlarged(panel: &RgbImage, times: u32) -> RgbImage {

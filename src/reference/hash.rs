@@ -1,5 +1,7 @@
 //! Chance as a hash of where and why it is drawn, so that the order of work cannot change it.
 
+use crate::chance::{self, GOLDEN, mix};
+
 /// Why a number is drawn: no two reasons share their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Why {
@@ -36,7 +38,7 @@ impl Place {
         for part in [why as u64, cell, step ^ turn.rotate_left(32)] {
             h = mix((h ^ part).wrapping_add(GOLDEN));
         }
-        (h >> 11) as f64 / (1u64 << 53) as f64
+        chance::uniform(h)
     }
 
     /// A standard normal number (Box & Muller, 1958).
@@ -45,15 +47,6 @@ impl Place {
         let angle = self.uniform(why, 2 * step + 1);
         (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
     }
-}
-
-const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
-
-/// The finaliser of `SplitMix64` (Steele, Lea, Flood, OOPSLA 2014).
-const fn mix(mut z: u64) -> u64 {
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

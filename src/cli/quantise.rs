@@ -1,0 +1,307 @@
+//! `amacrine quantise`: a kernel in few values, and what that does to it.
+
+use std::{
+    fmt::Write,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use image::{RgbImage, imageops};
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+use crate::{
+    kernel::{
+        Kernel,
+        quantise::{Change, Quantised, Quantiser, Sum},
+    },
+    picture::{panel, write_png},
+    plane::Plane,
+    save::save,
+};
+
+/// What `quantise` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine quantise rgc-5x5 --to ternary --sum zero\n  amacrine quantise learned.npy --to ternary,po2-3,int-5,csd-40,q3.4\n\nQuantisers: binary, ternary, ternary-0.7, ternary-split, po2-N, int-B, csd-D, qM.N with :floor or :stochastic.\nA kernel becomes scale x levels; on a chip, divide the thresholds by the scale and run the levels."
+)]
+pub struct Arguments {
+    /// A kernel file (.toml or .npy), or the name of a built-in
+    kernel: String,
+    /// One quantiser, or several with commas between
+    #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER")]
+    to: Vec<Quantiser>,
+    /// What the quantised kernel must sum to
+    #[arg(long, value_enum, default_value = "free")]
+    sum: Asked,
+    /// Seed of stochastic rounding
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Write the levels as a kernel file
+    #[arg(short, long, value_name = "FILE.toml")]
+    output: Option<PathBuf>,
+    /// Draw the kernel and each of the quantised ones, side by side
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<PathBuf>,
+    /// Print one JSON object instead
+    #[arg(long)]
+    json: bool,
+}
+
+/// [`Sum`], as it is written.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Asked {
+    /// Whatever comes
+    Free,
+    /// 0: uniform light gives nothing
+    Zero,
+    /// That of the kernel, as near as the levels allow
+    Kept,
+}
+
+/// One row of the table.
+#[derive(serde::Serialize)]
+struct Row {
+    to: String,
+    levels: Vec<Vec<f64>>,
+    scale: f64,
+    relative_error: f64,
+    sum: f64,
+    /// Weights that are not 0.
+    taps: usize,
+    response: Change,
+}
+
+#[derive(serde::Serialize)]
+struct Json {
+    kernel: Vec<Vec<f64>>,
+    sum: f64,
+    quantised: Vec<Row>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the kernel cannot be read or not quantised as asked, or a file not be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let kernel = read(&arguments.kernel)?;
+    let sum = match arguments.sum {
+        Asked::Free => Sum::Free,
+        Asked::Zero => Sum::Zero,
+        Asked::Kept => Sum::Kept,
+    };
+    let quantise = |to: &Quantiser| -> miette::Result<Quantised> {
+        let quantised = to.quantise(&kernel, sum, arguments.seed);
+        quantised.map_err(|error| {
+            miette::Report::new(error).wrap_err(format!("{} cannot be {to}", arguments.kernel))
+        })
+    };
+    let all: Vec<Quantised> = arguments
+        .to
+        .iter()
+        .map(quantise)
+        .collect::<Result<_, _>>()?;
+    let rows: Vec<Row> = arguments
+        .to
+        .iter()
+        .zip(&all)
+        .map(|(to, quantised)| Row::of(*to, &kernel, quantised))
+        .collect();
+    if let Some(path) = &arguments.output {
+        let [quantised] = &all[..] else {
+            return Err(miette!(
+                help = "give one quantiser with --to",
+                "--output writes one kernel, and {} were asked for",
+                all.len()
+            ));
+        };
+        write(path, arguments, quantised)?;
+    }
+    if let Some(path) = &arguments.picture {
+        write_png(path, &picture(&kernel, &all))?;
+    }
+    if arguments.json {
+        let json = Json {
+            kernel: rows_of(kernel.weights()),
+            sum: kernel.sum(),
+            quantised: rows,
+        };
+        let json = serde_json::to_string(&json).map_err(|e| miette!("{e}"))?;
+        super::say(&format!("{json}\n"));
+        return Ok(());
+    }
+    let mut text = format!("{}, sum {}\n", arguments.kernel, short(kernel.sum()));
+    text += &drawn(kernel.weights());
+    if let ([quantised], [row]) = (&all[..], &rows[..]) {
+        let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
+        text += &written(quantised.levels.weights());
+        text += &drawn(quantised.levels.weights());
+    }
+    text += &table(&rows);
+    super::say(&text);
+    Ok(())
+}
+
+/// A built-in kernel, or one from a file.
+fn read(name: &str) -> miette::Result<Kernel> {
+    if let Some(kernel) = Kernel::builtin(name) {
+        return Ok(kernel);
+    }
+    let path = Path::new(name);
+    let array = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npy"));
+    let bytes = fs::read(path).map_err(|error| {
+        let known: Vec<_> = Kernel::builtin_names().collect();
+        miette!(
+            help = format!("give a file, or one of the built-ins: {}", known.join(", ")),
+            "{name}: {error}"
+        )
+    })?;
+    let kernel = if array {
+        Kernel::from_npy(&bytes)
+    } else {
+        Kernel::from_toml_bytes(&bytes)
+    };
+    kernel.into_diagnostic().wrap_err_with(|| name.to_owned())
+}
+
+impl Row {
+    fn of(to: Quantiser, kernel: &Kernel, quantised: &Quantised) -> Self {
+        let levels = quantised.levels.weights();
+        Self {
+            to: to.to_string(),
+            levels: rows_of(levels),
+            scale: quantised.scale,
+            relative_error: quantised.relative_error(kernel),
+            sum: quantised.kernel().sum(),
+            taps: levels.iter().filter(|level| **level != 0.0).count(),
+            response: Change::between(kernel, &quantised.kernel()),
+        }
+    }
+}
+
+fn rows_of(weights: &Plane<f64>) -> Vec<Vec<f64>> {
+    weights.rows().into_iter().map(|row| row.to_vec()).collect()
+}
+
+/// The levels as a kernel file.
+fn write(path: &Path, arguments: &Arguments, quantised: &Quantised) -> miette::Result<()> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let source = format!(
+        "{} as {}, sum {:?}; times {} it is the kernel: divide thresholds by that",
+        arguments.kernel, arguments.to[0], arguments.sum, quantised.scale
+    );
+    let mut text = format!("name = {name:?}\nsource = {source:?}\nweights = [\n");
+    for row in rows_of(quantised.levels.weights()) {
+        let _ = writeln!(text, "  {row:?},");
+    }
+    text += "]\n";
+    save(path, |file| {
+        std::io::Write::write_all(file, text.as_bytes())
+    })?;
+    Ok(())
+}
+
+/// One line for each quantiser.
+fn table(rows: &[Row]) -> String {
+    let mut text = format!(
+        "\n{:<16} {:>9} {:>6} {:>9} {:>9} {:>10}  {}\n",
+        "quantiser", "rel error", "taps", "scale", "sum", "response", "most at (v, u) cycles/pixel"
+    );
+    for row in rows {
+        let Change { largest, at, .. } = row.response;
+        let _ = writeln!(
+            text,
+            "{:<16} {:>9.4} {:>6} {:>9} {:>9} {:>9.1}%  ({:.3}, {:.3})",
+            row.to,
+            row.relative_error,
+            row.taps,
+            short(row.scale),
+            short(row.sum),
+            100.0 * largest,
+            at.0,
+            at.1
+        );
+    }
+    text + "rel error: |w - scale l| / |w|. response: the largest change of the frequency response, as a part of its largest value\n"
+}
+
+/// The numbers, in columns.
+fn written(weights: &Plane<f64>) -> String {
+    let texts: Vec<Vec<String>> = rows_of(weights)
+        .iter()
+        .map(|row| row.iter().map(|w| short(*w)).collect())
+        .collect();
+    let width = texts.iter().flatten().map(String::len).max().unwrap_or(0);
+    let line = |row: &Vec<String>| {
+        row.iter().fold(" ".to_owned(), |line, cell| {
+            format!("{line} {cell:>width$}")
+        }) + "\n"
+    };
+    texts.iter().map(line).collect()
+}
+
+/// Three shades of each sign.
+fn drawn(weights: &Plane<f64>) -> String {
+    let most = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+    let cell = |w: f64| {
+        let part = if most > 0.0 { w.abs() / most } else { 0.0 };
+        let shade = if part < 1.0 / 12.0 {
+            0
+        } else {
+            (part * 3.0).ceil() as usize
+        };
+        let sign = if w < 0.0 { "-" } else { "+" };
+        if shade == 0 {
+            "  . ".to_owned()
+        } else {
+            format!("{:^4}", sign.repeat(shade))
+        }
+    };
+    let row = |row: Vec<f64>| {
+        let cells: String = row.into_iter().map(cell).collect();
+        format!("  {}\n", cells.trim_end())
+    };
+    rows_of(weights).into_iter().map(row).collect()
+}
+
+/// At most four digits after the point, no zeros at the end.
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
+}
+
+/// The kernel, and each of the quantised ones at its scale, all in the same colours.
+fn picture(kernel: &Kernel, all: &[Quantised]) -> RgbImage {
+    let planes: Vec<Plane<f64>> = std::iter::once(kernel.weights().clone())
+        .chain(
+            all.iter()
+                .map(|quantised| quantised.kernel().weights().clone()),
+        )
+        .collect();
+    let most = planes
+        .iter()
+        .flatten()
+        .fold(0.0, |most: f64, w| most.max(w.abs()));
+    let panels: Vec<RgbImage> = planes
+        .iter()
+        .map(|weights| panel::enlarged(&panel::weights(weights, most), 24))
+        .collect();
+    let gap = 12;
+    let (width, height) = panels[0].dimensions();
+    let mut page = RgbImage::from_pixel(
+        gap + panels.len() as u32 * (width + gap),
+        height + 2 * gap,
+        crate::picture::ink::PAGE,
+    );
+    for (k, panel) in panels.iter().enumerate() {
+        let left = gap + k as u32 * (width + gap);
+        imageops::replace(&mut page, panel, left.into(), gap.into());
+    }
+    page
+}

@@ -1,0 +1,120 @@
+//! Canonical signed digits under a budget: each weight a few signed powers of two, so many in
+//! the whole kernel.
+//!
+//! Additions on a chip go by digits that are not 0, wherever in the kernel they are. For every
+//! weight the nearest number of 0, 1, 2 … digits is looked up; dynamic programming over
+//! the weights then finds how the budget is best shared out.
+
+use super::{FINEST, QuantiseError, Quantiser, Sum};
+
+/// The levels, whole numbers of [`FINEST`] bits, and the scale.
+pub(super) fn quantise(
+    quantiser: Quantiser,
+    weights: &[f64],
+    budget: u32,
+    sum: Sum,
+) -> Result<(Vec<f64>, f64), QuantiseError> {
+    let largest = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+    let top = 1i64 << FINEST;
+    let scale = 2f64.powi(largest.log2().ceil() as i32) / top as f64;
+    let values: Vec<f64> = weights.iter().map(|w| w / scale).collect();
+    let asked = match sum {
+        Sum::Free => None,
+        Sum::Zero => Some(0),
+        Sum::Kept => Some(values.iter().sum::<f64>().round() as i64),
+    };
+    let budget = budget.min(weights.len() as u32 * most_digits(top)) as usize;
+    let levels = share(&values, budget, asked).ok_or(QuantiseError::Sum {
+        quantiser,
+        sum: asked.unwrap_or(0),
+        weights: weights.len(),
+    })?;
+    Ok((levels, scale))
+}
+
+/// How many digits of a canonical signed-digit number are not 0.
+pub(super) const fn digits(value: i64) -> u32 {
+    let value = value.unsigned_abs();
+    (value ^ (3 * value)).count_ones()
+}
+
+/// Of any number up to `top`.
+fn most_digits(top: i64) -> u32 {
+    (0..=top).map(digits).max().unwrap_or(0)
+}
+
+/// The nearest whole number to `value` of each number of digits up to `most`.
+fn nearest(value: f64, top: i64, most: u32) -> Vec<i64> {
+    let mut best = vec![0i64; most as usize + 1];
+    for level in -top..=top {
+        let far = |level: i64| (level as f64 - value).abs();
+        for best in &mut best[digits(level).min(most) as usize..] {
+            if digits(level) <= most && far(level) < far(*best) {
+                *best = level;
+            }
+        }
+    }
+    best
+}
+
+/// How the budget is best shared out; with a sum, the last weights' choices are moved so that
+/// it is kept, or `None` when the budget does not allow it.
+fn share(values: &[f64], budget: usize, asked: Option<i64>) -> Option<Vec<f64>> {
+    let top = 1i64 << FINEST;
+    let most = most_digits(top).min(budget as u32);
+    let choices: Vec<Vec<i64>> = values.iter().map(|v| nearest(*v, top, most)).collect();
+    let mut cost = vec![0.0; budget + 1];
+    let mut taken = Vec::with_capacity(values.len());
+    for (value, choices) in values.iter().zip(&choices) {
+        let mut next = vec![f64::INFINITY; budget + 1];
+        let mut by = vec![0usize; budget + 1];
+        for used in 0..=budget {
+            for (k, level) in choices.iter().enumerate().take(used + 1) {
+                let total = cost[used - k] + (*level as f64 - value).powi(2);
+                if total < next[used] {
+                    (next[used], by[used]) = (total, k);
+                }
+            }
+        }
+        cost = next;
+        taken.push(by);
+    }
+    let mut levels = vec![0i64; values.len()];
+    let mut left = budget;
+    for ((level, by), choices) in levels.iter_mut().zip(&taken).zip(&choices).rev() {
+        *level = choices[by[left]];
+        left -= by[left];
+    }
+    if let Some(asked) = asked {
+        balance(values, &mut levels, budget as u32, asked)?;
+    }
+    Some(levels.iter().map(|level| *level as f64).collect())
+}
+
+/// Changes one or two weights at a time, the change that hurts least first, until the sum is
+/// right and the digits are within the budget.
+fn balance(values: &[f64], levels: &mut [i64], budget: u32, asked: i64) -> Option<()> {
+    let top = 1i64 << FINEST;
+    let far = |i: usize, level: i64| (level as f64 - values[i]).powi(2);
+    while levels.iter().sum::<i64>() != asked {
+        let missing = asked - levels.iter().sum::<i64>();
+        let used: u32 = levels.iter().map(|level| digits(*level)).sum();
+        let mut best: Option<(f64, usize, i64)> = None;
+        for (i, now) in levels.iter().enumerate() {
+            // Any step towards the sum, the whole way at most.
+            for step in 1..=missing.abs().min(2 * top) {
+                let level = now + step * missing.signum();
+                if level.abs() > top || used - digits(*now) + digits(level) > budget {
+                    continue;
+                }
+                let hurt = (far(i, level) - far(i, *now)) / step as f64;
+                if best.is_none_or(|(least, ..)| hurt < least) {
+                    best = Some((hurt, i, level));
+                }
+            }
+        }
+        let (_, i, level) = best?;
+        levels[i] = level;
+    }
+    Some(())
+}

@@ -1,0 +1,214 @@
+//! Few levels and a free scale: least squares, exactly.
+//!
+//! For levels `l` the best scale is `<w, l> / <l, l>`, and what is left of `|w|²` is then
+//! `|w|² - <w, l>² / <l, l>`. For a scale, the best levels are the nearest. As the scale
+//! grows from 0, a weight changes its level where it lies in the middle of two; between these
+//! places nothing changes, so looking once between each finds the best of all.
+
+use super::{QuantiseError, Quantiser, Sum, best_scale, total};
+
+/// The level of each weight, and the scale.
+type Chosen = (Vec<f64>, f64);
+
+/// The levels that are not negative, in order; each stands for its negative as well.
+fn magnitudes(quantiser: Quantiser) -> Vec<i64> {
+    match quantiser {
+        Quantiser::Binary => vec![1],
+        Quantiser::PowersOfTwo(n) => std::iter::once(0).chain((0..n).map(|e| 1 << e)).collect(),
+        Quantiser::Whole(bits) => (0..1 << (bits - 1)).collect(),
+        _ => vec![0, 1],
+    }
+}
+
+/// The nearest level.
+fn nearest(magnitudes: &[i64], value: f64) -> f64 {
+    let far = |level: i64| (level as f64 - value.abs()).abs();
+    let above = magnitudes.partition_point(|level| (*level as f64) < value.abs());
+    let below = magnitudes[above.saturating_sub(1)];
+    let above = magnitudes[above.min(magnitudes.len() - 1)];
+    let level = if far(above) < far(below) {
+        above
+    } else {
+        below
+    };
+    if value < 0.0 {
+        -(level as f64)
+    } else {
+        level as f64
+    }
+}
+
+/// The best levels and scale of all.
+pub(super) fn free(
+    quantiser: Quantiser,
+    weights: &[f64],
+    sum: Sum,
+) -> Result<Chosen, QuantiseError> {
+    let magnitudes = magnitudes(quantiser);
+    let mut changes: Vec<f64> = magnitudes
+        .windows(2)
+        .flat_map(|pair| {
+            let middle = (pair[0] + pair[1]) as f64 / 2.0;
+            weights.iter().map(move |w| w.abs() / middle)
+        })
+        .filter(|scale| *scale > 0.0)
+        .collect();
+    changes.sort_by(f64::total_cmp);
+    changes.dedup();
+    let last = changes.last().map_or(1.0, |last| 2.0 * last);
+    let between = changes.iter().scan(0.0, |before, change| {
+        let scale = f64::midpoint(*before, *change);
+        *before = *change;
+        Some(scale)
+    });
+    let mut best: Option<(f64, Chosen)> = None;
+    for scale in between.chain([last]) {
+        let levels: Vec<f64> = weights
+            .iter()
+            .map(|w| nearest(&magnitudes, w / scale))
+            .collect();
+        if levels.iter().all(|level| *level == 0.0) {
+            continue;
+        }
+        let scale = best_scale(weights, &levels);
+        let gain = scale * scale * levels.iter().map(|l| l * l).sum::<f64>();
+        if best.as_ref().is_none_or(|(most, _)| gain > *most) {
+            best = Some((gain, (levels, scale)));
+        }
+    }
+    // The kernel is not all 0, so the smallest scale leaves a level.
+    let (_, (levels, scale)) = best.ok_or(QuantiseError::Nothing)?;
+    with_sum(quantiser, &magnitudes, weights, (levels, scale), sum)
+}
+
+/// Zero below 0.7 of the mean magnitude.
+pub(super) fn rule_of_07(
+    quantiser: Quantiser,
+    weights: &[f64],
+    sum: Sum,
+) -> Result<Chosen, QuantiseError> {
+    let mean = weights.iter().map(|w| w.abs()).sum::<f64>() / weights.len() as f64;
+    let kept = |w: &f64| {
+        if w.abs() > 0.7 * mean {
+            w.signum()
+        } else {
+            0.0
+        }
+    };
+    let levels: Vec<f64> = weights.iter().map(kept).collect();
+    let scale = best_scale(weights, &levels);
+    with_sum(quantiser, &[0, 1], weights, (levels, scale), sum)
+}
+
+/// As many +1 as -1: of the largest weights and of the smallest, the best number of each.
+///
+/// Whatever the number k, the best levels are +1 at the k largest weights and -1 at the k
+/// smallest, and then what is won is `(sum of those - sum of these)² / 2k`.
+pub(super) fn balanced(weights: &[f64]) -> Chosen {
+    let mut order: Vec<usize> = (0..weights.len()).collect();
+    order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
+    let (mut best, mut apart) = ((0.0, 0), 0.0);
+    for k in 1..=weights.len() / 2 {
+        apart += weights[order[k - 1]] - weights[order[weights.len() - k]];
+        let gain = apart * apart / (2 * k) as f64;
+        if gain > best.0 {
+            best = (gain, k);
+        }
+    }
+    let mut levels = vec![0.0; weights.len()];
+    for i in 0..best.1 {
+        levels[order[i]] = 1.0;
+        levels[order[weights.len() - 1 - i]] = -1.0;
+    }
+    let scale = if best.1 == 0 {
+        1.0
+    } else {
+        best_scale(weights, &levels)
+    };
+    (levels, scale)
+}
+
+/// A scale for each sign: each side is a kernel of its own, whose best number of weights is
+/// found by sorting.
+pub(super) fn split(weights: &[f64]) -> Chosen {
+    let side = |sign: f64| {
+        let mut own: Vec<f64> = weights
+            .iter()
+            .map(|w| w * sign)
+            .filter(|w| *w > 0.0)
+            .collect();
+        own.sort_by(|a, b| b.total_cmp(a));
+        let mut best = (0.0, f64::INFINITY, 0.0);
+        let mut sum = 0.0;
+        for (k, w) in (1..).zip(&own) {
+            sum += w;
+            let k = f64::from(k);
+            if sum * sum / k > best.0 {
+                best = (sum * sum / k, *w, sum / k);
+            }
+        }
+        (best.1, best.2)
+    };
+    let ((least_on, on), (least_off, off)) = (side(1.0), side(-1.0));
+    // Without a positive side the negative one gives the scale.
+    let scale = if on > 0.0 { on } else { off };
+    let level = |w: &f64| {
+        if *w >= least_on {
+            1.0
+        } else if -w >= least_off {
+            -off / scale
+        } else {
+            0.0
+        }
+    };
+    (weights.iter().map(level).collect(), scale)
+}
+
+/// Of all levels with the sum that is asked for, the nearest at a scale, and the best scale
+/// for them, again and again until nothing changes.
+fn with_sum(
+    quantiser: Quantiser,
+    magnitudes: &[i64],
+    weights: &[f64],
+    (mut levels, mut scale): Chosen,
+    sum: Sum,
+) -> Result<Chosen, QuantiseError> {
+    if sum == Sum::Free {
+        return Ok((levels, scale));
+    }
+    let mut all: Vec<i64> = magnitudes
+        .iter()
+        .flat_map(|level| [-level, *level])
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    // Each turn is nearer than the last; a bound on them is for rounding.
+    for _ in 0..100 {
+        let scaled: Vec<f64> = weights.iter().map(|w| w / scale).collect();
+        let asked = match sum {
+            Sum::Kept => scaled.iter().sum::<f64>().round() as i64,
+            Sum::Zero | Sum::Free => 0,
+        };
+        let most = magnitudes[magnitudes.len() - 1] as f64;
+        let next = if let Quantiser::Whole(_) = quantiser {
+            let near = |value: &f64| value.round().clamp(-most, most);
+            let mut steps: Vec<f64> = scaled.iter().map(near).collect();
+            total::settle(&scaled, &mut steps, (-most, most), asked as f64).map(|()| steps)
+        } else {
+            total::nearest(&scaled, &all, asked)
+        };
+        let next = next.ok_or(QuantiseError::Sum {
+            quantiser,
+            sum: asked,
+            weights: weights.len(),
+        })?;
+        let settled = next == levels;
+        levels = next;
+        let better = best_scale(weights, &levels);
+        if settled || better <= 0.0 || better.is_nan() || sum == Sum::Kept {
+            break;
+        }
+        scale = better;
+    }
+    Ok((levels, scale))
+}

@@ -1,0 +1,198 @@
+//! Quantisers: a kernel in few values, and the scale that brings it back.
+//!
+//! A kernel `w` becomes `s · l`: levels `l` that shifts, additions and halvings can make, and one
+//! scale `s`. Comparing `s l * u` with a threshold `θ` is comparing `l * u` with `θ / s`, so
+//! the scale costs nothing on a chip.
+//!
+//! | quantiser | levels | scale | how good |
+//! |---|---|---|---|
+//! | `binary` | ±1 | mean of `\|w\|` | the exact least-squares optimum |
+//! | `ternary` | -1, 0, 1 | free | the exact least-squares optimum, by sorting |
+//! | `ternary-0.7` | -1, 0, 1 | mean of the kept `\|w\|` | zero below 0.7 of the mean `\|w\|` (Li & Liu, arXiv 1605.04711) |
+//! | `ternary-split` | -r, 0, 1 | free | the exact optimum with a scale for each sign (r is their ratio) |
+//! | `po2-N` | 0, ±1, ±2 … ±2^(N-1) | free | the exact least-squares optimum |
+//! | `int-B` | whole numbers of B bits, symmetric | free | the exact least-squares optimum |
+//! | `csd-D` | D signed powers of two in the whole kernel | a power of two | the exact optimum for that scale and [`FINEST`] bits |
+//! | `qM.N` | multiples of 2^-N of M + N bits | 1 | half a step; `:floor` below one step, `:stochastic` below one, unbiased |
+//!
+//! With [`Sum::Zero`] or [`Sum::Kept`] the levels are the nearest, at their scale, among those
+//! whose sum is what was asked; for `ternary` and a sum of 0 the scale is the best as well, and
+//! for `csd-D` the levels are only near: one weight after the other is moved where it hurts
+//! least.
+
+mod digits;
+mod fixed;
+mod levels;
+mod name;
+mod response;
+mod total;
+
+pub use name::QuantiserNameError;
+pub use response::Change;
+
+use super::Kernel;
+use crate::plane::Plane;
+
+/// Bits of the levels of `csd-D`, without their sign.
+pub const FINEST: u32 = 8;
+
+/// How a kernel is brought to few values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantiser {
+    /// `binary`
+    Binary,
+    /// `ternary`
+    Ternary,
+    /// `ternary-0.7`
+    Ternary07,
+    /// `ternary-split`
+    TernarySplit,
+    /// `po2-N`: N exponents.
+    PowersOfTwo(u32),
+    /// `int-B`: B bits, sign included.
+    Whole(u32),
+    /// `csd-D`: D digits that are not 0, in the whole kernel.
+    Digits(u32),
+    /// `qM.N`: M bits before the point, sign included, and N after it.
+    Fixed(u32, u32, Rounding),
+}
+
+/// To which multiple a weight is brought.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rounding {
+    /// The nearest, halves to even.
+    #[default]
+    Nearest,
+    /// The next below.
+    Floor,
+    /// One of the two next, each with the chance that makes the mean right.
+    Stochastic,
+}
+
+/// What the sum of the quantised kernel must be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sum {
+    /// Whatever comes.
+    #[default]
+    Free,
+    /// 0: uniform light gives nothing.
+    Zero,
+    /// As near to the sum of the kernel as the levels allow.
+    Kept,
+}
+
+/// A kernel in few values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantised {
+    /// What a chip computes with.
+    pub levels: Kernel,
+    /// What they are to be multiplied by; above 0. Divide thresholds by it instead.
+    pub scale: f64,
+}
+
+/// A kernel that cannot be quantised as asked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+pub enum QuantiseError {
+    /// No weight but 0.
+    #[error("all weights are 0")]
+    #[diagnostic(help("give a kernel that sees something"))]
+    Nothing,
+    /// A sum that these levels cannot have.
+    #[error("no choice of levels of {quantiser} sums to {sum} over {weights} weights")]
+    #[diagnostic(help(
+        "leave the sum free, or take a quantiser with more levels, such as ternary"
+    ))]
+    Sum {
+        /// Which quantiser.
+        quantiser: Quantiser,
+        /// In levels.
+        sum: i64,
+        /// How many weights there are.
+        weights: usize,
+    },
+    /// A sum over levels that have no common step.
+    #[error("the two scales of ternary-split leave the sum as it comes")]
+    #[diagnostic(help("take `ternary`, which can keep the sum"))]
+    SplitSum,
+    /// Everything became 0.
+    #[error("every weight becomes 0 in {quantiser}; the largest is {largest}")]
+    #[diagnostic(help("take more bits after the point, or multiply the kernel"))]
+    Vanished {
+        /// Which quantiser.
+        quantiser: Quantiser,
+        /// The largest weight's magnitude.
+        largest: f64,
+    },
+}
+
+impl Quantiser {
+    /// The kernel in these levels; `seed` is that of stochastic rounding.
+    ///
+    /// # Errors
+    /// When the kernel is all 0 or becomes so, or the levels cannot have the sum.
+    pub fn quantise(
+        self,
+        kernel: &Kernel,
+        sum: Sum,
+        seed: u64,
+    ) -> Result<Quantised, QuantiseError> {
+        let weights: Vec<f64> = kernel.weights().iter().copied().collect();
+        let largest = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        if largest == 0.0 {
+            return Err(QuantiseError::Nothing);
+        }
+        let (levels, scale) = match self {
+            Self::Fixed(whole, fraction, rounding) => {
+                fixed::quantise(self, &weights, (whole, fraction, rounding), sum, seed)?
+            }
+            Self::Digits(budget) => digits::quantise(self, &weights, budget, sum)?,
+            Self::TernarySplit if sum == Sum::Free => levels::split(&weights),
+            Self::TernarySplit => return Err(QuantiseError::SplitSum),
+            Self::Ternary07 => levels::rule_of_07(self, &weights, sum)?,
+            Self::Ternary if sum == Sum::Zero => levels::balanced(&weights),
+            Self::Binary | Self::Ternary | Self::PowersOfTwo(_) | Self::Whole(_) => {
+                levels::free(self, &weights, sum)?
+            }
+        };
+        if levels.iter().all(|level| *level == 0.0) {
+            return Err(QuantiseError::Vanished {
+                quantiser: self,
+                largest,
+            });
+        }
+        let (height, width) = kernel.weights().dim();
+        let levels = Plane::from_shape_fn((height, width), |(y, x)| levels[y * width + x]);
+        Ok(Quantised {
+            levels: Kernel { weights: levels },
+            scale,
+        })
+    }
+}
+
+impl Quantised {
+    /// The kernel that the levels and the scale stand for.
+    #[must_use]
+    pub fn kernel(&self) -> Kernel {
+        Kernel {
+            weights: &self.levels.weights * self.scale,
+        }
+    }
+
+    /// `|w - s l| / |w|`, root mean square: 0 is the kernel itself, 1 is nothing.
+    #[must_use]
+    pub fn relative_error(&self, kernel: &Kernel) -> f64 {
+        let weights = kernel.weights();
+        let square = |plane: &Plane<f64>| plane.iter().map(|w| w * w).sum::<f64>();
+        (square(&(self.kernel().weights() - weights)) / square(weights)).sqrt()
+    }
+}
+
+/// The scale that brings levels nearest to the weights.
+fn best_scale(weights: &[f64], levels: &[f64]) -> f64 {
+    let both: f64 = weights.iter().zip(levels).map(|(w, l)| w * l).sum();
+    let own: f64 = levels.iter().map(|l| l * l).sum();
+    both / own
+}
+
+#[cfg(test)]
+mod tests;
