@@ -371,9 +371,10 @@ impl Story<'_> {
                 .map(|path| format!("wrote {}", path.display())),
         );
         lines.push(String::new());
-        lines.push(
-            "verbs: demo, run, exec, asm, compare; amacrine help says what each does".to_owned(),
-        );
+        lines.push(format!(
+            "verbs: {}; amacrine help says what each does",
+            super::verbs()
+        ));
         lines.join("\n") + "\n"
     }
 

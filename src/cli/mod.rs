@@ -11,7 +11,7 @@ mod timed;
 
 use std::{io::Write, process::ExitCode};
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// One for each verb, as `amacrine help` shows them.
 const EXAMPLES: &str = "\
@@ -68,6 +68,16 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// The verbs, with commas between.
+fn verbs() -> String {
+    let command = Arguments::command();
+    let names: Vec<_> = command
+        .get_subcommands()
+        .map(clap::Command::get_name)
+        .collect();
+    names.join(", ")
 }
 
 /// Prints to standard output. A reader that has gone (`amacrine … | head`) is no error.

@@ -141,6 +141,14 @@ impl Quantiser {
         if largest == 0.0 {
             return Err(QuantiseError::Nothing);
         }
+        // What cancels in the kernel must cancel in its levels.
+        let magnitude: f64 = weights.iter().map(|w| w.abs()).sum();
+        let cancels = kernel.sum().abs() < 1e-12 * magnitude;
+        let sum = if sum == Sum::Kept && cancels {
+            Sum::Zero
+        } else {
+            sum
+        };
         let (levels, scale) = match self {
             Self::Fixed(whole, fraction, rounding) => {
                 fixed::quantise(self, &weights, (whole, fraction, rounding), sum, seed)?
