@@ -4,7 +4,7 @@ use half::{bf16, f16};
 
 use super::{
     Format, Number,
-    halves::{narrow_bf16, narrow_f16, widen_bf16, widen_f16},
+    halves::{bf16_to_f32, f16_to_f32, f32_to_bf16, f32_to_f16},
 };
 
 /// IEEE binary64: the arithmetic that all others are measured against.
@@ -149,7 +149,7 @@ macro_rules! half_number {
 
 #[inline]
 fn product_f16(a: f16, b: f16) -> f16 {
-    narrow_f16(widen_f16(a) * widen_f16(b))
+    f32_to_f16(f16_to_f32(a) * f16_to_f32(b))
 }
 
 #[inline]
@@ -157,13 +157,13 @@ fn product_bf16(a: bf16, b: bf16) -> bf16 {
     Bf16.hold(Bf16.value(a) * Bf16.value(b))
 }
 
-half_number!(F16, f16, Format::F16, widen_f16, narrow_f16, product_f16);
+half_number!(F16, f16, Format::F16, f16_to_f32, f32_to_f16, product_f16);
 half_number!(
     Bf16,
     bf16,
     Format::Bf16,
-    widen_bf16,
-    narrow_bf16,
+    bf16_to_f32,
+    f32_to_bf16,
     product_bf16
 );
 
