@@ -15,7 +15,7 @@ use crate::{
     event::{Event, Packet, Polarity},
     isa::{Analog, Device, Digital},
     plane::{Plane, Size},
-    program::{Action, Code, Host, Step},
+    program::{Action, Cell, Code, Effect, Host, Step},
     scene::Frame,
     sensor::{Sensor, SensorError},
     unit::Micros,
@@ -59,6 +59,8 @@ pub struct Chip<D: Domain> {
     channels: u8,
     /// Time of the last frame watched, in seconds.
     watched: Option<f64>,
+    /// Seconds since each one-bit register was written.
+    idle: Vec<f64>,
     /// Words since power-on.
     step: u64,
     ledger: Ledger,
@@ -121,6 +123,26 @@ pub trait Array: Sensor {
     /// When the domain has no answer for an instruction.
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
 
+    /// Runs these steps now, as a kernel of their own; what was read before is kept.
+    ///
+    /// # Errors
+    /// When the domain has no answer for an instruction.
+    ///
+    /// # Panics
+    /// When a step names a register that the array does not have; steps of its own program
+    /// never do.
+    fn run_steps(&mut self, steps: &[Step], t: Micros, packet: &mut Packet)
+    -> Result<(), RunError>;
+
+    /// Forgets what was read before, as each frame does.
+    fn begin_frame(&mut self);
+
+    /// Lets some seconds pass: registers decay, where the domain has it.
+    fn wait(&mut self, seconds: f64);
+
+    /// The photodiodes, in LSB.
+    fn pix(&self) -> Plane<f64>;
+
     /// What was done since power-on.
     fn ledger(&self) -> Ledger;
 
@@ -159,6 +181,7 @@ impl<D: Domain> Chip<D> {
             settings,
             code,
             watched: None,
+            idle: vec![0.0; layout.digital.into()],
             step: 0,
             ledger: Ledger::default(),
             readings: Vec::new(),
@@ -252,14 +275,19 @@ impl<D: Domain> Chip<D> {
                 rows_reversed,
             ),
             _ => {
-                let values = host::execute(&self.domain, &mut self.state, operation);
+                let values = host::execute(
+                    &self.domain,
+                    &self.settings.converters,
+                    &mut self.state,
+                    operation,
+                );
                 let reading = values.map(|values| Reading { line, values });
                 self.readings.extend(reading);
             }
         }
     }
 
-    /// Lets the registers hold what they hold for some seconds.
+    /// Analogue registers some seconds later.
     fn age(&mut self, seconds: f64) {
         for plane in &mut self.state.analog {
             for cell in plane {
@@ -267,6 +295,31 @@ impl<D: Domain> Chip<D> {
                     Some(aged) => *cell = aged,
                     None => return,
                 }
+            }
+        }
+    }
+
+    /// One-bit registers some seconds later: what was not written for too long reads 0.
+    fn forget(&mut self, seconds: f64) {
+        let Some(retention) = self.domain.retention() else {
+            return;
+        };
+        for (register, idle) in (0..).map(Digital).zip(&mut self.idle) {
+            *idle += seconds;
+            if *idle > retention {
+                let held = |pixel| self.domain.holds(register, pixel, *idle);
+                self.state.forget(register, held);
+            }
+        }
+    }
+
+    /// These registers are as new.
+    fn refresh(&mut self, body: &[Step]) {
+        for cell in Effect::of(body, &self.device).writes {
+            if let Cell::Digital(register) = cell
+                && let Some(idle) = self.idle.get_mut(usize::from(register.0))
+            {
+                *idle = 0.0;
             }
         }
     }
@@ -359,19 +412,44 @@ impl<D: Domain> Array for Chip<D> {
     }
 
     fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
-        self.readings.clear();
+        self.begin_frame();
         let body = std::mem::take(&mut self.code.init);
-        let result = self.body(&body, t, packet);
+        let result = self.run_steps(&body, t, packet);
         self.code.init = body;
         result
     }
 
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
-        self.readings.clear();
+        self.begin_frame();
         let body = std::mem::take(&mut self.code.frame);
-        let result = self.body(&body, t, packet);
+        let result = self.run_steps(&body, t, packet);
         self.code.frame = body;
         result
+    }
+
+    fn run_steps(
+        &mut self,
+        steps: &[Step],
+        t: Micros,
+        packet: &mut Packet,
+    ) -> Result<(), RunError> {
+        if self.domain.retention().is_some() {
+            self.refresh(steps);
+        }
+        self.body(steps, t, packet)
+    }
+
+    fn begin_frame(&mut self) {
+        self.readings.clear();
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        self.age(seconds);
+        self.forget(seconds);
+    }
+
+    fn pix(&self) -> Plane<f64> {
+        self.state.light(&self.domain)
     }
 
     fn ledger(&self) -> Ledger {
@@ -405,7 +483,7 @@ impl<D: Domain> Sensor for Chip<D> {
             })?;
         let t = Micros::from_seconds(frame.seconds);
         let result = if let Some(before) = self.watched.replace(frame.seconds) {
-            self.age(frame.seconds - before);
+            self.wait(frame.seconds - before);
             self.run_frame(t, packet)
         } else {
             packet.span.0 = t;

@@ -8,7 +8,7 @@ use std::fmt::Debug;
 use half::{bf16, f16};
 
 use crate::{
-    isa::Analog,
+    isa::{Analog, Digital},
     number::{Number, Overflow, Q, Wide, Width},
 };
 
@@ -91,6 +91,17 @@ pub trait Domain {
     /// What a cell holds some seconds later; `None` where cells keep what they hold.
     fn aged(&self, _cell: &Self::Cell, _seconds: f64) -> Option<Self::Cell> {
         None
+    }
+
+    /// How long one-bit registers hold at least, in seconds, without being written; `None`
+    /// where they hold for ever.
+    fn retention(&self) -> Option<f64> {
+        None
+    }
+
+    /// Whether a one-bit cell still holds, so many seconds after it was written.
+    fn holds(&self, _register: Digital, _pixel: usize, _seconds: f64) -> bool {
+        true
     }
 }
 

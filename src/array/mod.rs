@@ -42,6 +42,6 @@ pub use host::{Reading, Readings};
 pub use layout::Layout;
 pub use ledger::Ledger;
 pub use readout::{Address, Scan};
-pub use settings::{Propagation, Settings};
+pub use settings::{Converters, Propagation, Settings};
 pub use silicon::{Errors, Silicon};
 pub use state::State;

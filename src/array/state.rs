@@ -83,9 +83,28 @@ impl<C: Clone> State<C> {
         &mut self.digital[usize::from(register.0)]
     }
 
+    /// Clears the bits of a register that do not hold.
+    pub(super) fn forget(&mut self, register: Digital, holds: impl Fn(usize) -> bool) {
+        let (height, width) = self.layout.size.shape();
+        let bits = self.digital_mut(register);
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            if bits.get(y, x) && !holds(y * width + x) {
+                bits.set(y, x, false);
+            }
+        }
+    }
+
     /// The values of an analogue register, in LSB.
     pub fn values<D: Domain<Cell = C>>(&self, domain: &D, register: Analog) -> Plane<f64> {
-        let cells = self.analog(register);
+        self.plane(domain, self.analog(register))
+    }
+
+    /// The photodiodes, in LSB.
+    pub(super) fn light<D: Domain<Cell = C>>(&self, domain: &D) -> Plane<f64> {
+        self.plane(domain, &self.pix)
+    }
+
+    fn plane<D: Domain<Cell = C>>(&self, domain: &D, cells: &[C]) -> Plane<f64> {
         let width = self.layout.size.width;
         Plane::from_shape_fn(self.layout.size.shape(), |(y, x)| {
             domain.value(&cells[y * width + x])
