@@ -115,7 +115,7 @@ fn a_what_if_chip_shows_what_it_changes() {
     for line in [
         "against scamp5-wide",
         "clock.rate: 5 MHz instead of 10",
-        "error.gain_mismatch: 0.001 1 instead of 0.0034",
+        "error.gain_mismatch: 0.001 instead of 0.0034",
         "another body: mov(y, x)",
         "new macro: three(y, x)",
         "3 words instead of 2, 0.6 us instead of 0.2, 3 words stored instead of 2",

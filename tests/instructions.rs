@@ -31,7 +31,7 @@ fn every_statement_has_equation_operands_aliases_destroys_words_and_evidence() {
         let name = &callable.signature().name;
         let entry = entries
             .iter()
-            .find(|entry| entry.contains(&format!("`{name}(")));
+            .find(|entry| entry.contains(&format!("{name}(")));
         let entry = entry.unwrap_or_else(|| panic!("{name} is missing"));
         for part in ["- aliases: ", "- destroys: ", "- words: "] {
             assert!(entry.contains(part), "{name}: {part}");

@@ -334,10 +334,8 @@ fn differences(base: &Device, device: &Device) -> Vec<String> {
         let (before, after) = (base.value(*figure), device.value(*figure));
         if before != after {
             let (section, key) = figure.key();
-            let unit = figure.unit();
-            lines.push(format!(
-                "{section}.{key}: {after} {unit} instead of {before}"
-            ));
+            let after = figure.shown(after);
+            lines.push(format!("{section}.{key}: {after} instead of {before}"));
         }
     }
     for row in device.primitives() {

@@ -24,13 +24,22 @@ pub struct Device {
 
 /// A number about the chip that makes no sense.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
-#[error("{}.{} cannot be {value} {}", figure.key().0, figure.key().1, figure.unit())]
-#[diagnostic(help("give {}; the low end of the range lies below the high one", figure.domain().expected()))]
+#[error("{}.{} cannot be {}", figure.key().0, figure.key().1, figure.shown(*value))]
+#[diagnostic(help("{}", self.help()))]
 pub struct FigureError {
     /// Which number.
     pub figure: Figure,
     /// The value that was given.
     pub value: f64,
+}
+
+impl FigureError {
+    fn help(&self) -> String {
+        if self.figure.domain().holds(self.value) {
+            return "the low end of the range lies below the high one".to_owned();
+        }
+        format!("give {}", self.figure.domain().expected())
+    }
 }
 
 /// The registers of a pixel.

@@ -119,6 +119,15 @@ macro_rules! figures {
                 match self { $(Self::$name => $unit,)* }
             }
 
+            /// A value of it with its unit, if it has one.
+            #[must_use]
+            pub fn shown(self, value: f64) -> String {
+                match self.unit() {
+                    "1" => value.to_string(),
+                    unit => format!("{value} {unit}"),
+                }
+            }
+
             /// What values make sense.
             #[must_use]
             pub const fn domain(self) -> Domain {

@@ -131,8 +131,17 @@ fn primitive(text: &mut String, row: &PrimitiveRow) {
 }
 
 fn heading(text: &mut String, forms: &[Signature]) {
-    let forms: Vec<String> = forms.iter().map(|f| format!("`{}`", full(f))).collect();
-    line(text, &format!("\n### {}\n", forms.join("  \n")));
+    if let [one] = forms {
+        line(text, &format!("\n### `{}`\n", full(one)));
+        return;
+    }
+    let mut names: Vec<String> = forms.iter().map(|f| format!("`{}`", f.name)).collect();
+    names.dedup();
+    line(text, &format!("\n### {}\n\n```text", names.join(", ")));
+    for form in forms {
+        line(text, &full(form));
+    }
+    line(text, "```\n");
 }
 
 /// A form as it stands in the chip's files.
