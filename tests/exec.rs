@@ -422,7 +422,7 @@ fn a_strip_has_a_row_for_each_register_and_a_column_for_each_line() {
         assert_eq!(cell(2, 2, y as u32, x as u32), flag, "R5 behind `MOV`");
     }
     let empty = Bench::new("scamp5_load_in(3);");
-    let text = empty.refused_alone(&["--strip", "s.png"]);
+    let text = empty.refused(&["--strip", "s.png"]);
     assert!(text.contains("nothing"), "{text}");
     assert!(!empty.path("s.png").exists());
 }

@@ -166,14 +166,19 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         })?
     };
 
+    // Before anything is written: it may have nothing to show.
+    let strip = match &arguments.strip {
+        Some(path) => Some((path, strip.picture(&bench.opened)?)),
+        None => None,
+    };
     if let Some(path) = &arguments.events {
         file::write(path, &packet)?;
     }
     if let Some(folder) = &arguments.dump {
         dump(&*chip, folder)?;
     }
-    if let Some(path) = &arguments.strip {
-        write_png(path, &strip.picture(&bench.opened)?)?;
+    if let Some((path, picture)) = strip {
+        write_png(path, &picture)?;
     }
     let report = Report {
         program: &bench.opened.program.file,
