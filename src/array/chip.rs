@@ -300,7 +300,7 @@ impl<D: Domain> Chip<D> {
     }
 
     /// One-bit registers some seconds later: what was not written for too long reads 0.
-    fn forget(&mut self, seconds: f64) {
+    fn fade(&mut self, seconds: f64) {
         let Some(retention) = self.domain.retention() else {
             return;
         };
@@ -308,7 +308,7 @@ impl<D: Domain> Chip<D> {
             *idle += seconds;
             if *idle > retention {
                 let held = |pixel| self.domain.holds(register, pixel, *idle);
-                self.state.forget(register, held);
+                self.state.fade(register, held);
             }
         }
     }
@@ -445,7 +445,7 @@ impl<D: Domain> Array for Chip<D> {
 
     fn wait(&mut self, seconds: f64) {
         self.age(seconds);
-        self.forget(seconds);
+        self.fade(seconds);
     }
 
     fn pix(&self) -> Plane<f64> {

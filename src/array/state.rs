@@ -84,7 +84,7 @@ impl<C: Clone> State<C> {
     }
 
     /// Clears the bits of a register that do not hold.
-    pub(super) fn forget(&mut self, register: Digital, holds: impl Fn(usize) -> bool) {
+    pub(super) fn fade(&mut self, register: Digital, holds: impl Fn(usize) -> bool) {
         let (height, width) = self.layout.size.shape();
         let bits = self.digital_mut(register);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
