@@ -30,7 +30,7 @@ fn main() {
         "{:<8} {:<18} {:>9} {:>8} {:>7} {:>7} {:>8} {:>9}",
         "domain", "words", "ns", "KiB", "GB/s", "copy", "chip", "obvious"
     );
-    for (name, bytes) in [("exact", 8), ("f32", 4), ("q8.8", 2), ("silicon", 4)] {
+    for (name, bytes) in [("exact", 8), ("f32", 4), ("q8.8", 2), ("silicon", 4), ("f16", 2), ("bf16", 2)] {
         let probe = copy_bandwidth(SIZE.pixels() * bytes, repetitions);
         for (title, words) in sequences() {
             let ns = measured(name, &words, repetitions);
@@ -187,6 +187,12 @@ fn measured(domain: &str, words: &[Primitive], repetitions: usize) -> f64 {
     let mut chip = arithmetic
         .chip("bench", code, &device, SIZE, settings)
         .expect("a legal program");
+    if let Ok(schedule) = std::env::var("SCHEDULE") {
+        let rows = std::env::var("ROWS").map_or(0, |r| r.parse().unwrap());
+        let threads = std::env::var("THREADS").map_or(1, |r| r.parse().unwrap());
+        let schedule = match schedule.as_str() { "plain" => amacrine::array::Schedule::Plain, _ => amacrine::array::Schedule::Tiled { rows } };
+        chip.set_schedule(schedule, threads);
+    }
     for register in 0..7 {
         chip.set_analog(Analog(register), &light(register))
             .expect("its size");

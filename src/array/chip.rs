@@ -8,12 +8,15 @@
 //! The first frame runs the program's `init`, every later one its `frame`.
 
 use super::{
-    BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Settings, State, check, host, rows,
-    semantics,
+    BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Schedule, Settings, State, check,
+    host, rows,
+    schedule::Plan,
+    segment::Segment,
+    semantics::{self, Array as Meaning},
 };
 use crate::{
     event::{Event, Packet, Polarity},
-    isa::{Analog, Device, Digital},
+    isa::{Analog, Device, Digital, Primitive},
     plane::{Plane, Size},
     program::{Action, Code, Host, Step},
     scene::Frame,
@@ -63,6 +66,7 @@ pub struct Chip<D: Domain> {
     step: u64,
     ledger: Ledger,
     readings: Vec<Reading>,
+    plan: Plan<D::Cell>,
 }
 
 /// An array whose domain was chosen at run time.
@@ -75,6 +79,13 @@ pub trait Array: Sensor {
 
     /// Its registers and size.
     fn layout(&self) -> Layout;
+
+    /// Chooses how the array is walked, and by how many threads at most; what it computes
+    /// is the same to the bit.
+    fn set_schedule(&mut self, schedule: Schedule, threads: usize);
+
+    /// How the array is walked.
+    fn schedule(&self) -> Schedule;
 
     /// Sets an analogue register, in LSB; never clipped.
     ///
@@ -162,6 +173,7 @@ impl<D: Domain> Chip<D> {
             step: 0,
             ledger: Ledger::default(),
             readings: Vec::new(),
+            plan: Plan::new(Schedule::of(size), rayon::current_num_threads()),
         })
     }
 
@@ -183,7 +195,19 @@ impl<D: Domain> Chip<D> {
         &self.settings
     }
 
-    fn body(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+    fn run(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        let mut segment = Segment::new(&self.state);
+        self.body(body, &mut segment, t, packet)?;
+        self.flush(&mut segment)
+    }
+
+    fn body<'a>(
+        &mut self,
+        body: &'a [Step],
+        segment: &mut Segment<'a, D::Cell>,
+        t: Micros,
+        packet: &mut Packet,
+    ) -> Result<(), RunError> {
         let mut launched = false;
         for step in body {
             let word = matches!(step.action, Action::Word(_));
@@ -191,33 +215,55 @@ impl<D: Domain> Chip<D> {
             launched = word;
             match &step.action {
                 Action::Word(word) => {
-                    semantics::execute(
-                        &self.domain,
-                        &self.settings,
-                        &mut self.state,
-                        word,
-                        self.step,
-                    )
-                    .map_err(|undecided| RunError {
-                        line: step.line,
-                        operation: undecided.operation,
-                        domain: self.domain.name(),
-                    })?;
-                    self.step += 1;
                     self.ledger.word(word, &self.device);
+                    if let Primitive::Prop { boundary } = word {
+                        self.flush(segment)?;
+                        semantics::propagate(&mut self.state, self.settings.propagation, *boundary);
+                    } else {
+                        segment.push(word, self.step, step.line);
+                        if segment.is_full() {
+                            self.flush(segment)?;
+                        }
+                    }
+                    self.step += 1;
                 }
                 Action::Host(operation) => {
                     self.ledger.host(operation, &self.device);
+                    let input = matches!(
+                        operation,
+                        Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. }
+                    );
+                    if !input {
+                        self.flush(segment)?;
+                    }
                     self.host(operation, step.line, t, packet);
+                    if input {
+                        segment.input(&self.state);
+                    }
                 }
                 Action::Repeat { times, body } => {
                     for _ in 0..*times {
-                        self.body(body, t, packet)?;
+                        self.body(body, segment, t, packet)?;
                     }
                 }
             }
         }
         Ok(())
+    }
+
+    /// Runs the words that wait.
+    fn flush(&mut self, segment: &mut Segment<'_, D::Cell>) -> Result<(), RunError> {
+        let meaning = Meaning {
+            domain: &self.domain,
+            settings: &self.settings,
+        };
+        let result = self.plan.run(meaning, &mut self.state, segment);
+        segment.clear();
+        result.map_err(|(line, undecided)| RunError {
+            line,
+            operation: undecided.operation,
+            domain: self.domain.name(),
+        })
     }
 
     fn host(&mut self, operation: &Host, line: u32, t: Micros, packet: &mut Packet) {
@@ -317,6 +363,14 @@ impl<D: Domain> Array for Chip<D> {
         self.state.layout
     }
 
+    fn set_schedule(&mut self, schedule: Schedule, threads: usize) {
+        self.plan = Plan::new(schedule, threads);
+    }
+
+    fn schedule(&self) -> Schedule {
+        self.plan.schedule()
+    }
+
     fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
         self.fits(values)?;
         *self.state.analog_mut(register) = values.iter().map(|v| self.domain.hold(*v)).collect();
@@ -361,7 +415,7 @@ impl<D: Domain> Array for Chip<D> {
     fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
         self.readings.clear();
         let body = std::mem::take(&mut self.code.init);
-        let result = self.body(&body, t, packet);
+        let result = self.run(&body, t, packet);
         self.code.init = body;
         result
     }
@@ -369,7 +423,7 @@ impl<D: Domain> Array for Chip<D> {
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
         self.readings.clear();
         let body = std::mem::take(&mut self.code.frame);
-        let result = self.body(&body, t, packet);
+        let result = self.run(&body, t, packet);
         self.code.frame = body;
         result
     }

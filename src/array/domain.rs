@@ -9,7 +9,7 @@ use half::{bf16, f16};
 
 use crate::{
     isa::Analog,
-    number::{Number, Overflow, Q, Wide, Width},
+    number::{self, Number},
 };
 
 /// An arithmetic of the array.
@@ -17,7 +17,7 @@ use crate::{
 /// The bus is one node. The sources are summed in an accumulator ([`Domain::Sum`]); at the
 /// store the sum is negated, divided by the number of targets, and rounded once, halves to
 /// even; then the cell is limited, where the array clips.
-pub trait Domain {
+pub trait Domain: Sync {
     /// What a register holds in one pixel.
     type Cell: Clone + Debug + PartialEq + Send + Sync;
 
@@ -244,6 +244,29 @@ macro_rules! single_bus {
                 // The limits are exact in all of these.
                 cell.clamp($narrow(LIMITS.0 as f32), $narrow(LIMITS.1 as f32))
             }
+            #[inline(always)]
+            fn store_row<const N: usize>(
+                &self,
+                operands: [&[$cell]; N],
+                share: Share,
+                _: Place,
+                clip: bool,
+                cells: &mut [$cell],
+            ) {
+                let operands = operands.map(|operand| &operand[..cells.len()]);
+                let part = |i| (0.0 - self.sum(&operands, i)) / share.by as f32;
+                // Limited before it is rounded: the limits are exact, so nothing changes.
+                let (low, high) = (LIMITS.0 as f32, LIMITS.1 as f32);
+                if clip {
+                    for (i, cell) in cells.iter_mut().enumerate() {
+                        *cell = $narrow(part(i).clamp(low, high));
+                    }
+                } else {
+                    for (i, cell) in cells.iter_mut().enumerate() {
+                        *cell = $narrow(part(i));
+                    }
+                }
+            }
         }
     };
 }
@@ -261,105 +284,14 @@ single_bus!(
     f16,
     "f16",
     crate::number::F16,
-    f16::to_f32,
-    f16::from_f32
+    number::f16_to_f32,
+    number::f32_to_f16
 );
 single_bus!(
     Halves<bf16>,
     bf16,
     "bf16",
     crate::number::Bf16,
-    bf16::to_f32,
-    bf16::from_f32
+    number::bf16_to_f32,
+    number::f32_to_bf16
 );
-
-/// Fixed point in the cells, an integer on the bus that holds every sum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fixed<T> {
-    number: Q<T>,
-    limits: (T, T),
-}
-
-impl<T: Width> Fixed<T> {
-    /// In this format.
-    #[must_use]
-    pub fn new(number: Q<T>) -> Self {
-        // Where the format is narrower than the ADC scale, its own ends limit it already.
-        let end = |limit: f64| T::saturate((limit * number.one() as f64) as i64);
-        Self {
-            number,
-            limits: (end(LIMITS.0), end(LIMITS.1)),
-        }
-    }
-}
-
-impl<T: Width> Domain for Fixed<T> {
-    type Cell = T;
-    type Sum = T::Wide;
-
-    fn name(&self) -> String {
-        self.number.format().to_string()
-    }
-    #[inline]
-    fn hold(&self, value: f64) -> T {
-        self.number.hold(value)
-    }
-    fn value(&self, cell: &T) -> f64 {
-        self.number.value(*cell)
-    }
-    #[inline]
-    fn nothing(&self) -> T::Wide {
-        T::Wide::default()
-    }
-    #[inline]
-    fn add(&self, sum: &mut T::Wide, cell: &T, times: i32) {
-        *sum = sum.plus(cell.widen().times(times));
-    }
-    #[inline]
-    fn join(&self, sum: &mut T::Wide, other: &T::Wide) {
-        *sum = sum.plus(*other);
-    }
-    #[inline]
-    fn store(&self, sum: &T::Wide, share: Share, _: Place) -> T {
-        self.number.narrow(sum.times(-1).divided(share.by))
-    }
-    #[inline(always)]
-    fn store_row<const N: usize>(
-        &self,
-        operands: [&[T]; N],
-        share: Share,
-        _: Place,
-        clip: bool,
-        cells: &mut [T],
-    ) {
-        let operands = operands.map(|operand| &operand[..cells.len()]);
-        let part = |i| self.sum(&operands, i).times(-1).divided(share.by);
-        // Without a choice inside the loop. Whoever clips to less than the width need not
-        // saturate first.
-        let (low, high) = if clip { self.limits } else { T::LIMITS };
-        let (low, high) = (low.widen(), high.widen());
-        if self.number.overflow() == Overflow::Saturate {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = T::wrap_wide(part(i).clamp(low, high));
-            }
-        } else {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                let wrapped = T::wrap_wide(part(i));
-                *cell = T::wrap_wide(wrapped.widen().clamp(low, high));
-            }
-        }
-    }
-    fn square(&self, sum: &T::Wide, gain: f64, _: Place) -> Option<T> {
-        let sum: i64 = (*sum).into();
-        let sum = sum as f64 / self.number.one() as f64;
-        Some(self.number.hold(sum * sum * gain))
-    }
-    #[inline]
-    fn positive(&self, sum: &T::Wide) -> Option<bool> {
-        Some(*sum > T::Wide::default())
-    }
-    #[inline]
-    fn limit(&self, cell: T) -> T {
-        cell.clamp(self.limits.0, self.limits.1)
-    }
-}

@@ -1,67 +1,89 @@
 //! The bus along rows: the inner loops of [`semantics`](super::semantics).
 //!
-//! Everything here is written for vectors: a row of sums is never stored, whole rows without
-//! a mask have no branch inside, and each loop is compiled for several vector widths, one of
-//! which is taken when the word begins.
+//! Everything here is written for vectors: cells are worked on in long runs or, under a mask,
+//! in blocks of the 64 pixels of one word of bits; each loop is compiled for several vector
+//! widths, one of which is taken when the word begins. Sources and target are never the same
+//! plane.
 
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
-use super::{BitPlane, Domain, Place, Share, Undecided};
+use super::{Domain, Place, Share, Undecided};
 use crate::{isa::Analog, plane::Size};
 
 /// What one source puts on the bus of every pixel.
 pub(super) struct Operand<'a, C> {
     /// Row by row.
     pub(super) cells: &'a [C],
+    /// The row of the array that comes first.
+    pub(super) top: usize,
     /// From one row to the next; 0 where all rows are the same.
     pub(super) stride: usize,
     /// Where the cell lies, seen from the pixel whose bus it is.
     pub(super) beside: (isize, isize),
 }
 
+impl<C> Clone for Operand<'_, C> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<C> Copy for Operand<'_, C> {}
+
+impl<'a, C> Operand<'a, C> {
+    /// Some rows, beside each other in memory.
+    #[inline(always)]
+    fn rows(&self, from: usize, cells: usize) -> &'a [C] {
+        let start = if self.stride == 0 {
+            0
+        } else {
+            (from - self.top) * self.stride
+        };
+        &self.cells[start..][..cells]
+    }
+}
+
 /// The bus of every pixel, before anything is stored.
 pub(super) struct Bus<'a, C> {
     pub(super) size: Size,
-    pub(super) operands: Vec<Operand<'a, C>>,
+    pub(super) operands: &'a [Operand<'a, C>],
     /// A row of what lies off the array.
     pub(super) outside: &'a [C],
 }
 
-/// A register that stores its share of the bus.
-pub(super) struct Store<'a, C> {
-    pub(super) cells: &'a mut [C],
-    pub(super) register: Analog,
-    pub(super) share: Share,
-    /// Where the cell lies, seen from the pixel whose bus it stores.
-    pub(super) beside: (isize, isize),
+impl<C> Clone for Bus<'_, C> {
+    fn clone(&self) -> Self {
+        *self
+    }
 }
 
-/// Under which conditions a word stores.
-#[derive(Clone, Copy)]
-pub(super) struct When<'a> {
-    /// Of the pixel whose bus it is.
-    pub(super) flag: &'a BitPlane,
-    pub(super) clip: bool,
-    pub(super) step: u64,
-}
+impl<C> Copy for Bus<'_, C> {}
 
 impl<C> Bus<'_, C> {
-    #[inline(always)]
-    fn row(&self, operand: usize, y: usize) -> &[C] {
-        let Operand {
-            cells,
-            stride,
-            beside,
-        } = &self.operands[operand];
-        let y = y.wrapping_add_signed(beside.0);
-        if y < self.size.height {
-            &cells[y * stride..][..self.size.width]
-        } else {
-            self.outside
+    /// The bus of one pixel, which may lie off the array.
+    #[inline]
+    pub(super) fn sum<D: Domain<Cell = C>>(&self, domain: &D, y: usize, x: usize) -> D::Sum {
+        let Size { height, width } = self.size;
+        let mut sum = domain.nothing();
+        for operand in self.operands {
+            let (to_y, to_x) = (
+                y.wrapping_add_signed(operand.beside.0),
+                x.wrapping_add_signed(operand.beside.1),
+            );
+            let inside = y < height && x < width && to_y < height && to_x < width;
+            let cell = if inside {
+                &operand.rows(to_y, width)[to_x]
+            } else {
+                &self.outside[0]
+            };
+            domain.add(&mut sum, cell, 1);
         }
+        sum
     }
 
     /// The columns where no operand lies beyond the left or right border.
@@ -70,40 +92,77 @@ impl<C> Bus<'_, C> {
         let start = usize::from(any(-1));
         (start, (self.size.width - usize::from(any(1))).max(start))
     }
+}
 
-    /// The bus of one pixel.
-    #[inline]
-    pub(super) fn sum<D: Domain<Cell = C>>(&self, domain: &D, y: usize, x: usize) -> D::Sum {
-        let mut sum = domain.nothing();
-        for (k, operand) in self.operands.iter().enumerate() {
-            let at = x.wrapping_add_signed(operand.beside.1);
-            let cell = self.row(k, y).get(at).unwrap_or_else(|| &self.outside[0]);
-            domain.add(&mut sum, cell, 1);
+/// A register that stores its share of the bus.
+pub(super) struct Store<'a, C> {
+    pub(super) cells: &'a mut [C],
+    /// FLAG, of the pixels whose bus it is.
+    pub(super) flag: &'a [u64],
+    /// The row of the array that comes first in both.
+    pub(super) top: usize,
+    pub(super) register: Analog,
+    pub(super) share: Share,
+    /// Where the cell lies, seen from the pixel whose bus it stores.
+    pub(super) beside: (isize, isize),
+    pub(super) clip: bool,
+    pub(super) step: u64,
+}
+
+impl<C> Store<'_, C> {
+    /// FLAG of the pixel at (y, x) of the array.
+    fn flagged(&self, size: Size, y: usize, x: usize) -> bool {
+        let words = size.width.div_ceil(64);
+        self.flag[(y - self.top) * words + x / 64] >> (x % 64) & 1 == 1
+    }
+
+    /// One cell; any number of operands, driven from on the array or from off it.
+    fn one<D: Domain<Cell = C>>(&mut self, domain: &D, bus: &Bus<'_, C>, y: usize, x: usize) {
+        let Size { height, width } = bus.size;
+        let (from_y, from_x) = (
+            y.wrapping_add_signed(-self.beside.0),
+            x.wrapping_add_signed(-self.beside.1),
+        );
+        // Pixels off the array have FLAG 1.
+        let inside = from_y < height && from_x < width;
+        if inside && !self.flagged(bus.size, from_y, from_x) {
+            return;
         }
-        sum
+        let place = Place {
+            y,
+            x,
+            register: self.register,
+            step: self.step,
+        };
+        let stored = domain.store(&bus.sum(domain, from_y, from_x), self.share, place);
+        self.cells[(y - self.top) * width + x] = if self.clip {
+            domain.limit(stored)
+        } else {
+            stored
+        };
     }
 }
 
-/// Stores the bus of every pixel, where its FLAG is 1.
+/// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `block` has
+/// room for 64 cells.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn store<D: Domain>(
     domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    stores: &mut [Store<'_, D::Cell>],
-    when: When<'_>,
+    bus: Bus<'_, D::Cell>,
+    store: &mut Store<'_, D::Cell>,
+    rows: Range<usize>,
+    block: &mut [D::Cell],
 ) {
     match bus.operands.len() {
-        0 => store_n::<D, 0>(domain, bus, stores, when),
-        1 => store_n::<D, 1>(domain, bus, stores, when),
-        2 => store_n::<D, 2>(domain, bus, stores, when),
-        3 => store_n::<D, 3>(domain, bus, stores, when),
-        4 => store_n::<D, 4>(domain, bus, stores, when),
+        0 => store_n::<D, 0>(domain, bus, store, rows, block),
+        1 => store_n::<D, 1>(domain, bus, store, rows, block),
+        2 => store_n::<D, 2>(domain, bus, store, rows, block),
+        3 => store_n::<D, 3>(domain, bus, store, rows, block),
+        4 => store_n::<D, 4>(domain, bus, store, rows, block),
         _ => {
-            for y in 0..bus.size.height {
-                for store in &mut *stores {
-                    for x in 0..bus.size.width {
-                        store_one(domain, bus, store, (y, x), when);
-                    }
+            for y in rows {
+                for x in 0..bus.size.width {
+                    store.one(domain, &bus, y, x);
                 }
             }
         }
@@ -114,64 +173,124 @@ pub(super) fn store<D: Domain>(
 #[inline(always)]
 fn store_n<D: Domain, const N: usize>(
     domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    stores: &mut [Store<'_, D::Cell>],
-    when: When<'_>,
+    bus: Bus<'_, D::Cell>,
+    store: &mut Store<'_, D::Cell>,
+    rows: Range<usize>,
+    block: &mut [D::Cell],
 ) {
     let Size { height, width } = bus.size;
-    let (start, end) = bus.inside();
-    let steps: [isize; N] = std::array::from_fn(|k| bus.operands[k].beside.1);
-    let mut spare = vec![domain.hold(0.0); 64];
-    for y in 0..height {
-        let rows: [&[D::Cell]; N] = std::array::from_fn(|k| bus.row(k, y));
-        let flags = when.flag.row(y);
-        let whole = when.flag.is_whole(y);
-        for store in &mut *stores {
-            let to_y = y.wrapping_add_signed(store.beside.0);
-            if to_y >= height {
-                continue;
-            }
-            let dx = store.beside.1;
-            let row = &mut store.cells[to_y * width..][..width];
-            let (start, end) = (
-                start.max(usize::from(dx < 0)),
-                end.min(width - usize::from(dx > 0)),
-            );
+    let (down, right) = store.beside;
+    let operands: [Operand<'_, D::Cell>; N] = std::array::from_fn(|k| bus.operands[k]);
+    // The pixels whose bus has all its operands, and its target, on the array.
+    let (mut clear, mut start, mut end) = (rows.clone(), 0, width);
+    let plain = operands.iter().map(|operand| operand.beside);
+    for (dy, dx) in plain.chain([(0, 0), (down, right)]) {
+        // As seen from the target's row, but from the driver's column.
+        let up = dy - down;
+        clear.start = clear.start.max((-up).max(0) as usize);
+        clear.end = clear.end.min(height.saturating_sub(up.max(0) as usize));
+        start = start.max((-dx).max(0) as usize);
+        end = end.min(width.saturating_sub(dx.max(0) as usize));
+    }
+    if end <= start {
+        // Every pixel lies at a border.
+        clear = rows.end..rows.end;
+    }
+    let first = clear.start.min(rows.end);
+    let last = clear.end.clamp(first, rows.end);
+    for y in (rows.start..first).chain(last..rows.end) {
+        for x in 0..width {
+            store.one(domain, &bus, y, x);
+        }
+    }
+    // Rows that follow each other in memory, the words of their bits too, are one long row.
+    let level = start == 0
+        && end == width
+        && right == 0
+        && width.is_multiple_of(64)
+        && operands.iter().all(|operand| operand.stride == width);
+    let words = width.div_ceil(64);
+    let mut y = first;
+    while y < last {
+        let run = if level { last - y } else { 1 };
+        let from = y.wrapping_add_signed(-down);
+        let n = run * width - (width - (end - start));
+        let sources: [&[D::Cell]; N] = std::array::from_fn(|k| {
+            let (dy, dx) = operands[k].beside;
+            let row = operands[k].rows(from.wrapping_add_signed(dy), run * width);
+            &row[start.wrapping_add_signed(dx).min(row.len())..][..n]
+        });
+        let top = store.top;
+        let flags = &store.flag[(from - top) * words..][..run * words];
+        let x = start.wrapping_add_signed(right);
+        let cells = &mut store.cells[(y - top) * width + x..][..n];
+        let place = Place {
+            y,
+            x,
+            register: store.register,
+            step: store.step,
+        };
+        masked(cells, flags, start, block, |i, cells| {
             let place = Place {
-                y: to_y,
-                x: 0,
-                register: store.register,
-                step: when.step,
+                x: place.x + i,
+                ..place
             };
-            // A row without a mask goes in one run, any other by the words of the mask.
-            let runs = if whole { 1 } else { flags.len() };
-            for (k, &flags) in flags[..runs].iter().enumerate() {
-                let (from, to) = if whole {
-                    (start, end)
-                } else {
-                    ((64 * k).max(start), (64 * k + 64).min(end))
-                };
-                if from >= to || flags == 0 {
-                    continue;
-                }
-                let n = to - from;
-                let operands: [&[D::Cell]; N] =
-                    std::array::from_fn(|k| &rows[k][from.wrapping_add_signed(steps[k])..][..n]);
-                let first = from.wrapping_add_signed(dx);
-                let place = Place { x: first, ..place };
-                let row = &mut row[first..][..n];
-                if whole {
-                    store_cells(domain, operands, row, store.share, place, when.clip);
-                } else {
-                    let spare = &mut spare[..n];
-                    store_cells(domain, operands, spare, store.share, place, when.clip);
-                    merge(row, spare, flags >> (from % 64));
-                }
-            }
-            for x in (0..start).chain(end.max(start)..width) {
-                store_one(domain, bus, store, (y, x), when);
+            let sources = sources.map(|source| &source[i..][..cells.len()]);
+            store_cells(domain, sources, cells, store.share, place, store.clip);
+        });
+        if n < run * width {
+            for x in (0..x).chain(x + n..width) {
+                store.one(domain, &bus, y, x);
             }
         }
+        y += run;
+    }
+}
+
+/// Lets `fill` set the cells where FLAG is 1: whole runs at once, else by way of `block`. The
+/// bit of the first cell is `offset` (under 64); `fill` gets the number of its first cell.
+#[inline(always)]
+fn masked<C: Clone>(
+    cells: &mut [C],
+    flags: &[u64],
+    offset: usize,
+    block: &mut [C],
+    mut fill: impl FnMut(usize, &mut [C]),
+) {
+    let n = cells.len();
+    let flags = |i: usize| {
+        let low = flags[i / 64] >> offset;
+        let high = flags.get(i / 64 + 1).unwrap_or(&0);
+        let word = if offset == 0 {
+            low
+        } else {
+            low | high << (64 - offset)
+        };
+        // Beyond the end nothing is stored in any case.
+        let rest = n - i;
+        if rest < 64 { word | !0 << rest } else { word }
+    };
+    let mut i = 0;
+    while i < n {
+        let mut to = i;
+        while to < n && flags(to) == !0 {
+            to += 64;
+        }
+        let whole = to > i;
+        let word = if whole { !0 } else { flags(i) };
+        let to = if whole { to } else { i + 64 }.min(n);
+        if word != 0 {
+            let target = if whole {
+                &mut cells[i..to]
+            } else {
+                &mut block[..to - i]
+            };
+            fill(i, target);
+            if !whole {
+                merge(&mut cells[i..to], &block[..to - i], word);
+            }
+        }
+        i = to;
     }
 }
 
@@ -218,95 +337,117 @@ fn merge<C: Clone>(cells: &mut [C], new: &[C], flags: u64) {
     }
 }
 
-/// One pixel; any number of operands, inside or not.
-fn store_one<D: Domain>(
-    domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    store: &mut Store<'_, D::Cell>,
-    (y, x): (usize, usize),
-    when: When<'_>,
-) {
-    let to_y = y.wrapping_add_signed(store.beside.0);
-    let to_x = x.wrapping_add_signed(store.beside.1);
-    if to_y >= bus.size.height || to_x >= bus.size.width || !when.flag.get(y, x) {
-        return;
-    }
-    let place = Place {
-        y: to_y,
-        x: to_x,
-        register: store.register,
-        step: when.step,
-    };
-    let stored = domain.store(&bus.sum(domain, y, x), store.share, place);
-    store.cells[to_y * bus.size.width + to_x] = if when.clip {
-        domain.limit(stored)
-    } else {
-        stored
-    };
-}
-
-/// Sets the bits where the bus is above zero.
+/// Sets the bits of these rows where the bus is above zero; `top` is the first row of `bits`.
 ///
 /// # Errors
 /// In domains that have no answer.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn positive<D: Domain>(
     domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    bits: &mut BitPlane,
+    bus: Bus<'_, D::Cell>,
+    bits: &mut [u64],
+    top: usize,
+    rows: Range<usize>,
 ) -> Result<(), Undecided> {
-    match bus.operands.len() {
-        1 => positive_n::<D, 1>(domain, bus, bits),
-        2 => positive_n::<D, 2>(domain, bus, bits),
-        3 => positive_n::<D, 3>(domain, bus, bits),
+    let decided = match bus.operands.len() {
+        1 => positive_n::<D, 1>(domain, bus, bits, top, rows),
+        2 => positive_n::<D, 2>(domain, bus, bits, top, rows),
+        3 => positive_n::<D, 3>(domain, bus, bits, top, rows),
         _ => {
-            for y in 0..bus.size.height {
-                for x in 0..bus.size.width {
-                    bits.set(y, x, is_positive(domain, &bus.sum(domain, y, x))?);
+            let width = bus.size.width;
+            let mut decided = true;
+            for y in rows {
+                let row = &mut bits[(y - top) * width.div_ceil(64)..];
+                for x in 0..width {
+                    decided &= positive_one(domain, bus, row, y, x);
                 }
             }
-            Ok(())
+            decided
         }
+    };
+    if decided {
+        Ok(())
+    } else {
+        Err(Undecided { operation: "where" })
     }
 }
 
+/// One pixel; whether the domain has an answer.
 #[inline(always)]
-fn is_positive<D: Domain>(domain: &D, sum: &D::Sum) -> Result<bool, Undecided> {
-    domain.positive(sum).ok_or(Undecided { operation: "where" })
+fn positive_one<D: Domain>(
+    domain: &D,
+    bus: Bus<'_, D::Cell>,
+    row: &mut [u64],
+    y: usize,
+    x: usize,
+) -> bool {
+    let answer = domain.positive(&bus.sum(domain, y, x));
+    let mask = 1 << (x % 64);
+    let word = &mut row[x / 64];
+    *word = if answer == Some(true) {
+        *word | mask
+    } else {
+        *word & !mask
+    };
+    answer.is_some()
 }
 
 #[inline(always)]
 fn positive_n<D: Domain, const N: usize>(
     domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    bits: &mut BitPlane,
-) -> Result<(), Undecided> {
+    bus: Bus<'_, D::Cell>,
+    bits: &mut [u64],
+    top: usize,
+    rows: Range<usize>,
+) -> bool {
     let Size { height, width } = bus.size;
     let (start, end) = bus.inside();
-    for y in 0..height {
-        let rows: [&[D::Cell]; N] = std::array::from_fn(|k| bus.row(k, y));
-        for (k, word) in bits.row_mut(y).iter_mut().enumerate() {
+    let words = width.div_ceil(64);
+    let mut decided = true;
+    for y in rows {
+        let row = &mut bits[(y - top) * words..][..words];
+        let sources: [&[D::Cell]; N] = std::array::from_fn(|k| {
+            let operand = &bus.operands[k];
+            let y = y.wrapping_add_signed(operand.beside.0);
+            if y < height {
+                operand.rows(y, width)
+            } else {
+                bus.outside
+            }
+        });
+        for (k, word) in row.iter_mut().enumerate() {
             let (from, to) = ((64 * k).max(start), (64 * k + 64).min(end));
             let n = to.saturating_sub(from);
             *word = 0;
             if n == 0 {
                 continue;
             }
-            let operands: [&[D::Cell]; N] = std::array::from_fn(|k| {
-                &rows[k][from.wrapping_add_signed(bus.operands[k].beside.1)..][..n]
+            let sources: [&[D::Cell]; N] = std::array::from_fn(|k| {
+                &sources[k][from.wrapping_add_signed(bus.operands[k].beside.1)..][..n]
             });
             let mut bytes = [0u8; 64];
-            for (i, byte) in bytes[..n].iter_mut().enumerate() {
-                let sum = domain.sum(&operands, i);
-                *byte = is_positive(domain, &sum)?.into();
+            // No early way out: an answer is there for all pixels, or it does not matter.
+            let mut set = |i: usize, byte: &mut u8| {
+                let answer = domain.positive(&domain.sum(&sources, i));
+                decided &= answer.is_some();
+                *byte = (answer == Some(true)).into();
+            };
+            if n == 64 {
+                for (i, byte) in bytes.iter_mut().enumerate() {
+                    set(i, byte);
+                }
+            } else {
+                for (i, byte) in bytes[..n].iter_mut().enumerate() {
+                    set(i, byte);
+                }
             }
             *word = packed(&bytes) << (from % 64);
         }
         for x in (0..start).chain(end..width) {
-            bits.set(y, x, is_positive(domain, &bus.sum(domain, y, x))?);
+            decided &= positive_one(domain, bus, row, y, x);
         }
     }
-    Ok(())
+    decided
 }
 
 /// The lowest bit of each byte.
@@ -320,6 +461,89 @@ fn packed(bytes: &[u8; 64]) -> u64 {
         word |= top << (8 * k);
     }
     word
+}
+
+/// Stores `gain` times the square of the bus in these rows, where FLAG is 1.
+///
+/// # Errors
+/// In domains that have no answer.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn square<D: Domain>(
+    domain: &D,
+    bus: Bus<'_, D::Cell>,
+    store: &mut Store<'_, D::Cell>,
+    gain: f64,
+    rows: Range<usize>,
+) -> Result<(), Undecided> {
+    let width = bus.size.width;
+    for y in rows {
+        for x in 0..width {
+            let place = Place {
+                y,
+                x,
+                register: store.register,
+                step: store.step,
+            };
+            let square = domain.square(&bus.sum(domain, y, x), gain, place);
+            let cell = square.ok_or(Undecided { operation: "sq" })?;
+            if store.flagged(bus.size, y, x) {
+                store.cells[(y - store.top) * width + x] =
+                    if store.clip { domain.limit(cell) } else { cell };
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A row of the diffusion network.
+pub(super) struct Links<'a, C> {
+    /// What each pixel holds, and what its neighbours hold, in the order of the directions;
+    /// beyond the border anything.
+    pub(super) own: &'a [C],
+    pub(super) beside: [&'a [C]; 4],
+    /// Where the link to each neighbour conducts.
+    pub(super) linked: [&'a [u64]; 4],
+    /// A pixel's own cell against one link.
+    pub(super) parts: i32,
+}
+
+/// Stores one step of diffusion along the row `place`, where FLAG is 1.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn diffuse<D: Domain>(
+    domain: &D,
+    links: &Links<'_, D::Cell>,
+    flags: &[u64],
+    place: Place,
+    clip: bool,
+    cells: &mut [D::Cell],
+    block: &mut [D::Cell],
+) {
+    let share = Share {
+        by: links.parts as u32,
+        part: None,
+    };
+    let width = cells.len();
+    masked(cells, flags, 0, block, |first, cells| {
+        for (i, cell) in (first..).zip(cells) {
+            let mut sum = domain.nothing();
+            let mut own = links.parts;
+            for (k, linked) in links.linked.iter().enumerate() {
+                if linked[i / 64] >> (i % 64) & 1 == 1 {
+                    // East and west are rows that begin one later or earlier.
+                    let at = match k {
+                        1 => (i + 1).min(width - 1),
+                        3 => i.saturating_sub(1),
+                        _ => i,
+                    };
+                    domain.add(&mut sum, &links.beside[k][at], 1);
+                    own -= 1;
+                }
+            }
+            domain.add(&mut sum, &links.own[i], own);
+            let stored = domain.store(&sum, share, Place { x: i, ..place });
+            *cell = if clip { domain.limit(stored) } else { stored };
+        }
+    });
 }
 
 /// Sets pixels from light, as one exposure does.
@@ -350,12 +574,20 @@ mod tests {
 
     #[test]
     fn only_flagged_cells_change() {
-        for n in [1, 15, 16, 17, 40, 64] {
-            let flags = 0x9E37_79B9_7F4A_7C15;
-            let (mut cells, new) = (vec![0; n], vec![1; n]);
-            merge(&mut cells, &new, flags);
-            for (i, cell) in cells.iter().enumerate() {
-                assert_eq!(*cell, flags >> i & 1);
+        let flags = [0x9E37_79B9_7F4A_7C15, !0, !0, 0, 0xF0F0_F0F0_F0F0_F0F0, !0];
+        for n in [1usize, 15, 16, 17, 40, 64, 65, 130, 200, 300] {
+            for offset in [0, 1] {
+                let mut cells = vec![0; n];
+                masked(&mut cells, &flags, offset, &mut [0; 64], |first, cells| {
+                    for (i, cell) in cells.iter_mut().enumerate() {
+                        *cell = 1 + first + i;
+                    }
+                });
+                for (i, cell) in cells.iter().enumerate() {
+                    let bit = i + offset;
+                    let on = flags[bit / 64] >> (bit % 64) & 1 == 1;
+                    assert_eq!(*cell, if on { i + 1 } else { 0 });
+                }
             }
         }
     }
