@@ -5,7 +5,7 @@
 use amacrine::{
     array::{Arithmetic, Array, Ledger, Reading, Schedule, Settings},
     event::{Event, Packet, Polarity},
-    isa::{Analog, Device, Digital, Primitive},
+    isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
     plane::{Plane, Size},
     program::{Action, Area, Code, Host, Pattern, Step, SumOver},
     unit::Micros,
@@ -21,20 +21,9 @@ fn device() -> &'static Device {
     &DEVICE
 }
 
-const DOMAINS: [&str; 9] = [
-    "exact",
-    "f32",
-    "f16",
-    "bf16",
-    "q8.8",
-    "q4.12-wrap",
-    "q8.0",
-    "q16.16",
-    "silicon",
-];
-
-/// Words, now and then something for the host or a loop.
-fn steps(words: usize) -> impl Strategy<Value = Vec<Step>> {
+/// Words, now and then something for the host or a loop; or only what [`Schedule::Active`]
+/// need not leave to [`Schedule::Tiled`].
+fn steps(words: usize, all: bool) -> impl Strategy<Value = Vec<Step>> {
     let analog = || (0u8..7).prop_map(Analog);
     let scan = (digital(), any::<bool>(), 0u32..300).prop_map(|(source, on, slots)| {
         let polarity = if on { Polarity::On } else { Polarity::Off };
@@ -57,21 +46,22 @@ fn steps(words: usize) -> impl Strategy<Value = Vec<Step>> {
             })
         }),
     ];
+    let rare = u32::from(all);
     let host = prop_oneof![
         3 => (-120.0..120.0).prop_map(|value: f64| Host::LoadIn { value: value.round() }),
         2 => scan,
         1 => analog().prop_map(|source| Host::ReadAnalog { source }),
         1 => digital().prop_map(|source| Host::ScanBoundingBox { source }),
         1 => analog().prop_map(|source| Host::GlobalSum { source, over: SumOver::Whole }),
-        1 => (digital(), area.clone()).prop_map(|(target, area)| Host::Load { target, area }),
-        1 => area.prop_map(|area| Host::Select { area }),
+        rare => (digital(), area.clone()).prop_map(|(target, area)| Host::Load { target, area }),
+        rare => area.prop_map(|area| Host::Select { area }),
     ];
     let step = |action| Step { action, line: 3 };
     let once = prop_oneof![
         // PROP, which goes over the whole array, seldom.
         12 => word().prop_filter("PROP", |word| !matches!(word, Primitive::Prop { .. }))
             .prop_map(Action::Word),
-        1 => word().prop_map(Action::Word),
+        rare => word().prop_map(Action::Word),
         1 => host.prop_map(Action::Host),
     ]
     .prop_map(step);
@@ -105,15 +95,15 @@ fn lights(size: Size, seed: u64) -> Vec<Plane<f64>> {
     let mut light = Plane::from_shape_fn(size.shape(), |(y, x)| {
         value(seed, pixel(y, x)).abs().round()
     });
-    (0..5)
+    (0..9)
         .map(|frame| {
             let spot = (
                 seed as usize % size.height,
                 (seed >> 20) as usize % size.width,
             );
-            match (seed >> (3 * frame)) % 4 {
-                0 => {}
-                1 => {
+            match (seed >> (3 * frame)) % 8 {
+                0..3 => {}
+                3 => {
                     let changed =
                         |(y, x): (usize, usize)| value(seed ^ frame, pixel(y, x)).abs().round();
                     light = Plane::from_shape_fn(size.shape(), changed);
@@ -258,11 +248,28 @@ macro_rules! every_domain {
                 #![proptest_config(ProptestConfig::with_cases(96))]
                 $(#[test]
                 fn $name(
-                    case in cases($domain), init in steps(8), frame in steps(25),
+                    case in cases($domain), init in steps(8, true), frame in steps(25, true),
                     rows in 0usize..9, threads in 1usize..=4
                 ) {
                     let code = Code { init, frame };
                     agree(&case, &code, Schedule::Tiled { rows }, threads)?;
+                })*
+            }
+        }
+
+        /// Random programs, where something has changed.
+        mod active {
+            use super::*;
+            proptest! {
+                #![proptest_config(ProptestConfig::with_cases(96))]
+                $(#[test]
+                fn $name(
+                    case in cases($domain), init in steps(4, true),
+                    frame in prop_oneof![steps(6, false), steps(20, false), steps(20, true)],
+                    threads in 1usize..=4
+                ) {
+                    let code = Code { init, frame };
+                    agree(&case, &code, Schedule::Active, threads)?;
                 })*
             }
         }
@@ -281,9 +288,89 @@ every_domain! {
     silicon: "silicon";
 }
 
+/// Movement, where most of the picture stays as it is, through a program that remembers.
 #[test]
-fn every_domain_is_among_those_tested() {
-    for domain in DOMAINS {
-        assert!(domain.parse::<Arithmetic>().is_ok(), "{domain}");
+fn a_large_array_agrees_too() {
+    let bus = |target, sources: &[Source]| {
+        let word = Primitive::Bus {
+            targets: vec![target],
+            sources: sources.to_vec(),
+        };
+        Step {
+            action: Action::Word(word),
+            line: 1,
+        }
+    };
+    let to = |r| Target::Register(Analog(r));
+    let from = |r| Source::Register(Analog(r));
+    let word = |word| Step {
+        action: Action::Word(word),
+        line: 1,
+    };
+    // B: the light less its neighbours; events where it differs from C, which follows.
+    let frame = vec![
+        bus(to(6), &[Source::Pix]),
+        bus(to(0), &[from(6)]),
+        bus(Target::Neighbour(Direction::South), &[from(0)]),
+        bus(to(1), &[from(6)]),
+        bus(Target::Neighbour(Direction::East), &[from(1)]),
+        bus(to(1), &[from(6), Source::Neighbour(Direction::North)]),
+        bus(to(6), &[from(1)]),
+        bus(to(3), &[from(6), from(2)]),
+        word(Primitive::Where {
+            sources: vec![from(3)],
+        }),
+        word(Primitive::Or {
+            target: Digital(5),
+            sources: vec![Bit::Flag],
+        }),
+        bus(to(2), &[from(6)]),
+        word(Primitive::All),
+        Step {
+            action: Action::Host(Host::ScanEvents {
+                source: Digital(5),
+                polarity: Polarity::On,
+                channel: 0,
+                slots: 4000,
+            }),
+            line: 2,
+        },
+        word(Primitive::Clear {
+            targets: vec![Digital(5)],
+        }),
+    ];
+    let code = Code {
+        init: vec![],
+        frame,
+    };
+    let size = Size::new(1024, 700);
+    let case = Case {
+        domain: "q8.8",
+        size,
+        settings: Settings::of(device()),
+        seed: 5,
+    };
+    let lights: Vec<_> = (0..6)
+        .map(|frame: usize| {
+            Plane::from_shape_fn(size.shape(), |(y, x)| {
+                let spot = (y.abs_diff(500 + 3 * frame) < 20) && (x.abs_diff(650) < 30 + frame);
+                if spot {
+                    200.0
+                } else {
+                    ((x * 7 + y * 3) % 101) as f64
+                }
+            })
+        })
+        .collect();
+    let plain = watched(&case, &code, Schedule::Plain, 1, &lights);
+    assert!(plain[5].events.len() > 100);
+    for (schedule, threads) in [
+        (Schedule::Tiled { rows: 0 }, 1),
+        (Schedule::Tiled { rows: 0 }, 2),
+        (Schedule::Tiled { rows: 3 }, 4),
+        (Schedule::Active, 2),
+    ] {
+        let other = watched(&case, &code, schedule, threads, &lights);
+        assert!(plain == other, "{schedule} on {threads} threads");
     }
 }

@@ -1,5 +1,7 @@
 //! One bit for every pixel, 64 pixels a word.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
 use crate::{
@@ -98,6 +100,41 @@ impl BitPlane {
         (0..self.size.width)
             .map(|x| any[x / 64] >> (x % 64) & 1 == 1)
             .collect()
+    }
+
+    /// At most 64 bits of a row, from `x` on.
+    pub(super) fn part(&self, y: usize, x: usize, bits: usize) -> u64 {
+        let row = self.row(y);
+        let low = row[x / 64] >> (x % 64);
+        let high = match row.get(x / 64 + 1) {
+            Some(next) if !x.is_multiple_of(64) => next << (64 - x % 64),
+            _ => 0,
+        };
+        (low | high) & !0 >> (64 - bits)
+    }
+
+    /// Sets at most 64 bits of a row, from `x` on.
+    pub(super) fn set_part(&mut self, y: usize, x: usize, bits: usize, part: u64) {
+        let mask = !0 >> (64 - bits);
+        let row = self.row_mut(y);
+        let word = &mut row[x / 64];
+        *word = (*word & !(mask << (x % 64))) | part << (x % 64);
+        if x % 64 + bits > 64 {
+            let word = &mut row[x / 64 + 1];
+            let by = 64 - x % 64;
+            *word = (*word & !(mask >> by)) | part >> by;
+        }
+    }
+
+    /// A part of the plane, on its own.
+    pub(super) fn cut(&self, ys: &Range<usize>, xs: &Range<usize>) -> Self {
+        let mut cut = Self::zeros(Size::new(ys.len(), xs.len()));
+        for (to, y) in ys.clone().enumerate() {
+            for (k, x) in xs.clone().step_by(64).enumerate() {
+                cut.row_mut(to)[k] = self.part(y, x, (xs.end - x).min(64));
+            }
+        }
+        cut
     }
 
     /// The words of all rows.

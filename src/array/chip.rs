@@ -8,7 +8,11 @@
 //! The first frame runs the program's `init`, every later one its `frame`.
 
 use super::{
-    BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Schedule, Settings, State, check,
+    BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Schedule, Settings, State,
+    Undecided,
+    active::{Active, Item},
+    check,
+    cone::{self, Cone},
     host, rows,
     schedule::Plan,
     segment::Segment,
@@ -67,6 +71,10 @@ pub struct Chip<D: Domain> {
     ledger: Ledger,
     readings: Vec<Reading>,
     plan: Plan<D::Cell>,
+    active: Option<Active<D::Cell>>,
+    /// While a body is gone through whose words have run already: how often the host has
+    /// looked at the array.
+    looks: Option<usize>,
 }
 
 /// An array whose domain was chosen at run time.
@@ -174,6 +182,8 @@ impl<D: Domain> Chip<D> {
             ledger: Ledger::default(),
             readings: Vec::new(),
             plan: Plan::new(Schedule::of(size), rayon::current_num_threads()),
+            active: None,
+            looks: None,
         })
     }
 
@@ -216,7 +226,9 @@ impl<D: Domain> Chip<D> {
             match &step.action {
                 Action::Word(word) => {
                     self.ledger.word(word, &self.device);
-                    if let Primitive::Prop { boundary } = word {
+                    if self.looks.is_some() {
+                        // It has run.
+                    } else if let Primitive::Prop { boundary } = word {
                         self.flush(segment)?;
                         semantics::propagate(&mut self.state, self.settings.propagation, *boundary);
                     } else {
@@ -229,14 +241,13 @@ impl<D: Domain> Chip<D> {
                 }
                 Action::Host(operation) => {
                     self.ledger.host(operation, &self.device);
-                    let input = matches!(
-                        operation,
-                        Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. }
-                    );
+                    let input = cone::is_input(operation);
                     if !input {
                         self.flush(segment)?;
                     }
+                    self.look(cone::looked_at(operation).is_some());
                     self.host(operation, step.line, t, packet);
+                    self.look(cone::looked_at(operation).is_some());
                     if input {
                         segment.input(&self.state);
                     }
@@ -251,6 +262,47 @@ impl<D: Domain> Chip<D> {
         Ok(())
     }
 
+    /// Runs a body for a frame.
+    fn frame(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        let Some(active) = self.active.as_mut().filter(|active| active.is_exposed()) else {
+            self.forget();
+            return self.run(body, t, packet);
+        };
+        let mut items = Vec::new();
+        flat(&self.domain, body, &mut items);
+        let meaning = Meaning {
+            domain: &self.domain,
+            settings: &self.settings,
+        };
+        let result = active.frame(meaning, &mut self.plan, &mut self.state, &items);
+        result.map_err(|error| stopped(&self.domain, error))?;
+        self.looks = Some(0);
+        let result = self.run(body, t, packet);
+        self.looks = None;
+        result
+    }
+
+    /// Where words have run already: shows the host what a register held, or takes it back.
+    fn look(&mut self, looks: bool) {
+        if let (Some(twice), Some(active), true) = (&mut self.looks, &mut self.active, looks) {
+            active.swap(*twice / 2, &mut self.state);
+            *twice += 1;
+        }
+    }
+
+    /// Something else than frames has changed the array: nothing is as it was.
+    fn forget(&mut self) {
+        let Settings {
+            gain, reset_level, ..
+        } = self.settings;
+        if let Some(active) = &mut self.active {
+            if let Some(light) = active.unseen() {
+                rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
+            }
+            active.forget();
+        }
+    }
+
     /// Runs the words that wait.
     fn flush(&mut self, segment: &mut Segment<'_, D::Cell>) -> Result<(), RunError> {
         let meaning = Meaning {
@@ -259,11 +311,7 @@ impl<D: Domain> Chip<D> {
         };
         let result = self.plan.run(meaning, &mut self.state, segment);
         segment.clear();
-        result.map_err(|(line, undecided)| RunError {
-            line,
-            operation: undecided.operation,
-            domain: self.domain.name(),
-        })
+        result.map_err(|error| stopped(&self.domain, error))
     }
 
     fn host(&mut self, operation: &Host, line: u32, t: Micros, packet: &mut Packet) {
@@ -327,6 +375,33 @@ impl<D: Domain> Chip<D> {
     }
 }
 
+fn stopped<D: Domain>(domain: &D, (line, undecided): (u32, Undecided)) -> RunError {
+    RunError {
+        line,
+        operation: undecided.operation,
+        domain: domain.name(),
+    }
+}
+
+/// A body without its loops.
+fn flat<'a, D: Domain>(domain: &D, body: &'a [Step], items: &mut Vec<Item<'a, D::Cell>>) {
+    for step in body {
+        match &step.action {
+            Action::Word(word) => items.push(Item::Word(word, step.line)),
+            Action::Host(operation) => {
+                let input = host::input(domain, operation).map(Item::Input);
+                let look = cone::looked_at(operation).map(Item::Look);
+                items.extend(input.or(look));
+            }
+            Action::Repeat { times, body } => {
+                for _ in 0..*times {
+                    flat(domain, body, items);
+                }
+            }
+        }
+    }
+}
+
 fn deliver(scan: &Scan, polarity: Polarity, channel: u8, t: Micros, packet: &mut Packet) {
     packet.dropped.no_slot += scan.missed;
     packet.events.extend(scan.found.iter().map(|at| Event {
@@ -364,7 +439,12 @@ impl<D: Domain> Array for Chip<D> {
     }
 
     fn set_schedule(&mut self, schedule: Schedule, threads: usize) {
+        self.forget();
         self.plan = Plan::new(schedule, threads);
+        let small = schedule == Schedule::Active && self.domain.is_steady();
+        let cone = small.then(|| Cone::of(&self.code.frame, &self.device));
+        let size = self.state.layout.size;
+        self.active = cone.flatten().map(|cone| Active::new(size, cone));
     }
 
     fn schedule(&self) -> Schedule {
@@ -373,18 +453,21 @@ impl<D: Domain> Array for Chip<D> {
 
     fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
         self.fits(values)?;
+        self.forget();
         *self.state.analog_mut(register) = values.iter().map(|v| self.domain.hold(*v)).collect();
         Ok(())
     }
 
     fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
+        self.forget();
         *self.state.digital_mut(register) = BitPlane::from_plane(bits);
         Ok(())
     }
 
     fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
+        self.forget();
         self.state.flag = BitPlane::from_plane(bits);
         Ok(())
     }
@@ -408,12 +491,17 @@ impl<D: Domain> Array for Chip<D> {
         } = self.settings;
         let light = light.as_standard_layout();
         let light = light.as_slice().unwrap_or_default();
+        if let Some(active) = &mut self.active {
+            active.expose(light);
+            return Ok(());
+        }
         rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
         Ok(())
     }
 
     fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
         self.readings.clear();
+        self.forget();
         let body = std::mem::take(&mut self.code.init);
         let result = self.run(&body, t, packet);
         self.code.init = body;
@@ -423,7 +511,7 @@ impl<D: Domain> Array for Chip<D> {
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
         self.readings.clear();
         let body = std::mem::take(&mut self.code.frame);
-        let result = self.run(&body, t, packet);
+        let result = self.frame(&body, t, packet);
         self.code.frame = body;
         result
     }

@@ -74,11 +74,32 @@ pub trait Domain: Sync {
         }
     }
 
+    /// The new cell where `take` is 1, the old one where it is 0. Numbers choose without a
+    /// branch.
+    #[inline(always)]
+    fn choose(&self, old: &Self::Cell, new: &Self::Cell, take: u8) -> Self::Cell {
+        if take == 0 { old.clone() } else { new.clone() }
+    }
+
     /// `gain · sum²`, as it arrives in the cell at `place`; `None` where this domain has no answer.
     fn square(&self, sum: &Self::Sum, gain: f64, place: Place) -> Option<Self::Cell>;
 
     /// Whether the sum is above zero; `None` where this domain has no answer.
     fn positive(&self, sum: &Self::Sum) -> Option<bool>;
+
+    /// Sets each of at most 64 bytes to 1 where the sum of what the operands have there is
+    /// above zero, else to 0; whether this domain has an answer for all of them.
+    #[inline(always)]
+    fn positives<const N: usize>(&self, operands: [&[Self::Cell]; N], bytes: &mut [u8]) -> bool {
+        let mut decided = true;
+        // No early way out, so that this runs in vectors.
+        for (i, byte) in bytes.iter_mut().enumerate() {
+            let answer = self.positive(&self.sum(&operands, i));
+            decided &= answer.is_some();
+            *byte = (answer == Some(true)).into();
+        }
+        decided
+    }
 
     /// The cell, limited to [-128, 127] LSB.
     fn limit(&self, cell: Self::Cell) -> Self::Cell;
@@ -86,6 +107,11 @@ pub trait Domain: Sync {
     /// What the DAC makes of a value in LSB, with or without the host's calibration.
     fn input(&self, value: f64, _calibrated: bool) -> Self::Cell {
         self.hold(value)
+    }
+
+    /// Whether a word gives the same from the same, whatever the place and the step.
+    fn is_steady(&self) -> bool {
+        true
     }
 
     /// What a cell holds some seconds later; `None` where cells keep what they hold.
@@ -172,6 +198,11 @@ impl Domain for Exact {
         // Not `-sum`, which would leave negative zeros behind.
         (0.0 - sum) / f64::from(share.by)
     }
+    #[inline(always)]
+    fn choose(&self, old: &f64, new: &f64, take: u8) -> f64 {
+        let (old, new) = (old.to_bits(), new.to_bits());
+        f64::from_bits(old ^ ((old ^ new) & u64::from(take).wrapping_neg()))
+    }
     fn square(&self, sum: &f64, gain: f64, _: Place) -> Option<f64> {
         Some(sum * sum * gain)
     }
@@ -201,7 +232,7 @@ impl<T> Default for Halves<T> {
 
 /// The domains whose bus is an f32.
 macro_rules! single_bus {
-    ($domain:ty, $cell:ty, $name:literal, $number:expr, $wide:expr, $narrow:expr) => {
+    ($domain:ty, $cell:ty, $bits:ty, $name:literal, $number:expr, $wide:expr, $narrow:expr) => {
         impl Domain for $domain {
             type Cell = $cell;
             type Sum = f32;
@@ -231,9 +262,33 @@ macro_rules! single_bus {
             fn store(&self, sum: &f32, share: Share, _: Place) -> $cell {
                 $narrow((0.0 - sum) / share.by as f32)
             }
+            #[inline(always)]
+            fn choose(&self, old: &$cell, new: &$cell, take: u8) -> $cell {
+                let (old, new) = (old.to_bits(), new.to_bits());
+                <$cell>::from_bits(old ^ ((old ^ new) & <$bits>::from(take).wrapping_neg()))
+            }
             fn square(&self, sum: &f32, gain: f64, _: Place) -> Option<$cell> {
                 let sum = f64::from(*sum);
                 Some($number.hold(sum * sum * gain))
+            }
+            #[inline(always)]
+            fn positives<const N: usize>(&self, operands: [&[$cell]; N], bytes: &mut [u8]) -> bool {
+                if bytes.len() == 64 {
+                    let mut sums = [0.0; 64];
+                    for operand in operands {
+                        for (sum, cell) in sums.iter_mut().zip(&operand[..64]) {
+                            *sum += $wide(*cell);
+                        }
+                    }
+                    for (byte, sum) in bytes.iter_mut().zip(sums) {
+                        *byte = (sum > 0.0).into();
+                    }
+                } else {
+                    for (i, byte) in bytes.iter_mut().enumerate() {
+                        *byte = (self.sum(&operands, i) > 0.0).into();
+                    }
+                }
+                true
             }
             #[inline]
             fn positive(&self, sum: &f32) -> Option<bool> {
@@ -254,17 +309,17 @@ macro_rules! single_bus {
                 cells: &mut [$cell],
             ) {
                 let operands = operands.map(|operand| &operand[..cells.len()]);
-                let part = |i| (0.0 - self.sum(&operands, i)) / share.by as f32;
                 // Limited before it is rounded: the limits are exact, so nothing changes.
                 let (low, high) = (LIMITS.0 as f32, LIMITS.1 as f32);
-                if clip {
-                    for (i, cell) in cells.iter_mut().enumerate() {
-                        *cell = $narrow(part(i).clamp(low, high));
+                for (i, cell) in cells.iter_mut().enumerate() {
+                    // A first sum with 0 would change nothing but the sign of a 0, and that
+                    // is lost in the difference.
+                    let mut sum = operands.first().map_or(0.0, |first| $wide(first[i]));
+                    for operand in operands.iter().skip(1) {
+                        sum += $wide(operand[i]);
                     }
-                } else {
-                    for (i, cell) in cells.iter_mut().enumerate() {
-                        *cell = $narrow(part(i));
-                    }
+                    let part = (0.0 - sum) / share.by as f32;
+                    *cell = $narrow(if clip { part.clamp(low, high) } else { part });
                 }
             }
         }
@@ -274,6 +329,7 @@ macro_rules! single_bus {
 single_bus!(
     Single,
     f32,
+    u32,
     "f32",
     crate::number::F32,
     std::convert::identity,
@@ -282,6 +338,7 @@ single_bus!(
 single_bus!(
     Halves<f16>,
     f16,
+    u16,
     "f16",
     crate::number::F16,
     number::f16_to_f32,
@@ -290,6 +347,7 @@ single_bus!(
 single_bus!(
     Halves<bf16>,
     bf16,
+    u16,
     "bf16",
     crate::number::Bf16,
     number::bf16_to_f32,

@@ -66,31 +66,71 @@ impl<T: Width> Domain for Fixed<T> {
         cells: &mut [T],
     ) {
         let operands = operands.map(|operand| &operand[..cells.len()]);
-        let limits = if clip { self.limits } else { T::LIMITS };
+        let (low, high) = if clip { self.limits } else { T::LIMITS };
         // Without a choice inside the loops.
+        macro_rules! each {
+            ($of:expr) => {{
+                let n = cells.len();
+                let mut first = 0;
+                while first + 64 <= n {
+                    // By value: nothing that is read can be what was just written.
+                    let from = blocks(operands, first);
+                    let mut to = [T::ZERO; 64];
+                    for (i, cell) in to.iter_mut().enumerate() {
+                        *cell = $of(picked(from.each_ref(), i)).max(low).min(high);
+                    }
+                    cells[first..first + 64].copy_from_slice(&to);
+                    // The last block may be in part the same as the one before it.
+                    first = if first + 64 < n {
+                        (first + 64).min(n - 64)
+                    } else {
+                        n
+                    };
+                }
+                for (i, cell) in cells.iter_mut().enumerate().skip(first) {
+                    *cell = $of(picked(operands, i)).max(low).min(high);
+                }
+            }};
+        }
         let saturates = self.number.overflow() == Overflow::Saturate;
         match (saturates, share.by) {
-            (true, 1) if N <= 2 => each(operands, limits, cells, saturated_sum),
-            (false, 1) => each(operands, limits, cells, wrapped_sum),
-            (true, 2) if N <= 2 => each(operands, limits, cells, saturated_half),
-            _ => {
-                let part = |operands: [T; N]| {
-                    let add = |sum: T::Wide, cell: T| sum.plus(cell.widen());
-                    let sum = operands.into_iter().fold(T::Wide::default(), add);
-                    sum.times(-1).divided(share.by)
-                };
-                if saturates {
-                    each(operands, limits, cells, |o| T::saturate_wide(part(o)));
-                } else {
-                    each(operands, limits, cells, |o| T::wrap_wide(part(o)));
-                }
-            }
+            (true, 1) if N <= 2 => each!(saturated_sum),
+            (false, 1) => each!(wrapped_sum),
+            (true, 2) if N <= 2 => each!(saturated_half),
+            (true, by) => each!(|operands| T::saturate_wide(wide_part(operands, by))),
+            (false, by) => each!(|operands| T::wrap_wide(wide_part(operands, by))),
         }
+    }
+    #[inline(always)]
+    fn choose(&self, old: &T, new: &T, take: u8) -> T {
+        T::choose(*old, *new, take)
     }
     fn square(&self, sum: &T::Wide, gain: f64, _: Place) -> Option<T> {
         let sum: i64 = (*sum).into();
         let sum = sum as f64 / self.number.one() as f64;
         Some(self.number.hold(sum * sum * gain))
+    }
+    #[inline(always)]
+    fn positives<const N: usize>(&self, operands: [&[T]; N], bytes: &mut [u8]) -> bool {
+        let n = bytes.len();
+        if n == 64 {
+            let from = blocks(operands, 0);
+            for (i, byte) in bytes.iter_mut().enumerate() {
+                let operands = picked(from.each_ref(), i);
+                // What saturates keeps its sign.
+                *byte = if N <= 2 {
+                    saturated_sum(operands) < T::ZERO
+                } else {
+                    wide_part(operands, 1) < T::Wide::default()
+                }
+                .into();
+            }
+        } else {
+            for (i, byte) in bytes.iter_mut().enumerate() {
+                *byte = (wide_part(picked(operands, i), 1) < T::Wide::default()).into();
+            }
+        }
+        true
     }
     #[inline]
     fn positive(&self, sum: &T::Wide) -> Option<bool> {
@@ -102,17 +142,37 @@ impl<T: Width> Domain for Fixed<T> {
     }
 }
 
-/// Each cell from its operands, limited.
+/// 64 cells of each operand.
 #[inline(always)]
-fn each<T: Width, const N: usize>(
-    operands: [&[T]; N],
-    (low, high): (T, T),
-    cells: &mut [T],
-    cell_of: impl Fn([T; N]) -> T,
-) {
-    for (i, cell) in cells.iter_mut().enumerate() {
-        *cell = cell_of(operands.map(|operand| operand[i])).clamp(low, high);
+fn blocks<T: Width, const N: usize>(operands: [&[T]; N], first: usize) -> [[T; 64]; N] {
+    let mut blocks = [[T::ZERO; 64]; N];
+    for (block, operand) in blocks.iter_mut().zip(operands) {
+        block.copy_from_slice(&operand[first..first + 64]);
     }
+    blocks
+}
+
+/// The cells `i` of all operands.
+#[inline(always)]
+fn picked<T: Width, const N: usize>(
+    operands: [&(impl std::ops::Index<usize, Output = T> + ?Sized); N],
+    i: usize,
+) -> [T; N] {
+    let mut cells = [T::ZERO; N];
+    for (cell, operand) in cells.iter_mut().zip(operands) {
+        *cell = operand[i];
+    }
+    cells
+}
+
+/// `-(sum) / by`.
+#[inline(always)]
+fn wide_part<T: Width, const N: usize>(operands: [T; N], by: u32) -> T::Wide {
+    let mut sum = T::Wide::default();
+    for operand in operands {
+        sum = sum.plus(operand.widen());
+    }
+    sum.times(-1).divided(by)
 }
 
 /// `-(sum)` of at most two, saturated; without leaving the width.
@@ -138,7 +198,11 @@ fn saturated_sum<T: Width, const N: usize>(operands: [T; N]) -> T {
 /// `-(sum)` of any number of them, wrapped: as differences that wrap.
 #[inline(always)]
 fn wrapped_sum<T: Width, const N: usize>(operands: [T; N]) -> T {
-    operands.into_iter().fold(T::ZERO, T::wrapping_less)
+    let mut less = T::ZERO;
+    for operand in operands {
+        less = less.wrapping_less(operand);
+    }
+    less
 }
 
 /// `-(sum) / 2` of at most two, halves to even, saturated; without leaving the width.

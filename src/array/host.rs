@@ -53,11 +53,8 @@ pub(super) fn execute<D: Domain>(
 ) -> Option<Readings> {
     let size = state.layout.size;
     match host {
-        Host::LoadIn { value } => state.input = domain.input(*value, true),
-        Host::LoadInRaw { value } => state.input = domain.input(*value, false),
-        // 16 codes to the LSB, 2048 is 0. Evidence: guess, the real map is calibrated per chip.
-        Host::LoadDac { code } => {
-            state.input = domain.input(f64::from(*code) / 16.0 - 128.0, false);
+        Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. } => {
+            state.input = input(domain, host).unwrap_or_else(|| state.input.clone());
         }
         Host::Load { target, area } => {
             let bits = covered(*area, size);
@@ -89,6 +86,17 @@ pub(super) fn execute<D: Domain>(
         _ => return read(domain, state, host),
     }
     None
+}
+
+/// What the global input holds after an operation that sets it.
+pub(super) fn input<D: Domain>(domain: &D, host: &Host) -> Option<D::Cell> {
+    match host {
+        Host::LoadIn { value } => Some(domain.input(*value, true)),
+        Host::LoadInRaw { value } => Some(domain.input(*value, false)),
+        // 16 codes to the LSB, 2048 is 0. Evidence: guess, the real map is calibrated per chip.
+        Host::LoadDac { code } => Some(domain.input(f64::from(*code) / 16.0 - 128.0, false)),
+        _ => None,
+    }
 }
 
 /// The operations that only look.

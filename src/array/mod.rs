@@ -11,12 +11,14 @@
 //! a cell holds and how the summing bus treats it. A [`Chip`] is a program on an array in one
 //! domain; it is a [`Sensor`](crate::sensor::Sensor), so light goes in and events come out.
 
+mod active;
 mod arithmetic;
 mod band;
 mod bits;
 mod chance;
 mod check;
 mod chip;
+mod cone;
 mod domain;
 mod fixed;
 mod form;
@@ -48,7 +50,7 @@ pub use host::{Reading, Readings};
 pub use layout::Layout;
 pub use ledger::Ledger;
 pub use readout::{Address, Scan};
-pub use schedule::Schedule;
+pub use schedule::{Schedule, ScheduleError};
 pub use settings::{Propagation, Settings};
 pub use silicon::{Errors, Silicon};
 pub use state::State;

@@ -230,14 +230,24 @@ fn store_n<D: Domain, const N: usize>(
             register: store.register,
             step: store.step,
         };
-        masked(cells, flags, start, block, |i, cells| {
+        let mut runs = Runs::new(flags, start, n);
+        while let Some(Run { from, to, some }) = runs.next() {
             let place = Place {
-                x: place.x + i,
+                x: place.x + from,
                 ..place
             };
-            let sources = sources.map(|source| &source[i..][..cells.len()]);
-            store_cells(domain, sources, cells, store.share, place, store.clip);
-        });
+            let sources: [&[D::Cell]; N] = std::array::from_fn(|k| &sources[k][from..to]);
+            let cells = &mut cells[from..to];
+            let new = if some.is_some() {
+                &mut block[..to - from]
+            } else {
+                &mut *cells
+            };
+            store_cells(domain, sources, new, store.share, place, store.clip);
+            if let Some(some) = some {
+                merge(domain, cells, &block[..to - from], some);
+            }
+        }
         if n < run * width {
             for x in (0..x).chain(x + n..width) {
                 store.one(domain, &bus, y, x);
@@ -247,50 +257,89 @@ fn store_n<D: Domain, const N: usize>(
     }
 }
 
-/// Lets `fill` set the cells where FLAG is 1: whole runs at once, else by way of `block`. The
-/// bit of the first cell is `offset` (under 64); `fill` gets the number of its first cell.
-#[inline(always)]
-fn masked<C: Clone>(
-    cells: &mut [C],
-    flags: &[u64],
+/// Cells under a mask, in runs: whole ones, and blocks of the pixels of one word of bits.
+struct Runs<'a> {
+    flags: &'a [u64],
+    /// The bit of the first cell, under 64.
     offset: usize,
-    block: &mut [C],
-    mut fill: impl FnMut(usize, &mut [C]),
-) {
-    let n = cells.len();
-    let flags = |i: usize| {
-        let low = flags[i / 64] >> offset;
-        let high = flags.get(i / 64 + 1).unwrap_or(&0);
-        let word = if offset == 0 {
+    cells: usize,
+    next: usize,
+    /// Whether all bits are 1.
+    whole: bool,
+}
+
+/// Some cells beside each other.
+struct Run {
+    from: usize,
+    to: usize,
+    /// Which of at most 64; none where it is all of any number.
+    some: Option<u64>,
+}
+
+impl<'a> Runs<'a> {
+    #[inline(always)]
+    fn new(flags: &'a [u64], offset: usize, cells: usize) -> Self {
+        Self {
+            flags,
+            offset,
+            cells,
+            next: 0,
+            whole: flags.iter().fold(!0, |all, word| all & word) == !0,
+        }
+    }
+
+    /// The bits of 64 cells; beyond the last all 1.
+    #[inline(always)]
+    fn word(&self, i: usize) -> u64 {
+        let bit = self.offset + i;
+        let low = self.flags[bit / 64] >> (bit % 64);
+        let word = if bit.is_multiple_of(64) {
             low
         } else {
-            low | high << (64 - offset)
+            low | self.flags.get(bit / 64 + 1).unwrap_or(&0) << (64 - bit % 64)
         };
-        // Beyond the end nothing is stored in any case.
-        let rest = n - i;
+        let rest = self.cells - i;
         if rest < 64 { word | !0 << rest } else { word }
-    };
-    let mut i = 0;
-    while i < n {
-        let mut to = i;
-        while to < n && flags(to) == !0 {
-            to += 64;
+    }
+
+    /// The next cells of which at least one is to be stored.
+    #[inline(always)]
+    fn next(&mut self) -> Option<Run> {
+        let mut from = self.next;
+        if self.whole && from < self.cells {
+            self.next = self.cells;
+            return Some(Run {
+                from,
+                to: self.cells,
+                some: None,
+            });
         }
-        let whole = to > i;
-        let word = if whole { !0 } else { flags(i) };
-        let to = if whole { to } else { i + 64 }.min(n);
-        if word != 0 {
-            let target = if whole {
-                &mut cells[i..to]
-            } else {
-                &mut block[..to - i]
-            };
-            fill(i, target);
-            if !whole {
-                merge(&mut cells[i..to], &block[..to - i], word);
+        while from < self.cells {
+            let mut to = from + 64;
+            if to > self.cells && self.cells >= 64 {
+                // The last block may be in part the same as the one before it: what is stored
+                // twice is stored alike.
+                from = self.cells - 64;
+                to = self.cells;
             }
+            let word = self.word(from);
+            if word == !0 {
+                while to < self.cells && self.word(to) == !0 {
+                    to += 64;
+                }
+            }
+            let to = to.min(self.cells);
+            let rest = to - from;
+            // What lies beyond the end is none of the cells.
+            let none = if rest < 64 { !0 << rest } else { 0 };
+            if word != none {
+                self.next = to;
+                let some = (word != !0).then_some(word);
+                return Some(Run { from, to, some });
+            }
+            from = to;
         }
-        i = to;
+        None
     }
 }
 
@@ -312,29 +361,38 @@ fn store_cells<D: Domain, const N: usize>(
     }
 }
 
-/// Takes `new` where the bit is 1.
+/// Takes `new` where the bit is 1; of at most 64 cells.
 #[inline(always)]
-fn merge<C: Clone>(cells: &mut [C], new: &[C], flags: u64) {
-    let (cells, rest) = cells.as_chunks_mut::<16>();
-    let (blocks, new_rest) = new.as_chunks::<16>();
-    let mut flags = flags;
-    for (cells, new) in cells.iter_mut().zip(blocks) {
-        let some = flags as u16;
-        for i in 0..16 {
-            // One bit of its own for each: no shift by a variable.
-            cells[i] = if some & 1 << i == 0 {
-                cells[i].clone()
-            } else {
-                new[i].clone()
-            };
+fn merge<D: Domain>(domain: &D, cells: &mut [D::Cell], new: &[D::Cell], flags: u64) {
+    let ones = spread(flags);
+    if let (Some(cells), Some(new)) = (cells.as_mut_array::<64>(), new.as_array::<64>()) {
+        // By value: nothing that is read can be what was just written.
+        let (old, new) = (cells.clone(), new.clone());
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = domain.choose(&old[i], &new[i], ones[i]);
         }
-        flags = flags.unbounded_shr(16);
-    }
-    for (i, (cell, new)) in rest.iter_mut().zip(new_rest).enumerate() {
-        if flags >> i & 1 == 1 {
-            cell.clone_from(new);
+    } else {
+        for ((cell, new), one) in cells.iter_mut().zip(new).zip(ones) {
+            if one == 1 {
+                cell.clone_from(new);
+            }
         }
     }
+}
+
+/// A byte, 0 or 1, for every bit.
+#[inline(always)]
+fn spread(word: u64) -> [u8; 64] {
+    let mut bytes = [0; 64];
+    let (eights, _) = bytes.as_chunks_mut::<8>();
+    for (k, eight) in eights.iter_mut().enumerate() {
+        // Each byte keeps a bit of its own; it carries into the highest, which goes to the
+        // lowest.
+        let own = (word >> (8 * k) & 0xFF) * 0x0101_0101_0101_0101 & 0x8040_2010_0804_0201;
+        let ones = (own + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & 0x0101_0101_0101_0101;
+        *eight = ones.to_le_bytes();
+    }
+    bytes
 }
 
 /// Sets the bits of these rows where the bus is above zero; `top` is the first row of `bits`.
@@ -404,63 +462,67 @@ fn positive_n<D: Domain, const N: usize>(
     let (start, end) = bus.inside();
     let words = width.div_ceil(64);
     let mut decided = true;
-    for y in rows {
-        let row = &mut bits[(y - top) * words..][..words];
-        let sources: [&[D::Cell]; N] = std::array::from_fn(|k| {
-            let operand = &bus.operands[k];
-            let y = y.wrapping_add_signed(operand.beside.0);
-            if y < height {
-                operand.rows(y, width)
-            } else {
-                bus.outside
-            }
-        });
-        for (k, word) in row.iter_mut().enumerate() {
+    let bits = &mut bits[(rows.start - top) * words..(rows.end - top) * words];
+    // Some blocks at once: bytes that were just written are slow to read in another width.
+    let mut bytes = [[0u8; 64]; 8];
+    let (mut y, mut k) = (rows.start, 0);
+    for batch in bits.chunks_mut(bytes.len()) {
+        for bytes in &mut bytes[..batch.len()] {
             let (from, to) = ((64 * k).max(start), (64 * k + 64).min(end));
             let n = to.saturating_sub(from);
-            *word = 0;
-            if n == 0 {
-                continue;
-            }
             let sources: [&[D::Cell]; N] = std::array::from_fn(|k| {
-                &sources[k][from.wrapping_add_signed(bus.operands[k].beside.1)..][..n]
+                let operand = &bus.operands[k];
+                let y = y.wrapping_add_signed(operand.beside.0);
+                let row = if y < height {
+                    operand.rows(y, width)
+                } else {
+                    bus.outside
+                };
+                let from = from.wrapping_add_signed(operand.beside.1).min(width);
+                &row[from..][..n]
             });
-            let mut bytes = [0u8; 64];
-            // No early way out: an answer is there for all pixels, or it does not matter.
-            let mut set = |i: usize, byte: &mut u8| {
-                let answer = domain.positive(&domain.sum(&sources, i));
-                decided &= answer.is_some();
-                *byte = (answer == Some(true)).into();
-            };
-            if n == 64 {
-                for (i, byte) in bytes.iter_mut().enumerate() {
-                    set(i, byte);
-                }
+            decided &= if n == 64 {
+                domain.positives(sources, bytes)
             } else {
-                for (i, byte) in bytes[..n].iter_mut().enumerate() {
-                    set(i, byte);
-                }
+                bytes.fill(0);
+                domain.positives(sources, &mut bytes[from % 64..][..n])
+            };
+            k += 1;
+            if k == words {
+                (y, k) = (y + 1, 0);
             }
-            *word = packed(&bytes) << (from % 64);
         }
-        for x in (0..start).chain(end..width) {
-            decided &= positive_one(domain, bus, row, y, x);
+        for (word, bytes) in batch.iter_mut().zip(&bytes) {
+            *word = packed(bytes);
+        }
+    }
+    if start > 0 || end < width {
+        for (y, row) in rows.zip(bits.chunks_mut(words)) {
+            for x in (0..start).chain(end..width) {
+                decided &= positive_one(domain, bus, row, y, x);
+            }
         }
     }
     decided
 }
 
-/// The lowest bit of each byte.
+/// The lowest bit of each byte; none has others.
 #[inline(always)]
 fn packed(bytes: &[u8; 64]) -> u64 {
     let (eights, _) = bytes.as_chunks::<8>();
-    let mut word = 0;
-    for (k, eight) in eights.iter().enumerate() {
-        // The product brings bit 8i to bit 56 + i, and nothing else there.
-        let top = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-        word |= top << (8 * k);
+    let mut words = [0; 8];
+    for (word, eight) in words.iter_mut().zip(eights) {
+        // Bits come together in pairs, fours and eights.
+        let ones = u64::from_le_bytes(*eight);
+        let ones = (ones | ones >> 7) & 0x0003_0003_0003_0003;
+        let ones = (ones | ones >> 14) & 0x0000_000F_0000_000F;
+        *word = (ones | ones >> 28) & 0xFF;
     }
-    word
+    let mut all = 0;
+    for (k, word) in words.into_iter().enumerate() {
+        all |= word << (8 * k);
+    }
+    all
 }
 
 /// Stores `gain` times the square of the bus in these rows, where FLAG is 1.
@@ -523,8 +585,15 @@ pub(super) fn diffuse<D: Domain>(
         part: None,
     };
     let width = cells.len();
-    masked(cells, flags, 0, block, |first, cells| {
-        for (i, cell) in (first..).zip(cells) {
+    let mut runs = Runs::new(flags, 0, width);
+    while let Some(Run { from, to, some }) = runs.next() {
+        let cells = &mut cells[from..to];
+        let new = if some.is_some() {
+            &mut block[..to - from]
+        } else {
+            &mut *cells
+        };
+        for (i, cell) in (from..).zip(new) {
             let mut sum = domain.nothing();
             let mut own = links.parts;
             for (k, linked) in links.linked.iter().enumerate() {
@@ -543,7 +612,10 @@ pub(super) fn diffuse<D: Domain>(
             let stored = domain.store(&sum, share, Place { x: i, ..place });
             *cell = if clip { domain.limit(stored) } else { stored };
         }
-    });
+        if let Some(some) = some {
+            merge(domain, cells, &block[..to - from], some);
+        }
+    }
 }
 
 /// Sets pixels from light, as one exposure does.
@@ -563,12 +635,14 @@ pub(super) fn expose<D: Domain>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::array::Exact;
 
     #[test]
-    fn bytes_become_bits() {
+    fn bytes_become_bits_and_bits_bytes() {
         for word in [0, 1, !0, 0x8000_0000_0000_0001, 0x0123_4567_89AB_CDEF] {
             let bytes = std::array::from_fn(|i| (word >> i & 1) as u8);
             assert_eq!(packed(&bytes), word);
+            assert_eq!(spread(word), bytes);
         }
     }
 
@@ -577,16 +651,19 @@ mod tests {
         let flags = [0x9E37_79B9_7F4A_7C15, !0, !0, 0, 0xF0F0_F0F0_F0F0_F0F0, !0];
         for n in [1usize, 15, 16, 17, 40, 64, 65, 130, 200, 300] {
             for offset in [0, 1] {
-                let mut cells = vec![0; n];
-                masked(&mut cells, &flags, offset, &mut [0; 64], |first, cells| {
-                    for (i, cell) in cells.iter_mut().enumerate() {
-                        *cell = 1 + first + i;
+                let mut cells = vec![0.0; n];
+                let mut runs = Runs::new(&flags, offset, n);
+                while let Some(Run { from, to, some }) = runs.next() {
+                    let new: Vec<_> = (from + 1..=to).map(|i| i as f64).collect();
+                    match some {
+                        Some(some) => merge(&Exact, &mut cells[from..to], &new, some),
+                        None => cells[from..to].clone_from_slice(&new),
                     }
-                });
+                }
                 for (i, cell) in cells.iter().enumerate() {
                     let bit = i + offset;
                     let on = flags[bit / 64] >> (bit % 64) & 1 == 1;
-                    assert_eq!(*cell, if on { i + 1 } else { 0 });
+                    assert_eq!(*cell, if on { (i + 1) as f64 } else { 0.0 });
                 }
             }
         }

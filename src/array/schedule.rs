@@ -22,12 +22,16 @@ pub enum Schedule {
         /// Rows of a band; 0 chooses by the size of a row.
         rows: usize,
     },
+    /// Only the pixels whose light or registers, as far as the body reaches, are not what they
+    /// were one frame ago. Bodies that propagate bits, or in which the host changes the array,
+    /// and domains in which chance or time plays a part, are run as if tiled.
+    Active,
 }
 
 /// No such schedule.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("unknown schedule `{name}`")]
-#[diagnostic(help("known are plain and tiled"))]
+#[diagnostic(help("known are plain, tiled and active"))]
 pub struct ScheduleError {
     /// What was given.
     pub name: String,
@@ -52,6 +56,7 @@ impl FromStr for Schedule {
         match name {
             "plain" => Ok(Self::Plain),
             "tiled" => Ok(Self::Tiled { rows: 0 }),
+            "active" => Ok(Self::Active),
             _ => Err(ScheduleError { name: name.into() }),
         }
     }
@@ -62,6 +67,7 @@ impl fmt::Display for Schedule {
         f.write_str(match self {
             Self::Plain => "plain",
             Self::Tiled { .. } => "tiled",
+            Self::Active => "active",
         })
     }
 }
@@ -109,12 +115,10 @@ impl<C: Clone + Send + Sync> Plan<C> {
                     .iter()
                     .try_for_each(|piece| piece.run(array, &mut band, rows.clone()))
             }
-            Schedule::Tiled { rows } => {
-                let size = state.layout.size;
-                let rows = if rows > 0 {
-                    rows
-                } else {
-                    tiled::rows(size, size_of::<C>())
+            Schedule::Tiled { .. } | Schedule::Active => {
+                let rows = match self.schedule {
+                    Schedule::Tiled { rows: rows @ 1.. } => rows,
+                    _ => tiled::rows(state.layout.size, size_of::<C>()),
                 };
                 let pieces = segment.pieces();
                 let mut rest: &[Piece<'_>] = pieces;

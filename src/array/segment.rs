@@ -67,11 +67,14 @@ impl<'a, C: Clone> Segment<'a, C> {
 
     /// One more word.
     pub(super) fn push(&mut self, word: &'a Primitive, step: u64, line: u32) {
-        if let Some(register) = semantics::copied(word, self.news) {
-            self.pieces.push(Piece::Copy(register));
-        }
-        let input = self.constants.inputs.len() - 1;
-        let issued = Issued { word, step, input };
+        let copied = semantics::copied(word, self.news);
+        self.pieces.extend(copied.map(Piece::Copy));
+        let issued = Issued {
+            word,
+            step,
+            input: self.constants.inputs.len() - 1,
+            copied: copied.is_some(),
+        };
         self.pieces.push(Piece::Word { issued, line });
     }
 

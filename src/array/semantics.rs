@@ -63,6 +63,7 @@ pub fn execute<D: Domain>(
         word,
         step,
         input: 0,
+        copied: copied(word, news).is_some(),
     };
     if let Some(register) = copied(word, news) {
         copy(&mut band, register, rows.clone());
@@ -78,6 +79,8 @@ pub(super) struct Issued<'a> {
     pub(super) step: u64,
     /// Which of the band's inputs the global input holds.
     pub(super) input: usize,
+    /// Whether it reads the copy of a register: see [`copied`].
+    pub(super) copied: bool,
 }
 
 /// A register, of either kind.
@@ -89,42 +92,49 @@ pub(super) enum Register {
 
 /// How many rows away a word reads from the cell that it writes.
 pub(super) fn reach(word: &Primitive) -> usize {
-    let rows = |direction: &Direction| direction.step().0;
-    match word {
-        Primitive::Bus { targets, sources } => {
-            let to = targets.iter().map(|target| match target {
-                Target::Register(_) => 0,
-                Target::Neighbour(direction) => rows(direction),
-            });
-            let from = || beside(sources).map(|direction| rows(&direction));
-            // The driver itself, and what it reads.
-            to.flat_map(|to| {
-                from()
-                    .chain([0])
-                    .map(move |from| (from - to).unsigned_abs())
-            })
-            .max()
-            .unwrap_or(0)
+    reaches(word)[0]
+}
+
+/// How many rows, and how many columns, away a word reads from the cell that it writes.
+pub(super) fn reaches(word: &Primitive) -> [usize; 2] {
+    let along = |axis: usize| {
+        let step = |direction: &Direction| <[isize; 2]>::from(direction.step())[axis];
+        match word {
+            Primitive::Bus { targets, sources } => {
+                let to = targets.iter().map(|target| match target {
+                    Target::Register(_) => 0,
+                    Target::Neighbour(direction) => step(direction),
+                });
+                // The driver itself, and what it reads.
+                let from = || beside(sources).map(|direction| step(&direction)).chain([0]);
+                let far = to.flat_map(|to| from().map(move |from| (from - to).unsigned_abs()));
+                far.max().unwrap_or(0)
+            }
+            Primitive::Square { sources } | Primitive::Where { sources } => {
+                let far = beside(sources).map(|direction| step(&direction).unsigned_abs());
+                far.max().unwrap_or(0)
+            }
+            Primitive::Blur {
+                horizontal,
+                vertical,
+                ..
+            } => usize::from([*vertical, *horizontal][axis]),
+            Primitive::Dnews { .. } => 1,
+            Primitive::Nop
+            | Primitive::ResetPix
+            | Primitive::All
+            | Primitive::BlurSet
+            | Primitive::Set { .. }
+            | Primitive::Clear { .. }
+            | Primitive::Or { .. }
+            | Primitive::Nor { .. }
+            | Primitive::WhereBit { .. }
+            | Primitive::PropRead => 0,
+            // As far as it goes.
+            Primitive::Prop { .. } => usize::MAX,
         }
-        Primitive::Square { sources } | Primitive::Where { sources } => beside(sources)
-            .map(|direction| rows(&direction).unsigned_abs())
-            .max()
-            .unwrap_or(0),
-        Primitive::Blur { vertical, .. } => usize::from(*vertical),
-        Primitive::Dnews { .. } => 1,
-        Primitive::Nop
-        | Primitive::ResetPix
-        | Primitive::All
-        | Primitive::BlurSet
-        | Primitive::Set { .. }
-        | Primitive::Clear { .. }
-        | Primitive::Or { .. }
-        | Primitive::Nor { .. }
-        | Primitive::WhereBit { .. }
-        | Primitive::PropRead => 0,
-        // As far as it goes.
-        Primitive::Prop { .. } => usize::MAX,
-    }
+    };
+    [along(0), along(1)]
 }
 
 fn beside(sources: &[Source]) -> impl Iterator<Item = Direction> {
@@ -293,7 +303,7 @@ impl<D: Domain> Array<'_, D> {
         rows: &Range<usize>,
     ) {
         let news = band.layout.news;
-        let copied = copied(issued.word, news).is_some();
+        let copied = issued.copied;
         let place = |target: &Target| match target {
             Target::Register(register) => (*register, (0, 0)),
             Target::Neighbour(direction) => (news, direction.step()),
@@ -386,7 +396,7 @@ impl<D: Domain> Array<'_, D> {
         rows: Range<usize>,
     ) -> Result<(), Undecided> {
         let news = band.layout.news;
-        let copied = copied(issued.word, news).is_some();
+        let copied = issued.copied;
         let cells = band.take(news);
         let operands = band.operands(sources, issued.input, copied);
         let mut store = Store {

@@ -10,7 +10,7 @@ use ndarray_npy::{ReadNpyError, ReadableElement, WritableElement, WriteNpyExt};
 use serde_json::json;
 
 use crate::{
-    array::{Arithmetic, Array, Ledger, Readings, Settings},
+    array::{Arithmetic, Array, Ledger, Readings, Schedule, Settings},
     event::{Packet, Polarity, file},
     isa::{Analog, Bit, Device, Digital, Figure, Source, Value},
     picture::{panel, write_png},
@@ -59,6 +59,12 @@ pub struct Arguments {
     /// A shipped chip by name, or the folder of another
     #[arg(long)]
     chip: Option<String>,
+    /// In which order the array is worked on, which changes only the speed: plain, tiled, active
+    #[arg(long)]
+    schedule: Option<String>,
+    /// On how many threads at most
+    #[arg(long)]
+    threads: Option<usize>,
     /// Set a constant of the program; can be given more than once
     #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::asm::constant)]
     constants: Vec<(String, f64)>,
@@ -111,6 +117,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut chip = arithmetic
         .chip(&name, expansion.code.clone(), &device, size, settings)
         .wrap_err_with(|| format!("{name} cannot run"))?;
+    let schedule = match &arguments.schedule {
+        Some(name) => name.parse()?,
+        None => Schedule::of(size),
+    };
+    let threads = arguments.threads.unwrap_or_else(rayon::current_num_threads);
+    chip.set_schedule(schedule, threads);
     for set in &planes {
         set.apply(&mut *chip)?;
     }

@@ -44,6 +44,9 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     /// The difference, wrapped.
     #[must_use]
     fn wrapping_less(self, other: Self) -> Self;
+    /// `new` where `take` is 1, `old` where it is 0; without a branch.
+    #[must_use]
+    fn choose(old: Self, new: Self, take: u8) -> Self;
     /// Half the sum, halves to even.
     #[must_use]
     fn middle(self, other: Self) -> Self;
@@ -131,6 +134,10 @@ macro_rules! width {
             #[inline]
             fn wrapping_less(self, other: Self) -> Self {
                 self.wrapping_sub(other)
+            }
+            #[inline]
+            fn choose(old: Self, new: Self, take: u8) -> Self {
+                old ^ ((old ^ new) & (take as $int).wrapping_neg())
             }
             #[inline]
             fn middle(self, other: Self) -> Self {

@@ -3,6 +3,9 @@
 //! To the bit what the `half` crate does; it converts one number at a time, or calls for every
 //! eight.
 
+// What is not inlined into such a loop is not compiled for its vectors.
+#![allow(clippy::inline_always)]
+
 use half::{bf16, f16};
 
 /// The exponents of f32 above and below what f16 holds as normal numbers.
@@ -10,13 +13,13 @@ const ABOVE: u32 = (127 + 16) << 23;
 const BELOW: u32 = (127 - 14) << 23;
 
 /// A choice that is made on both sides.
-#[inline]
+#[inline(always)]
 const fn choose(condition: bool, one: u32, other: u32) -> u32 {
     if condition { one } else { other }
 }
 
 /// Exactly.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub(crate) fn f16_to_f32(half: f16) -> f32 {
     let half = u32::from(half.to_bits());
@@ -33,7 +36,7 @@ pub(crate) fn f16_to_f32(half: f16) -> f32 {
 }
 
 /// The nearest, halves to even.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub(crate) fn f32_to_f16(value: f32) -> f16 {
     let sign = value.to_bits() & 0x8000_0000;
@@ -54,7 +57,7 @@ pub(crate) fn f32_to_f16(value: f32) -> f16 {
 }
 
 /// Exactly.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub(crate) fn bf16_to_f32(half: bf16) -> f32 {
     let bits = u32::from(half.to_bits());
@@ -63,7 +66,7 @@ pub(crate) fn bf16_to_f32(half: bf16) -> f32 {
 }
 
 /// The nearest, halves to even.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub(crate) fn f32_to_bf16(value: f32) -> bf16 {
     let bits = value.to_bits();
