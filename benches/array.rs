@@ -7,9 +7,7 @@
 use std::{hint::black_box, time::Instant};
 
 use amacrine::{
-    array::{
-        Arithmetic, Array, Domain, Exact, Fixed, Place, Schedule, Settings, Share, Silicon, Single,
-    },
+    array::{Arithmetic, Domain, Exact, Fixed, Place, Schedule, Settings, Share, Silicon, Single},
     event::Packet,
     isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
     number::Q,

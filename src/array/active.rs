@@ -12,8 +12,8 @@
 use std::ops::Range;
 
 use super::{
-    BitPlane, Domain, State, Undecided, cone::Cone, rows, schedule::Plan, segment::Segment,
-    semantics::Array,
+    BitPlane, Domain, State, Undecided, cells::Cells, cone::Cone, rows, schedule::Plan,
+    segment::Segment, semantics::Array,
 };
 use crate::{
     isa::{Analog, Digital, Primitive},
@@ -39,7 +39,7 @@ pub(super) enum Item<'a, C> {
 /// What the host saw.
 #[derive(Clone, Debug)]
 enum Look<C> {
-    Analog(Analog, Vec<C>),
+    Analog(Analog, Cells<C>),
     Bits(Digital, BitPlane),
 }
 
@@ -267,14 +267,16 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
             size,
             ..state.layout
         };
-        let cells = |plane: &[C]| {
-            let rows = outer.y.clone().map(|y| &plane[y * self.size.width..]);
-            rows.flat_map(|row| row[outer.x.clone()].iter().cloned())
-                .collect()
+        let cells = |(k, plane): (usize, &Cells<C>)| {
+            let mut cells = Cells::new(k, state.edge.clone(), size.pixels());
+            for (y, row) in outer.y.clone().zip(cells.chunks_exact_mut(size.width)) {
+                row.clone_from_slice(&plane[y * self.size.width..][outer.x.clone()]);
+            }
+            cells
         };
         let bits = |plane: &BitPlane| plane.cut(&outer.y, &outer.x);
         let settings = array.settings;
-        let mut pix = vec![state.edge.clone(); size.pixels()];
+        let mut pix = Cells::new(state.analog.len(), state.edge.clone(), size.pixels());
         for (y, pix) in outer.y.clone().zip(pix.chunks_exact_mut(size.width)) {
             let light = &self.light[y * self.size.width..][outer.x.clone()];
             rows::expose(
@@ -287,7 +289,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
         }
         State {
             layout,
-            analog: state.analog.iter().map(|plane| cells(plane)).collect(),
+            analog: state.analog.iter().enumerate().map(cells).collect(),
             pix,
             input: state.input.clone(),
             edge: state.edge.clone(),
@@ -339,7 +341,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
             self.looks.push(match cell {
                 Cell::Analog(register) => {
                     let nothing = patch.copy.edge.clone();
-                    Look::Analog(register, vec![nothing; self.size.pixels()])
+                    Look::Analog(register, Cells::new(k, nothing, self.size.pixels()))
                 }
                 Cell::Digital(register) => Look::Bits(register, BitPlane::zeros(self.size)),
                 Cell::Flag => unreachable!("the host does not read FLAG"),

@@ -94,7 +94,7 @@ impl<'a, C: Clone> Band<'a, C> {
     ) -> Self {
         let layout = state.layout;
         let words = layout.size.width.div_ceil(64);
-        let mut analog: Vec<_> = state.analog.iter_mut().map(Vec::as_mut_slice).collect();
+        let mut analog: Vec<&mut [C]> = state.analog.iter_mut().map(|plane| &mut **plane).collect();
         analog.push(&mut copies.analog);
         let mut digital: Vec<_> = state
             .digital
@@ -281,7 +281,10 @@ impl<'a, C> Band<'a, C> {
             stride: 0,
             beside: (0, 0),
         };
-        let operands = std::array::from_fn(|k| sources.get(k).map_or(nothing, operand));
+        let mut operands = [nothing; FEW];
+        for (to, source) in operands.iter_mut().zip(sources) {
+            *to = operand(source);
+        }
         Operands::Few(operands, sources.len())
     }
 

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::cells::Cells;
 use crate::{
     isa::Direction,
     plane::{Plane, Size},
@@ -14,18 +15,23 @@ use crate::{
 pub struct BitPlane {
     size: Size,
     stride: usize,
-    words: Vec<u64>,
+    words: Cells<u64>,
 }
 
 impl BitPlane {
     /// All pixels 0.
     #[must_use]
     pub fn zeros(size: Size) -> Self {
+        Self::apart(size, 0)
+    }
+
+    /// All pixels 0; the plane number `k` of several that are worked on together.
+    pub(super) fn apart(size: Size, k: usize) -> Self {
         let stride = size.width.div_ceil(64);
         Self {
             size,
             stride,
-            words: vec![0; stride * size.height],
+            words: Cells::new(k, 0, stride * size.height),
         }
     }
 

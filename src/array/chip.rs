@@ -356,7 +356,7 @@ impl<D: Domain> Chip<D> {
     /// Lets the registers hold what they hold for some seconds.
     fn age(&mut self, seconds: f64) {
         for plane in &mut self.state.analog {
-            for cell in plane {
+            for cell in plane.iter_mut() {
                 match self.domain.aged(cell, seconds) {
                     Some(aged) => *cell = aged,
                     None => return,
@@ -454,14 +454,18 @@ impl<D: Domain> Array for Chip<D> {
     fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
         self.fits(values)?;
         self.forget();
-        *self.state.analog_mut(register) = values.iter().map(|v| self.domain.hold(*v)).collect();
+        let cells = self.state.analog_mut(register).iter_mut();
+        for (cell, value) in cells.zip(values) {
+            *cell = self.domain.hold(*value);
+        }
         Ok(())
     }
 
     fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
         self.forget();
-        *self.state.digital_mut(register) = BitPlane::from_plane(bits);
+        let words = self.state.digital_mut(register).words_mut();
+        words.copy_from_slice(BitPlane::from_plane(bits).words());
         Ok(())
     }
 

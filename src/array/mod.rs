@@ -15,6 +15,7 @@ mod active;
 mod arithmetic;
 mod band;
 mod bits;
+mod cells;
 mod chance;
 mod check;
 mod chip;

@@ -609,7 +609,8 @@ pub(super) fn write<C: Clone>(state: &mut State<C>, target: Digital, new: &BitPl
         let [mask, spreads] = mask_and_spreads(state);
         bits::assign_where(spreads.words_mut(), new.words(), mask.words());
     } else {
-        state.digital_mut(target).clone_from(new);
+        let words = state.digital_mut(target).words_mut();
+        words.copy_from_slice(new.words());
     }
 }
 
