@@ -181,7 +181,7 @@ impl<'a, D: Symbolic> Generic<'a, D> {
         }
         if let Some(before) = before {
             for (plane, before) in self.state.analog.iter_mut().zip(&before) {
-                for (cell, old) in plane.iter_mut().zip(before) {
+                for (cell, old) in plane.iter_mut().zip(before.iter()) {
                     if cell != old {
                         *cell = self.domain.either(old, cell, number);
                     }

@@ -54,10 +54,10 @@ pub(super) fn execute<D: Domain>(
 ) -> Option<Readings> {
     let size = state.layout.size;
     match host {
-        Host::LoadIn { value } => state.input = domain.input(*value, true),
-        Host::LoadInRaw { value } => state.input = domain.input(*value, false),
-        // Past the host's table, whose steps are coarser than the DAC's.
-        Host::LoadDac { code } => state.input = domain.hold(converters.drive(*code)),
+        Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. } => {
+            let before = || state.input.clone();
+            state.input = input(domain, converters, host).unwrap_or_else(before);
+        }
         Host::Load { target, area } => {
             let bits = covered(*area, size);
             semantics::write(state, *target, &bits);
@@ -90,6 +90,21 @@ pub(super) fn execute<D: Domain>(
         _ => return read(domain, converters, state, host),
     }
     None
+}
+
+/// What the global input holds after an operation that sets it.
+pub(super) fn input<D: Domain>(
+    domain: &D,
+    converters: &Converters,
+    host: &Host,
+) -> Option<D::Cell> {
+    match host {
+        Host::LoadIn { value } => Some(domain.input(*value, true)),
+        Host::LoadInRaw { value } => Some(domain.input(*value, false)),
+        // Past the host's table, whose steps are coarser than the DAC's.
+        Host::LoadDac { code } => Some(domain.hold(converters.drive(*code))),
+        _ => None,
+    }
 }
 
 /// The operations that only look.

@@ -300,6 +300,20 @@ impl Domain for Silicon {
         }
     }
 
+    #[inline(always)]
+    fn choose(&self, old: &f32, new: &f32, take: u8) -> f32 {
+        super::Single.choose(old, new, take)
+    }
+
+    #[inline(always)]
+    fn positives<const N: usize>(&self, operands: [&[f32]; N], bytes: &mut [u8]) -> bool {
+        super::Single.positives(operands, bytes)
+    }
+
+    fn is_steady(&self) -> bool {
+        false
+    }
+
     /// The squarer has no calibration; only the transfer error of its store is modelled.
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
         let error = self.run(Share::of(1, 0), place, 1).error(0);

@@ -1,6 +1,6 @@
 //! Everything that the array remembers.
 
-use super::{BitPlane, Domain, Layout};
+use super::{BitPlane, Domain, Layout, cells::Cells};
 use crate::{
     isa::{Analog, Bit, Digital},
     plane::Plane,
@@ -12,9 +12,9 @@ pub struct State<C> {
     /// Size and registers.
     pub layout: Layout,
     /// Analogue registers, each row by row.
-    pub(super) analog: Vec<Vec<C>>,
+    pub(super) analog: Vec<Cells<C>>,
     /// The photodiodes, row by row.
-    pub(super) pix: Vec<C>,
+    pub(super) pix: Cells<C>,
     /// The global input (DAC).
     pub(super) input: C,
     /// What lies off the array.
@@ -29,14 +29,16 @@ impl<C: Clone> State<C> {
     /// As switched on: every register 0, FLAG 1 everywhere.
     pub fn new<D: Domain<Cell = C>>(domain: &D, layout: Layout, edge: f64) -> Self {
         let zero = domain.hold(0.0);
-        let plane = vec![zero.clone(); layout.size.pixels()];
+        let plane = |k: u8| Cells::new(k.into(), zero.clone(), layout.size.pixels());
         Self {
             layout,
-            analog: vec![plane.clone(); layout.analog.into()],
-            pix: plane,
-            input: zero,
+            analog: (0..layout.analog).map(plane).collect(),
+            pix: plane(layout.analog),
+            input: zero.clone(),
             edge: domain.hold(edge),
-            digital: vec![BitPlane::zeros(layout.size); layout.digital.into()],
+            digital: (0..layout.digital)
+                .map(|k| BitPlane::apart(layout.size, k.into()))
+                .collect(),
             flag: BitPlane::ones(layout.size),
             select: BitPlane::zeros(layout.size),
             rect: BitPlane::zeros(layout.size),
@@ -75,7 +77,7 @@ impl<C: Clone> State<C> {
         &self.digital[usize::from(register.0)]
     }
 
-    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Vec<C> {
+    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Cells<C> {
         &mut self.analog[usize::from(register.0)]
     }
 

@@ -12,7 +12,7 @@ use serde_json::json;
 
 use super::{opened::Opened, registers::Register, strip::Strip};
 use crate::{
-    array::{Arithmetic, Array, Ledger, Reading, Readings, RunError, Settings},
+    array::{Arithmetic, Array, Ledger, Reading, Readings, RunError, Schedule, Settings},
     event::{Packet, Polarity, file},
     isa::{Analog, Device, Digital, Figure, text::nearest},
     picture::{panel, write_png},
@@ -59,6 +59,12 @@ pub struct Arguments {
     /// Which chip of the silicon domain, and which noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// In which order the array is worked on, which changes only the speed: plain, tiled, active
+    #[arg(long)]
+    schedule: Option<String>,
+    /// On how many threads at most
+    #[arg(long)]
+    threads: Option<usize>,
     /// Write the events that were read out (.csv, .npy, .txt)
     #[arg(long)]
     events: Option<PathBuf>,
@@ -203,6 +209,8 @@ pub(super) struct Bench<'a> {
     size: Size,
     arithmetic: Arithmetic,
     settings: Settings,
+    schedule: Schedule,
+    threads: usize,
 }
 
 /// One frame on its way to the chip, exposed already.
@@ -248,8 +256,18 @@ impl<'a> Bench<'a> {
         });
         let planes = registers.collect::<miette::Result<Vec<_>>>()?;
         let light = Light::open(arguments, program)?;
+        let size = size(&planes, light.scene.as_deref(), program, device)?;
+        // One step at a time has no use for any other.
+        let schedule = match &arguments.schedule {
+            _ if arguments.debug || arguments.strip.is_some() => Schedule::Plain,
+            Some(name) => name.parse()?,
+            None => Schedule::of(size),
+        };
+        let threads = arguments.threads;
         Ok(Self {
-            size: size(&planes, light.scene.as_deref(), program, device)?,
+            schedule,
+            threads: threads.unwrap_or_else(rayon::current_num_threads),
+            size,
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
             arguments,
@@ -276,6 +294,7 @@ impl<'a> Bench<'a> {
                 self.settings,
             )
             .wrap_err_with(|| format!("{} cannot run", program.file))?;
+        chip.set_schedule(self.schedule, self.threads);
         for set in &self.planes {
             set.apply(&mut *chip)?;
         }
