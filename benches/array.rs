@@ -1,17 +1,18 @@
-//! What an instruction word costs on a 256x256 array: the minimum over many repetitions, on
-//! one thread, next to the plain per-pixel loop, the memory of this machine and the real chip.
+//! What an instruction word costs on a 256x256 array, the minimum over many repetitions, in
+//! several schedules and on one or two threads, next to the plain per-pixel loop, the memory
+//! of this machine and the real chip; and what a frame costs where little has changed.
 //!
-//! `AMACRINE_BENCH=quick` takes seconds.
+//! `AMACRINE_BENCH=quick` takes seconds. Further arguments choose rows by their text.
 
 use std::{hint::black_box, time::Instant};
 
 use amacrine::{
-    array::{Arithmetic, Domain, Exact, Fixed, Place, Settings, Share, Single},
+    array::{Arithmetic, Domain, Exact, Fixed, Place, Schedule, Settings, Share, Silicon, Single},
     event::Packet,
     isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
     number::Q,
     plane::{Plane, Size},
-    program::{Action, Code, Step},
+    program::{Action, Code, Program, Step},
     unit::Micros,
 };
 
@@ -20,38 +21,128 @@ const SIZE: Size = Size::new(256, 256);
 /// The chip's own time for a word (10 MHz, quoted), in ns.
 const CHIP: f64 = 100.0;
 
+const TILED: Schedule = Schedule::Tiled { rows: 0 };
+
 fn main() {
     let repetitions = match std::env::var("AMACRINE_BENCH").as_deref() {
-        Ok("quick") => 10,
+        Ok("quick") => 5,
         _ => 200,
     };
-    println!("256x256, one thread, ns per instruction word, minimum of {repetitions}");
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|argument| !argument.starts_with('-'))
+        .collect();
+    println!("256x256, ns per instruction word, minimum of {repetitions}");
     println!(
-        "{:<8} {:<18} {:>9} {:>8} {:>7} {:>7} {:>8} {:>9}",
-        "domain", "words", "ns", "KiB", "GB/s", "copy", "chip", "obvious"
+        "copy: bytes a word cannot help moving, against those of a copy of planes in a ns, one thread"
     );
-    for (name, bytes) in [("exact", 8), ("f32", 4), ("q8.8", 2), ("silicon", 4)] {
+    println!("chip: its 100 ns a word; obvious: a plain loop over pixels, one thread");
+    println!(
+        "{:<8} {:<18} {:<6} {:>7} {:>9} {:>6} {:>7} {:>6} {:>8} {:>8}",
+        "domain", "words", "order", "threads", "ns", "KiB", "GB/s", "copy", "chip", "obvious"
+    );
+    for (domain, bytes) in [
+        ("q8.8", 2),
+        ("f32", 4),
+        ("exact", 8),
+        ("f16", 2),
+        ("bf16", 2),
+        ("silicon", 4),
+    ] {
         let probe = copy_bandwidth(SIZE.pixels() * bytes, repetitions);
-        for (title, words) in sequences() {
-            let ns = measured(name, &words, repetitions);
-            let moved: f64 =
-                words.iter().map(|word| moved(word, bytes)).sum::<f64>() / words.len() as f64;
-            let obvious = match name {
-                "exact" => obvious(&Exact, &words, repetitions),
-                "f32" => obvious(&Single, &words, repetitions),
-                "q8.8" => obvious(&Fixed::new(Q::<i16>::new(8)), &words, repetitions),
-                _ => None,
-            };
+        for Sequence { title, words, runs } in sequences() {
+            let mut obvious = None;
+            for (schedule, threads) in runs {
+                let row = format!("{domain:<8} {title:<18} {schedule:<6}");
+                if !wanted.iter().all(|part| row.contains(part.as_str())) {
+                    continue;
+                }
+                let ns = measured(domain, &words, *schedule, *threads, repetitions);
+                let obvious =
+                    *obvious.get_or_insert_with(|| obvious_ns(domain, &words, repetitions));
+                let moved: f64 =
+                    words.iter().map(|word| moved(word, bytes)).sum::<f64>() / words.len() as f64;
+                println!(
+                    "{row} {threads:>7} {ns:>9.0} {:>6.0} {:>7.1} {:>5.0}% {:>7.3}x {:>7.0}x",
+                    moved / 1024.0,
+                    moved / ns,
+                    100.0 * moved / ns / probe,
+                    CHIP / ns,
+                    obvious / ns,
+                );
+            }
+        }
+    }
+    if wanted.is_empty() || wanted.iter().any(|part| part == "active") {
+        frames(repetitions);
+    }
+}
+
+/// Words that are measured together, and how.
+struct Sequence {
+    title: &'static str,
+    words: Vec<Primitive>,
+    runs: &'static [(Schedule, usize)],
+}
+
+/// Frames in which 12 of 256 tiles of 16x16 pixels (5 %) change, tiled and active.
+fn frames(repetitions: usize) {
+    println!("\nframes of 256x256 in which 5 % of the tiles change, us a frame, one thread");
+    println!(
+        "{:<8} {:<28} {:>6} {:>9} {:>9} {:>7}",
+        "domain", "program", "words", "tiled", "active", "faster"
+    );
+    for file in [
+        "programs/dvs/snap.scamp",
+        "programs/convolve/gaussian.scamp",
+        "programs/rgc/centre_surround.scamp",
+    ] {
+        let text = std::fs::read_to_string(file).expect("a program of this repository");
+        let program = Program::parse(file, &text).expect("a program");
+        let device = Device::scamp5();
+        let expansion = program
+            .expand(&device, &[].into())
+            .expect("a program for this chip");
+        for domain in ["q8.8", "f32"] {
+            let mut times = [TILED, Schedule::Active].map(|schedule| {
+                let arithmetic: Arithmetic = domain.parse().expect("a domain");
+                let settings = Settings::of(&device);
+                let mut chip = arithmetic
+                    .chip(file, expansion.code.clone(), &device, SIZE, settings)
+                    .expect("a legal program");
+                chip.set_schedule(schedule, 1);
+                let mut packet = Packet::new(SIZE, chip.channels());
+                let lights: Vec<_> = (0..8).map(moving).collect();
+                chip.expose(&lights[7]).expect("its size");
+                chip.run_init(Micros(0), &mut packet).expect("numbers");
+                let ns = minimum(repetitions, lights.len(), || {
+                    packet.events.clear();
+                    for light in &lights {
+                        chip.expose(light).expect("its size");
+                        chip.run_frame(Micros(0), &mut packet).expect("numbers");
+                    }
+                });
+                let words = chip.ledger().words().0 / (8 * repetitions as u64 + 1);
+                (ns / 1e3, words)
+            });
+            times.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let [(tiled, words), (active, _)] = times;
             println!(
-                "{name:<8} {title:<18} {ns:>9.0} {:>8.0} {:>7.1} {:>6.0}% {:>7.3}x {:>9}",
-                moved / 1024.0,
-                moved / ns,
-                100.0 * moved / ns / probe,
-                CHIP / ns,
-                obvious.map_or("-".into(), |slow| format!("{:.0}x", slow / ns)),
+                "{domain:<8} {:<28} {words:>6} {tiled:>9.1} {active:>9.1} {:>6.1}x",
+                file.trim_start_matches("programs/"),
+                tiled / active
             );
         }
     }
+}
+
+/// A texture, elsewhere in each frame within four by three tiles.
+fn moving(frame: usize) -> Plane<f64> {
+    Plane::from_shape_fn(SIZE.shape(), |(y, x)| {
+        let inside = (96..144).contains(&y) && (80..144).contains(&x);
+        let by = if inside { 3 * frame } else { 0 };
+        ((y * 7 + (x + by) * 13) % 255) as f64
+    })
 }
 
 fn r(register: u8) -> Source {
@@ -90,8 +181,11 @@ fn positive(sources: &[u8]) -> Primitive {
 
 const NEWS: u8 = 6;
 
-/// Words that are measured together. Register F is positive in half of the pixels.
-fn sequences() -> Vec<(&'static str, Vec<Primitive>)> {
+/// Register F is positive in half of the pixels.
+fn sequences() -> Vec<Sequence> {
+    const PLAIN: &[(Schedule, usize)] = &[(Schedule::Plain, 1)];
+    const BOTH: &[(Schedule, usize)] = &[(Schedule::Plain, 1), (TILED, 1)];
+    const ALL: &[(Schedule, usize)] = &[(Schedule::Plain, 1), (TILED, 1), (TILED, 2)];
     let movx = vec![drive(Direction::East, 0), bus(&[1], &[r(NEWS)])];
     let movy = vec![drive(Direction::South, 1), bus(&[2], &[r(NEWS)])];
     let divq = vec![bus(&[1, NEWS], &[r(0)]), bus(&[1], &[r(NEWS)])];
@@ -117,18 +211,32 @@ fn sequences() -> Vec<(&'static str, Vec<Primitive>)> {
         bus(&[3], &[r(1)]),
     ]);
     assert_eq!(mixed.len(), 20);
+    // No neighbours, no mask: add, subtract, negate.
+    let pointwise = vec![
+        bus(&[NEWS], &[r(0), r(1)]),
+        bus(&[2], &[r(NEWS)]),
+        bus(&[NEWS], &[r(1)]),
+        bus(&[3], &[r(NEWS), r(0)]),
+        bus(&[4], &[r(3)]),
+        bus(&[NEWS], &[r(2), r(4)]),
+        bus(&[1], &[r(NEWS)]),
+        bus(&[0], &[r(2)]),
+    ];
+    let sequence = |title, words, runs| Sequence { title, words, runs };
     vec![
-        ("OR of two", vec![or(5, &[6, 7])]),
-        ("bus, 1 source", vec![bus(&[2], &[r(0)])]),
-        ("bus, 2 sources", vec![sum.clone()]),
-        (
+        sequence("OR of two", vec![or(5, &[6, 7])], PLAIN),
+        sequence("bus, 1 source", vec![bus(&[2], &[r(0)])], PLAIN),
+        sequence("bus, 2 sources", vec![sum.clone()], PLAIN),
+        sequence(
             "where, masked add",
             vec![positive(&[5]), sum, Primitive::All],
+            PLAIN,
         ),
-        ("where", vec![positive(&[5])]),
-        ("movx", movx),
-        ("divq", divq),
-        ("mixed, 20 words", mixed),
+        sequence("where", vec![positive(&[5])], PLAIN),
+        sequence("movx", movx, BOTH),
+        sequence("divq", divq, BOTH),
+        sequence("pointwise, 8 words", pointwise, ALL),
+        sequence("mixed, 20 words", mixed, ALL),
     ]
 }
 
@@ -164,7 +272,13 @@ fn minimum(repetitions: usize, parts: usize, mut work: impl FnMut()) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn measured(domain: &str, words: &[Primitive], repetitions: usize) -> f64 {
+fn measured(
+    domain: &str,
+    words: &[Primitive],
+    schedule: Schedule,
+    threads: usize,
+    repetitions: usize,
+) -> f64 {
     let times = 20;
     let step = |word: &Primitive| Step {
         action: Action::Word(word.clone()),
@@ -179,14 +293,12 @@ fn measured(domain: &str, words: &[Primitive], repetitions: usize) -> f64 {
         }],
     };
     let device = Device::scamp5();
-    let settings = Settings {
-        clip: true,
-        ..Settings::of(&device)
-    };
+    let settings = Settings::of(&device);
     let arithmetic: Arithmetic = domain.parse().expect("a domain");
     let mut chip = arithmetic
         .chip("bench", code, &device, SIZE, settings)
         .expect("a legal program");
+    chip.set_schedule(schedule, threads);
     for register in 0..7 {
         chip.set_analog(Analog(register), &light(register))
             .expect("its size");
@@ -210,42 +322,112 @@ fn copy_bandwidth(bytes: usize, repetitions: usize) -> f64 {
     2.0 * bytes as f64 / ns
 }
 
-/// The same words as one would first write them, pixel by pixel; only for words of one bus
-/// between registers of the same pixel, without a mask.
-fn obvious<D: Domain>(domain: &D, words: &[Primitive], repetitions: usize) -> Option<f64> {
-    let [Primitive::Bus { targets, sources }] = words else {
-        return None;
-    };
-    let plane =
-        |register| -> Vec<D::Cell> { light(register).iter().map(|v| domain.hold(*v)).collect() };
-    let mut registers: Vec<_> = (0..7).map(plane).collect();
-    let flag = black_box(vec![true; SIZE.pixels()]);
-    let share = Share::of(targets.len(), 0);
-    let ns = minimum(repetitions.div_ceil(10), 1, || {
-        for pixel in 0..SIZE.pixels() {
-            if !flag[pixel] {
-                continue;
-            }
-            let mut sum = domain.nothing();
-            for source in sources {
-                if let Source::Register(Analog(r)) = source {
-                    domain.add(&mut sum, &registers[usize::from(*r)][pixel], 1);
+/// The same words as one would first write them, pixel by pixel.
+fn obvious_ns(domain: &str, words: &[Primitive], repetitions: usize) -> f64 {
+    let device = Device::scamp5();
+    let layout = amacrine::array::Layout::of(&device, SIZE);
+    match domain {
+        "exact" => Obvious::new(Exact).ns(words, repetitions),
+        "q8.8" => Obvious::new(Fixed::new(Q::<i16>::new(8))).ns(words, repetitions),
+        "silicon" => {
+            let errors = amacrine::array::Errors::default();
+            Obvious::new(Silicon::new(errors, 0, &layout)).ns(words, repetitions)
+        }
+        // The halves are no faster.
+        _ => Obvious::new(Single).ns(words, repetitions),
+    }
+}
+
+/// An array as one would first write it: a plane for every register, a loop over pixels.
+struct Obvious<D: Domain> {
+    domain: D,
+    analog: Vec<Vec<D::Cell>>,
+    digital: Vec<Vec<bool>>,
+    flag: Vec<bool>,
+}
+
+impl<D: Domain> Obvious<D> {
+    fn new(domain: D) -> Self {
+        let plane = |register| -> Vec<D::Cell> {
+            light(register).iter().map(|v| domain.hold(*v)).collect()
+        };
+        Self {
+            analog: (0..7).map(plane).collect(),
+            digital: vec![vec![false; SIZE.pixels()]; 13],
+            flag: vec![true; SIZE.pixels()],
+            domain,
+        }
+    }
+
+    fn ns(mut self, words: &[Primitive], repetitions: usize) -> f64 {
+        minimum(repetitions.div_ceil(20), words.len(), || {
+            for word in words {
+                for pixel in 0..SIZE.pixels() {
+                    self.word(black_box(word), pixel);
                 }
             }
-            for target in targets {
-                if let Target::Register(register) = target {
+        })
+    }
+
+    fn sum(&self, sources: &[Source], pixel: usize) -> D::Sum {
+        let mut sum = self.domain.nothing();
+        for source in sources {
+            let cell = match source {
+                Source::Register(register) => &self.analog[usize::from(register.0)][pixel],
+                Source::Neighbour(direction) => {
+                    let (dy, dx) = direction.step();
+                    let to = pixel.wrapping_add_signed(dy * SIZE.width as isize + dx);
+                    &self.analog[usize::from(NEWS)][to % SIZE.pixels()]
+                }
+                Source::Pix | Source::In => unreachable!("not in these words"),
+            };
+            self.domain.add(&mut sum, cell, 1);
+        }
+        sum
+    }
+
+    fn bit(&self, bit: Bit, pixel: usize) -> bool {
+        match bit {
+            Bit::Register(register) => self.digital[usize::from(register.0)][pixel],
+            _ => self.flag[pixel],
+        }
+    }
+
+    fn word(&mut self, word: &Primitive, pixel: usize) {
+        match word {
+            Primitive::Bus { targets, sources } if self.flag[pixel] => {
+                let sum = self.sum(sources, pixel);
+                for (part, target) in targets.iter().enumerate() {
+                    let (register, to) = match target {
+                        Target::Register(register) => (*register, pixel),
+                        Target::Neighbour(direction) => {
+                            let (dy, dx) = direction.step();
+                            let to = pixel.wrapping_add_signed(dy * SIZE.width as isize + dx);
+                            (Analog(NEWS), to % SIZE.pixels())
+                        }
+                    };
                     let place = Place {
-                        y: pixel / SIZE.width,
-                        x: pixel % SIZE.width,
-                        register: *register,
+                        y: to / SIZE.width,
+                        x: to % SIZE.width,
+                        register,
                         step: 0,
                     };
-                    let cell = domain.limit(domain.store(&sum, share, place));
-                    registers[usize::from(register.0)][pixel] = cell;
+                    let share = Share::of(targets.len(), part);
+                    self.analog[usize::from(register.0)][to] =
+                        self.domain.store(&sum, share, place);
                 }
             }
+            Primitive::Where { sources } => {
+                let sum = self.sum(sources, pixel);
+                self.flag[pixel] = self.domain.positive(&sum) == Some(true);
+            }
+            Primitive::Or { target, sources } | Primitive::Nor { target, sources } => {
+                let any = sources.iter().any(|bit| self.bit(*bit, pixel));
+                self.digital[usize::from(target.0)][pixel] =
+                    any != matches!(word, Primitive::Nor { .. });
+            }
+            Primitive::All => self.flag[pixel] = true,
+            _ => {}
         }
-        black_box(&mut registers);
-    });
-    Some(ns)
+    }
 }

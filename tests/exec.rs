@@ -58,7 +58,11 @@ impl Bench {
     fn refused(&self, arguments: &[&str]) -> String {
         let mut all = arguments.to_vec();
         all.extend(["--dump", "out", "--events", "e.csv"]);
-        let output = self.command(&all).assert().code(2).get_output().clone();
+        self.refused_alone(&all)
+    }
+
+    fn refused_alone(&self, all: &[&str]) -> String {
+        let output = self.command(all).assert().code(2).get_output().clone();
         assert!(!self.path("out").exists() && !self.path("e.csv").exists());
         assert!(output.stdout.is_empty());
         let text = String::from_utf8(output.stderr).unwrap();
@@ -229,4 +233,196 @@ fn bad_input_has_its_message() {
     .unwrap();
     says(&["--set", "A=cube.npy"], &["cube.npy", "(H,W)"]);
     assert!(!Path::new("out").exists());
+}
+
+#[test]
+fn an_event_at_the_chip_s_origin_is_kept_and_flagged() {
+    let bench = Bench::new("scamp5_load_point(R5, 0, 0); scamp5_scan_events(R5, on, 10);");
+    let output = bench.command(&["--json"]).assert().success();
+    let json: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    assert_eq!(
+        (&json["events"], &json["ambiguous"]),
+        (&1.into(), &1.into())
+    );
+    let output = bench.command(&["--events", "e.csv"]).assert().success();
+    let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    assert!(
+        text.contains("1 event at the chip's (0,0)") && text.contains("would lose it"),
+        "{text}"
+    );
+    let packet = amacrine::event::file::read(&bench.path("e.csv"))
+        .unwrap()
+        .packet;
+    assert_eq!(
+        (packet.events[0].x, packet.events[0].y),
+        (255, 0),
+        "top right"
+    );
+    let elsewhere = Bench::new("scamp5_load_point(R5, 0, 1); scamp5_scan_events(R5, on, 10);");
+    let output = elsewhere.command(&[]).assert().success();
+    let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    assert!(
+        text.contains("events   1 ") && !text.contains("(0,0)"),
+        "{text}"
+    );
+}
+
+#[test]
+fn every_shipped_program_runs() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for folder in fs::read_dir(root.join("programs")).unwrap() {
+        for file in fs::read_dir(folder.unwrap().path()).unwrap() {
+            let file = file.unwrap().path().display().to_string();
+            for domain in ["exact", "q8.8", "silicon"] {
+                Command::cargo_bin("amacrine")
+                    .unwrap()
+                    .args(["exec", &file, "--domain", domain])
+                    .assert()
+                    .success();
+            }
+        }
+    }
+}
+
+#[test]
+fn numbers_of_the_chip_can_be_set() {
+    let bench = Bench::new("mov(B, A);").set("A", &Plane::from_elem((16, 16), 50.0));
+    let perfect = [
+        "--set",
+        "A=A.in.npy",
+        "--domain",
+        "silicon",
+        "--set",
+        "error.loss=0",
+        "--set",
+        "error.gain_mismatch=0",
+        "--set",
+        "error.offset_mismatch=0",
+        "--set",
+        "error.noise=0",
+    ];
+    bench.run(&perfect);
+    assert!(bench.analog("B").iter().all(|v| (v - 50.0).abs() < 1e-4));
+    let bench = Bench::new("mov(B, A);").set("A", &ramp());
+    let says = |arguments: &[&str], parts: &[&str]| {
+        let text = bench.refused(arguments);
+        for part in parts {
+            assert!(text.contains(part), "{part:?} in {text}");
+        }
+    };
+    says(&["--set", "error.los=0"], &["error.los", "error.loss"]);
+    says(
+        &["--set", "error.loss=much"],
+        &["much", "from 0 to below 1"],
+    );
+    says(
+        &["--set", "error.loss=1"],
+        &["error.loss cannot be 1", "from 0 to below 1"],
+    );
+    says(&["--set", "PIX=A.in.npy"], &["PIX", "--image"]);
+}
+
+/// Spread over runs against the formula: noise of two stores, and mismatch that is another on
+/// every chip.
+#[test]
+fn many_runs_are_summed_up() {
+    let bench =
+        Bench::new("where(A); MOV(R5, FLAG); all(); mov(B, A); scamp5_scan_events(R5, on, 3000);")
+            .set(
+                "A",
+                &Plane::from_shape_fn((40, 50), |(_, x)| x as f64 - 25.0),
+            );
+    let run = |domain: &str, arguments: &[&str]| -> serde_json::Value {
+        let mut all = vec!["--set", "A=A.in.npy", "--domain", domain, "--json"];
+        all.extend(arguments);
+        let output = bench.command(&all).assert().success().get_output().clone();
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let of = |arguments: &[&str]| run("silicon", arguments);
+    let quiet = [
+        "--set",
+        "error.gain_mismatch=0",
+        "--set",
+        "error.offset_mismatch=0",
+        "--set",
+        "error.noise=2",
+        "--set",
+        "error.loss=0",
+        "--repeat",
+        "40",
+    ];
+    let json = of(&quiet);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let b = &json["registers"]["B"];
+    assert!(
+        (number(&b["temporal_sd"]) - 2.0 * 2f64.sqrt()).abs() < 0.05,
+        "{b}"
+    );
+    // A ramp of 50 steps: (50² - 1) / 12, and the noise.
+    let spatial = ((2499.0 / 12.0) + 8.0f64).sqrt();
+    assert!((number(&b["spatial_sd"]) - spatial).abs() < 0.1, "{b}");
+    assert!((number(&b["mean"]) + 0.5).abs() < 0.05, "{b}");
+    // Pixels of 1 and more: 24 columns of 40.
+    assert_eq!(number(&json["events"]["mean"]), 960.0);
+    assert_eq!(number(&json["events"]["sd"]), 0.0);
+    assert_eq!(json["runs"], 40);
+    // One run has no deviation from run to run; the exact one has none at all.
+    assert!(of(&["--repeat", "1"])["registers"]["B"]["temporal_sd"].is_null());
+    let exact = run("exact", &["--repeat", "3"]);
+    assert_eq!(exact["registers"]["B"]["temporal_sd"], 0.0);
+    let first = of(&["--repeat", "2", "--seed", "5"]);
+    assert_ne!(
+        first["registers"],
+        of(&["--repeat", "2", "--seed", "6"])["registers"]
+    );
+    assert!(
+        bench
+            .refused_alone(&["--repeat", "0"])
+            .contains("--repeat 0")
+    );
+    let output = bench
+        .command(&["--set", "A=A.in.npy", "--repeat", "2"])
+        .assert()
+        .success();
+    let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    assert!(
+        text.contains("spatial sd") && text.contains("seeds 0 to 1"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_strip_has_a_row_for_each_register_and_a_column_for_each_line() {
+    let bench =
+        Bench::new("mov(B, A);\n// nothing\nwhere(B);\nMOV(R5, FLAG);\nall();\n").set("A", &ramp());
+    bench
+        .command(&["--set", "A=A.in.npy", "--strip", "strip.png"])
+        .assert()
+        .success();
+    let strip = image::open(bench.path("strip.png")).unwrap().to_rgb8();
+    // B, NEWS, R5, FLAG of 7x5 pixels, 16 times as large, under four lines of text; four lines.
+    let (width, height) = strip.dimensions();
+    assert_eq!(width, 16 + 56 + 4 * (112 + 8) + 8);
+    assert_eq!(height, 16 + 4 * 20 + 8 + 4 * (80 + 8) + 8);
+    // The first cell is B behind `mov(B, A)`, framed: A's own values as gray.
+    let cell = |i: u32, j: u32, y: u32, x: u32| {
+        let (left, top) = (72 + i * 120, 104 + j * 88);
+        strip.get_pixel(left + 16 * x + 8, top + 16 * y + 8).0[0]
+    };
+    for ((y, x), value) in ramp().indexed_iter() {
+        let gray = (value + 128.0).round() as u8;
+        assert_eq!(cell(0, 0, y as u32, x as u32), gray);
+        assert_eq!(
+            cell(1, 0, y as u32, x as u32),
+            176 + gray / 4,
+            "pale: not written"
+        );
+        let flag = if *value > 0.0 { 255 } else { 0 };
+        assert_eq!(cell(1, 3, y as u32, x as u32), flag, "FLAG behind `where`");
+        assert_eq!(cell(2, 2, y as u32, x as u32), flag, "R5 behind `MOV`");
+    }
+    let empty = Bench::new("scamp5_load_in(3);");
+    let text = empty.refused(&["--strip", "s.png"]);
+    assert!(text.contains("nothing"), "{text}");
+    assert!(!empty.path("s.png").exists());
 }

@@ -138,7 +138,7 @@ fn programs_give_what_is_written_below_them() {
     let bless = std::env::var_os("AMACRINE_BLESS").is_some();
     let mut wrong = Vec::new();
     let programs = programs();
-    assert!(programs.len() >= 4);
+    assert!(programs.len() >= 16);
     for path in programs {
         let text = fs::read_to_string(&path).unwrap();
         let program =
@@ -159,7 +159,9 @@ fn programs_give_what_is_written_below_them() {
 
 #[test]
 fn folders_hold_what_the_map_says() {
-    for folder in ["dvs", "rgc", "convolve"] {
+    for folder in [
+        "capture", "convolve", "dvs", "features", "motion", "regions", "rgc",
+    ] {
         let here = format!("programs/{folder}/");
         assert!(
             programs()

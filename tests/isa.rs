@@ -112,6 +112,8 @@ const WORDS: &[(&str, u64)] = &[
     ("PROP1()", 2),
     // What the host launches.
     ("scamp5_kernel_begin()", 0),
+    ("scamp5_dynamic_kernel_begin()", 0),
+    ("scamp5_dynamic_kernel_end()", 0),
     ("scamp5_kernel_end()", 0),
     ("scamp5_kernel_all()", 1),
     ("scamp5_kernel_refresh_dreg()", 26),
@@ -301,27 +303,116 @@ fn a_chip_that_is_not_there_is_named() {
     assert!(error.to_string().contains("device.toml"), "{error}");
 }
 
-/// The walk through isa/README.md, followed to the letter: its files make a chip, its program
-/// costs there what it says.
+fn readme() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    fs::read_to_string(root.join("isa/README.md")).unwrap()
+}
+
+/// The block of isa/README.md that is headed by a name.
+fn block(name: &str) -> String {
+    let readme = readme();
+    let (_, rest) = readme.split_once(&format!(" {name}\n")).unwrap();
+    rest.split_once("```").unwrap().0.to_owned()
+}
+
+/// The walk through isa/README.md, followed to the letter: its files make a chip with an
+/// instruction, macros and registers of its own, and its program costs there what it says.
 #[test]
 fn the_walk_through_the_readme_works() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let readme = fs::read_to_string(root.join("isa/README.md")).unwrap();
-    let block = |name: &str| {
-        let (_, rest) = readme.split_once(&format!(" {name}\n")).unwrap();
-        rest.split_once("```").unwrap().0.to_owned()
-    };
     let folder = tempfile::tempdir().unwrap();
-    for file in ["device.toml", "macros.scamp"] {
+    for file in ["device.toml", "macros.scamp", "primitives.toml"] {
         fs::write(folder.path().join(file), block(file)).unwrap();
     }
     let device = Device::load(folder.path()).unwrap();
     let program = Program::parse("program.scamp", &block("program.scamp")).unwrap();
     let expansion = program.expand(&device, &BTreeMap::new()).unwrap();
-    let cost = amacrine::program::Cost::of(&expansion.code.frame, &device);
+    let cost = |steps: &[Step]| amacrine::program::Cost::of(steps, &device);
+    let all = cost(&expansion.code.frame);
+    let mut each = Vec::new();
+    amacrine::program::for_each(&expansion.frame, &mut |statement| {
+        each.push(cost(&statement.steps).words.0.to_string());
+    });
+    let (last, others) = each.split_last().unwrap();
     let says = format!(
-        "takes {} words (5, 10 and 2), {:.2} us at 20 MHz",
-        cost.words.0, cost.array_us
+        "takes {} words ({} and {last}), {:.2} us at 20 MHz",
+        all.words.0,
+        others.join(", "),
+        all.array_us
     );
-    assert!(readme.contains(&says), "{says}");
+    assert!(readme().contains(&says), "{says}");
+    // None of it is on the chip that is extended.
+    let base = program.expand(device.base().unwrap(), &BTreeMap::new());
+    let messages = base.unwrap_err().faults;
+    let unknown = messages.iter().map(|f| f.fault.message.clone());
+    let unknown: Vec<String> = unknown.collect();
+    assert!(
+        unknown.iter().any(|m| m == "unknown name `G`"),
+        "{unknown:?}"
+    );
+    for name in ["double", "addeast", "COPY"] {
+        let message = format!("unknown statement `{name}`");
+        assert!(unknown.contains(&message), "{unknown:?}");
+    }
+}
+
+/// The row of a new instruction, as the page has it: before there is a variant, loading says
+/// so at its line, in a copy of the chip as in one that extends it.
+#[test]
+fn a_row_without_a_variant_is_told_where_it_stands() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("isa/scamp5");
+    let (copy, extends) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let mut shipped = String::new();
+    for file in ["device.toml", "macros.scamp", "primitives.toml"] {
+        shipped = fs::read_to_string(root.join(file)).unwrap();
+        fs::write(copy.path().join(file), &shipped).unwrap();
+    }
+    assert!(Device::load(copy.path()).is_ok());
+    let row = block("new row");
+    fs::write(
+        copy.path().join("primitives.toml"),
+        format!("{shipped}\n{row}"),
+    )
+    .unwrap();
+    fs::write(extends.path().join("device.toml"), block("device.toml")).unwrap();
+    fs::write(extends.path().join("primitives.toml"), &row).unwrap();
+    for (folder, line) in [(&extends, 2), (&copy, shipped.lines().count() as u32 + 3)] {
+        let error = Device::load(folder.path()).unwrap_err();
+        let LoadError::Wrong(faults) = &error else {
+            panic!("{error:?}");
+        };
+        let fault = &faults.faults[0];
+        assert!(fault.fault.message.starts_with("unknown variant `nand`"));
+        assert_eq!(fault.line, line);
+    }
+    assert!(readme().contains("\"unknown variant `nand`\""));
+}
+
+/// The files that the page names are those that take primitives apart, and none of them has
+/// an arm for the rest.
+#[test]
+fn the_page_names_every_file_that_must_know_an_instruction() {
+    fn rust_files(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                rust_files(&path, found);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    rust_files(&root.join("src"), &mut files);
+    let readme = readme();
+    let (_, list) = readme.split_once("one after the other:\n").unwrap();
+    let (list, _) = list.split_once("A host operation").unwrap();
+    for path in files {
+        let text = fs::read_to_string(&path).unwrap();
+        // The least of all primitives: only a `match` over all of them names it.
+        let knows = ["Primitive::Nop", "Kind::Nop", "    Nop,"];
+        let knows = knows.iter().any(|name| text.contains(name));
+        let name = path.strip_prefix(root).unwrap().display().to_string();
+        assert_eq!(list.contains(&format!("`{name}`")), knows, "{name}");
+    }
 }

@@ -332,6 +332,64 @@ fn a_vendor_kernel_is_a_whole_program() {
     );
 }
 
+/// Shapes in which programs for the chip come: with the words that each must have, and
+/// without a warning. Written for this test after the public examples, not taken from them.
+#[test]
+fn text_for_the_chip_runs_unmodified() {
+    let shapes = [
+        // Event readout of a tutorial, as the host's loop has it.
+        (
+            "scamp5_in(E, 12, NEWS);\r\nscamp5_kernel_begin();\r\n\tget_image(C,D);\r\n\tsub(A,C,F); // since then\r\n\
+             \tmov(F,C);\r\n\tabs(B,A);\r\n\tsub(A,B,E);\r\n\twhere(A);\r\n\t\tMOV(R5,FLAG);\r\n\tall();\r\n\
+             scamp5_kernel_end();\r\nscamp5_scan_events(R5, buffer, 100);\r\n",
+            2 + 6 + 2 + 2 + 6 + 2 + 1 + 1 + 1,
+        ),
+        // What kernel compilers emit: one macro a line, notes between.
+        (
+            "// input: A   output: A B\n/* cost 18 */\ndiv(B, C, D, A);\nmovx(C, B, south);\n\
+             mov2x(D, B, north, west);\nadd2x(E, B, C, east, east);\nsub2x(A, D, south, west, E);\n\
+             subx(B, C, north, A);\naddx(C, B, D, west);\nneg(D, C);\nadd(A, A, B, D);\nres(E, F);\ndivq(B, A);",
+            5 + 2 * 8 + 3 + 2,
+        ),
+        // A dynamic kernel, several statements on a line, hexadecimal and C numbers.
+        (
+            "scamp5_dynamic_kernel_begin(); bus(NEWS,B);bus(B,XW); /* one to the right */ nop();\n\
+             scamp5_dynamic_kernel_end(); scamp5_load_in(A, 0x10); scamp5_in(B, -7);",
+            3 + 2 + 2,
+        ),
+        // Flooding, its registers by their other names.
+        (
+            "CLR(RN,RS,RE,RW); SET(RN,RS,RE,RW);\nSET(RF);MOV(RP,S0);MOV(RF,S1);\nPROP0();PROP0();\n\
+             MOV(S0,RP);SET(RF);ALL();",
+            2 + 3 + 4 + 3,
+        ),
+        // Diffusion inside regions, an old overload, a generic bus, a comment at the end.
+        (
+            "NOT(R1,R5);MOV(R2,R1);gaussh(A,A,4);mov(B,A,east);sub(C,B,west,A);bus({D,E},{A,B,C});// end",
+            2 + 9 + 2 + 2 + 1,
+        ),
+    ];
+    for (text, words) in shapes {
+        let device = Device::scamp5();
+        let program = Program::parse("kernel.cpp", text).unwrap_or_else(|e| panic!("{e:?}"));
+        let expansion = program.expand(&device, &BTreeMap::new());
+        let expansion = expansion.unwrap_or_else(|e| panic!("{e:?}"));
+        assert!(
+            expansion.warnings.is_empty(),
+            "{text}: {:?}",
+            expansion.warnings
+        );
+        assert_eq!(
+            Cost::of(&expansion.code.frame, &device).words.0,
+            words,
+            "{text}"
+        );
+        let printed = program.syntax.to_string();
+        let again = Program::parse("again", &printed).unwrap();
+        assert_eq!(again.syntax.to_string(), printed);
+    }
+}
+
 #[test]
 fn every_step_carries_its_line() {
     let steps = frame("mov(A, B);\n\nadd(A, A, C); mov(B, A);");

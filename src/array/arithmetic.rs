@@ -23,8 +23,6 @@ pub enum Arithmetic {
     Silicon {
         /// Which chip, and which noise.
         seed: u64,
-        /// How it errs.
-        errors: Errors,
     },
 }
 
@@ -44,10 +42,7 @@ impl FromStr for Arithmetic {
 
     fn from_str(name: &str) -> Result<Self, ArithmeticError> {
         if name == "silicon" {
-            return Ok(Self::Silicon {
-                seed: 0,
-                errors: Errors::default(),
-            });
+            return Ok(Self::Silicon { seed: 0 });
         }
         let known = name.parse().map(Self::Number);
         known.map_err(|_: FormatError| ArithmeticError { name: name.into() })
@@ -70,7 +65,7 @@ impl Arithmetic {
     pub const fn with_seed(self, seed: u64) -> Self {
         match self {
             Self::Number(_) => self,
-            Self::Silicon { errors, .. } => Self::Silicon { seed, errors },
+            Self::Silicon { .. } => Self::Silicon { seed },
         }
     }
 
@@ -103,7 +98,8 @@ impl Arithmetic {
                 16 => chip!(fixed::<i16>(format)),
                 _ => chip!(fixed::<i32>(format)),
             },
-            Self::Silicon { seed, errors } => {
+            Self::Silicon { seed } => {
+                let errors = Errors::of(device);
                 chip!(Silicon::new(errors, seed, &Layout::of(device, size)))
             }
         }

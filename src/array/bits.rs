@@ -1,7 +1,10 @@
 //! One bit for every pixel, 64 pixels a word.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
+use super::cells::Cells;
 use crate::{
     isa::Direction,
     plane::{Plane, Size},
@@ -12,18 +15,23 @@ use crate::{
 pub struct BitPlane {
     size: Size,
     stride: usize,
-    words: Vec<u64>,
+    words: Cells<u64>,
 }
 
 impl BitPlane {
     /// All pixels 0.
     #[must_use]
     pub fn zeros(size: Size) -> Self {
+        Self::apart(size, 0)
+    }
+
+    /// All pixels 0; the plane number `k` of several that are worked on together.
+    pub(super) fn apart(size: Size, k: usize) -> Self {
         let stride = size.width.div_ceil(64);
         Self {
             size,
             stride,
-            words: vec![0; stride * size.height],
+            words: Cells::new(k, 0, stride * size.height),
         }
     }
 
@@ -66,8 +74,7 @@ impl BitPlane {
 
     /// Sets all pixels.
     pub fn fill(&mut self, value: bool) {
-        self.words.fill(if value { !0 } else { 0 });
-        self.cut();
+        fill(&mut self.words, self.size.width, value);
     }
 
     /// How many pixels are 1.
@@ -101,108 +108,146 @@ impl BitPlane {
             .collect()
     }
 
-    /// Takes the bits out, to be put back.
-    pub(super) fn take(&mut self) -> Self {
-        Self {
-            words: std::mem::take(&mut self.words),
-            ..*self
+    /// At most 64 bits of a row, from `x` on.
+    pub(super) fn part(&self, y: usize, x: usize, bits: usize) -> u64 {
+        let row = self.row(y);
+        let low = row[x / 64] >> (x % 64);
+        let high = match row.get(x / 64 + 1) {
+            Some(next) if !x.is_multiple_of(64) => next << (64 - x % 64),
+            _ => 0,
+        };
+        (low | high) & !0 >> (64 - bits)
+    }
+
+    /// Sets at most 64 bits of a row, from `x` on.
+    pub(super) fn set_part(&mut self, y: usize, x: usize, bits: usize, part: u64) {
+        let mask = !0 >> (64 - bits);
+        let row = self.row_mut(y);
+        let word = &mut row[x / 64];
+        *word = (*word & !(mask << (x % 64))) | part << (x % 64);
+        if x % 64 + bits > 64 {
+            let word = &mut row[x / 64 + 1];
+            let by = 64 - x % 64;
+            *word = (*word & !(mask >> by)) | part >> by;
         }
     }
 
-    /// Clears what lies beyond the width.
-    fn cut(&mut self) {
-        let used = self.size.width % 64;
-        if used != 0 {
-            for row in self.words.chunks_exact_mut(self.stride) {
-                row[self.stride - 1] &= (1 << used) - 1;
+    /// A part of the plane, on its own.
+    pub(super) fn cut(&self, ys: &Range<usize>, xs: &Range<usize>) -> Self {
+        let mut cut = Self::zeros(Size::new(ys.len(), xs.len()));
+        for (to, y) in ys.clone().enumerate() {
+            for (k, x) in xs.clone().step_by(64).enumerate() {
+                cut.row_mut(to)[k] = self.part(y, x, (xs.end - x).min(64));
             }
         }
+        cut
     }
 
-    /// Whether all of a row is 1.
-    pub(super) fn is_whole(&self, y: usize) -> bool {
-        let (last, full) = (self.stride - 1, self.row(y));
-        let used = self.size.width - 64 * last;
-        full[..last].iter().all(|word| *word == !0) && full[last] == !0 >> (64 - used)
+    /// The words of all rows.
+    pub(super) fn words(&self) -> &[u64] {
+        &self.words
     }
 
-    /// Each pixel becomes 1 where any of `others` is, or it itself where it is `kept`; with
-    /// `not` the other way.
-    pub(super) fn set_any(&mut self, others: &[&Self], kept: bool, not: bool) {
-        let turn = if not { !0 } else { 0 };
-        match others {
-            [] => or_all(&mut self.words, [], kept, turn),
-            [a] => or_all(&mut self.words, [&a.words], kept, turn),
-            [a, b] => or_all(&mut self.words, [&a.words, &b.words], kept, turn),
-            [a, b, c] => or_all(&mut self.words, [&a.words, &b.words, &c.words], kept, turn),
-            [a, b, c, d, more @ ..] => {
-                let four = [&a.words, &b.words, &c.words, &d.words].map(Vec::as_slice);
-                or_all(&mut self.words, four, kept, 0);
-                for more in more {
-                    or_all(&mut self.words, [&more.words], true, 0);
-                }
-                if not {
-                    or_all(&mut self.words, [], true, !0);
-                }
-            }
-        }
-        if not {
-            self.cut();
-        }
+    /// The words of all rows, to be written; bits beyond the width stay 0.
+    pub(super) fn words_mut(&mut self) -> &mut [u64] {
+        &mut self.words
     }
 
     /// Each pixel the other way.
     pub(super) fn not(&mut self) {
-        self.set_any(&[], true, true);
+        or(&mut self.words, [None; 4], true, true);
+        cut(&mut self.words, self.size.width);
     }
+}
 
-    /// Takes `new` where `mask` is 1.
-    pub(super) fn assign_where(&mut self, new: &Self, mask: &Self) {
-        for ((word, new), mask) in self.words.iter_mut().zip(&new.words).zip(&mask.words) {
-            *word = (*word & !mask) | (new & mask);
+/// Clears what lies beyond the width, in all rows.
+pub(super) fn cut(words: &mut [u64], width: usize) {
+    let used = width % 64;
+    if used != 0 {
+        for last in words.iter_mut().skip(width / 64).step_by(width / 64 + 1) {
+            *last &= (1 << used) - 1;
         }
     }
+}
 
-    /// Adds `other` where `mask` is 1.
-    pub(super) fn or_where(&mut self, other: &Self, mask: &Self) {
-        for ((word, other), mask) in self.words.iter_mut().zip(&other.words).zip(&mask.words) {
-            *word |= other & mask;
+/// Sets all pixels of these rows.
+pub(super) fn fill(words: &mut [u64], width: usize, value: bool) {
+    words.fill(if value { !0 } else { 0 });
+    cut(words, width);
+}
+
+/// Takes `new` where `mask` is 1.
+pub(super) fn assign_where(words: &mut [u64], new: &[u64], mask: &[u64]) {
+    for ((word, new), mask) in words.iter_mut().zip(new).zip(mask) {
+        *word = (*word & !mask) | (new & mask);
+    }
+}
+
+/// Takes 0 where `mask` is 1.
+pub(super) fn clear_where(words: &mut [u64], mask: &[u64]) {
+    for (word, mask) in words.iter_mut().zip(mask) {
+        *word &= !mask;
+    }
+}
+
+/// What the word `i` of a row sees at its neighbours in the row `there`, which is the row
+/// above, below, or the same; `boundary` lies beyond its ends.
+#[inline]
+pub(super) fn seen(
+    there: &[u64],
+    i: usize,
+    direction: Direction,
+    width: usize,
+    boundary: bool,
+) -> u64 {
+    match direction {
+        Direction::North | Direction::South => there[i],
+        Direction::West => {
+            let carry = if i == 0 {
+                u64::from(boundary)
+            } else {
+                there[i - 1] >> 63
+            };
+            there[i] << 1 | carry
+        }
+        Direction::East => {
+            let last = i == (width - 1) / 64;
+            let carry = there.get(i + 1).map_or(0, |next| next << 63);
+            let beyond = u64::from(boundary && last) << ((width - 1) % 64);
+            there[i] >> 1 | carry | beyond
         }
     }
+}
 
-    /// What each pixel sees at its neighbour; `boundary` lies off the array.
-    #[must_use]
-    pub(super) fn seen(&self, direction: Direction, boundary: bool) -> Self {
-        let mut out = Self::zeros(self.size);
-        let (height, width) = self.size.shape();
-        let beyond = if boundary { !0 } else { 0 };
-        for (y, row) in out.words.chunks_exact_mut(self.stride).enumerate() {
-            match direction {
-                Direction::North if y > 0 => row.copy_from_slice(self.row(y - 1)),
-                Direction::South if y + 1 < height => row.copy_from_slice(self.row(y + 1)),
-                Direction::North | Direction::South => row.fill(beyond),
-                Direction::West => {
-                    let mut carry = u64::from(boundary);
-                    for (to, from) in row.iter_mut().zip(self.row(y)) {
-                        *to = from << 1 | carry;
-                        carry = from >> 63;
-                    }
-                }
-                Direction::East => {
-                    let mut carry = 0;
-                    for (to, from) in row.iter_mut().zip(self.row(y)).rev() {
-                        *to = from >> 1 | carry << 63;
-                        carry = from & 1;
-                    }
-                    let last = width - 1;
-                    if boundary {
-                        row[last / 64] |= 1 << (last % 64);
-                    }
-                }
-            }
-        }
-        out.cut();
-        out
+/// Adds to a row what it sees in one direction, where that is enabled; no row `there`: what
+/// lies off the array.
+pub(super) fn or_seen(
+    row: &mut [u64],
+    there: Option<&[u64]>,
+    direction: Direction,
+    width: usize,
+    boundary: bool,
+    enabled: &[u64],
+) {
+    for (i, (word, enabled)) in row.iter_mut().zip(enabled).enumerate() {
+        let seen = match there {
+            Some(there) => seen(there, i, direction, width, boundary),
+            None if boundary => !0,
+            None => 0,
+        };
+        *word |= seen & enabled;
+    }
+}
+
+/// OR of `others` and, where kept, of what was there; with `not` the other way.
+pub(super) fn or(words: &mut [u64], others: [Option<&[u64]>; 4], kept: bool, not: bool) {
+    let turn = if not { !0 } else { 0 };
+    match others {
+        [Some(a), Some(b), Some(c), Some(d)] => or_all(words, [a, b, c, d], kept, turn),
+        [Some(a), Some(b), Some(c), _] => or_all(words, [a, b, c], kept, turn),
+        [Some(a), Some(b), ..] => or_all(words, [a, b], kept, turn),
+        [Some(a), ..] => or_all(words, [a], kept, turn),
+        [None, ..] => or_all(words, [], kept, turn),
     }
 }
 
@@ -236,15 +281,18 @@ mod tests {
             prop_assert_eq!(&packed.to_plane(), &plane);
             for direction in Direction::ALL {
                 let (dy, dx) = direction.step();
-                let seen = packed.seen(direction, boundary);
                 for y in 0..height {
-                    for x in 0..width {
-                        let at = (y.wrapping_add_signed(dy), x.wrapping_add_signed(dx));
-                        prop_assert_eq!(seen.get(y, x), plane.get(at).copied().unwrap_or(boundary));
+                    let to = y.wrapping_add_signed(dy);
+                    let there = (to < height).then(|| packed.row(to));
+                    let mut row = vec![0; width.div_ceil(64)];
+                    let enabled = BitPlane::ones(Size::new(1, width));
+                    or_seen(&mut row, there, direction, width, boundary, enabled.words());
+                    for x in 0..64 * row.len() {
+                        let at = (to, x.wrapping_add_signed(dx));
+                        let expected = plane.get(at).copied().unwrap_or(boundary) && x < width;
+                        prop_assert_eq!(row[x / 64] >> (x % 64) & 1 == 1, expected);
                     }
                 }
-                let inside = (0..height).flat_map(|y| (0..width).map(move |x| (y, x)));
-                prop_assert_eq!(seen.count(), inside.filter(|&(y, x)| seen.get(y, x)).count() as u64);
             }
         }
     }

@@ -8,14 +8,21 @@
 //! The first frame runs the program's `init`, every later one its `frame`.
 
 use super::{
-    BitPlane, CodeError, Domain, Layout, Ledger, Reading, Scan, Settings, State, check, host, rows,
-    semantics,
+    BitPlane, CodeError, Converters, Domain, Layout, Ledger, Reading, Scan, Schedule, Settings,
+    State, Undecided,
+    active::{Active, Item},
+    check,
+    cone::{self, Cone},
+    host, rows,
+    schedule::Plan,
+    segment::Segment,
+    semantics::{self, Array as Meaning},
 };
 use crate::{
     event::{Event, Packet, Polarity},
-    isa::{Analog, Device, Digital},
+    isa::{Analog, Device, Digital, Primitive},
     plane::{Plane, Size},
-    program::{Action, Code, Host, Step},
+    program::{Action, Cell, Code, Effect, Host, Step},
     scene::Frame,
     sensor::{Sensor, SensorError},
     unit::Micros,
@@ -59,10 +66,17 @@ pub struct Chip<D: Domain> {
     channels: u8,
     /// Time of the last frame watched, in seconds.
     watched: Option<f64>,
+    /// Seconds since each one-bit register was written.
+    idle: Vec<f64>,
     /// Words since power-on.
     step: u64,
     ledger: Ledger,
     readings: Vec<Reading>,
+    plan: Plan<D::Cell>,
+    active: Option<Active<D::Cell>>,
+    /// While a body is gone through whose words have run already: how often the host has
+    /// looked at the array.
+    looks: Option<usize>,
 }
 
 /// An array whose domain was chosen at run time.
@@ -75,6 +89,13 @@ pub trait Array: Sensor {
 
     /// Its registers and size.
     fn layout(&self) -> Layout;
+
+    /// Chooses how the array is walked, and by how many threads at most; what it computes
+    /// is the same to the bit.
+    fn set_schedule(&mut self, schedule: Schedule, threads: usize);
+
+    /// How the array is walked.
+    fn schedule(&self) -> Schedule;
 
     /// Sets an analogue register, in LSB; never clipped.
     ///
@@ -121,6 +142,26 @@ pub trait Array: Sensor {
     /// When the domain has no answer for an instruction.
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
 
+    /// Runs these steps now, as a kernel of their own; what was read before is kept.
+    ///
+    /// # Errors
+    /// When the domain has no answer for an instruction.
+    ///
+    /// # Panics
+    /// When a step names a register that the array does not have; steps of its own program
+    /// never do.
+    fn run_steps(&mut self, steps: &[Step], t: Micros, packet: &mut Packet)
+    -> Result<(), RunError>;
+
+    /// Forgets what was read before, as each frame does.
+    fn begin_frame(&mut self);
+
+    /// Lets some seconds pass: registers decay, where the domain has it.
+    fn wait(&mut self, seconds: f64);
+
+    /// The photodiodes, in LSB.
+    fn pix(&self) -> Plane<f64>;
+
     /// What was done since power-on.
     fn ledger(&self) -> Ledger;
 
@@ -159,9 +200,13 @@ impl<D: Domain> Chip<D> {
             settings,
             code,
             watched: None,
+            idle: vec![0.0; layout.digital.into()],
             step: 0,
             ledger: Ledger::default(),
             readings: Vec::new(),
+            plan: Plan::new(Schedule::of(size), rayon::current_num_threads()),
+            active: None,
+            looks: None,
         })
     }
 
@@ -183,7 +228,19 @@ impl<D: Domain> Chip<D> {
         &self.settings
     }
 
-    fn body(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+    fn run(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        let mut segment = Segment::new(&self.state);
+        self.body(body, &mut segment, t, packet)?;
+        self.flush(&mut segment)
+    }
+
+    fn body<'a>(
+        &mut self,
+        body: &'a [Step],
+        segment: &mut Segment<'a, D::Cell>,
+        t: Micros,
+        packet: &mut Packet,
+    ) -> Result<(), RunError> {
         let mut launched = false;
         for step in body {
             let word = matches!(step.action, Action::Word(_));
@@ -191,33 +248,93 @@ impl<D: Domain> Chip<D> {
             launched = word;
             match &step.action {
                 Action::Word(word) => {
-                    semantics::execute(
-                        &self.domain,
-                        &self.settings,
-                        &mut self.state,
-                        word,
-                        self.step,
-                    )
-                    .map_err(|undecided| RunError {
-                        line: step.line,
-                        operation: undecided.operation,
-                        domain: self.domain.name(),
-                    })?;
-                    self.step += 1;
                     self.ledger.word(word, &self.device);
+                    if self.looks.is_some() {
+                        // It has run.
+                    } else if let Primitive::Prop { boundary } = word {
+                        self.flush(segment)?;
+                        semantics::propagate(&mut self.state, self.settings.propagation, *boundary);
+                    } else {
+                        segment.push(word, self.step, step.line);
+                        if segment.is_full() {
+                            self.flush(segment)?;
+                        }
+                    }
+                    self.step += 1;
                 }
                 Action::Host(operation) => {
                     self.ledger.host(operation, &self.device);
+                    let input = cone::is_input(operation);
+                    if !input {
+                        self.flush(segment)?;
+                    }
+                    self.look(cone::looked_at(operation).is_some());
                     self.host(operation, step.line, t, packet);
+                    self.look(cone::looked_at(operation).is_some());
+                    if input {
+                        segment.input(&self.state);
+                    }
                 }
                 Action::Repeat { times, body } => {
                     for _ in 0..*times {
-                        self.body(body, t, packet)?;
+                        self.body(body, segment, t, packet)?;
                     }
                 }
             }
         }
         Ok(())
+    }
+
+    /// Runs a body for a frame.
+    fn frame(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        let Some(active) = self.active.as_mut().filter(|active| active.is_exposed()) else {
+            self.forget();
+            return self.run(body, t, packet);
+        };
+        let mut items = Vec::new();
+        flat(&self.domain, &self.settings.converters, body, &mut items);
+        let meaning = Meaning {
+            domain: &self.domain,
+            settings: &self.settings,
+        };
+        let result = active.frame(meaning, &mut self.plan, &mut self.state, &items);
+        result.map_err(|error| stopped(&self.domain, error))?;
+        self.looks = Some(0);
+        let result = self.run(body, t, packet);
+        self.looks = None;
+        result
+    }
+
+    /// Where words have run already: shows the host what a register held, or takes it back.
+    fn look(&mut self, looks: bool) {
+        if let (Some(twice), Some(active), true) = (&mut self.looks, &mut self.active, looks) {
+            active.swap(*twice / 2, &mut self.state);
+            *twice += 1;
+        }
+    }
+
+    /// Something else than frames has changed the array: nothing is as it was.
+    fn forget(&mut self) {
+        let Settings {
+            gain, reset_level, ..
+        } = self.settings;
+        if let Some(active) = &mut self.active {
+            if let Some(light) = active.unseen() {
+                rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
+            }
+            active.forget();
+        }
+    }
+
+    /// Runs the words that wait.
+    fn flush(&mut self, segment: &mut Segment<'_, D::Cell>) -> Result<(), RunError> {
+        let meaning = Meaning {
+            domain: &self.domain,
+            settings: &self.settings,
+        };
+        let result = self.plan.run(meaning, &mut self.state, segment);
+        segment.clear();
+        result.map_err(|error| stopped(&self.domain, error))
     }
 
     fn host(&mut self, operation: &Host, line: u32, t: Micros, packet: &mut Packet) {
@@ -252,21 +369,54 @@ impl<D: Domain> Chip<D> {
                 rows_reversed,
             ),
             _ => {
-                let values = host::execute(&self.domain, &mut self.state, operation);
+                let values = host::execute(
+                    &self.domain,
+                    &self.settings.converters,
+                    &mut self.state,
+                    operation,
+                );
                 let reading = values.map(|values| Reading { line, values });
                 self.readings.extend(reading);
             }
         }
     }
 
-    /// Lets the registers hold what they hold for some seconds.
+    /// Analogue registers some seconds later.
     fn age(&mut self, seconds: f64) {
         for plane in &mut self.state.analog {
-            for cell in plane {
+            for cell in plane.iter_mut() {
                 match self.domain.aged(cell, seconds) {
                     Some(aged) => *cell = aged,
                     None => return,
                 }
+            }
+        }
+    }
+
+    /// One-bit registers some seconds later: what was not written for too long reads 0.
+    fn fade(&mut self, seconds: f64) {
+        let Some(retention) = self.domain.retention() else {
+            return;
+        };
+        for (register, idle) in (0..).map(Digital).zip(&mut self.idle) {
+            *idle += seconds;
+            if *idle > retention {
+                let held = |pixel| self.domain.holds(register, pixel, *idle);
+                self.state.fade(register, held);
+            }
+        }
+    }
+
+    /// These registers are as new.
+    fn refresh(&mut self, body: &[Step]) {
+        if self.domain.retention().is_none() {
+            return;
+        }
+        for cell in Effect::of(body, &self.device).writes {
+            if let Cell::Digital(register) = cell
+                && let Some(idle) = self.idle.get_mut(usize::from(register.0))
+            {
+                *idle = 0.0;
             }
         }
     }
@@ -277,6 +427,38 @@ impl<D: Domain> Chip<D> {
             Ok(())
         } else {
             Err(ShapeError { got, want })
+        }
+    }
+}
+
+fn stopped<D: Domain>(domain: &D, (line, undecided): (u32, Undecided)) -> RunError {
+    RunError {
+        line,
+        operation: undecided.operation,
+        domain: domain.name(),
+    }
+}
+
+/// A body without its loops.
+fn flat<'a, D: Domain>(
+    domain: &D,
+    converters: &Converters,
+    body: &'a [Step],
+    items: &mut Vec<Item<'a, D::Cell>>,
+) {
+    for step in body {
+        match &step.action {
+            Action::Word(word) => items.push(Item::Word(word, step.line)),
+            Action::Host(operation) => {
+                let input = host::input(domain, converters, operation).map(Item::Input);
+                let look = cone::looked_at(operation).map(Item::Look);
+                items.extend(input.or(look));
+            }
+            Action::Repeat { times, body } => {
+                for _ in 0..*times {
+                    flat(domain, converters, body, items);
+                }
+            }
         }
     }
 }
@@ -317,20 +499,40 @@ impl<D: Domain> Array for Chip<D> {
         self.state.layout
     }
 
+    fn set_schedule(&mut self, schedule: Schedule, threads: usize) {
+        self.forget();
+        self.plan = Plan::new(schedule, threads);
+        let small = schedule == Schedule::Active && self.domain.is_steady();
+        let cone = small.then(|| Cone::of(&self.code.frame, &self.device));
+        let size = self.state.layout.size;
+        self.active = cone.flatten().map(|cone| Active::new(size, cone));
+    }
+
+    fn schedule(&self) -> Schedule {
+        self.plan.schedule()
+    }
+
     fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
         self.fits(values)?;
-        *self.state.analog_mut(register) = values.iter().map(|v| self.domain.hold(*v)).collect();
+        self.forget();
+        let cells = self.state.analog_mut(register).iter_mut();
+        for (cell, value) in cells.zip(values) {
+            *cell = self.domain.hold(*value);
+        }
         Ok(())
     }
 
     fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
-        *self.state.digital_mut(register) = BitPlane::from_plane(bits);
+        self.forget();
+        let words = self.state.digital_mut(register).words_mut();
+        words.copy_from_slice(BitPlane::from_plane(bits).words());
         Ok(())
     }
 
     fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
+        self.forget();
         self.state.flag = BitPlane::from_plane(bits);
         Ok(())
     }
@@ -354,24 +556,57 @@ impl<D: Domain> Array for Chip<D> {
         } = self.settings;
         let light = light.as_standard_layout();
         let light = light.as_slice().unwrap_or_default();
+        if let Some(active) = &mut self.active {
+            active.expose(light);
+            return Ok(());
+        }
         rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
         Ok(())
     }
 
     fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
-        self.readings.clear();
+        self.begin_frame();
         let body = std::mem::take(&mut self.code.init);
-        let result = self.body(&body, t, packet);
+        let result = self.run_steps(&body, t, packet);
         self.code.init = body;
         result
     }
 
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
-        self.readings.clear();
+        self.begin_frame();
         let body = std::mem::take(&mut self.code.frame);
-        let result = self.body(&body, t, packet);
+        self.refresh(&body);
+        let result = self.frame(&body, t, packet);
         self.code.frame = body;
         result
+    }
+
+    fn run_steps(
+        &mut self,
+        steps: &[Step],
+        t: Micros,
+        packet: &mut Packet,
+    ) -> Result<(), RunError> {
+        self.forget();
+        self.refresh(steps);
+        self.run(steps, t, packet)
+    }
+
+    fn begin_frame(&mut self) {
+        self.readings.clear();
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        // Where nothing decays there is nothing to forget, and the next frame stays small.
+        if !self.domain.is_steady() {
+            self.forget();
+        }
+        self.age(seconds);
+        self.fade(seconds);
+    }
+
+    fn pix(&self) -> Plane<f64> {
+        self.state.light(&self.domain)
     }
 
     fn ledger(&self) -> Ledger {
@@ -405,7 +640,7 @@ impl<D: Domain> Sensor for Chip<D> {
             })?;
         let t = Micros::from_seconds(frame.seconds);
         let result = if let Some(before) = self.watched.replace(frame.seconds) {
-            self.age(frame.seconds - before);
+            self.wait(frame.seconds - before);
             self.run_frame(t, packet)
         } else {
             packet.span.0 = t;

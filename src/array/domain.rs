@@ -8,8 +8,8 @@ use std::fmt::Debug;
 use half::{bf16, f16};
 
 use crate::{
-    isa::Analog,
-    number::{Number, Overflow, Q, Wide, Width},
+    isa::{Analog, Digital},
+    number::{self, Number},
 };
 
 /// An arithmetic of the array.
@@ -17,7 +17,7 @@ use crate::{
 /// The bus is one node. The sources are summed in an accumulator ([`Domain::Sum`]); at the
 /// store the sum is negated, divided by the number of targets, and rounded once, halves to
 /// even; then the cell is limited, where the array clips.
-pub trait Domain {
+pub trait Domain: Sync {
     /// What a register holds in one pixel.
     type Cell: Clone + Debug + PartialEq + Send + Sync;
 
@@ -74,11 +74,32 @@ pub trait Domain {
         }
     }
 
+    /// The new cell where `take` is 1, the old one where it is 0. Numbers choose without a
+    /// branch.
+    #[inline(always)]
+    fn choose(&self, old: &Self::Cell, new: &Self::Cell, take: u8) -> Self::Cell {
+        if take == 0 { old.clone() } else { new.clone() }
+    }
+
     /// `gain · sum²`, as it arrives in the cell at `place`; `None` where this domain has no answer.
     fn square(&self, sum: &Self::Sum, gain: f64, place: Place) -> Option<Self::Cell>;
 
     /// Whether the sum is above zero; `None` where this domain has no answer.
     fn positive(&self, sum: &Self::Sum) -> Option<bool>;
+
+    /// Sets each of at most 64 bytes to 1 where the sum of what the operands have there is
+    /// above zero, else to 0; whether this domain has an answer for all of them.
+    #[inline(always)]
+    fn positives<const N: usize>(&self, operands: [&[Self::Cell]; N], bytes: &mut [u8]) -> bool {
+        let mut decided = true;
+        // No early way out, so that this runs in vectors.
+        for (i, byte) in bytes.iter_mut().enumerate() {
+            let answer = self.positive(&self.sum(&operands, i));
+            decided &= answer.is_some();
+            *byte = (answer == Some(true)).into();
+        }
+        decided
+    }
 
     /// The cell, limited to [-128, 127] LSB.
     fn limit(&self, cell: Self::Cell) -> Self::Cell;
@@ -88,9 +109,25 @@ pub trait Domain {
         self.hold(value)
     }
 
+    /// Whether a word gives the same from the same, whatever the place and the step.
+    fn is_steady(&self) -> bool {
+        true
+    }
+
     /// What a cell holds some seconds later; `None` where cells keep what they hold.
     fn aged(&self, _cell: &Self::Cell, _seconds: f64) -> Option<Self::Cell> {
         None
+    }
+
+    /// How long one-bit registers hold at least, in seconds, without being written; `None`
+    /// where they hold for ever.
+    fn retention(&self) -> Option<f64> {
+        None
+    }
+
+    /// Whether a one-bit cell still holds, so many seconds after it was written.
+    fn holds(&self, _register: Digital, _pixel: usize, _seconds: f64) -> bool {
+        true
     }
 }
 
@@ -172,6 +209,11 @@ impl Domain for Exact {
         // Not `-sum`, which would leave negative zeros behind.
         (0.0 - sum) / f64::from(share.by)
     }
+    #[inline(always)]
+    fn choose(&self, old: &f64, new: &f64, take: u8) -> f64 {
+        let (old, new) = (old.to_bits(), new.to_bits());
+        f64::from_bits(old ^ ((old ^ new) & u64::from(take).wrapping_neg()))
+    }
     fn square(&self, sum: &f64, gain: f64, _: Place) -> Option<f64> {
         Some(sum * sum * gain)
     }
@@ -201,7 +243,7 @@ impl<T> Default for Halves<T> {
 
 /// The domains whose bus is an f32.
 macro_rules! single_bus {
-    ($domain:ty, $cell:ty, $name:literal, $number:expr, $wide:expr, $narrow:expr) => {
+    ($domain:ty, $cell:ty, $bits:ty, $name:literal, $number:expr, $wide:expr, $narrow:expr) => {
         impl Domain for $domain {
             type Cell = $cell;
             type Sum = f32;
@@ -231,9 +273,33 @@ macro_rules! single_bus {
             fn store(&self, sum: &f32, share: Share, _: Place) -> $cell {
                 $narrow((0.0 - sum) / share.by as f32)
             }
+            #[inline(always)]
+            fn choose(&self, old: &$cell, new: &$cell, take: u8) -> $cell {
+                let (old, new) = (old.to_bits(), new.to_bits());
+                <$cell>::from_bits(old ^ ((old ^ new) & <$bits>::from(take).wrapping_neg()))
+            }
             fn square(&self, sum: &f32, gain: f64, _: Place) -> Option<$cell> {
                 let sum = f64::from(*sum);
                 Some($number.hold(sum * sum * gain))
+            }
+            #[inline(always)]
+            fn positives<const N: usize>(&self, operands: [&[$cell]; N], bytes: &mut [u8]) -> bool {
+                if bytes.len() == 64 {
+                    let mut sums = [0.0; 64];
+                    for operand in operands {
+                        for (sum, cell) in sums.iter_mut().zip(&operand[..64]) {
+                            *sum += $wide(*cell);
+                        }
+                    }
+                    for (byte, sum) in bytes.iter_mut().zip(sums) {
+                        *byte = (sum > 0.0).into();
+                    }
+                } else {
+                    for (i, byte) in bytes.iter_mut().enumerate() {
+                        *byte = (self.sum(&operands, i) > 0.0).into();
+                    }
+                }
+                true
             }
             #[inline]
             fn positive(&self, sum: &f32) -> Option<bool> {
@@ -244,6 +310,29 @@ macro_rules! single_bus {
                 // The limits are exact in all of these.
                 cell.clamp($narrow(LIMITS.0 as f32), $narrow(LIMITS.1 as f32))
             }
+            #[inline(always)]
+            fn store_row<const N: usize>(
+                &self,
+                operands: [&[$cell]; N],
+                share: Share,
+                _: Place,
+                clip: bool,
+                cells: &mut [$cell],
+            ) {
+                let operands = operands.map(|operand| &operand[..cells.len()]);
+                // Limited before it is rounded: the limits are exact, so nothing changes.
+                let (low, high) = (LIMITS.0 as f32, LIMITS.1 as f32);
+                for (i, cell) in cells.iter_mut().enumerate() {
+                    // A first sum with 0 would change nothing but the sign of a 0, and that
+                    // is lost in the difference.
+                    let mut sum = operands.first().map_or(0.0, |first| $wide(first[i]));
+                    for operand in operands.iter().skip(1) {
+                        sum += $wide(operand[i]);
+                    }
+                    let part = (0.0 - sum) / share.by as f32;
+                    *cell = $narrow(if clip { part.clamp(low, high) } else { part });
+                }
+            }
         }
     };
 }
@@ -251,6 +340,7 @@ macro_rules! single_bus {
 single_bus!(
     Single,
     f32,
+    u32,
     "f32",
     crate::number::F32,
     std::convert::identity,
@@ -259,107 +349,18 @@ single_bus!(
 single_bus!(
     Halves<f16>,
     f16,
+    u16,
     "f16",
     crate::number::F16,
-    f16::to_f32,
-    f16::from_f32
+    number::f16_to_f32,
+    number::f32_to_f16
 );
 single_bus!(
     Halves<bf16>,
     bf16,
+    u16,
     "bf16",
     crate::number::Bf16,
-    bf16::to_f32,
-    bf16::from_f32
+    number::bf16_to_f32,
+    number::f32_to_bf16
 );
-
-/// Fixed point in the cells, an integer on the bus that holds every sum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fixed<T> {
-    number: Q<T>,
-    limits: (T, T),
-}
-
-impl<T: Width> Fixed<T> {
-    /// In this format.
-    #[must_use]
-    pub fn new(number: Q<T>) -> Self {
-        // Where the format is narrower than the ADC scale, its own ends limit it already.
-        let end = |limit: f64| T::saturate((limit * number.one() as f64) as i64);
-        Self {
-            number,
-            limits: (end(LIMITS.0), end(LIMITS.1)),
-        }
-    }
-}
-
-impl<T: Width> Domain for Fixed<T> {
-    type Cell = T;
-    type Sum = T::Wide;
-
-    fn name(&self) -> String {
-        self.number.format().to_string()
-    }
-    #[inline]
-    fn hold(&self, value: f64) -> T {
-        self.number.hold(value)
-    }
-    fn value(&self, cell: &T) -> f64 {
-        self.number.value(*cell)
-    }
-    #[inline]
-    fn nothing(&self) -> T::Wide {
-        T::Wide::default()
-    }
-    #[inline]
-    fn add(&self, sum: &mut T::Wide, cell: &T, times: i32) {
-        *sum = sum.plus(cell.widen().times(times));
-    }
-    #[inline]
-    fn join(&self, sum: &mut T::Wide, other: &T::Wide) {
-        *sum = sum.plus(*other);
-    }
-    #[inline]
-    fn store(&self, sum: &T::Wide, share: Share, _: Place) -> T {
-        self.number.narrow(sum.times(-1).divided(share.by))
-    }
-    #[inline(always)]
-    fn store_row<const N: usize>(
-        &self,
-        operands: [&[T]; N],
-        share: Share,
-        _: Place,
-        clip: bool,
-        cells: &mut [T],
-    ) {
-        let operands = operands.map(|operand| &operand[..cells.len()]);
-        let part = |i| self.sum(&operands, i).times(-1).divided(share.by);
-        // Without a choice inside the loop. Whoever clips to less than the width need not
-        // saturate first.
-        let (low, high) = if clip { self.limits } else { T::LIMITS };
-        let (low, high) = (low.widen(), high.widen());
-        if self.number.overflow() == Overflow::Saturate {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = T::wrap_wide(part(i).clamp(low, high));
-            }
-        } else {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                let wrapped = T::wrap_wide(part(i));
-                *cell = T::wrap_wide(wrapped.widen().clamp(low, high));
-            }
-        }
-    }
-    fn square(&self, sum: &T::Wide, gain: f64, _: Place) -> Option<T> {
-        let sum: i64 = (*sum).into();
-        let sum = sum as f64 / self.number.one() as f64;
-        Some(self.number.hold(sum * sum * gain))
-    }
-    #[inline]
-    fn positive(&self, sum: &T::Wide) -> Option<bool> {
-        Some(*sum > T::Wide::default())
-    }
-    #[inline]
-    fn limit(&self, cell: T) -> T {
-        cell.clamp(self.limits.0, self.limits.1)
-    }
-}

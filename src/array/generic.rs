@@ -152,7 +152,19 @@ impl<'a, D: Symbolic> Generic<'a, D> {
                 // Its gates are bits; only those that were never written are known.
                 return Err(GenericError::Place { line, what: text });
             }
-            _ => {}
+            Primitive::Nop
+            | Primitive::ResetPix
+            | Primitive::Bus { .. }
+            | Primitive::Square { .. }
+            | Primitive::Where { .. }
+            | Primitive::BlurSet
+            | Primitive::Set { .. }
+            | Primitive::Clear { .. }
+            | Primitive::Or { .. }
+            | Primitive::Nor { .. }
+            | Primitive::Dnews { .. }
+            | Primitive::PropRead
+            | Primitive::Prop { .. } => {}
         }
         let before = self.unknown.then(|| self.state.analog.clone());
         let result = execute(self.domain, &self.settings, &mut self.state, word, number);
@@ -169,7 +181,7 @@ impl<'a, D: Symbolic> Generic<'a, D> {
         }
         if let Some(before) = before {
             for (plane, before) in self.state.analog.iter_mut().zip(&before) {
-                for (cell, old) in plane.iter_mut().zip(before) {
+                for (cell, old) in plane.iter_mut().zip(before.iter()) {
                     if cell != old {
                         *cell = self.domain.either(old, cell, number);
                     }
@@ -182,7 +194,12 @@ impl<'a, D: Symbolic> Generic<'a, D> {
     fn host(&mut self, operation: &Host, line: u32) -> Result<(), GenericError> {
         match operation {
             Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. } => {
-                host::execute(self.domain, &mut self.state, operation);
+                host::execute(
+                    self.domain,
+                    &self.settings.converters,
+                    &mut self.state,
+                    operation,
+                );
                 Ok(())
             }
             // They look, or they change bits, which matter by way of FLAG alone.

@@ -1,10 +1,10 @@
 //! What the micro-controller beside the array does: inputs, selections, drawing, readings.
 //!
-//! The ADC turns -128…127 LSB into 0…255, to the nearest, halves to even. Addresses are the
-//! chip's ([`Address`]); what lies off the array is not there. Sums over the array are
-//! modelled as the ADC's view of a mean.
+//! Registers are read through the ADC of [`Converters`]. Addresses are the chip's ([`Address`]);
+//! what lies off the array is not there. Sums over the array are modelled as the ADC's view of
+//! a mean.
 
-use super::{Address, BitPlane, Domain, State, semantics};
+use super::{Address, BitPlane, Converters, Domain, State, semantics};
 use crate::{
     isa::Analog,
     plane::{At, Size},
@@ -48,16 +48,15 @@ pub enum Readings {
 /// Executes an operation of the host, event readout excepted; the reading, where it is one.
 pub(super) fn execute<D: Domain>(
     domain: &D,
+    converters: &Converters,
     state: &mut State<D::Cell>,
     host: &Host,
 ) -> Option<Readings> {
     let size = state.layout.size;
     match host {
-        Host::LoadIn { value } => state.input = domain.input(*value, true),
-        Host::LoadInRaw { value } => state.input = domain.input(*value, false),
-        // 16 codes to the LSB, 2048 is 0. Evidence: guess, the real map is calibrated per chip.
-        Host::LoadDac { code } => {
-            state.input = domain.input(f64::from(*code) / 16.0 - 128.0, false);
+        Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. } => {
+            let before = || state.input.clone();
+            state.input = input(domain, converters, host).unwrap_or_else(before);
         }
         Host::Load { target, area } => {
             let bits = covered(*area, size);
@@ -84,20 +83,42 @@ pub(super) fn execute<D: Domain>(
                 let cell = domain.hold(if set { 127.0 } else { -128.0 });
                 state.analog_mut(*temporary)[at.y * size.width + at.x] = cell;
             }
-            return Some(Readings::Sum(sum(domain, state, *temporary, *over)));
+            return Some(Readings::Sum(sum(
+                domain, converters, state, *temporary, *over,
+            )));
         }
-        _ => return read(domain, state, host),
+        _ => return read(domain, converters, state, host),
     }
     None
 }
 
+/// What the global input holds after an operation that sets it.
+pub(super) fn input<D: Domain>(
+    domain: &D,
+    converters: &Converters,
+    host: &Host,
+) -> Option<D::Cell> {
+    match host {
+        Host::LoadIn { value } => Some(domain.input(*value, true)),
+        Host::LoadInRaw { value } => Some(domain.input(*value, false)),
+        // Past the host's table, whose steps are coarser than the DAC's.
+        Host::LoadDac { code } => Some(domain.hold(converters.drive(*code))),
+        _ => None,
+    }
+}
+
 /// The operations that only look.
-fn read<D: Domain>(domain: &D, state: &State<D::Cell>, host: &Host) -> Option<Readings> {
+fn read<D: Domain>(
+    domain: &D,
+    converters: &Converters,
+    state: &State<D::Cell>,
+    host: &Host,
+) -> Option<Readings> {
     let size = state.layout.size;
     let samples = |source: Analog, window: Window, step: (u16, u16)| {
         let cells = state.analog(source);
         grid(size, window, step, |at| {
-            converted(domain.value(&cells[at.y * size.width + at.x]))
+            converters.read(domain.value(&cells[at.y * size.width + at.x]))
         })
     };
     Some(match host {
@@ -126,7 +147,7 @@ fn read<D: Domain>(domain: &D, state: &State<D::Cell>, host: &Host) -> Option<Re
                 .map(|i| {
                     let pixels = block(i / 8, i % 8, size);
                     let pixels = pixels.take(if *mean { usize::MAX } else { 1 });
-                    mean_of(domain, state, *source, pixels)
+                    mean_of(domain, converters, state, *source, pixels)
                 })
                 .collect(),
         },
@@ -147,7 +168,9 @@ fn read<D: Domain>(domain: &D, state: &State<D::Cell>, host: &Host) -> Option<Re
         Host::ScanBoundingBox { source } => {
             Readings::Box(bounding_box(state.digital(*source), size))
         }
-        Host::GlobalSum { source, over } => Readings::Sum(sum(domain, state, *source, *over)),
+        Host::GlobalSum { source, over } => {
+            Readings::Sum(sum(domain, converters, state, *source, *over))
+        }
         Host::GlobalOr { source, pattern } => {
             let bits = state.digital(*source);
             let mut pixels = pixels(size);
@@ -166,12 +189,6 @@ fn block(row: usize, column: usize, size: Size) -> impl Iterator<Item = At> {
             .clone()
             .filter_map(move |column| Address { column, row }.at(size))
     })
-}
-
-/// The ADC.
-fn converted(value: f64) -> u8 {
-    // `as` saturates, which is what is meant.
-    (value + 128.0).round_ties_even() as u8
 }
 
 fn pixels(size: Size) -> impl Iterator<Item = At> {
@@ -205,6 +222,7 @@ fn grid(size: Size, window: Window, step: (u16, u16), value: impl Fn(At) -> u8) 
 
 fn mean_of<D: Domain>(
     domain: &D,
+    converters: &Converters,
     state: &State<D::Cell>,
     source: Analog,
     pixels: impl Iterator<Item = At>,
@@ -217,13 +235,19 @@ fn mean_of<D: Domain>(
     }
     // No pixel, no current.
     if count == 0.0 {
-        converted(0.0)
+        converters.read(0.0)
     } else {
-        converted(sum / count)
+        converters.read(sum / count)
     }
 }
 
-fn sum<D: Domain>(domain: &D, state: &State<D::Cell>, source: Analog, over: SumOver) -> u32 {
+fn sum<D: Domain>(
+    domain: &D,
+    converters: &Converters,
+    state: &State<D::Cell>,
+    source: Analog,
+    over: SumOver,
+) -> u32 {
     let size = state.layout.size;
     let patterns = |n: usize| {
         (0..n * n)
@@ -232,17 +256,17 @@ fn sum<D: Domain>(domain: &D, state: &State<D::Cell>, source: Analog, over: SumO
                     let address = Address::of(*at, size);
                     address.row % n == i / n && address.column % n == i % n
                 });
-                u32::from(mean_of(domain, state, source, members))
+                u32::from(mean_of(domain, converters, state, source, members))
             })
             .sum()
     };
     match over {
         SumOver::Grid4 => patterns(4),
         SumOver::Grid8 => patterns(8),
-        SumOver::Whole => mean_of(domain, state, source, pixels(size)).into(),
+        SumOver::Whole => mean_of(domain, converters, state, source, pixels(size)).into(),
         SumOver::Sparse(pattern) => {
             let members = pixels(size).filter(|at| matches(pattern, *at, size));
-            mean_of(domain, state, source, members).into()
+            mean_of(domain, converters, state, source, members).into()
         }
     }
 }

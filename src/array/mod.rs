@@ -11,12 +11,17 @@
 //! a cell holds and how the summing bus treats it. A [`Chip`] is a program on an array in one
 //! domain; it is a [`Sensor`](crate::sensor::Sensor), so light goes in and events come out.
 
+mod active;
 mod arithmetic;
+mod band;
 mod bits;
+mod cells;
 mod chance;
 mod check;
 mod chip;
+mod cone;
 mod domain;
+mod fixed;
 mod form;
 mod generic;
 mod host;
@@ -25,23 +30,28 @@ mod ledger;
 pub mod range;
 mod readout;
 mod rows;
+mod schedule;
+mod segment;
 pub mod semantics;
 mod settings;
 mod silicon;
 mod state;
 pub mod taps;
+mod tiled;
 
 pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use bits::BitPlane;
 pub use check::{CodeError, CodeProblem, check};
 pub use chip::{Array, Chip, RunError, ShapeError};
-pub use domain::{Domain, Exact, Fixed, Halves, Place, Share, Single, Undecided};
+pub use domain::{Domain, Exact, Halves, Place, Share, Single, Undecided};
+pub use fixed::Fixed;
 pub use form::Input;
 pub use generic::GenericError;
 pub use host::{Reading, Readings};
 pub use layout::Layout;
 pub use ledger::Ledger;
 pub use readout::{Address, Scan};
-pub use settings::{Propagation, Settings};
+pub use schedule::{Schedule, ScheduleError};
+pub use settings::{Converters, Propagation, Settings};
 pub use silicon::{Errors, Silicon};
 pub use state::State;

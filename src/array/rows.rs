@@ -1,67 +1,89 @@
 //! The bus along rows: the inner loops of [`semantics`](super::semantics).
 //!
-//! Everything here is written for vectors: a row of sums is never stored, whole rows without
-//! a mask have no branch inside, and each loop is compiled for several vector widths, one of
-//! which is taken when the word begins.
+//! Everything here is written for vectors: cells are worked on in long runs or, under a mask,
+//! in blocks of the 64 pixels of one word of bits; each loop is compiled for several vector
+//! widths, one of which is taken when the word begins. Sources and target are never the same
+//! plane.
 
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
-use super::{BitPlane, Domain, Place, Share, Undecided};
+use super::{Domain, Place, Share, Undecided};
 use crate::{isa::Analog, plane::Size};
 
 /// What one source puts on the bus of every pixel.
 pub(super) struct Operand<'a, C> {
     /// Row by row.
     pub(super) cells: &'a [C],
+    /// The row of the array that comes first.
+    pub(super) top: usize,
     /// From one row to the next; 0 where all rows are the same.
     pub(super) stride: usize,
     /// Where the cell lies, seen from the pixel whose bus it is.
     pub(super) beside: (isize, isize),
 }
 
+impl<C> Clone for Operand<'_, C> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<C> Copy for Operand<'_, C> {}
+
+impl<'a, C> Operand<'a, C> {
+    /// Some rows, beside each other in memory.
+    #[inline(always)]
+    fn rows(&self, from: usize, cells: usize) -> &'a [C] {
+        let start = if self.stride == 0 {
+            0
+        } else {
+            (from - self.top) * self.stride
+        };
+        &self.cells[start..][..cells]
+    }
+}
+
 /// The bus of every pixel, before anything is stored.
 pub(super) struct Bus<'a, C> {
     pub(super) size: Size,
-    pub(super) operands: Vec<Operand<'a, C>>,
+    pub(super) operands: &'a [Operand<'a, C>],
     /// A row of what lies off the array.
     pub(super) outside: &'a [C],
 }
 
-/// A register that stores its share of the bus.
-pub(super) struct Store<'a, C> {
-    pub(super) cells: &'a mut [C],
-    pub(super) register: Analog,
-    pub(super) share: Share,
-    /// Where the cell lies, seen from the pixel whose bus it stores.
-    pub(super) beside: (isize, isize),
+impl<C> Clone for Bus<'_, C> {
+    fn clone(&self) -> Self {
+        *self
+    }
 }
 
-/// Under which conditions a word stores.
-#[derive(Clone, Copy)]
-pub(super) struct When<'a> {
-    /// Of the pixel whose bus it is.
-    pub(super) flag: &'a BitPlane,
-    pub(super) clip: bool,
-    pub(super) step: u64,
-}
+impl<C> Copy for Bus<'_, C> {}
 
 impl<C> Bus<'_, C> {
-    #[inline(always)]
-    fn row(&self, operand: usize, y: usize) -> &[C] {
-        let Operand {
-            cells,
-            stride,
-            beside,
-        } = &self.operands[operand];
-        let y = y.wrapping_add_signed(beside.0);
-        if y < self.size.height {
-            &cells[y * stride..][..self.size.width]
-        } else {
-            self.outside
+    /// The bus of one pixel, which may lie off the array.
+    #[inline]
+    pub(super) fn sum<D: Domain<Cell = C>>(&self, domain: &D, y: usize, x: usize) -> D::Sum {
+        let Size { height, width } = self.size;
+        let mut sum = domain.nothing();
+        for operand in self.operands {
+            let (to_y, to_x) = (
+                y.wrapping_add_signed(operand.beside.0),
+                x.wrapping_add_signed(operand.beside.1),
+            );
+            let inside = y < height && x < width && to_y < height && to_x < width;
+            let cell = if inside {
+                &operand.rows(to_y, width)[to_x]
+            } else {
+                &self.outside[0]
+            };
+            domain.add(&mut sum, cell, 1);
         }
+        sum
     }
 
     /// The columns where no operand lies beyond the left or right border.
@@ -70,40 +92,77 @@ impl<C> Bus<'_, C> {
         let start = usize::from(any(-1));
         (start, (self.size.width - usize::from(any(1))).max(start))
     }
+}
 
-    /// The bus of one pixel.
-    #[inline]
-    pub(super) fn sum<D: Domain<Cell = C>>(&self, domain: &D, y: usize, x: usize) -> D::Sum {
-        let mut sum = domain.nothing();
-        for (k, operand) in self.operands.iter().enumerate() {
-            let at = x.wrapping_add_signed(operand.beside.1);
-            let cell = self.row(k, y).get(at).unwrap_or_else(|| &self.outside[0]);
-            domain.add(&mut sum, cell, 1);
+/// A register that stores its share of the bus.
+pub(super) struct Store<'a, C> {
+    pub(super) cells: &'a mut [C],
+    /// FLAG, of the pixels whose bus it is.
+    pub(super) flag: &'a [u64],
+    /// The row of the array that comes first in both.
+    pub(super) top: usize,
+    pub(super) register: Analog,
+    pub(super) share: Share,
+    /// Where the cell lies, seen from the pixel whose bus it stores.
+    pub(super) beside: (isize, isize),
+    pub(super) clip: bool,
+    pub(super) step: u64,
+}
+
+impl<C> Store<'_, C> {
+    /// FLAG of the pixel at (y, x) of the array.
+    fn flagged(&self, size: Size, y: usize, x: usize) -> bool {
+        let words = size.width.div_ceil(64);
+        self.flag[(y - self.top) * words + x / 64] >> (x % 64) & 1 == 1
+    }
+
+    /// One cell; any number of operands, driven from on the array or from off it.
+    fn one<D: Domain<Cell = C>>(&mut self, domain: &D, bus: &Bus<'_, C>, y: usize, x: usize) {
+        let Size { height, width } = bus.size;
+        let (from_y, from_x) = (
+            y.wrapping_add_signed(-self.beside.0),
+            x.wrapping_add_signed(-self.beside.1),
+        );
+        // Pixels off the array have FLAG 1.
+        let inside = from_y < height && from_x < width;
+        if inside && !self.flagged(bus.size, from_y, from_x) {
+            return;
         }
-        sum
+        let place = Place {
+            y,
+            x,
+            register: self.register,
+            step: self.step,
+        };
+        let stored = domain.store(&bus.sum(domain, from_y, from_x), self.share, place);
+        self.cells[(y - self.top) * width + x] = if self.clip {
+            domain.limit(stored)
+        } else {
+            stored
+        };
     }
 }
 
-/// Stores the bus of every pixel, where its FLAG is 1.
+/// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `block` has
+/// room for 64 cells.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn store<D: Domain>(
     domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    stores: &mut [Store<'_, D::Cell>],
-    when: When<'_>,
+    bus: Bus<'_, D::Cell>,
+    store: &mut Store<'_, D::Cell>,
+    rows: Range<usize>,
+    block: &mut [D::Cell],
 ) {
     match bus.operands.len() {
-        0 => store_n::<D, 0>(domain, bus, stores, when),
-        1 => store_n::<D, 1>(domain, bus, stores, when),
-        2 => store_n::<D, 2>(domain, bus, stores, when),
-        3 => store_n::<D, 3>(domain, bus, stores, when),
-        4 => store_n::<D, 4>(domain, bus, stores, when),
+        0 => store_n::<D, 0>(domain, bus, store, rows, block),
+        1 => store_n::<D, 1>(domain, bus, store, rows, block),
+        2 => store_n::<D, 2>(domain, bus, store, rows, block),
+        3 => store_n::<D, 3>(domain, bus, store, rows, block),
+        4 => store_n::<D, 4>(domain, bus, store, rows, block),
         _ => {
-            for y in 0..bus.size.height {
-                for store in &mut *stores {
-                    for x in 0..bus.size.width {
-                        store_one(domain, bus, store, (y, x), when);
-                    }
+            for y in rows {
+                for x in 0..bus.size.width {
+                    store.one(domain, &bus, y, x);
                 }
             }
         }
@@ -114,64 +173,173 @@ pub(super) fn store<D: Domain>(
 #[inline(always)]
 fn store_n<D: Domain, const N: usize>(
     domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    stores: &mut [Store<'_, D::Cell>],
-    when: When<'_>,
+    bus: Bus<'_, D::Cell>,
+    store: &mut Store<'_, D::Cell>,
+    rows: Range<usize>,
+    block: &mut [D::Cell],
 ) {
     let Size { height, width } = bus.size;
-    let (start, end) = bus.inside();
-    let steps: [isize; N] = std::array::from_fn(|k| bus.operands[k].beside.1);
-    let mut spare = vec![domain.hold(0.0); 64];
-    for y in 0..height {
-        let rows: [&[D::Cell]; N] = std::array::from_fn(|k| bus.row(k, y));
-        let flags = when.flag.row(y);
-        let whole = when.flag.is_whole(y);
-        for store in &mut *stores {
-            let to_y = y.wrapping_add_signed(store.beside.0);
-            if to_y >= height {
-                continue;
-            }
-            let dx = store.beside.1;
-            let row = &mut store.cells[to_y * width..][..width];
-            let (start, end) = (
-                start.max(usize::from(dx < 0)),
-                end.min(width - usize::from(dx > 0)),
-            );
+    let (down, right) = store.beside;
+    let operands: [Operand<'_, D::Cell>; N] = std::array::from_fn(|k| bus.operands[k]);
+    // The pixels whose bus has all its operands, and its target, on the array.
+    let (mut clear, mut start, mut end) = (rows.clone(), 0, width);
+    let plain = operands.iter().map(|operand| operand.beside);
+    for (dy, dx) in plain.chain([(0, 0), (down, right)]) {
+        // As seen from the target's row, but from the driver's column.
+        let up = dy - down;
+        clear.start = clear.start.max((-up).max(0) as usize);
+        clear.end = clear.end.min(height.saturating_sub(up.max(0) as usize));
+        start = start.max((-dx).max(0) as usize);
+        end = end.min(width.saturating_sub(dx.max(0) as usize));
+    }
+    if end <= start {
+        // Every pixel lies at a border.
+        clear = rows.end..rows.end;
+    }
+    let first = clear.start.min(rows.end);
+    let last = clear.end.clamp(first, rows.end);
+    for y in (rows.start..first).chain(last..rows.end) {
+        for x in 0..width {
+            store.one(domain, &bus, y, x);
+        }
+    }
+    // Rows that follow each other in memory, the words of their bits too, are one long row.
+    let level = start == 0
+        && end == width
+        && right == 0
+        && width.is_multiple_of(64)
+        && operands.iter().all(|operand| operand.stride == width);
+    let words = width.div_ceil(64);
+    let mut y = first;
+    while y < last {
+        let run = if level { last - y } else { 1 };
+        let from = y.wrapping_add_signed(-down);
+        let n = run * width - (width - (end - start));
+        let sources: [&[D::Cell]; N] = std::array::from_fn(|k| {
+            let (dy, dx) = operands[k].beside;
+            let row = operands[k].rows(from.wrapping_add_signed(dy), run * width);
+            &row[start.wrapping_add_signed(dx).min(row.len())..][..n]
+        });
+        let top = store.top;
+        let flags = &store.flag[(from - top) * words..][..run * words];
+        let x = start.wrapping_add_signed(right);
+        let cells = &mut store.cells[(y - top) * width + x..][..n];
+        let place = Place {
+            y,
+            x,
+            register: store.register,
+            step: store.step,
+        };
+        let mut runs = Runs::new(flags, start, n);
+        while let Some(Run { from, to, some }) = runs.next() {
             let place = Place {
-                y: to_y,
-                x: 0,
-                register: store.register,
-                step: when.step,
+                x: place.x + from,
+                ..place
             };
-            // A row without a mask goes in one run, any other by the words of the mask.
-            let runs = if whole { 1 } else { flags.len() };
-            for (k, &flags) in flags[..runs].iter().enumerate() {
-                let (from, to) = if whole {
-                    (start, end)
-                } else {
-                    ((64 * k).max(start), (64 * k + 64).min(end))
-                };
-                if from >= to || flags == 0 {
-                    continue;
-                }
-                let n = to - from;
-                let operands: [&[D::Cell]; N] =
-                    std::array::from_fn(|k| &rows[k][from.wrapping_add_signed(steps[k])..][..n]);
-                let first = from.wrapping_add_signed(dx);
-                let place = Place { x: first, ..place };
-                let row = &mut row[first..][..n];
-                if whole {
-                    store_cells(domain, operands, row, store.share, place, when.clip);
-                } else {
-                    let spare = &mut spare[..n];
-                    store_cells(domain, operands, spare, store.share, place, when.clip);
-                    merge(row, spare, flags >> (from % 64));
-                }
-            }
-            for x in (0..start).chain(end.max(start)..width) {
-                store_one(domain, bus, store, (y, x), when);
+            let sources: [&[D::Cell]; N] = std::array::from_fn(|k| &sources[k][from..to]);
+            let cells = &mut cells[from..to];
+            let new = if some.is_some() {
+                &mut block[..to - from]
+            } else {
+                &mut *cells
+            };
+            store_cells(domain, sources, new, store.share, place, store.clip);
+            if let Some(some) = some {
+                merge(domain, cells, &block[..to - from], some);
             }
         }
+        if n < run * width {
+            for x in (0..x).chain(x + n..width) {
+                store.one(domain, &bus, y, x);
+            }
+        }
+        y += run;
+    }
+}
+
+/// Cells under a mask, in runs: whole ones, and blocks of the pixels of one word of bits.
+struct Runs<'a> {
+    flags: &'a [u64],
+    /// The bit of the first cell, under 64.
+    offset: usize,
+    cells: usize,
+    next: usize,
+    /// Whether all bits are 1.
+    whole: bool,
+}
+
+/// Some cells beside each other.
+struct Run {
+    from: usize,
+    to: usize,
+    /// Which of at most 64; none where it is all of any number.
+    some: Option<u64>,
+}
+
+impl<'a> Runs<'a> {
+    #[inline(always)]
+    fn new(flags: &'a [u64], offset: usize, cells: usize) -> Self {
+        Self {
+            flags,
+            offset,
+            cells,
+            next: 0,
+            whole: flags.iter().fold(!0, |all, word| all & word) == !0,
+        }
+    }
+
+    /// The bits of 64 cells; beyond the last all 1.
+    #[inline(always)]
+    fn word(&self, i: usize) -> u64 {
+        let bit = self.offset + i;
+        let low = self.flags[bit / 64] >> (bit % 64);
+        let word = if bit.is_multiple_of(64) {
+            low
+        } else {
+            low | self.flags.get(bit / 64 + 1).unwrap_or(&0) << (64 - bit % 64)
+        };
+        let rest = self.cells - i;
+        if rest < 64 { word | !0 << rest } else { word }
+    }
+
+    /// The next cells of which at least one is to be stored.
+    #[inline(always)]
+    fn next(&mut self) -> Option<Run> {
+        let mut from = self.next;
+        if self.whole && from < self.cells {
+            self.next = self.cells;
+            return Some(Run {
+                from,
+                to: self.cells,
+                some: None,
+            });
+        }
+        while from < self.cells {
+            let mut to = from + 64;
+            if to > self.cells && self.cells >= 64 {
+                // The last block may be in part the same as the one before it: what is stored
+                // twice is stored alike.
+                from = self.cells - 64;
+                to = self.cells;
+            }
+            let word = self.word(from);
+            if word == !0 {
+                while to < self.cells && self.word(to) == !0 {
+                    to += 64;
+                }
+            }
+            let to = to.min(self.cells);
+            let rest = to - from;
+            // What lies beyond the end is none of the cells.
+            let none = if rest < 64 { !0 << rest } else { 0 };
+            if word != none {
+                self.next = to;
+                let some = (word != !0).then_some(word);
+                return Some(Run { from, to, some });
+            }
+            from = to;
+        }
+        None
     }
 }
 
@@ -193,133 +361,261 @@ fn store_cells<D: Domain, const N: usize>(
     }
 }
 
-/// Takes `new` where the bit is 1.
+/// Takes `new` where the bit is 1; of at most 64 cells.
 #[inline(always)]
-fn merge<C: Clone>(cells: &mut [C], new: &[C], flags: u64) {
-    let (cells, rest) = cells.as_chunks_mut::<16>();
-    let (blocks, new_rest) = new.as_chunks::<16>();
-    let mut flags = flags;
-    for (cells, new) in cells.iter_mut().zip(blocks) {
-        let some = flags as u16;
-        for i in 0..16 {
-            // One bit of its own for each: no shift by a variable.
-            cells[i] = if some & 1 << i == 0 {
-                cells[i].clone()
-            } else {
-                new[i].clone()
-            };
+fn merge<D: Domain>(domain: &D, cells: &mut [D::Cell], new: &[D::Cell], flags: u64) {
+    let ones = spread(flags);
+    if let (Some(cells), Some(new)) = (cells.as_mut_array::<64>(), new.as_array::<64>()) {
+        // By value: nothing that is read can be what was just written.
+        let (old, new) = (cells.clone(), new.clone());
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = domain.choose(&old[i], &new[i], ones[i]);
         }
-        flags = flags.unbounded_shr(16);
-    }
-    for (i, (cell, new)) in rest.iter_mut().zip(new_rest).enumerate() {
-        if flags >> i & 1 == 1 {
-            cell.clone_from(new);
-        }
-    }
-}
-
-/// One pixel; any number of operands, inside or not.
-fn store_one<D: Domain>(
-    domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    store: &mut Store<'_, D::Cell>,
-    (y, x): (usize, usize),
-    when: When<'_>,
-) {
-    let to_y = y.wrapping_add_signed(store.beside.0);
-    let to_x = x.wrapping_add_signed(store.beside.1);
-    if to_y >= bus.size.height || to_x >= bus.size.width || !when.flag.get(y, x) {
-        return;
-    }
-    let place = Place {
-        y: to_y,
-        x: to_x,
-        register: store.register,
-        step: when.step,
-    };
-    let stored = domain.store(&bus.sum(domain, y, x), store.share, place);
-    store.cells[to_y * bus.size.width + to_x] = if when.clip {
-        domain.limit(stored)
     } else {
-        stored
-    };
+        for ((cell, new), one) in cells.iter_mut().zip(new).zip(ones) {
+            if one == 1 {
+                cell.clone_from(new);
+            }
+        }
+    }
 }
 
-/// Sets the bits where the bus is above zero.
+/// A byte, 0 or 1, for every bit.
+#[inline(always)]
+fn spread(word: u64) -> [u8; 64] {
+    let mut bytes = [0; 64];
+    let (eights, _) = bytes.as_chunks_mut::<8>();
+    for (k, eight) in eights.iter_mut().enumerate() {
+        // Each byte keeps a bit of its own; it carries into the highest, which goes to the
+        // lowest.
+        let own = (word >> (8 * k) & 0xFF) * 0x0101_0101_0101_0101 & 0x8040_2010_0804_0201;
+        let ones = (own + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & 0x0101_0101_0101_0101;
+        *eight = ones.to_le_bytes();
+    }
+    bytes
+}
+
+/// Sets the bits of these rows where the bus is above zero; `top` is the first row of `bits`.
 ///
 /// # Errors
 /// In domains that have no answer.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn positive<D: Domain>(
     domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    bits: &mut BitPlane,
+    bus: Bus<'_, D::Cell>,
+    bits: &mut [u64],
+    top: usize,
+    rows: Range<usize>,
 ) -> Result<(), Undecided> {
-    match bus.operands.len() {
-        1 => positive_n::<D, 1>(domain, bus, bits),
-        2 => positive_n::<D, 2>(domain, bus, bits),
-        3 => positive_n::<D, 3>(domain, bus, bits),
+    let decided = match bus.operands.len() {
+        1 => positive_n::<D, 1>(domain, bus, bits, top, rows),
+        2 => positive_n::<D, 2>(domain, bus, bits, top, rows),
+        3 => positive_n::<D, 3>(domain, bus, bits, top, rows),
         _ => {
-            for y in 0..bus.size.height {
-                for x in 0..bus.size.width {
-                    bits.set(y, x, is_positive(domain, &bus.sum(domain, y, x))?);
+            let width = bus.size.width;
+            let mut decided = true;
+            for y in rows {
+                let row = &mut bits[(y - top) * width.div_ceil(64)..];
+                for x in 0..width {
+                    decided &= positive_one(domain, bus, row, y, x);
                 }
             }
-            Ok(())
+            decided
         }
+    };
+    if decided {
+        Ok(())
+    } else {
+        Err(Undecided { operation: "where" })
     }
 }
 
+/// One pixel; whether the domain has an answer.
 #[inline(always)]
-fn is_positive<D: Domain>(domain: &D, sum: &D::Sum) -> Result<bool, Undecided> {
-    domain.positive(sum).ok_or(Undecided { operation: "where" })
+fn positive_one<D: Domain>(
+    domain: &D,
+    bus: Bus<'_, D::Cell>,
+    row: &mut [u64],
+    y: usize,
+    x: usize,
+) -> bool {
+    let answer = domain.positive(&bus.sum(domain, y, x));
+    let mask = 1 << (x % 64);
+    let word = &mut row[x / 64];
+    *word = if answer == Some(true) {
+        *word | mask
+    } else {
+        *word & !mask
+    };
+    answer.is_some()
 }
 
 #[inline(always)]
 fn positive_n<D: Domain, const N: usize>(
     domain: &D,
-    bus: &Bus<'_, D::Cell>,
-    bits: &mut BitPlane,
-) -> Result<(), Undecided> {
+    bus: Bus<'_, D::Cell>,
+    bits: &mut [u64],
+    top: usize,
+    rows: Range<usize>,
+) -> bool {
     let Size { height, width } = bus.size;
     let (start, end) = bus.inside();
-    for y in 0..height {
-        let rows: [&[D::Cell]; N] = std::array::from_fn(|k| bus.row(k, y));
-        for (k, word) in bits.row_mut(y).iter_mut().enumerate() {
+    let words = width.div_ceil(64);
+    let mut decided = true;
+    let bits = &mut bits[(rows.start - top) * words..(rows.end - top) * words];
+    // Some blocks at once: bytes that were just written are slow to read in another width.
+    let mut bytes = [[0u8; 64]; 8];
+    let (mut y, mut k) = (rows.start, 0);
+    for batch in bits.chunks_mut(bytes.len()) {
+        for bytes in &mut bytes[..batch.len()] {
             let (from, to) = ((64 * k).max(start), (64 * k + 64).min(end));
             let n = to.saturating_sub(from);
-            *word = 0;
-            if n == 0 {
-                continue;
-            }
-            let operands: [&[D::Cell]; N] = std::array::from_fn(|k| {
-                &rows[k][from.wrapping_add_signed(bus.operands[k].beside.1)..][..n]
+            let sources: [&[D::Cell]; N] = std::array::from_fn(|k| {
+                let operand = &bus.operands[k];
+                let y = y.wrapping_add_signed(operand.beside.0);
+                let row = if y < height {
+                    operand.rows(y, width)
+                } else {
+                    bus.outside
+                };
+                let from = from.wrapping_add_signed(operand.beside.1).min(width);
+                &row[from..][..n]
             });
-            let mut bytes = [0u8; 64];
-            for (i, byte) in bytes[..n].iter_mut().enumerate() {
-                let sum = domain.sum(&operands, i);
-                *byte = is_positive(domain, &sum)?.into();
+            decided &= if n == 64 {
+                domain.positives(sources, bytes)
+            } else {
+                bytes.fill(0);
+                domain.positives(sources, &mut bytes[from % 64..][..n])
+            };
+            k += 1;
+            if k == words {
+                (y, k) = (y + 1, 0);
             }
-            *word = packed(&bytes) << (from % 64);
         }
-        for x in (0..start).chain(end..width) {
-            bits.set(y, x, is_positive(domain, &bus.sum(domain, y, x))?);
+        for (word, bytes) in batch.iter_mut().zip(&bytes) {
+            *word = packed(bytes);
+        }
+    }
+    if start > 0 || end < width {
+        for (y, row) in rows.zip(bits.chunks_mut(words)) {
+            for x in (0..start).chain(end..width) {
+                decided &= positive_one(domain, bus, row, y, x);
+            }
+        }
+    }
+    decided
+}
+
+/// The lowest bit of each byte; none has others.
+#[inline(always)]
+fn packed(bytes: &[u8; 64]) -> u64 {
+    let (eights, _) = bytes.as_chunks::<8>();
+    let mut words = [0; 8];
+    for (word, eight) in words.iter_mut().zip(eights) {
+        // Bits come together in pairs, fours and eights.
+        let ones = u64::from_le_bytes(*eight);
+        let ones = (ones | ones >> 7) & 0x0003_0003_0003_0003;
+        let ones = (ones | ones >> 14) & 0x0000_000F_0000_000F;
+        *word = (ones | ones >> 28) & 0xFF;
+    }
+    let mut all = 0;
+    for (k, word) in words.into_iter().enumerate() {
+        all |= word << (8 * k);
+    }
+    all
+}
+
+/// Stores `gain` times the square of the bus in these rows, where FLAG is 1.
+///
+/// # Errors
+/// In domains that have no answer.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn square<D: Domain>(
+    domain: &D,
+    bus: Bus<'_, D::Cell>,
+    store: &mut Store<'_, D::Cell>,
+    gain: f64,
+    rows: Range<usize>,
+) -> Result<(), Undecided> {
+    let width = bus.size.width;
+    for y in rows {
+        for x in 0..width {
+            let place = Place {
+                y,
+                x,
+                register: store.register,
+                step: store.step,
+            };
+            let square = domain.square(&bus.sum(domain, y, x), gain, place);
+            let cell = square.ok_or(Undecided { operation: "sq" })?;
+            if store.flagged(bus.size, y, x) {
+                store.cells[(y - store.top) * width + x] =
+                    if store.clip { domain.limit(cell) } else { cell };
+            }
         }
     }
     Ok(())
 }
 
-/// The lowest bit of each byte.
-#[inline(always)]
-fn packed(bytes: &[u8; 64]) -> u64 {
-    let (eights, _) = bytes.as_chunks::<8>();
-    let mut word = 0;
-    for (k, eight) in eights.iter().enumerate() {
-        // The product brings bit 8i to bit 56 + i, and nothing else there.
-        let top = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-        word |= top << (8 * k);
+/// A row of the diffusion network.
+pub(super) struct Links<'a, C> {
+    /// What each pixel holds, and what its neighbours hold, in the order of the directions;
+    /// beyond the border anything.
+    pub(super) own: &'a [C],
+    pub(super) beside: [&'a [C]; 4],
+    /// Where the link to each neighbour conducts.
+    pub(super) linked: [&'a [u64]; 4],
+    /// A pixel's own cell against one link.
+    pub(super) parts: i32,
+}
+
+/// Stores one step of diffusion along the row `place`, where FLAG is 1.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn diffuse<D: Domain>(
+    domain: &D,
+    links: &Links<'_, D::Cell>,
+    flags: &[u64],
+    place: Place,
+    clip: bool,
+    cells: &mut [D::Cell],
+    block: &mut [D::Cell],
+) {
+    let share = Share {
+        by: links.parts as u32,
+        part: None,
+    };
+    let width = cells.len();
+    let mut runs = Runs::new(flags, 0, width);
+    while let Some(Run { from, to, some }) = runs.next() {
+        let cells = &mut cells[from..to];
+        let new = if some.is_some() {
+            &mut block[..to - from]
+        } else {
+            &mut *cells
+        };
+        for (i, cell) in (from..).zip(new) {
+            let mut sum = domain.nothing();
+            let mut own = links.parts;
+            for (k, linked) in links.linked.iter().enumerate() {
+                if linked[i / 64] >> (i % 64) & 1 == 1 {
+                    // East and west are rows that begin one later or earlier.
+                    let at = match k {
+                        1 => (i + 1).min(width - 1),
+                        3 => i.saturating_sub(1),
+                        _ => i,
+                    };
+                    domain.add(&mut sum, &links.beside[k][at], 1);
+                    own -= 1;
+                }
+            }
+            domain.add(&mut sum, &links.own[i], own);
+            let stored = domain.store(&sum, share, Place { x: i, ..place });
+            *cell = if clip { domain.limit(stored) } else { stored };
+        }
+        if let Some(some) = some {
+            merge(domain, cells, &block[..to - from], some);
+        }
     }
-    word
 }
 
 /// Sets pixels from light, as one exposure does.
@@ -339,23 +635,36 @@ pub(super) fn expose<D: Domain>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::array::Exact;
 
     #[test]
-    fn bytes_become_bits() {
+    fn bytes_become_bits_and_bits_bytes() {
         for word in [0, 1, !0, 0x8000_0000_0000_0001, 0x0123_4567_89AB_CDEF] {
             let bytes = std::array::from_fn(|i| (word >> i & 1) as u8);
             assert_eq!(packed(&bytes), word);
+            assert_eq!(spread(word), bytes);
         }
     }
 
     #[test]
     fn only_flagged_cells_change() {
-        for n in [1, 15, 16, 17, 40, 64] {
-            let flags = 0x9E37_79B9_7F4A_7C15;
-            let (mut cells, new) = (vec![0; n], vec![1; n]);
-            merge(&mut cells, &new, flags);
-            for (i, cell) in cells.iter().enumerate() {
-                assert_eq!(*cell, flags >> i & 1);
+        let flags = [0x9E37_79B9_7F4A_7C15, !0, !0, 0, 0xF0F0_F0F0_F0F0_F0F0, !0];
+        for n in [1usize, 15, 16, 17, 40, 64, 65, 130, 200, 300] {
+            for offset in [0, 1] {
+                let mut cells = vec![0.0; n];
+                let mut runs = Runs::new(&flags, offset, n);
+                while let Some(Run { from, to, some }) = runs.next() {
+                    let new: Vec<_> = (from + 1..=to).map(|i| i as f64).collect();
+                    match some {
+                        Some(some) => merge(&Exact, &mut cells[from..to], &new, some),
+                        None => cells[from..to].clone_from_slice(&new),
+                    }
+                }
+                for (i, cell) in cells.iter().enumerate() {
+                    let bit = i + offset;
+                    let on = flags[bit / 64] >> (bit % 64) & 1 == 1;
+                    assert_eq!(*cell, if on { (i + 1) as f64 } else { 0.0 });
+                }
             }
         }
     }

@@ -16,10 +16,18 @@
 //!   1 and every register of theirs holds the edge value. A NEWS cell that nobody drives keeps
 //!   its value; one that several drive holds the sum of what each puts in.
 //! - R12 is written only where R0 was 1 before the word.
+//!
+//! A word is executed on some rows of the array: which rows when is the business of a
+//! [`Schedule`](super::Schedule). What reaches a row from its neighbours is at most [`reach`]
+//! rows away.
+
+use std::ops::Range;
 
 use super::{
     BitPlane, Domain, Place, Propagation, Settings, Share, State, Undecided,
-    rows::{self, Bus, Operand, Store, When},
+    band::{Band, Constants, Copies},
+    bits,
+    rows::{self, Bus, Links, Store},
 };
 use crate::{
     isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target},
@@ -41,375 +49,568 @@ pub fn execute<D: Domain>(
     word: &Primitive,
     step: u64,
 ) -> Result<(), Undecided> {
-    let array = Array {
-        domain,
-        settings,
+    if let Primitive::Prop { boundary } = word {
+        propagate(state, settings.propagation, *boundary);
+        return Ok(());
+    }
+    let news = state.layout.news;
+    let mut copies = Copies::default();
+    make_copies(&mut copies, state, copied(word, news));
+    let constants = Constants::of(state);
+    let mut band = Band::whole(state, &mut copies, &constants);
+    let rows = band.rows.clone();
+    let issued = Issued {
+        word,
         step,
+        input: 0,
+        copied: copied(word, news).is_some(),
+    };
+    if let Some(register) = copied(word, news) {
+        copy(&mut band, register, rows.clone());
+    }
+    Array { domain, settings }.execute(&mut band, issued, rows)
+}
+
+/// A word as it is given to the array.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Issued<'a> {
+    pub(super) word: &'a Primitive,
+    /// Its number since power-on.
+    pub(super) step: u64,
+    /// Which of the band's inputs the global input holds.
+    pub(super) input: usize,
+    /// Whether it reads the copy of a register: see [`copied`].
+    pub(super) copied: bool,
+}
+
+/// A register, of either kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Register {
+    Analog(Analog),
+    Digital(Digital),
+}
+
+/// How many rows away a word reads from the cell that it writes.
+pub(super) fn reach(word: &Primitive) -> usize {
+    reaches(word)[0]
+}
+
+/// How many rows, and how many columns, away a word reads from the cell that it writes.
+pub(super) fn reaches(word: &Primitive) -> [usize; 2] {
+    let along = |axis: usize| {
+        let step = |direction: &Direction| <[isize; 2]>::from(direction.step())[axis];
+        match word {
+            Primitive::Bus { targets, sources } => {
+                let to = targets.iter().map(|target| match target {
+                    Target::Register(_) => 0,
+                    Target::Neighbour(direction) => step(direction),
+                });
+                // The driver itself, and what it reads.
+                let from = || beside(sources).map(|direction| step(&direction)).chain([0]);
+                let far = to.flat_map(|to| from().map(move |from| (from - to).unsigned_abs()));
+                far.max().unwrap_or(0)
+            }
+            Primitive::Square { sources } | Primitive::Where { sources } => {
+                let far = beside(sources).map(|direction| step(&direction).unsigned_abs());
+                far.max().unwrap_or(0)
+            }
+            Primitive::Blur {
+                horizontal,
+                vertical,
+                ..
+            } => usize::from([*vertical, *horizontal][axis]),
+            Primitive::Dnews { .. } => 1,
+            Primitive::Nop
+            | Primitive::ResetPix
+            | Primitive::All
+            | Primitive::BlurSet
+            | Primitive::Set { .. }
+            | Primitive::Clear { .. }
+            | Primitive::Or { .. }
+            | Primitive::Nor { .. }
+            | Primitive::WhereBit { .. }
+            | Primitive::PropRead => 0,
+            // As far as it goes.
+            Primitive::Prop { .. } => usize::MAX,
+        }
+    };
+    [along(0), along(1)]
+}
+
+fn beside(sources: &[Source]) -> impl Iterator<Item = Direction> {
+    sources.iter().filter_map(|source| match source {
+        Source::Neighbour(direction) => Some(*direction),
+        Source::Register(_) | Source::Pix | Source::In => None,
+    })
+}
+
+/// The register that a word reads in one pixel after it has written it in another: it must
+/// read a copy, made before.
+pub(super) fn copied(word: &Primitive, news: Analog) -> Option<Register> {
+    let reads = |sources: &[Source]| {
+        sources.iter().any(|source| match source {
+            Source::Register(register) => *register == news,
+            Source::Neighbour(_) => true,
+            Source::Pix | Source::In => false,
+        })
     };
     match word {
-        Primitive::Nop | Primitive::BlurSet | Primitive::PropRead => {}
-        Primitive::ResetPix => {
-            let level = domain.hold(settings.reset_level);
-            state.pix.fill(level);
+        Primitive::Bus { targets, sources } => {
+            let drives = targets.iter().any(|target| match target {
+                Target::Register(register) => *register == news,
+                Target::Neighbour(_) => true,
+            });
+            (drives && reads(sources)).then_some(Register::Analog(news))
         }
-        Primitive::Bus { targets, sources } => array.bus(state, targets, sources),
-        Primitive::Square { sources } => array.square(state, sources)?,
-        Primitive::Where { sources } => array.set_flag(state, sources)?,
-        Primitive::All => state.flag.fill(true),
-        Primitive::Blur {
-            target,
-            source,
-            horizontal,
-            vertical,
-        } => array.blur(state, *target, *source, *horizontal, *vertical),
-        Primitive::Set { targets } => fill(state, targets, true),
-        Primitive::Clear { targets } => fill(state, targets, false),
-        Primitive::Or { target, sources } => logic(state, *target, sources, false),
-        Primitive::Nor { target, sources } => logic(state, *target, sources, true),
-        Primitive::WhereBit { sources } => {
-            let mut flag = state.flag.take();
-            flag.set_any(
-                &others(state, sources, Bit::Flag),
-                kept(sources, Bit::Flag),
-                false,
-            );
-            state.flag = flag;
+        Primitive::Square { sources } => reads(sources).then_some(Register::Analog(news)),
+        Primitive::Blur { target, source, .. } => {
+            (target == source).then_some(Register::Analog(*source))
         }
-        Primitive::Dnews {
-            target,
-            source,
-            boundary,
-        } => {
-            let result = from_enabled(state, state.bits(*source), *boundary);
-            write(state, *target, &result);
+        Primitive::Dnews { target, source, .. } => {
+            (*source == Bit::Register(*target)).then_some(Register::Digital(*target))
         }
-        Primitive::Prop { boundary } => propagate(state, settings.propagation, *boundary),
+        Primitive::Nop
+        | Primitive::ResetPix
+        | Primitive::Where { .. }
+        | Primitive::All
+        | Primitive::BlurSet
+        | Primitive::Set { .. }
+        | Primitive::Clear { .. }
+        | Primitive::Or { .. }
+        | Primitive::Nor { .. }
+        | Primitive::WhereBit { .. }
+        | Primitive::PropRead
+        | Primitive::Prop { .. } => None,
     }
-    Ok(())
 }
 
-/// The analogue half.
-struct Array<'a, D> {
-    domain: &'a D,
-    settings: &'a Settings,
-    step: u64,
+/// Makes room for the copy of a register.
+pub(super) fn make_copies<C: Clone>(
+    copies: &mut Copies<C>,
+    state: &State<C>,
+    register: Option<Register>,
+) {
+    match register {
+        None => {}
+        Some(Register::Analog(_)) => {
+            let pixels = state.layout.size.pixels();
+            copies.analog.resize(pixels, state.edge.clone());
+        }
+        Some(Register::Digital(_)) => copies.bits.resize(state.flag.words().len(), 0),
+    }
 }
+
+/// Copies rows of a register, for [`copied`].
+pub(super) fn copy<C: Clone>(band: &mut Band<'_, C>, register: Register, rows: Range<usize>) {
+    match register {
+        Register::Analog(register) => band.copy(register, rows),
+        Register::Digital(register) => band.copy_bits(register, rows),
+    }
+}
+
+/// What words mean, in one domain.
+pub(super) struct Array<'a, D> {
+    pub(super) domain: &'a D,
+    pub(super) settings: &'a Settings,
+}
+
+impl<D> Clone for Array<'_, D> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<D> Copy for Array<'_, D> {}
 
 impl<D: Domain> Array<'_, D> {
-    fn bus(&self, state: &mut State<D::Cell>, targets: &[Target], sources: &[Source]) {
-        let news = state.layout.news;
-        // Where each NEWS cell lies, seen from the pixels that drive it.
-        let mut driven = Vec::new();
-        let mut own = Vec::new();
-        for (part, target) in targets.iter().enumerate() {
-            let share = Share::of(targets.len(), part);
-            match target {
-                Target::Register(register) if *register == news => driven.push(((0, 0), share)),
-                Target::Register(register) => own.push((*register, share)),
-                Target::Neighbour(direction) => driven.push((direction.step(), share)),
+    /// Executes a word on some rows: those are the rows that it writes. What it reads beside
+    /// them must lie in the band, or off the array. PROP has no rows: see [`propagate`].
+    pub(super) fn execute(
+        self,
+        band: &mut Band<'_, D::Cell>,
+        issued: Issued<'_>,
+        rows: Range<usize>,
+    ) -> Result<(), Undecided> {
+        match issued.word {
+            Primitive::Nop | Primitive::BlurSet | Primitive::PropRead | Primitive::Prop { .. } => {}
+            Primitive::ResetPix => {
+                let level = self.domain.hold(self.settings.reset_level);
+                let cells = band.row_cells(rows);
+                band.pix[cells].fill(level);
             }
+            Primitive::Bus { targets, sources } => {
+                self.bus(band, issued, targets, sources, &rows);
+            }
+            Primitive::Square { sources } => self.square(band, issued, sources, rows)?,
+            Primitive::Where { sources } => {
+                let top = band.rows.start;
+                let flag = band.take_flag();
+                let operands = band.operands(sources, issued.input, false);
+                let result = rows::positive(self.domain, band.bus(&operands), flag, top, rows);
+                drop(operands);
+                band.put_flag(flag);
+                result?;
+            }
+            Primitive::All => {
+                let size = band.layout.size;
+                let words = band.row_words(rows);
+                let flag = band.take_flag();
+                bits::fill(&mut flag[words], size.width, true);
+                band.put_flag(flag);
+            }
+            Primitive::Blur {
+                target,
+                source,
+                horizontal,
+                vertical,
+            } => {
+                let step = issued.step;
+                self.blur(band, *target, *source, (*horizontal, *vertical), step, rows);
+            }
+            Primitive::Set { targets } => fill(band, targets, true, rows),
+            Primitive::Clear { targets } => fill(band, targets, false, rows),
+            Primitive::Or { target, sources } => logic(band, *target, sources, false, rows),
+            Primitive::Nor { target, sources } => logic(band, *target, sources, true, rows),
+            Primitive::WhereBit { sources } => {
+                let words = band.row_words(rows);
+                let kept = sources.contains(&Bit::Flag);
+                let flag = band.take_flag();
+                any(
+                    band,
+                    &mut flag[words.clone()],
+                    words,
+                    sources,
+                    Bit::Flag,
+                    (kept, false),
+                );
+                band.put_flag(flag);
+            }
+            Primitive::Dnews {
+                target,
+                source,
+                boundary,
+            } => dnews(band, *target, *source, *boundary, rows),
         }
-        // All reads come before all writes: NEWS, the one register that can be read and
-        // written, is written beside.
-        let mut planes: Vec<Vec<D::Cell>> = own
-            .iter()
-            .map(|(register, _)| std::mem::take(state.analog_mut(*register)))
-            .collect();
-        let mut driven_plane = match driven[..] {
-            [] => None,
-            [_] if !reads(sources, news) => Some(std::mem::take(state.analog_mut(news))),
-            _ => Some(state.analog(news).to_vec()),
+        Ok(())
+    }
+
+    fn bus(
+        self,
+        band: &mut Band<'_, D::Cell>,
+        issued: Issued<'_>,
+        targets: &[Target],
+        sources: &[Source],
+        rows: &Range<usize>,
+    ) {
+        let news = band.layout.news;
+        let copied = issued.copied;
+        let place = |target: &Target| match target {
+            Target::Register(register) => (*register, (0, 0)),
+            Target::Neighbour(direction) => (news, direction.step()),
         };
-        let outside = vec![state.edge.clone(); state.layout.size.width];
-        let input = vec![state.input.clone(); state.layout.size.width];
-        let bus = bus_of(state, sources, &outside, &input);
-        let mut stores = Vec::with_capacity(targets.len());
-        for ((register, share), cells) in own.iter().zip(&mut planes) {
-            stores.push(Store {
-                cells,
-                register: *register,
-                share: *share,
-                beside: (0, 0),
+        let drivers = targets.iter().filter(|target| place(target).0 == news);
+        let several = drivers.count() > 1;
+        for (part, target) in targets.iter().enumerate() {
+            let (register, beside) = place(target);
+            if several && register == news {
+                continue;
+            }
+            let (cells, mut block) = (band.take(register), std::mem::take(&mut band.cells));
+            let operands = band.operands(sources, issued.input, copied);
+            let mut store = Store {
+                cells: &mut *cells,
+                flag: band.flag(),
+                top: band.rows.start,
+                register,
+                share: Share::of(targets.len(), part),
+                beside,
+                clip: self.settings.clip,
+                step: issued.step,
+            };
+            let bus = band.bus(&operands);
+            rows::store(self.domain, bus, &mut store, rows.clone(), &mut block);
+            drop(operands);
+            band.put(register, cells);
+            band.cells = block;
+        }
+        if several {
+            let driven = targets.iter().enumerate().filter_map(|(part, target)| {
+                let (register, beside) = place(target);
+                (register == news).then_some((beside, Share::of(targets.len(), part)))
             });
-        }
-        match (&driven[..], &mut driven_plane) {
-            ([(beside, share)], Some(cells)) => stores.push(Store {
-                cells,
-                register: news,
-                share: *share,
-                beside: *beside,
-            }),
-            (several, Some(cells)) => self.drive(&bus, cells, several, &state.flag, news),
-            (_, None) => {}
-        }
-        let when = When {
-            flag: &state.flag,
-            clip: self.settings.clip,
-            step: self.step,
-        };
-        rows::store(self.domain, &bus, &mut stores, when);
-        if let ([(beside, share)], Some(cells)) = (&driven[..], &mut driven_plane) {
-            self.drive_from_outside(&bus, cells, *beside, *share, news);
-        }
-        for ((register, _), plane) in own.iter().zip(planes) {
-            *state.analog_mut(*register) = plane;
-        }
-        if let Some(plane) = driven_plane {
-            *state.analog_mut(news) = plane;
+            let cells = band.take(news);
+            let operands = band.operands(sources, issued.input, copied);
+            let driven: Vec<_> = driven.collect();
+            let from = (band.rows.start, issued.step);
+            self.drive(&band.bus(&operands), cells, &driven, band, from, rows);
+            drop(operands);
+            band.put(news, cells);
         }
     }
 
     /// NEWS cells that several pixels drive: each holds the sum of what they put in.
     fn drive(
-        &self,
+        self,
         bus: &Bus<'_, D::Cell>,
         cells: &mut [D::Cell],
         driven: &[((isize, isize), Share)],
-        flag: &BitPlane,
-        news: Analog,
+        band: &Band<'_, D::Cell>,
+        (top, step): (usize, u64),
+        rows: &Range<usize>,
     ) {
         let Size { height, width } = bus.size;
-        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        for (y, x) in rows.clone().flat_map(|y| (0..width).map(move |x| (y, x))) {
             let mut total = self.domain.nothing();
             let mut any = None;
             for ((dy, dx), share) in driven {
                 let (y, x) = (y.wrapping_add_signed(-dy), x.wrapping_add_signed(-dx));
                 let inside = y < height && x < width;
-                if inside && !flag.get(y, x) {
+                if inside && band.flag()[(y - top) * band.words() + x / 64] >> (x % 64) & 1 == 0 {
                     continue;
                 }
-                let sum = if inside {
-                    bus.sum(self.domain, y, x)
-                } else {
-                    self.outside(bus)
-                };
-                self.domain.join(&mut total, &sum);
+                self.domain.join(&mut total, &bus.sum(self.domain, y, x));
                 any = Some(*share);
             }
             if let Some(share) = any {
-                cells[y * width + x] = self.cell(&total, share, news, y, x);
-            }
-        }
-    }
-
-    /// What the bus of a pixel off the array carries.
-    fn outside(&self, bus: &Bus<'_, D::Cell>) -> D::Sum {
-        let mut sum = self.domain.nothing();
-        for _ in &bus.operands {
-            self.domain.add(&mut sum, &bus.outside[0], 1);
-        }
-        sum
-    }
-
-    #[inline]
-    fn cell(&self, sum: &D::Sum, share: Share, register: Analog, y: usize, x: usize) -> D::Cell {
-        let place = Place {
-            y,
-            x,
-            register,
-            step: self.step,
-        };
-        self.limit(self.domain.store(sum, share, place))
-    }
-
-    #[inline]
-    fn limit(&self, cell: D::Cell) -> D::Cell {
-        if self.settings.clip {
-            self.domain.limit(cell)
-        } else {
-            cell
-        }
-    }
-
-    /// The NEWS cells at the border whose driver lies off the array.
-    fn drive_from_outside(
-        &self,
-        bus: &Bus<'_, D::Cell>,
-        cells: &mut [D::Cell],
-        beside: (isize, isize),
-        share: Share,
-        news: Analog,
-    ) {
-        let Size { height, width } = bus.size;
-        let sum = self.outside(bus);
-        let (ys, xs) = match beside {
-            (1, _) => (0..1, 0..width),
-            (-1, _) => (height - 1..height, 0..width),
-            (_, 1) => (0..height, 0..1),
-            (_, -1) => (0..height, width - 1..width),
-            _ => return,
-        };
-        for y in ys {
-            for x in xs.clone() {
-                cells[y * width + x] = self.cell(&sum, share, news, y, x);
-            }
-        }
-    }
-
-    fn square(&self, state: &mut State<D::Cell>, sources: &[Source]) -> Result<(), Undecided> {
-        let news = state.layout.news;
-        let Size { height, width } = state.layout.size;
-        let outside = vec![state.edge.clone(); width];
-        let input = vec![state.input.clone(); width];
-        let bus = bus_of(state, sources, &outside, &input);
-        let mut squares = state.analog(news).to_vec();
-        for y in 0..height {
-            for x in 0..width {
                 let place = Place {
                     y,
                     x,
-                    register: news,
-                    step: self.step,
+                    register: band.layout.news,
+                    step,
                 };
-                let sum = bus.sum(self.domain, y, x);
-                let square = self.domain.square(&sum, self.settings.square_gain, place);
-                let cell = square.ok_or(Undecided { operation: "sq" })?;
-                if state.flag.get(y, x) {
-                    squares[y * width + x] = self.limit(cell);
-                }
+                let stored = self.domain.store(&total, share, place);
+                cells[(y - top) * width + x] = if self.settings.clip {
+                    self.domain.limit(stored)
+                } else {
+                    stored
+                };
             }
         }
-        *state.analog_mut(news) = squares;
-        Ok(())
     }
 
-    fn set_flag(&self, state: &mut State<D::Cell>, sources: &[Source]) -> Result<(), Undecided> {
-        let outside = vec![state.edge.clone(); state.layout.size.width];
-        let input = vec![state.input.clone(); state.layout.size.width];
-        let mut flag = state.flag.clone();
-        let bus = bus_of(state, sources, &outside, &input);
-        rows::positive(self.domain, &bus, &mut flag)?;
-        state.flag = flag;
-        Ok(())
+    fn square(
+        self,
+        band: &mut Band<'_, D::Cell>,
+        issued: Issued<'_>,
+        sources: &[Source],
+        rows: Range<usize>,
+    ) -> Result<(), Undecided> {
+        let news = band.layout.news;
+        let copied = issued.copied;
+        let cells = band.take(news);
+        let operands = band.operands(sources, issued.input, copied);
+        let mut store = Store {
+            cells: &mut *cells,
+            flag: band.flag(),
+            top: band.rows.start,
+            register: news,
+            share: Share::of(1, 0),
+            beside: (0, 0),
+            clip: self.settings.clip,
+            step: issued.step,
+        };
+        let gain = self.settings.square_gain;
+        let result = rows::square(self.domain, band.bus(&operands), &mut store, gain, rows);
+        drop(operands);
+        band.put(news, cells);
+        result
     }
 
     /// One explicit step of diffusion. A link conducts where the gates of both its pixels are
     /// open: R1 along columns, R2 along rows. Nothing flows over the border.
     fn blur(
-        &self,
-        state: &mut State<D::Cell>,
+        self,
+        band: &mut Band<'_, D::Cell>,
         target: Analog,
         source: Analog,
-        horizontal: bool,
-        vertical: bool,
+        (horizontal, vertical): (bool, bool),
+        step: u64,
+        rows: Range<usize>,
     ) {
-        let (height, width) = state.layout.size.shape();
-        let parts = i32::from(self.settings.diffusion.max(4));
-        let share = Share {
-            by: parts as u32,
-            part: None,
-        };
-        let roles = state.layout.roles;
-        let before = state.analog(source).to_vec();
-        for y in 0..height {
-            for x in 0..width {
-                let mut links = 0;
-                let mut sum = self.domain.nothing();
-                for direction in Direction::ALL {
-                    let (along, gate) = match direction {
-                        Direction::North | Direction::South => {
-                            (vertical, roles.enables(Direction::South))
-                        }
-                        Direction::East | Direction::West => {
-                            (horizontal, roles.enables(Direction::West))
-                        }
-                    };
-                    let (dy, dx) = direction.step();
-                    let (to_y, to_x) = (y.wrapping_add_signed(dy), x.wrapping_add_signed(dx));
-                    let gates = state.digital(gate);
-                    if along
-                        && to_y < height
-                        && to_x < width
-                        && gates.get(y, x)
-                        && gates.get(to_y, to_x)
-                    {
-                        links += 1;
-                        self.domain.add(&mut sum, &before[to_y * width + to_x], 1);
+        let Size { height, width } = band.layout.size;
+        let words = band.words();
+        let gates = Direction::ALL.map(|direction| match direction {
+            Direction::North | Direction::South => {
+                vertical.then(|| band.layout.roles.enables(Direction::South))
+            }
+            Direction::East | Direction::West => {
+                horizontal.then(|| band.layout.roles.enables(Direction::West))
+            }
+        });
+        let mut linked = [const { Vec::new() }; 4].map(|_: Vec<u64>| vec![0; words]);
+        let top = band.rows.start;
+        let cells = band.take(target);
+        let mut block = std::mem::take(&mut band.cells);
+        for y in rows {
+            let row = |y: usize| band.row_cells(y..y + 1);
+            let mut beside = [y; 4];
+            for (k, direction) in Direction::ALL.into_iter().enumerate() {
+                let to = y.wrapping_add_signed(direction.step().0);
+                linked[k].fill(0);
+                if let (Some(gate), true) = (gates[k], to < height) {
+                    beside[k] = to;
+                    let gates = band.digital(gate);
+                    let (own, there) = (
+                        &gates[band.row_words(y..y + 1)],
+                        &gates[band.row_words(to..to + 1)],
+                    );
+                    for (i, word) in linked[k].iter_mut().enumerate() {
+                        *word = own[i] & bits::seen(there, i, direction, width, false);
                     }
                 }
-                self.domain
-                    .add(&mut sum, &before[y * width + x], parts - links);
-                if state.flag.get(y, x) {
-                    let cell = self.cell(&sum, share, target, y, x);
-                    state.analog_mut(target)[y * width + x] = cell;
-                }
             }
+            let from = band.analog(source, source == target);
+            let links = Links {
+                own: &from[row(y)],
+                beside: beside.map(|y| &from[row(y)]),
+                linked: linked.each_ref().map(Vec::as_slice),
+                parts: self.settings.diffusion.max(4).into(),
+            };
+            let place = Place {
+                y,
+                x: 0,
+                register: target,
+                step,
+            };
+            let flags = &band.flag()[band.row_words(y..y + 1)];
+            let cells = &mut cells[(y - top) * width..][..width];
+            let clip = self.settings.clip;
+            rows::diffuse(self.domain, &links, flags, place, clip, cells, &mut block);
+        }
+        band.put(target, cells);
+        band.cells = block;
+    }
+}
+
+/// `words := [kept words or] any of the sources`, `own` excepted.
+fn any<C>(
+    band: &Band<'_, C>,
+    words: &mut [u64],
+    rows: Range<usize>,
+    sources: &[Bit],
+    own: Bit,
+    (kept, not): (bool, bool),
+) {
+    let mut others = sources
+        .iter()
+        .filter(|bit| **bit != own)
+        .map(|bit| &band.bits(*bit, false)[rows.clone()]);
+    let few: [Option<&[u64]>; 4] = std::array::from_fn(|_| others.next());
+    bits::or(words, few, kept, not);
+    for more in others {
+        // Not of all is not of each and of each.
+        if not {
+            bits::clear_where(words, more);
+        } else {
+            bits::or(words, [Some(more), None, None, None], true, false);
         }
     }
-}
-
-/// The bus of every pixel.
-fn bus_of<'a, C: Clone>(
-    state: &'a State<C>,
-    sources: &[Source],
-    outside: &'a [C],
-    input: &'a [C],
-) -> Bus<'a, C> {
-    let size = state.layout.size;
-    let plane = |cells, beside| Operand {
-        cells,
-        stride: size.width,
-        beside,
-    };
-    let operand = |source: &Source| match source {
-        Source::Register(register) => plane(state.analog(*register), (0, 0)),
-        Source::Pix => plane(&state.pix, (0, 0)),
-        Source::In => Operand {
-            cells: input,
-            stride: 0,
-            beside: (0, 0),
-        },
-        Source::Neighbour(direction) => plane(state.analog(state.layout.news), direction.step()),
-    };
-    Bus {
-        size,
-        operands: sources.iter().map(operand).collect(),
-        outside,
+    if not {
+        bits::cut(words, band.layout.size.width);
     }
 }
 
-/// Whether any of the sources is this pixel's or a neighbour's NEWS.
-fn reads(sources: &[Source], news: Analog) -> bool {
-    sources.iter().any(|source| match source {
-        Source::Register(register) => *register == news,
-        Source::Neighbour(_) => true,
-        Source::Pix | Source::In => false,
-    })
-}
-
-/// `target := [not] any source`, in place.
-fn logic<C: Clone>(state: &mut State<C>, target: Digital, sources: &[Bit], not: bool) {
-    if target == state.layout.roles.propagated {
-        let mut result = BitPlane::zeros(state.layout.size);
-        let planes: Vec<_> = sources.iter().map(|bit| state.bits(*bit)).collect();
-        result.set_any(&planes, false, not);
-        write(state, target, &result);
-        return;
-    }
+/// `target := [not] any source`.
+fn logic<C>(
+    band: &mut Band<'_, C>,
+    target: Digital,
+    sources: &[Bit],
+    not: bool,
+    rows: Range<usize>,
+) {
     let own = Bit::Register(target);
-    let mut plane = state.digital_mut(target).take();
-    plane.set_any(&others(state, sources, own), kept(sources, own), not);
-    *state.digital_mut(target) = plane;
+    let kept = sources.contains(&own);
+    let words = band.row_words(rows.clone());
+    let bits = band.take_bits(target);
+    if target == band.layout.roles.propagated {
+        // A row at a time, by way of a row of its own.
+        let mut new = std::mem::take(&mut band.bits);
+        for y in rows {
+            let words = band.row_words(y..y + 1);
+            let old = &mut bits[words.clone()];
+            new.copy_from_slice(old);
+            any(band, &mut new, words.clone(), sources, own, (kept, not));
+            bits::assign_where(old, &new, &band.digital(band.layout.roles.mask)[words]);
+        }
+        band.bits = new;
+    } else {
+        any(
+            band,
+            &mut bits[words.clone()],
+            words,
+            sources,
+            own,
+            (kept, not),
+        );
+    }
+    band.put_bits(target, bits);
 }
 
-/// Whether a word reads the operand that it writes.
-fn kept(sources: &[Bit], own: Bit) -> bool {
-    sources.contains(&own)
+fn fill<C>(band: &mut Band<'_, C>, targets: &[Digital], value: bool, rows: Range<usize>) {
+    let width = band.layout.size.width;
+    let words = band.row_words(rows);
+    let roles = band.layout.roles;
+    // R12 first: it goes by R0 as it was before this word.
+    if targets.contains(&roles.propagated) {
+        let bits = band.take_bits(roles.propagated);
+        let mask = &band.digital(roles.mask)[words.clone()];
+        let old = &mut bits[words.clone()];
+        if value {
+            bits::or(old, [Some(mask), None, None, None], true, false);
+        } else {
+            bits::clear_where(old, mask);
+        }
+        band.put_bits(roles.propagated, bits);
+    }
+    for target in targets.iter().filter(|target| **target != roles.propagated) {
+        let bits = band.take_bits(*target);
+        bits::fill(&mut bits[words.clone()], width, value);
+        band.put_bits(*target, bits);
+    }
 }
 
-/// The operands that it does not write.
-fn others<'a, C: Clone>(state: &'a State<C>, sources: &[Bit], own: Bit) -> Vec<&'a BitPlane> {
-    let others = sources.iter().filter(|bit| **bit != own);
-    others.map(|bit| state.bits(*bit)).collect()
+/// `target := OR over the directions that are enabled in the reading pixel`.
+fn dnews<C>(
+    band: &mut Band<'_, C>,
+    target: Digital,
+    source: Bit,
+    boundary: bool,
+    rows: Range<usize>,
+) {
+    let copied = source == Bit::Register(target);
+    let mut new = std::mem::take(&mut band.bits);
+    for y in rows {
+        let words = band.row_words(y..y + 1);
+        let Size { height, width } = band.layout.size;
+        let source = band.bits(source, copied);
+        new.fill(0);
+        for direction in Direction::ALL {
+            let to = y.wrapping_add_signed(direction.step().0);
+            let there = (to < height).then(|| &source[band.row_words(to..to + 1)]);
+            let enabled = &band.digital(band.layout.roles.enables(direction))[words.clone()];
+            bits::or_seen(&mut new, there, direction, width, boundary, enabled);
+        }
+        let roles = band.layout.roles;
+        let bits = band.take_bits(target);
+        let old = &mut bits[words.clone()];
+        if target == roles.propagated {
+            bits::assign_where(old, &new, &band.digital(roles.mask)[words]);
+        } else {
+            old.copy_from_slice(&new);
+        }
+        band.put_bits(target, bits);
+    }
+    band.bits = new;
 }
 
 /// Writes a one-bit register; R12 only where R0 is 1.
 pub(super) fn write<C: Clone>(state: &mut State<C>, target: Digital, new: &BitPlane) {
     if target == state.layout.roles.propagated {
         let [mask, spreads] = mask_and_spreads(state);
-        spreads.assign_where(new, mask);
+        bits::assign_where(spreads.words_mut(), new.words(), mask.words());
     } else {
-        state.digital_mut(target).clone_from(new);
+        let words = state.digital_mut(target).words_mut();
+        words.copy_from_slice(new.words());
     }
 }
 
@@ -421,45 +622,43 @@ fn mask_and_spreads<C>(state: &mut State<C>) -> [&mut BitPlane; 2] {
     state.digital.get_disjoint_mut(both).expect("two registers")
 }
 
-fn fill<C: Clone>(state: &mut State<C>, targets: &[Digital], value: bool) {
-    // R12 first: it goes by R0 as it was before this word.
-    let spreads = state.layout.roles.propagated;
-    if targets.contains(&spreads) {
-        let mut constant = BitPlane::zeros(state.layout.size);
-        constant.fill(value);
-        write(state, spreads, &constant);
-    }
-    for target in targets.iter().filter(|target| **target != spreads) {
-        state.digital_mut(*target).fill(value);
-    }
-}
-
-/// OR over the directions that are enabled in the reading pixel.
-fn from_enabled<C: Clone>(state: &State<C>, source: &BitPlane, boundary: bool) -> BitPlane {
-    let mut result = BitPlane::zeros(state.layout.size);
-    for direction in Direction::ALL {
-        let enabled = state.digital(state.layout.roles.enables(direction));
-        result.or_where(&source.seen(direction, boundary), enabled);
-    }
-    result
-}
-
-fn propagate<C: Clone>(state: &mut State<C>, how_far: Propagation, boundary: bool) {
+/// R12 spreads, from row to row until nothing changes or it has gone as far as it can.
+pub(super) fn propagate<C: Clone>(state: &mut State<C>, how_far: Propagation, boundary: bool) {
     let steps = match how_far {
         Propagation::Settled => u32::MAX,
         Propagation::Steps(steps) => steps,
     };
+    let Size { height, width } = state.layout.size;
+    let roles = state.layout.roles;
+    let enabled = Direction::ALL.map(|direction| state.digital(roles.enables(direction)).clone());
+    let mut seen = BitPlane::zeros(state.layout.size);
+    // Only what lies beside a row that changed can change.
+    let mut active = 0..height;
     for _ in 0..steps {
-        let seen = from_enabled(
-            state,
-            state.digital(state.layout.roles.propagated),
-            boundary,
-        );
         let [mask, spreads] = mask_and_spreads(state);
-        let before = spreads.count();
-        spreads.or_where(&seen, mask);
-        if spreads.count() == before {
-            break;
+        for y in active.clone() {
+            let new = seen.row_mut(y);
+            new.fill(0);
+            for (direction, enabled) in Direction::ALL.into_iter().zip(&enabled) {
+                let to = y.wrapping_add_signed(direction.step().0);
+                let there = (to < height).then(|| spreads.row(to));
+                bits::or_seen(new, there, direction, width, boundary, enabled.row(y));
+            }
         }
+        let mut changed: Option<Range<usize>> = None;
+        for y in active {
+            let (new, mask) = (seen.row(y), mask.row(y));
+            let mut any = 0;
+            for ((word, new), mask) in spreads.row_mut(y).iter_mut().zip(new).zip(mask) {
+                let more = new & mask & !*word;
+                any |= more;
+                *word |= more;
+            }
+            if any != 0 {
+                changed.get_or_insert(y..y).end = y + 1;
+            }
+        }
+        let Some(changed) = changed else { break };
+        active = changed.start.saturating_sub(1)..(changed.end + 1).min(height);
     }
 }

@@ -20,13 +20,47 @@ pub struct Settings {
     pub reset_level: f64,
     /// How far R12 spreads in one PROP.
     pub propagation: Propagation,
+    /// The converters between registers and the host.
+    pub converters: Converters,
     /// One link of the diffusion network against the pixel's own cell, as one part in so many:
-    /// `blur` moves 1/8 of the difference to each connected neighbour. At least 4.
+    /// by default `blur` moves 1/8 of the difference to each connected neighbour. At least 4.
     /// Evidence: guess.
     pub diffusion: u8,
     /// NEWS := this times the square of the sum, in 1/LSB. Evidence: guess; the vendor gives no
     /// calibration of the squarer.
     pub square_gain: f64,
+}
+
+/// The ADC that reads registers and the DAC that drives the global input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Converters {
+    /// What the lowest code stands for, in LSB.
+    pub low: f64,
+    /// What the ADC's highest code stands for, in LSB.
+    pub high: f64,
+    /// Codes of the ADC, at most 256.
+    pub adc_codes: f64,
+    /// Codes of the DAC, from `low` on, over the ADC's range and one step more.
+    pub dac_codes: f64,
+}
+
+impl Converters {
+    /// What the ADC makes of a value: the nearest code, halves to even.
+    #[must_use]
+    pub fn read(&self, value: f64) -> u8 {
+        let step = (self.high - self.low) / (self.adc_codes - 1.0);
+        let code = ((value - self.low) / step).round_ties_even();
+        // `as` saturates, which is what is meant.
+        code.clamp(0.0, self.adc_codes - 1.0) as u8
+    }
+
+    /// What a code of the DAC stands for, in LSB. Evidence: guess, the real map is calibrated
+    /// for each chip.
+    #[must_use]
+    pub fn drive(&self, code: u16) -> f64 {
+        let range = self.high - self.low + 1.0;
+        self.low + f64::from(code) * range / self.dac_codes
+    }
 }
 
 /// How far a bit spreads in one PROP.
@@ -48,8 +82,14 @@ impl Settings {
             gain: device.value(Figure::LightScale),
             reset_level: device.value(Figure::LightReset),
             propagation: Propagation::Steps(device.value(Figure::Travel) as u32),
-            diffusion: 8,
-            square_gain: 1.0,
+            converters: Converters {
+                low: device.value(Figure::Lowest),
+                high: device.value(Figure::Highest),
+                adc_codes: device.value(Figure::AdcCodes),
+                dac_codes: device.value(Figure::DacCodes),
+            },
+            diffusion: device.value(Figure::DiffusionParts) as u8,
+            square_gain: device.value(Figure::SquareGain),
         }
     }
 }

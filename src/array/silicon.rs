@@ -2,13 +2,16 @@
 //!
 //! ```text
 //! cell := -(1 - loss + m_g) · share · sum + Δ + m_o + noise       limited to the range
-//!         and for a bus that splits:  + division error + curve · (sum / n)²
+//!         and for a bus that splits:  + division error
 //! ```
 //!
 //! - The transfer error Δ is nearly the same for all cells, so two stores cancel it
 //!   (`T = -x + Δ`, `y = -T + Δ = x`): why every macro of the vendor stores twice.
 //! - The loss of each store, and how Δ of a splitting bus differs, are fitted to the chip's
-//!   only public measurement: `diva(A,E,F); mov(F,A); add(A,A,F)`, an identity, repeated.
+//!   only public measurement: `diva(A,E,F); mov(F,A); add(A,A,F)`, an identity, repeated. A map
+//!   that is affine in the signal explains it; one with a curve explains the inputs that it was
+//!   fitted to a little better, and those left out worse.
+//! - All numbers are the device's, each with its source: `[figure.error]` of `device.toml`.
 //! - Mismatch belongs to one cell of one pixel and never changes; noise is drawn anew for every
 //!   word. Both are hashes of the seed and the place.
 //! - A bus that splits between two cells does so unevenly: what one gets more the other gets
@@ -21,50 +24,62 @@ use super::{
     Domain, Layout, Place, Share,
     chance::{Draws, hash, normal},
 };
+use crate::isa::{Device, Digital, Figure};
 
 /// How a chip errs. Analogue values are in LSB, the ADC's steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Δ of every store, LSB. Quoted: the vendor's note on kernel instructions, "about 20".
+    /// Δ of every store, LSB.
     pub transfer: f64,
-    /// Part of the signal that one store loses. Modelled: fitted to the identity loop's bias,
-    /// n = 2 to 32, inputs 0, 10, 60, 120 (B. Guillard, CNNs on FPSPs, noise accumulation).
+    /// Part of the signal that one store loses.
     pub loss: f64,
-    /// How much more than Δ a splitting bus adds, LSB. Modelled: same fit.
+    /// How much more than Δ a splitting bus adds, LSB.
     pub division: f64,
-    /// What a splitting bus adds for the square of what it stores, 1/LSB. Modelled: same fit.
-    pub division_curve: f64,
-    /// Spread of the gain of cells. Modelled: fitted to the identity loop's spread over pixels.
+    /// Spread of the gain of cells.
     pub gain_mismatch: f64,
-    /// Spread of Δ of cells, LSB. Modelled: same fit.
+    /// Spread of Δ of cells, LSB.
     pub offset_mismatch: f64,
-    /// Correlation of the two. Modelled: same fit.
+    /// Correlation of the two.
     pub mismatch_correlation: f64,
-    /// Spread of how unevenly a bus splits. Guess: the sources only say that it does.
+    /// Spread of how unevenly a bus splits.
     pub division_mismatch: f64,
-    /// Noise of every store, LSB. Guess: the measurement only bounds it (it needs none).
+    /// Noise of every store, LSB.
     pub noise: f64,
-    /// Lowest and highest value of a cell, LSB. Quoted: registers saturate near the ends of the
-    /// ADC's scale; the headroom, here one Δ, is a guess: full-scale values survive two stores.
+    /// Lowest and highest value of a cell, LSB.
     pub range: (f64, f64),
-    /// What every cell sinks by in a second, LSB. The rate was never published: none.
+    /// What a cell that nothing was put on holds, LSB.
+    pub reset_level: f64,
+    /// How fast every cell goes there, LSB/s.
     pub decay: f64,
+    /// How long a one-bit cell holds at least without being written, s.
+    pub retention: f64,
+    /// Spread of how much longer it holds, as a part of that.
+    pub retention_spread: f64,
 }
 
-impl Default for Errors {
-    fn default() -> Self {
+impl Errors {
+    /// As a chip's data has them.
+    #[must_use]
+    pub fn of(device: &Device) -> Self {
+        let value = |figure| device.value(figure);
+        let headroom = value(Figure::Headroom);
         Self {
-            transfer: 20.0,
-            loss: 0.007_587,
-            division: 2.074,
-            division_curve: -1.195e-4,
-            gain_mismatch: 0.003_36,
-            offset_mismatch: 0.1074,
-            mismatch_correlation: -0.7,
-            division_mismatch: 0.01,
-            noise: 0.05,
-            range: (-148.0, 147.0),
-            decay: 0.0,
+            transfer: value(Figure::TransferError),
+            loss: value(Figure::StoreLoss),
+            division: value(Figure::DivisionError),
+            gain_mismatch: value(Figure::GainMismatch),
+            offset_mismatch: value(Figure::OffsetMismatch),
+            mismatch_correlation: value(Figure::MismatchCorrelation),
+            division_mismatch: value(Figure::DivisionMismatch),
+            noise: value(Figure::StoreNoise),
+            range: (
+                value(Figure::Lowest) - headroom,
+                value(Figure::Highest) + headroom,
+            ),
+            reset_level: value(Figure::ResetLevel),
+            decay: value(Figure::AnalogueDecay),
+            retention: value(Figure::Retention),
+            retention_spread: value(Figure::RetentionSpread),
         }
     }
 }
@@ -74,6 +89,7 @@ const GAIN: u64 = 0;
 const OFFSET: u64 = 1;
 const SPLIT: u64 = 2;
 const NOISE: u64 = 3;
+const RETENTION: u64 = 4;
 
 /// One chip: its errors, and the mismatch of each of its cells.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,7 +175,6 @@ impl Silicon {
             split: self.split.each_ref().map(|plane| &plane[first..][..cells]),
             weights,
             division: self.errors.division as f32,
-            curve: self.errors.division_curve as f32,
             draws: Draws::new(self.seed, NOISE, place.register.0, place.step),
             noise: self.errors.noise as f32,
             range: (self.errors.range.0 as f32, self.errors.range.1 as f32),
@@ -176,7 +191,6 @@ struct Run<'a> {
     split: [&'a [f32]; 2],
     weights: [f32; 2],
     division: f32,
-    curve: f32,
     draws: Draws,
     noise: f32,
     range: (f32, f32),
@@ -199,7 +213,7 @@ impl Run<'_> {
     #[inline(always)]
     fn part(&self, sum: f32, i: usize) -> f32 {
         let current = sum / self.by;
-        let error = self.error(i) + self.division + self.curve * current * current;
+        let error = self.error(i) + self.division;
         let more = self.weights[0] * self.split[0][i] + self.weights[1] * self.split[1][i];
         let value = self.gain[i] * (current * (1.0 + more)) + error;
         value.clamp(self.range.0, self.range.1)
@@ -286,6 +300,20 @@ impl Domain for Silicon {
         }
     }
 
+    #[inline(always)]
+    fn choose(&self, old: &f32, new: &f32, take: u8) -> f32 {
+        super::Single.choose(old, new, take)
+    }
+
+    #[inline(always)]
+    fn positives<const N: usize>(&self, operands: [&[f32]; N], bytes: &mut [u8]) -> bool {
+        super::Single.positives(operands, bytes)
+    }
+
+    fn is_steady(&self) -> bool {
+        false
+    }
+
     /// The squarer has no calibration; only the transfer error of its store is modelled.
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
         let error = self.run(Share::of(1, 0), place, 1).error(0);
@@ -306,6 +334,18 @@ impl Domain for Silicon {
         if self.errors.decay == 0.0 {
             return None;
         }
-        Some(self.saturated(cell - (self.errors.decay * seconds) as f32))
+        let (level, way) = (self.errors.reset_level, self.errors.decay * seconds);
+        let above = f64::from(*cell) - level;
+        Some((level + above.signum() * (above.abs() - way).max(0.0)) as f32)
+    }
+
+    fn retention(&self) -> Option<f64> {
+        Some(self.errors.retention)
+    }
+
+    fn holds(&self, register: Digital, pixel: usize, seconds: f64) -> bool {
+        let draw = normal(hash(self.seed, RETENTION, register.0, 0, pixel as u64));
+        let longer = self.errors.retention_spread * f64::from(draw.abs());
+        seconds <= self.errors.retention * (1.0 + longer)
     }
 }

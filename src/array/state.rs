@@ -1,6 +1,6 @@
 //! Everything that the array remembers.
 
-use super::{BitPlane, Domain, Layout};
+use super::{BitPlane, Domain, Layout, cells::Cells};
 use crate::{
     isa::{Analog, Bit, Digital},
     plane::Plane,
@@ -12,9 +12,9 @@ pub struct State<C> {
     /// Size and registers.
     pub layout: Layout,
     /// Analogue registers, each row by row.
-    pub(super) analog: Vec<Vec<C>>,
+    pub(super) analog: Vec<Cells<C>>,
     /// The photodiodes, row by row.
-    pub(super) pix: Vec<C>,
+    pub(super) pix: Cells<C>,
     /// The global input (DAC).
     pub(super) input: C,
     /// What lies off the array.
@@ -29,14 +29,16 @@ impl<C: Clone> State<C> {
     /// As switched on: every register 0, FLAG 1 everywhere.
     pub fn new<D: Domain<Cell = C>>(domain: &D, layout: Layout, edge: f64) -> Self {
         let zero = domain.hold(0.0);
-        let plane = vec![zero.clone(); layout.size.pixels()];
+        let plane = |k: u8| Cells::new(k.into(), zero.clone(), layout.size.pixels());
         Self {
             layout,
-            analog: vec![plane.clone(); layout.analog.into()],
-            pix: plane,
-            input: zero,
+            analog: (0..layout.analog).map(plane).collect(),
+            pix: plane(layout.analog),
+            input: zero.clone(),
             edge: domain.hold(edge),
-            digital: vec![BitPlane::zeros(layout.size); layout.digital.into()],
+            digital: (0..layout.digital)
+                .map(|k| BitPlane::apart(layout.size, k.into()))
+                .collect(),
             flag: BitPlane::ones(layout.size),
             select: BitPlane::zeros(layout.size),
             rect: BitPlane::zeros(layout.size),
@@ -75,7 +77,7 @@ impl<C: Clone> State<C> {
         &self.digital[usize::from(register.0)]
     }
 
-    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Vec<C> {
+    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Cells<C> {
         &mut self.analog[usize::from(register.0)]
     }
 
@@ -83,9 +85,28 @@ impl<C: Clone> State<C> {
         &mut self.digital[usize::from(register.0)]
     }
 
+    /// Clears the bits of a register that do not hold.
+    pub(super) fn fade(&mut self, register: Digital, holds: impl Fn(usize) -> bool) {
+        let (height, width) = self.layout.size.shape();
+        let bits = self.digital_mut(register);
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            if bits.get(y, x) && !holds(y * width + x) {
+                bits.set(y, x, false);
+            }
+        }
+    }
+
     /// The values of an analogue register, in LSB.
     pub fn values<D: Domain<Cell = C>>(&self, domain: &D, register: Analog) -> Plane<f64> {
-        let cells = self.analog(register);
+        self.plane(domain, self.analog(register))
+    }
+
+    /// The photodiodes, in LSB.
+    pub(super) fn light<D: Domain<Cell = C>>(&self, domain: &D) -> Plane<f64> {
+        self.plane(domain, &self.pix)
+    }
+
+    fn plane<D: Domain<Cell = C>>(&self, domain: &D, cells: &[C]) -> Plane<f64> {
         let width = self.layout.size.width;
         Plane::from_shape_fn(self.layout.size.shape(), |(y, x)| {
             domain.value(&cells[y * width + x])

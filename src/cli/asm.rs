@@ -1,30 +1,25 @@
 //! `amacrine asm`.
 
-use std::{fs, path::PathBuf};
-
-use miette::miette;
 use serde_json::json;
 
+use super::opened::{Opened, Source};
 use crate::{
     isa::{Device, Figure},
     program::{Cell, Cost, Entry, Expanded, Expansion, Overrides, Program, stored, vendor_text},
 };
 
 /// What `asm` is asked to do.
-#[derive(Debug, Default, clap::Args)]
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: amacrine asm programs/rgc/centre_surround.scamp --chip scamp5-wide"
+)]
 pub struct Arguments {
-    /// The program
-    program: PathBuf,
-    /// A shipped chip by name, or the folder of another; else the one of its settings
-    #[arg(long)]
-    chip: Option<String>,
-    /// Set a constant of the program; can be given more than once
-    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = constant)]
-    constants: Vec<(String, f64)>,
+    #[command(flatten)]
+    source: Source,
     /// Print the program in canonical form instead
     #[arg(long, conflicts_with_all = ["disasm", "json"])]
     format: bool,
-    /// Print the instruction words as text that reads back to the same words
+    /// Print the instruction words instead, as the verb `disasm` does
     #[arg(long, conflicts_with = "json")]
     disasm: bool,
     /// Print JSON
@@ -32,55 +27,42 @@ pub struct Arguments {
     json: bool,
 }
 
-/// `name=value`, for the command line.
-pub(super) fn constant(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text
-        .split_once('=')
-        .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
-    let value = value
-        .trim()
-        .parse()
-        .map_err(|_| format!("`{value}` is not a number"))?;
-    Ok((name.trim().to_owned(), value))
-}
-
 /// Runs the verb.
 ///
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let file = arguments.program.display().to_string();
-    let text = fs::read_to_string(&arguments.program).map_err(|cause| {
-        miette!(
-            help = "give the path of a program, such as programs/dvs/snap.scamp",
-            "cannot read {file}: {cause}"
-        )
-    })?;
     if arguments.format {
-        let program = Program::parse(&file, &text)?;
+        let program = arguments.source.read()?;
+        // What cannot be read cannot be printed either.
+        let program = Program::parse(&program.file, &program.text)?;
         super::say(&program.syntax.to_string());
         return Ok(());
     }
-    let program = Program::read(&file, &text);
-    let chip = arguments.chip.as_ref().or(program.settings.chip.as_ref());
-    let device = Device::find(chip.map_or("scamp5", String::as_str))?;
-    let overrides: Overrides = arguments.constants.iter().cloned().collect();
-    let expansion = program.expand(&device, &overrides)?;
-    if let Some(warnings) = program.warnings(&expansion) {
-        eprintln!("{:?}", miette!(warnings));
-    }
+    let Opened {
+        program,
+        device,
+        expansion,
+    } = arguments.source.open(&[])?;
+    let changes = Changes::of(&program, &expansion, &device, &arguments.source.overrides());
     if arguments.disasm {
         super::say(&vendor_text(&expansion.code, expansion.bare, &device));
     } else if arguments.json {
-        super::say(&format!("{}\n", json(&program, &expansion, &device)));
+        let json = json(&program, &expansion, &device, changes.as_ref());
+        super::say(&format!("{json}\n"));
     } else {
-        super::say(&listing(&program, &expansion, &device));
+        super::say(&listing(&program, &expansion, &device, changes.as_ref()));
     }
     Ok(())
 }
 
 /// The table for people.
-fn listing(program: &Program, expansion: &Expansion, device: &Device) -> String {
+fn listing(
+    program: &Program,
+    expansion: &Expansion,
+    device: &Device,
+    changes: Option<&Changes>,
+) -> String {
     let mut lines: Vec<String> = program.settings.title.iter().cloned().collect();
     let (chip, title) = (device.name(), device.title());
     lines.push(format!("{} on {chip} ({title})", program.file));
@@ -114,6 +96,9 @@ fn listing(program: &Program, expansion: &Expansion, device: &Device) -> String 
     let (used, destroyed) = registers(expansion, device);
     lines.push(format!("uses      {}", or_none(&used)));
     lines.push(format!("destroys  {}", or_none(&destroyed)));
+    if let Some(changes) = changes {
+        lines.extend(changes.lines());
+    }
     lines.push(String::new());
     lines.join("\n")
 }
@@ -200,7 +185,12 @@ fn registers(expansion: &Expansion, device: &Device) -> (Vec<String>, Vec<String
     (names(used), names(destroyed))
 }
 
-fn json(program: &Program, expansion: &Expansion, device: &Device) -> serde_json::Value {
+fn json(
+    program: &Program,
+    expansion: &Expansion,
+    device: &Device,
+    changes: Option<&Changes>,
+) -> serde_json::Value {
     fn list(entries: &[Entry], device: &Device) -> Vec<serde_json::Value> {
         entries
             .iter()
@@ -245,5 +235,140 @@ fn json(program: &Program, expansion: &Expansion, device: &Device) -> serde_json
         "destroys": destroyed,
         "constants": expansion.constants,
         "warnings": warnings,
+        "changes": changes.map(Changes::json),
     })
+}
+
+/// What a chip that extends another changes for a program.
+struct Changes {
+    /// The chip that is extended.
+    base: String,
+    /// What is different about the chip.
+    chip: Vec<String>,
+    /// What the program costs there: words, time, words kept in the store; or why it does not
+    /// run there.
+    program: Result<(u64, f64, u64), String>,
+    /// What it costs here.
+    own: (u64, f64, u64),
+}
+
+impl Changes {
+    fn of(
+        program: &Program,
+        expansion: &Expansion,
+        device: &Device,
+        overrides: &Overrides,
+    ) -> Option<Self> {
+        let base = device.base()?;
+        let of = |expansion: &Expansion, device: &Device| {
+            let cost = Cost::of(&expansion.code.frame, device);
+            (cost.words.0, cost.micros(), kept(expansion, device))
+        };
+        Some(Self {
+            base: base.name().to_owned(),
+            chip: differences(base, device),
+            program: match program.expand(base, overrides) {
+                Ok(there) => Ok(of(&there, base)),
+                Err(faults) => Err(faults
+                    .faults
+                    .first()
+                    .map_or_else(|| faults.to_string(), ToString::to_string)),
+            },
+            own: of(expansion, device),
+        })
+    }
+
+    fn lines(&self) -> Vec<String> {
+        let mut lines = vec![String::new(), format!("against {}", self.base)];
+        lines.extend(self.chip.iter().map(|what| format!("  {what}")));
+        lines.push(match &self.program {
+            Err(why) => format!("  the program does not run there: {why}"),
+            Ok(there) if *there == self.own => {
+                "  the program costs the same".to_owned()
+            }
+            Ok((words, micros, kept)) => format!(
+                "  the program's frame: {} words instead of {words}, {:.1} us instead of {micros:.1}, {} words stored instead of {kept}",
+                self.own.0, self.own.1, self.own.2
+            ),
+        });
+        lines
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let cost = |(words, micros, kept): &(u64, f64, u64)| json!({"words": words, "us": micros, "stored_words": kept});
+        json!({
+            "base": self.base,
+            "chip": self.chip,
+            "base_cost": self.program.as_ref().ok().map(cost),
+            "base_error": self.program.as_ref().err(),
+            "cost": cost(&self.own),
+        })
+    }
+}
+
+/// In words, one a line.
+fn differences(base: &Device, device: &Device) -> Vec<String> {
+    let mut lines = Vec::new();
+    let registers = |device: &Device| {
+        let registers = device.registers();
+        [registers.analog.clone(), registers.digital.clone()]
+    };
+    for (before, after) in registers(base).iter().zip(&registers(device)) {
+        let only = |a: &[String], b: &[String]| {
+            let names: Vec<&str> = a
+                .iter()
+                .filter(|n| !b.contains(n))
+                .map(String::as_str)
+                .collect();
+            names.join(" ")
+        };
+        let (more, less) = (only(after, before), only(before, after));
+        if !more.is_empty() {
+            lines.push(format!("more registers: {more}"));
+        }
+        if !less.is_empty() {
+            lines.push(format!("without the registers: {less}"));
+        }
+    }
+    for figure in Figure::ALL {
+        let (before, after) = (base.value(*figure), device.value(*figure));
+        if before != after {
+            let (section, key) = figure.key();
+            let after = figure.shown(after);
+            lines.push(format!("{section}.{key}: {after} instead of {before}"));
+        }
+    }
+    for row in device.primitives() {
+        let before = base.row(row.kind);
+        if before.words != row.words {
+            let name = row.forms.first().map_or("", |form| form.name.as_str());
+            lines.push(format!(
+                "{name}: {} words instead of {}",
+                row.words, before.words
+            ));
+        }
+        if before.forms != row.forms {
+            lines.push(format!("{:?}: written in other ways", row.kind));
+        }
+    }
+    for row in device.hosts() {
+        let before = base.host(row.kind);
+        if before.call != row.call || before.item != row.item {
+            let name = row.forms.first().map_or("", |form| form.name.as_str());
+            lines.push(format!("{name}: takes another time"));
+        }
+    }
+    for it in device.macros() {
+        match base.macros().iter().find(|m| m.replaces(it)) {
+            None => lines.push(format!("new macro: {}", it.signature)),
+            Some(before) if before.body != it.body => {
+                lines.push(format!("another body: {}", it.signature));
+            }
+            Some(_) => {}
+        }
+    }
+    if lines.is_empty() {
+        lines.push("nothing about the chip is different".to_owned());
+    }
+    lines
 }

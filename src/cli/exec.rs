@@ -2,20 +2,22 @@
 
 use std::{
     fs, io,
+    ops::ControlFlow,
     path::{Path, PathBuf},
 };
 
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::{WrapErr, miette};
 use ndarray_npy::{ReadNpyError, ReadableElement, WritableElement, WriteNpyExt};
 use serde_json::json;
 
+use super::{opened::Opened, registers::Register, strip::Strip};
 use crate::{
-    array::{Arithmetic, Array, Ledger, Readings, Settings},
+    array::{Arithmetic, Array, Ledger, Reading, Readings, RunError, Schedule, Settings},
     event::{Packet, Polarity, file},
-    isa::{Analog, Bit, Device, Digital, Figure, Source, Value},
+    isa::{Analog, Device, Digital, Figure, text::nearest},
     picture::{panel, write_png},
     plane::{Plane, Size},
-    program::{Expansion, Overrides, Program},
+    program::{Expansion, Program, Step},
     save::save,
     scene::{ASSUMED_FPS, Frame, OpenOptions, Scene, open},
     unit::Micros,
@@ -27,11 +29,12 @@ use crate::{
     after_help = "Example: amacrine exec sobel.scamp --set A=a.npy --domain q8.8 --dump out/registers"
 )]
 pub struct Arguments {
-    /// The program; a file of bare statements is a whole program, run once
-    program: PathBuf,
-    /// Set a register before the program runs: a .npy of shape (H,W); can be given more than once
-    #[arg(long = "set", value_name = "REGISTER=FILE.npy", value_parser = assignment)]
-    sets: Vec<(String, PathBuf)>,
+    #[command(flatten)]
+    source: super::opened::Source,
+    /// Set a register before the program runs (a .npy of shape (H,W)), or a number of the chip
+    /// (error.noise=0.1); can be given more than once
+    #[arg(long = "set", value_name = "NAME=FILE.npy|NUMBER", value_parser = assignment)]
+    sets: Vec<Assignment>,
     /// The light: a picture, a clip, or pattern:NAME?key=value; a still picture is shown again and again
     #[arg(long)]
     image: Option<String>,
@@ -56,18 +59,27 @@ pub struct Arguments {
     /// Which chip of the silicon domain, and which noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// A shipped chip by name, or the folder of another
+    /// In which order the array is worked on, which changes only the speed: plain, tiled, active
     #[arg(long)]
-    chip: Option<String>,
-    /// Set a constant of the program; can be given more than once
-    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::asm::constant)]
-    constants: Vec<(String, f64)>,
+    schedule: Option<String>,
+    /// On how many threads at most
+    #[arg(long)]
+    threads: Option<usize>,
     /// Write the events that were read out (.csv, .npy, .txt)
     #[arg(long)]
     events: Option<PathBuf>,
     /// Write every register into this folder, as .npy and .png
     #[arg(long)]
     dump: Option<PathBuf>,
+    /// Write what registers hold after each line of the last frame, side by side (.png)
+    #[arg(long, value_name = "FILE.png")]
+    strip: Option<PathBuf>,
+    /// Run so many times, with this seed and those that follow; print mean and spread
+    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug"])]
+    repeat: Option<u64>,
+    /// Step through the program; commands are read from standard input, `help` lists them
+    #[arg(long, conflicts_with_all = ["json", "strip"])]
+    debug: bool,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
@@ -79,14 +91,46 @@ enum Switch {
     Off,
 }
 
-/// `name=file`, for the command line.
-fn assignment(text: &str) -> Result<(String, PathBuf), String> {
-    match text.split_once('=') {
-        Some((name, file)) if !name.is_empty() && !file.is_empty() => {
-            Ok((name.to_owned(), file.into()))
+/// What one `--set` asks for.
+#[derive(Clone, Debug)]
+enum Assignment {
+    /// A register is read from a file.
+    Register(String, PathBuf),
+    /// A number of the chip is another.
+    Figure(Figure, f64),
+}
+
+/// `name=file` or `section.key=number`, for the command line.
+fn assignment(text: &str) -> Result<Assignment, String> {
+    let (name, value) = match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() && !value.is_empty() => (name, value),
+        _ => {
+            return Err(format!(
+                "`{text}` is not REGISTER=FILE.npy or FIGURE=NUMBER"
+            ));
         }
-        _ => Err(format!("`{text}` is not REGISTER=FILE.npy")),
+    };
+    if !name.contains('.') {
+        return Ok(Assignment::Register(name.to_owned(), value.into()));
     }
+    let Some(figure) = Figure::named(name) else {
+        let all: Vec<String> = Figure::ALL
+            .iter()
+            .map(|figure| format!("{}.{}", figure.key().0, figure.key().1))
+            .collect();
+        let near = nearest(name, all.iter().map(String::as_str));
+        return Err(match near {
+            Some(near) => format!("the chip has no number `{name}`; did you mean `{near}`?"),
+            None => format!("the chip has no number `{name}`; it has {}", all.join(", ")),
+        });
+    };
+    let number = value.parse().map_err(|_| {
+        format!(
+            "`{value}` is not a number: {name} is {}",
+            figure.domain().expected()
+        )
+    })?;
+    Ok(Assignment::Figure(figure, number))
 }
 
 /// Runs the verb.
@@ -97,35 +141,55 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(events) = &arguments.events {
         file::Format::of(events)?;
     }
-    let (program, device, expansion) = read_program(arguments)?;
-    let planes = arguments
-        .sets
-        .iter()
-        .map(|(name, path)| Set::read(&device, name, path))
-        .collect::<miette::Result<Vec<_>>>()?;
-    let mut light = Light::open(arguments, &program)?;
-    let size = size(&planes, light.scene.as_deref(), &program, &device)?;
-    let arithmetic = arithmetic(arguments, &program)?;
-    let settings = settings(arguments, &program, &device)?;
-    let name = program.file.clone();
-    let mut chip = arithmetic
-        .chip(&name, expansion.code.clone(), &device, size, settings)
-        .wrap_err_with(|| format!("{name} cannot run"))?;
-    for set in &planes {
-        set.apply(&mut *chip)?;
+    let bench = Bench::new(arguments)?;
+    if let Some(runs) = arguments.repeat {
+        let statistics = super::statistics::Statistics::of(&bench, arguments.seed, runs)?;
+        if arguments.json {
+            super::say(&format!("{}\n", statistics.json()));
+        } else {
+            super::say(&statistics.table());
+        }
+        return Ok(());
     }
-    let (packet, frames) = watch(&mut *chip, &mut light, &expansion, size)?;
+    let mut chip = bench.chip(arguments.seed)?;
+    let mut strip = Strip::default();
+    let (packet, frames) = if arguments.debug {
+        let mut debugger = super::debug::Debugger::new(&bench.opened);
+        let seen = bench.watch(&mut *chip, |chip, moment, packet| {
+            debugger.frame(chip, moment, packet)
+        })?;
+        debugger.end(&*chip)?;
+        seen
+    } else if arguments.strip.is_some() {
+        bench.watch(&mut *chip, |chip, moment, packet| {
+            strip.frame(&bench.opened, chip, moment, packet)?;
+            Ok(ControlFlow::Continue(()))
+        })?
+    } else {
+        bench.watch(&mut *chip, |chip, moment, packet| {
+            moment.run(chip, packet)?;
+            Ok(ControlFlow::Continue(()))
+        })?
+    };
 
+    // Before anything is written: it may have nothing to show.
+    let strip = match &arguments.strip {
+        Some(path) => Some((path, strip.picture(&bench.opened)?)),
+        None => None,
+    };
     if let Some(path) = &arguments.events {
         file::write(path, &packet)?;
     }
     if let Some(folder) = &arguments.dump {
         dump(&*chip, folder)?;
     }
+    if let Some((path, picture)) = strip {
+        write_png(path, &picture)?;
+    }
     let report = Report {
-        program: &name,
+        program: &bench.opened.program.file,
         chip: &*chip,
-        arithmetic,
+        arithmetic: bench.arithmetic,
         frames,
         packet: &packet,
     };
@@ -137,20 +201,165 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-fn read_program(arguments: &Arguments) -> miette::Result<(Program, Device, Expansion)> {
-    let file = arguments.program.display().to_string();
-    let text = fs::read_to_string(&arguments.program)
-        .into_diagnostic()
-        .wrap_err_with(|| format!("cannot read {file}"))?;
-    let program = Program::parse(&file, &text)?;
-    let chip = arguments.chip.as_ref().or(program.settings.chip.as_ref());
-    let device = Device::find(chip.map_or("scamp5", String::as_str))?;
-    let overrides: Overrides = arguments.constants.iter().cloned().collect();
-    let expansion = program.expand(&device, &overrides)?;
-    if let Some(warnings) = program.warnings(&expansion) {
-        eprintln!("{:?}", miette!(warnings));
+/// A program and all that it needs to run, once or several times.
+pub(super) struct Bench<'a> {
+    arguments: &'a Arguments,
+    pub opened: Opened,
+    planes: Vec<Set>,
+    size: Size,
+    arithmetic: Arithmetic,
+    settings: Settings,
+    schedule: Schedule,
+    threads: usize,
+}
+
+/// One frame on its way to the chip, exposed already.
+pub(super) struct Moment<'a> {
+    /// Which one, from 0.
+    pub index: u64,
+    /// When.
+    pub t: Micros,
+    /// What is to run: the whole program if it is bare, else `init` or `frame`.
+    pub steps: &'a [Step],
+    /// Whether that is `init`.
+    is_init: bool,
+}
+
+impl Moment<'_> {
+    /// Runs all of it.
+    pub fn run(&self, chip: &mut dyn Array, packet: &mut Packet) -> Result<(), RunError> {
+        if self.is_init {
+            chip.run_init(self.t, packet)
+        } else {
+            chip.run_frame(self.t, packet)
+        }
     }
-    Ok((program, device, expansion))
+}
+
+impl<'a> Bench<'a> {
+    fn new(arguments: &'a Arguments) -> miette::Result<Self> {
+        let figures: Vec<(Figure, f64)> = arguments
+            .sets
+            .iter()
+            .filter_map(|set| match set {
+                Assignment::Figure(figure, value) => Some((*figure, *value)),
+                Assignment::Register(..) => None,
+            })
+            .collect();
+        let opened = arguments.source.open(&figures)?;
+        let Opened {
+            program, device, ..
+        } = &opened;
+        let registers = arguments.sets.iter().filter_map(|set| match set {
+            Assignment::Register(name, path) => Some(Set::read(device, name, path)),
+            Assignment::Figure(..) => None,
+        });
+        let planes = registers.collect::<miette::Result<Vec<_>>>()?;
+        let light = Light::open(arguments, program)?;
+        let size = size(&planes, light.scene.as_deref(), program, device)?;
+        // One step at a time has no use for any other.
+        let schedule = match &arguments.schedule {
+            _ if arguments.debug || arguments.strip.is_some() => Schedule::Plain,
+            Some(name) => name.parse()?,
+            None => Schedule::of(size),
+        };
+        let threads = arguments.threads;
+        Ok(Self {
+            schedule,
+            threads: threads.unwrap_or_else(rayon::current_num_threads),
+            size,
+            arithmetic: arithmetic(arguments, program)?,
+            settings: settings(arguments, program, device)?,
+            arguments,
+            planes,
+            opened,
+        })
+    }
+
+    /// A chip as switched on, its registers set.
+    pub fn chip(&self, seed: u64) -> miette::Result<Box<dyn Array + Send>> {
+        let Opened {
+            program,
+            device,
+            expansion,
+        } = &self.opened;
+        let mut chip = self
+            .arithmetic
+            .with_seed(seed)
+            .chip(
+                &program.file,
+                expansion.code.clone(),
+                device,
+                self.size,
+                self.settings,
+            )
+            .wrap_err_with(|| format!("{} cannot run", program.file))?;
+        chip.set_schedule(self.schedule, self.threads);
+        for set in &self.planes {
+            set.apply(&mut *chip)?;
+        }
+        Ok(chip)
+    }
+
+    /// Shows the light to the chip; what it said, and how many frames it saw. `run` runs each
+    /// frame's steps, and can end it.
+    ///
+    /// Bare statements run for every frame, once if nothing else is asked for; other programs
+    /// run `init` with the first frame and `frame` with the others.
+    pub fn watch(
+        &self,
+        chip: &mut dyn Array,
+        mut run: impl FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>>,
+    ) -> miette::Result<(Packet, u64)> {
+        let mut light = Light::open(self.arguments, &self.opened.program)?;
+        let Expansion { code, bare, .. } = &self.opened.expansion;
+        let mut packet = Packet::new(chip.size(), chip.channels());
+        let mut seen: Option<Frame> = None;
+        let mut frames = 0;
+        while light.frames.is_none_or(|asked| frames < asked) {
+            let next = match &mut light.scene {
+                Some(scene) => scene.next_frame()?,
+                None => None,
+            };
+            let before = seen.as_ref().map(|frame| frame.seconds);
+            let frame = match (next, seen.take()) {
+                (Some(frame), _) => frame,
+                // A still picture, or the dark, is there as long as it is asked for.
+                (None, before) => {
+                    let enough = light.frames.unwrap_or(if *bare { 1 } else { 2 });
+                    if frames >= enough {
+                        break;
+                    }
+                    Frame {
+                        index: frames,
+                        seconds: frames as f64 / light.fps,
+                        light: before.map_or_else(|| Plane::zeros(self.size.shape()), |f| f.light),
+                    }
+                }
+            };
+            let t = Micros::from_seconds(frame.seconds);
+            chip.begin_frame();
+            chip.expose(&frame.light)?;
+            match before {
+                Some(before) => chip.wait(frame.seconds - before),
+                None => packet.span.0 = t,
+            }
+            packet.span.1 = t;
+            let is_init = !*bare && frames == 0;
+            let moment = Moment {
+                index: frames,
+                t,
+                steps: if is_init { &code.init } else { &code.frame },
+                is_init,
+            };
+            frames += 1;
+            if run(chip, &moment, &mut packet)?.is_break() {
+                break;
+            }
+            seen = Some(frame);
+        }
+        Ok((packet, frames))
+    }
 }
 
 fn arithmetic(arguments: &Arguments, program: &Program) -> miette::Result<Arithmetic> {
@@ -185,41 +394,23 @@ struct Set {
     plane: Plane<f64>,
 }
 
-#[derive(Clone, Copy)]
-enum Register {
-    Analog(Analog),
-    Digital(Digital),
-    Flag,
-}
-
 impl Set {
     fn read(device: &Device, name: &str, path: &Path) -> miette::Result<Self> {
-        let register = match device.value_of(name) {
-            Some(Value::Source(Source::Register(register))) => Register::Analog(register),
-            Some(Value::Bit(Bit::Register(register))) => Register::Digital(register),
-            Some(Value::Bit(Bit::Flag)) => Register::Flag,
-            _ => {
-                let registers = device.registers();
-                let names = registers.analog.iter().chain(&registers.digital);
-                let names: Vec<_> = names.map(String::as_str).collect();
-                return Err(miette!(
-                    help = format!(
-                        "{} has {} and FLAG; light is given with --image",
-                        device.name(),
-                        names.join(" ")
-                    ),
-                    "--set {name}: no such register"
-                ));
-            }
-        };
+        let register = Register::named(device, name)?;
+        if register == Register::Pix {
+            return Err(miette!(
+                help = "light is given with --image",
+                "--set {name}: the photodiodes are not set"
+            ));
+        }
         let plane = read_plane(path)?;
         let wrong = |value: &f64| match register {
-            Register::Analog(_) => !value.is_finite(),
+            Register::Analog(_) | Register::Pix => !value.is_finite(),
             Register::Digital(_) | Register::Flag => *value != 0.0 && *value != 1.0,
         };
         if let Some(((y, x), value)) = plane.indexed_iter().find(|(_, value)| wrong(value)) {
             let want = match register {
-                Register::Analog(_) => "finite numbers",
+                Register::Analog(_) | Register::Pix => "finite numbers",
                 Register::Digital(_) | Register::Flag => "0 or 1",
             };
             return Err(miette!(
@@ -242,6 +433,7 @@ impl Set {
             Register::Analog(register) => chip.set_analog(register, &self.plane),
             Register::Digital(register) => chip.set_digital(register, &bits()),
             Register::Flag => chip.set_flag(&bits()),
+            Register::Pix => Ok(()),
         }
         .wrap_err_with(|| format!("--set {}={}", self.name, self.path.display()))
     }
@@ -307,8 +499,7 @@ impl Light {
             if image.starts_with("pattern:") {
                 return image.clone();
             }
-            let folder = arguments.program.parent().unwrap_or(Path::new(""));
-            folder.join(image).display().to_string()
+            arguments.source.folder().join(image).display().to_string()
         });
         let asked = arguments.fps.or(program.settings.fps);
         let scene = arguments
@@ -372,53 +563,6 @@ fn checked(size: Size) -> miette::Result<Size> {
     ))
 }
 
-/// Shows the light to the chip; what it said, and how many frames it saw.
-///
-/// Bare statements run for every frame, once if nothing else is asked for; other programs run
-/// `init` with the first frame and `frame` with the others.
-fn watch(
-    chip: &mut dyn Array,
-    light: &mut Light,
-    expansion: &Expansion,
-    size: Size,
-) -> miette::Result<(Packet, u64)> {
-    let mut packet = Packet::new(chip.size(), chip.channels());
-    let mut seen: Option<Frame> = None;
-    let mut frames = 0;
-    while light.frames.is_none_or(|asked| frames < asked) {
-        let next = match &mut light.scene {
-            Some(scene) => scene.next_frame()?,
-            None => None,
-        };
-        let frame = match (next, seen.take()) {
-            (Some(frame), _) => frame,
-            // A still picture, or the dark, is there as long as it is asked for.
-            (None, before) => {
-                let enough = light.frames.unwrap_or(if expansion.bare { 1 } else { 2 });
-                if frames >= enough {
-                    break;
-                }
-                Frame {
-                    index: frames,
-                    seconds: frames as f64 / light.fps,
-                    light: before.map_or_else(|| Plane::zeros(size.shape()), |f| f.light),
-                }
-            }
-        };
-        if expansion.bare {
-            let t = Micros::from_seconds(frame.seconds);
-            chip.expose(&frame.light)?;
-            chip.run_frame(t, &mut packet)?;
-            packet.span.1 = t;
-        } else {
-            chip.watch(&frame, &mut packet)?;
-        }
-        frames += 1;
-        seen = Some(frame);
-    }
-    Ok((packet, frames))
-}
-
 /// Writes every register, as numbers and as a picture.
 fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
     fs::create_dir_all(folder).map_err(|e| {
@@ -433,26 +577,28 @@ fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
         chip.device().value(Figure::Lowest),
         chip.device().value(Figure::Highest),
     );
-    for (name, register) in registers.analog.iter().zip(0..) {
-        let values = chip.analog(Analog(register));
-        write_npy(&folder.join(format!("{name}.npy")), &values)?;
-        write_png(
-            &folder.join(format!("{name}.png")),
-            &panel::frame(&values, low, high),
-        )?;
-    }
-    let bits = registers
-        .digital
-        .iter()
-        .zip(0..)
-        .map(|(name, register)| (name.as_str(), chip.digital(Digital(register))));
-    for (name, bits) in bits.chain([("FLAG", chip.flag())]) {
-        write_npy(&folder.join(format!("{name}.npy")), &bits.mapv(u8::from))?;
-        let picture = bits.mapv(|bit| f64::from(u8::from(bit)));
-        write_png(
-            &folder.join(format!("{name}.png")),
-            &panel::frame(&picture, 0.0, 1.0),
-        )?;
+    let analog = (0..)
+        .zip(&registers.analog)
+        .map(|(i, _)| Register::Analog(Analog(i)));
+    let digital = (0..)
+        .zip(&registers.digital)
+        .map(|(i, _)| Register::Digital(Digital(i)));
+    for register in analog.chain(digital).chain([Register::Flag]) {
+        let name = register.name(chip.device());
+        let values = register.values(chip);
+        let (black, white) = if register.is_bit() {
+            (0.0, 1.0)
+        } else {
+            (low, high)
+        };
+        let path = folder.join(format!("{name}.npy"));
+        if register.is_bit() {
+            write_npy(&path, &values.mapv(|bit| bit as u8))?;
+        } else {
+            write_npy(&path, &values)?;
+        }
+        let picture = panel::frame(&values, black, white);
+        write_png(&folder.join(format!("{name}.png")), &picture)?;
     }
     Ok(())
 }
@@ -576,30 +722,38 @@ impl Report<'_> {
             ));
         }
         if ledger.ambiguous > 0 {
+            let (count, plural, it) = match ledger.ambiguous {
+                1 => (1, "", "it"),
+                count => (count, "s", "them"),
+            };
             lines.push(format!(
-                "note     {} events at the chip's (0,0), the top right pixel: the chip's host takes (0,0) for the end of the list",
-                ledger.ambiguous
+                "note     {count} event{plural} at the chip's (0,0), the top right pixel, kept here: a host that takes (0,0) for the end of the list would lose {it}"
             ));
         }
         for reading in self.chip.readings() {
-            let what = match &reading.values {
-                Readings::Analog { values, .. } => match values[..] {
-                    [value] => format!("ADC {value}"),
-                    _ => format!("{} ADC values (--json lists them)", values.len()),
-                },
-                Readings::Digital { values, .. } => {
-                    format!("{} bits (--json lists them)", values.len())
-                }
-                Readings::Box(None) => "no pixel is set".to_owned(),
-                Readings::Box(Some(w)) => format!(
-                    "box from row {}, column {} to row {}, column {} (the chip's count)",
-                    w.top, w.right, w.bottom, w.left
-                ),
-                Readings::Sum(sum) => format!("sum {sum}"),
-                Readings::Any(any) => format!("any {any}"),
-            };
-            lines.push(format!("read     line {}: {what}", reading.line));
+            lines.push(format!("read     {}", self::reading(reading)));
         }
         lines.join("\n") + "\n"
     }
+}
+
+/// A reading of the host, in a line.
+pub(super) fn reading(reading: &Reading) -> String {
+    let what = match &reading.values {
+        Readings::Analog { values, .. } => match values[..] {
+            [value] => format!("ADC {value}"),
+            _ => format!("{} ADC values (--json lists them)", values.len()),
+        },
+        Readings::Digital { values, .. } => {
+            format!("{} bits (--json lists them)", values.len())
+        }
+        Readings::Box(None) => "no pixel is set".to_owned(),
+        Readings::Box(Some(w)) => format!(
+            "box from row {}, column {} to row {}, column {} (the chip's count)",
+            w.top, w.right, w.bottom, w.left
+        ),
+        Readings::Sum(sum) => format!("sum {sum}"),
+        Readings::Any(any) => format!("any {any}"),
+    };
+    format!("line {}: {what}", reading.line)
 }

@@ -2,11 +2,17 @@
 
 pub mod asm;
 pub mod compare;
+mod debug;
 pub mod demo;
+pub mod disasm;
 pub mod exec;
+mod opened;
 mod progress;
 pub mod quantise;
+mod registers;
 pub mod run;
+mod statistics;
+mod strip;
 mod timed;
 
 use std::{io::Write, process::ExitCode};
@@ -41,6 +47,8 @@ enum Verb {
     Exec(exec::Arguments),
     /// Check a program: expansion, words, microseconds, registers
     Asm(asm::Arguments),
+    /// The instruction words of a program, as text that reads back to the same words
+    Disasm(disasm::Arguments),
     /// A kernel in few values: levels, scale, and what is lost
     Quantise(quantise::Arguments),
     /// Compare two event files
@@ -58,6 +66,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Run(arguments)) => run::run(&arguments),
         Some(Verb::Exec(arguments)) => exec::run(&arguments),
         Some(Verb::Asm(arguments)) => asm::run(&arguments),
+        Some(Verb::Disasm(arguments)) => disasm::run(&arguments),
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
     };

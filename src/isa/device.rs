@@ -1,5 +1,7 @@
 //! A chip: its registers, its numbers, its instructions.
 
+use std::sync::Arc;
+
 use super::{
     Analog, Bit, Digital, Direction, Evidence, Figure, HostKind, HostRow, Kind, Macro, Primitive,
     PrimitiveRow, Quantity, Signature, Source, Target, Value, row::neighbour_name,
@@ -16,6 +18,28 @@ pub struct Device {
     pub(super) primitives: Vec<PrimitiveRow>,
     pub(super) hosts: Vec<HostRow>,
     pub(super) macros: Vec<Macro>,
+    /// What it extends.
+    pub(super) base: Option<Arc<Device>>,
+}
+
+/// A number about the chip that makes no sense.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+#[error("{}.{} cannot be {}", figure.key().0, figure.key().1, figure.shown(*value))]
+#[diagnostic(help("{}", self.help()))]
+pub struct FigureError {
+    /// Which number.
+    pub figure: Figure,
+    /// The value that was given.
+    pub value: f64,
+}
+
+impl FigureError {
+    fn help(&self) -> String {
+        if self.figure.domain().holds(self.value) {
+            return "the low end of the range lies below the high one".to_owned();
+        }
+        format!("give {}", self.figure.domain().expected())
+    }
 }
 
 /// The registers of a pixel.
@@ -93,6 +117,12 @@ impl Device {
         &self.title
     }
 
+    /// The chip that it extends.
+    #[must_use]
+    pub fn base(&self) -> Option<&Self> {
+        self.base.as_deref()
+    }
+
     /// The registers of a pixel.
     #[must_use]
     pub const fn registers(&self) -> &Registers {
@@ -110,6 +140,27 @@ impl Device {
     #[must_use]
     pub fn value(&self, figure: Figure) -> f64 {
         self.figure(figure).value
+    }
+
+    /// The same chip with another value of a number: what if.
+    ///
+    /// # Errors
+    /// When the value makes no sense for it.
+    pub fn what_if(mut self, figure: Figure, value: f64) -> Result<Self, FigureError> {
+        if !figure.domain().holds(value) {
+            return Err(FigureError { figure, value });
+        }
+        // Loading fills the list in the order of the enum.
+        let quantity = &mut self.figures[figure as usize];
+        quantity.value = value;
+        "set for this run".clone_into(&mut quantity.source);
+        quantity.evidence = Evidence::Guess;
+        quantity.note = None;
+        let (low, high) = (self.value(Figure::Lowest), self.value(Figure::Highest));
+        if low >= high {
+            return Err(FigureError { figure, value });
+        }
+        Ok(self)
     }
 
     /// The rows of `primitives.toml`.

@@ -44,6 +44,14 @@ pub enum Domain {
     Positive,
     /// A whole number, at least one.
     Count,
+    /// A whole number from 2 to 256.
+    Codes,
+    /// A whole number from 4 to 255.
+    Links,
+    /// From 0 to below 1.
+    Part,
+    /// From -1 to 1.
+    Correlation,
 }
 
 impl Domain {
@@ -56,6 +64,10 @@ impl Domain {
                 Self::NotNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::Count => value >= 1.0 && value.fract() == 0.0 && value <= 1e9,
+                Self::Codes => (2.0..=256.0).contains(&value) && value.fract() == 0.0,
+                Self::Links => (4.0..=255.0).contains(&value) && value.fract() == 0.0,
+                Self::Part => (0.0..1.0).contains(&value),
+                Self::Correlation => (-1.0..=1.0).contains(&value),
             }
     }
 
@@ -67,6 +79,10 @@ impl Domain {
             Self::NotNegative => "a number of zero or more",
             Self::Positive => "a number above zero",
             Self::Count => "a whole number of one or more",
+            Self::Codes => "a whole number from 2 to 256",
+            Self::Links => "a whole number from 4 to 255",
+            Self::Part => "a number from 0 to below 1",
+            Self::Correlation => "a number from -1 to 1",
         }
     }
 }
@@ -84,6 +100,13 @@ macro_rules! figures {
             /// All of them, in the order of the list.
             pub const ALL: &'static [Self] = &[$(Self::$name),*];
 
+            /// The one that is called `section.key`.
+            #[must_use]
+            pub fn named(name: &str) -> Option<Self> {
+                let (section, key) = name.split_once('.')?;
+                Self::ALL.iter().copied().find(|f| f.key() == (section, key))
+            }
+
             /// Section and key in `device.toml`.
             #[must_use]
             pub const fn key(self) -> (&'static str, &'static str) {
@@ -94,6 +117,15 @@ macro_rules! figures {
             #[must_use]
             pub const fn unit(self) -> &'static str {
                 match self { $(Self::$name => $unit,)* }
+            }
+
+            /// A value of it with its unit, if it has one.
+            #[must_use]
+            pub fn shown(self, value: f64) -> String {
+                match self.unit() {
+                    "1" => value.to_string(),
+                    unit => format!("{value} {unit}"),
+                }
             }
 
             /// What values make sense.
@@ -127,7 +159,7 @@ figures! {
     /// Highest value of an analogue register.
     Highest = "range"."high", "LSB", Any;
     /// Codes of the converter that reads analogue registers.
-    AdcCodes = "converter"."adc_codes", "codes", Count;
+    AdcCodes = "converter"."adc_codes", "codes", Codes;
     /// Codes of the converter that drives the global input.
     DacCodes = "converter"."dac_codes", "codes", Count;
     /// How far a light level of one (of 255) moves the photodiode.
@@ -142,22 +174,33 @@ figures! {
     TransferError = "error"."transfer", "LSB", Any;
     /// An analogue register that nothing was put on.
     ResetLevel = "error"."reset_level", "LSB", Any;
-    /// Mean gain of the identity `diva; mov; add`.
-    IdentityGain = "error"."identity_gain", "1", Positive;
-    /// Mean offset of the identity `diva; mov; add`.
-    IdentityOffset = "error"."identity_offset", "LSB", Any;
-    /// Spread over the pixels of that gain.
-    IdentityGainSpread = "error"."identity_gain_spread", "1", NotNegative;
-    /// Spread over the pixels of that offset.
-    IdentityOffsetSpread = "error"."identity_offset_spread", "LSB", NotNegative;
-    /// Correlation over the pixels of that gain and that offset.
-    IdentityCorrelation = "error"."identity_correlation", "1", Any;
-    /// Temporal noise of that identity.
-    IdentityNoise = "error"."identity_noise", "LSB", NotNegative;
+    /// Part of the signal that one store loses.
+    StoreLoss = "error"."loss", "1", Part;
+    /// What a bus that splits adds to the error of its stores.
+    DivisionError = "error"."division", "LSB", Any;
+    /// Spread over the cells of the gain of a store.
+    GainMismatch = "error"."gain_mismatch", "1", Part;
+    /// Spread over the cells of the error of a store.
+    OffsetMismatch = "error"."offset_mismatch", "LSB", NotNegative;
+    /// Correlation over the cells of the two.
+    MismatchCorrelation = "error"."mismatch_correlation", "1", Correlation;
+    /// Spread over the pixels of how unevenly a bus splits.
+    DivisionMismatch = "error"."division_mismatch", "1", Part;
+    /// Noise of one store.
+    StoreNoise = "error"."noise", "LSB", NotNegative;
+    /// How far beyond the ADC's scale a register saturates.
+    Headroom = "error"."headroom", "LSB", NotNegative;
     /// How fast an analogue register decays to its reset level.
     AnalogueDecay = "error"."analogue_decay", "LSB/s", NotNegative;
-    /// How long a one-bit register holds without a refresh.
+    /// How long a one-bit register holds without being written.
     Retention = "error"."retention", "s", Positive;
+    /// Spread over the cells of how much longer they hold, as a part of that.
+    RetentionSpread = "error"."retention_spread", "1", NotNegative;
+    /// One link of the diffusion network against the pixel's own cell: one part in so many of
+    /// the difference flows in one `blur`.
+    DiffusionParts = "diffusion"."parts", "1", Links;
+    /// What the squarer makes of 1 LSB squared.
+    SquareGain = "squarer"."gain", "1/LSB", Any;
     /// How far a bit travels in one propagation, in pixels.
     Travel = "propagation"."travel", "px", Count;
 }
@@ -179,6 +222,9 @@ mod tests {
         assert!(
             Domain::Count.holds(256.0) && !Domain::Count.holds(0.5) && !Domain::Count.holds(0.0)
         );
+        assert!(Domain::Part.holds(0.0) && !Domain::Part.holds(1.0));
+        assert!(Domain::Correlation.holds(-1.0) && !Domain::Correlation.holds(1.1));
+        assert!(Domain::Codes.holds(16.0) && !Domain::Codes.holds(512.0));
         assert!(!Domain::Any.holds(f64::NAN) && !Domain::Positive.holds(f64::INFINITY));
     }
 }

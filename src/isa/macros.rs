@@ -14,7 +14,7 @@
 //! not give as a result.
 
 use super::{
-    Callable, Device, Kind as Primitives, Operand, Signature,
+    Callable, Device, Evidence, Kind as Primitives, Operand, Signature,
     signature::{Given, Mode},
     text::{
         Argument, Cursor, Expression, Fault, Kind, Place, Statement, Term, Token, lex,
@@ -37,6 +37,8 @@ pub struct Macro {
     pub whole_flag: bool,
     /// Parameters that may not be the same register.
     pub distinct: Vec<Distinct>,
+    /// How well its sequence is known, and who says so, where that is stated.
+    pub evidence: Option<(Evidence, String)>,
     /// What it stands for.
     pub body: Vec<Item>,
 }
@@ -141,6 +143,7 @@ fn read(cursor: &mut Cursor<'_>) -> Result<Macro, Fault> {
         gives: Vec::new(),
         whole_flag: false,
         distinct: Vec::new(),
+        evidence: None,
         body: Vec::new(),
     };
     while !cursor.sees("{") {
@@ -151,8 +154,8 @@ fn read(cursor: &mut Cursor<'_>) -> Result<Macro, Fault> {
 }
 
 fn clause(cursor: &mut Cursor<'_>, it: &mut Macro) -> Result<(), Fault> {
-    const HELP: &str = "before its body a macro can say `gives R12`, `needs FLAG` and \
-                        `distinct y, x \"why\"`";
+    const HELP: &str = "before its body a macro can say `gives R12`, `needs FLAG`, \
+                        `distinct y, x \"why\"` and `evidence guess \"source\"`";
     if cursor.take_word("gives") {
         loop {
             it.gives.push(cursor.name("a register", HELP)?.0);
@@ -170,23 +173,49 @@ fn clause(cursor: &mut Cursor<'_>, it: &mut Macro) -> Result<(), Fault> {
         let (first, _) = cursor.name("a parameter", HELP)?;
         cursor.expect(",", HELP)?;
         let (second, _) = cursor.name("a parameter", HELP)?;
-        let Some(Token {
-            kind: Kind::Quoted(reason),
-            ..
-        }) = cursor.peek()
-        else {
-            return Err(cursor.unexpected("the reason in quotes", HELP));
-        };
-        cursor.advance();
+        let reason = quoted(cursor, "the reason in quotes", HELP)?;
         it.distinct.push(Distinct {
             first,
             second,
-            reason: reason.clone(),
+            reason,
         });
+    } else if cursor.take_word("evidence") {
+        let (name, place) = cursor.name("measured, quoted, modelled or guess", HELP)?;
+        let evidence = match name.as_str() {
+            "measured" => Evidence::Measured,
+            "quoted" => Evidence::Quoted,
+            "modelled" => Evidence::Modelled,
+            "guess" => Evidence::Guess,
+            _ => {
+                let known = ["measured", "quoted", "modelled", "guess"];
+                return Err(
+                    Fault::error(place, format!("unknown evidence `{name}`"), "here").help(
+                        suggestion_or(
+                            &name,
+                            known,
+                            "evidence is measured, quoted, modelled or guess",
+                        ),
+                    ),
+                );
+            }
+        };
+        it.evidence = Some((evidence, quoted(cursor, "the source in quotes", HELP)?));
     } else {
         return Err(cursor.unexpected("`{`", HELP));
     }
     Ok(())
+}
+
+fn quoted(cursor: &mut Cursor<'_>, expected: &str, help: &str) -> Result<String, Fault> {
+    let Some(Token {
+        kind: Kind::Quoted(text),
+        ..
+    }) = cursor.peek()
+    else {
+        return Err(cursor.unexpected(expected, help));
+    };
+    cursor.advance();
+    Ok(text.clone())
 }
 
 fn body(cursor: &mut Cursor<'_>) -> Result<Vec<Item>, Fault> {

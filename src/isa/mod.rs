@@ -14,7 +14,7 @@ pub mod signature;
 pub mod text;
 mod value;
 
-pub use device::{Callable, Device, Registers, Roles};
+pub use device::{Callable, Device, FigureError, Registers, Roles};
 pub use figure::{Domain, Evidence, Figure, Quantity};
 pub use load::LoadError;
 pub(crate) use load::toml_fault;

@@ -22,6 +22,8 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     const BITS: u8;
     /// Nought.
     const ZERO: Self;
+    /// One step below nought.
+    const MINUS_ONE: Self;
     /// The smallest and the largest.
     const LIMITS: (Self, Self);
     /// The nearest of this width.
@@ -36,6 +38,18 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     fn saturate_wide(wide: Self::Wide) -> Self;
     /// The lowest bits of `wide`.
     fn wrap_wide(wide: Self::Wide) -> Self;
+    /// The difference, saturated.
+    #[must_use]
+    fn less(self, other: Self) -> Self;
+    /// The difference, wrapped.
+    #[must_use]
+    fn wrapping_less(self, other: Self) -> Self;
+    /// `new` where `take` is 1, `old` where it is 0; without a branch.
+    #[must_use]
+    fn choose(old: Self, new: Self, take: u8) -> Self;
+    /// Half the sum, halves to even.
+    #[must_use]
+    fn middle(self, other: Self) -> Self;
 }
 
 /// An integer for sums.
@@ -86,6 +100,7 @@ macro_rules! width {
             type Wide = $wide;
             const BITS: u8 = <$int>::BITS as u8;
             const ZERO: $int = 0;
+            const MINUS_ONE: $int = -1;
             const LIMITS: ($int, $int) = (<$int>::MIN, <$int>::MAX);
             #[inline]
             fn saturate(wide: i64) -> Self {
@@ -111,6 +126,24 @@ macro_rules! width {
             #[inline]
             fn wrap_wide(wide: $wide) -> Self {
                 wide as $int
+            }
+            #[inline]
+            fn less(self, other: Self) -> Self {
+                self.saturating_sub(other)
+            }
+            #[inline]
+            fn wrapping_less(self, other: Self) -> Self {
+                self.wrapping_sub(other)
+            }
+            #[inline]
+            fn choose(old: Self, new: Self, take: u8) -> Self {
+                old ^ ((old ^ new) & (take as $int).wrapping_neg())
+            }
+            #[inline]
+            fn middle(self, other: Self) -> Self {
+                // What both have, and half of what one has.
+                let floor = (self & other) + ((self ^ other) >> 1);
+                floor + ((self ^ other) & floor & 1)
             }
         }
     )*};

@@ -27,6 +27,7 @@ pub use dyadic::Dyadic;
 pub use fixed::{Overflow, Q, Wide, Width, divide};
 pub use float::{Bf16, F16, F32, F64};
 pub use format::{FixedFormat, Format, FormatError};
+pub(crate) use halves::{bf16_to_f32, f16_to_f32, f32_to_bf16, f32_to_f16};
 pub use real::Real;
 pub use visit::Visitor;
 

@@ -8,10 +8,12 @@ mod animation;
 pub mod ink;
 pub mod panel;
 mod sheet;
+mod strip;
 mod text;
 
 pub use animation::write_animation;
 pub use sheet::{Moment, Show, contact_sheet};
+pub use strip::{StripCell, strip};
 
 use std::{io, path::Path};
 

@@ -66,7 +66,19 @@ impl Effect {
                         Primitive::Where { .. } | Primitive::WhereBit { .. } => {
                             self.flag = Some(FlagState::Partial);
                         }
-                        _ => {}
+                        Primitive::Nop
+                        | Primitive::ResetPix
+                        | Primitive::Bus { .. }
+                        | Primitive::Square { .. }
+                        | Primitive::BlurSet
+                        | Primitive::Blur { .. }
+                        | Primitive::Set { .. }
+                        | Primitive::Clear { .. }
+                        | Primitive::Or { .. }
+                        | Primitive::Nor { .. }
+                        | Primitive::Dnews { .. }
+                        | Primitive::PropRead
+                        | Primitive::Prop { .. } => {}
                     }
                     (reads(word, device), writes(word, device))
                 }

@@ -417,23 +417,24 @@ impl<'d> Lowering<'d> {
             })));
         }
         let given = self.given(&statement.arguments, scope)?;
-        let mut first_mismatch = None;
+        let mut furthest = None;
         for callable in &callables {
             match callable.signature().bind(&given) {
                 Ok(bound) => {
                     return Ok((*callable, self.with_defaults(callable.signature(), bound)?));
                 }
                 Err(Mismatch::Shape) => {}
-                Err(mismatch @ Mismatch::Argument { .. }) => {
-                    first_mismatch.get_or_insert(mismatch);
+                Err(Mismatch::Argument { index, message }) => {
+                    // The form that fits the longest is most likely the one that was meant.
+                    if furthest.as_ref().is_none_or(|(far, _)| index > *far) {
+                        furthest = Some((index, message));
+                    }
                 }
             }
         }
-        match first_mismatch {
-            Some(Mismatch::Argument { index, message }) => {
-                Err(self.wrong_argument(statement, &given, index, &message))
-            }
-            _ => Err(Self::wrong_shape(statement, &callables)),
+        match furthest {
+            Some((index, message)) => Err(self.wrong_argument(statement, &given, index, &message)),
+            None => Err(Self::wrong_shape(statement, &callables)),
         }
     }
 
@@ -829,7 +830,19 @@ impl<'d> Lowering<'d> {
                     depth,
                 ));
             }
-            _ => return Ok(()),
+            Primitive::Blur { .. }
+            | Primitive::Nop
+            | Primitive::ResetPix
+            | Primitive::All
+            | Primitive::BlurSet
+            | Primitive::Set { .. }
+            | Primitive::Clear { .. }
+            | Primitive::Or { .. }
+            | Primitive::Nor { .. }
+            | Primitive::WhereBit { .. }
+            | Primitive::Dnews { .. }
+            | Primitive::PropRead
+            | Primitive::Prop { .. } => return Ok(()),
         };
         let targets = targets.iter().map(|target| match target {
             Target::Register(register) => Source::Register(*register),

@@ -1,0 +1,296 @@
+//! Fixed point in the cells.
+
+// What is not inlined into the loops of `rows` is not compiled for wide vectors.
+#![allow(clippy::inline_always)]
+
+use super::{Domain, Place, Share, domain::LIMITS};
+use crate::number::{Number, Overflow, Q, Wide, Width};
+
+/// Fixed point in the cells, an integer on the bus that holds every sum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fixed<T> {
+    number: Q<T>,
+    limits: (T, T),
+}
+
+impl<T: Width> Fixed<T> {
+    /// In this format.
+    #[must_use]
+    pub fn new(number: Q<T>) -> Self {
+        // Where the format is narrower than the ADC scale, its own ends limit it already.
+        let end = |limit: f64| T::saturate((limit * number.one() as f64) as i64);
+        Self {
+            number,
+            limits: (end(LIMITS.0), end(LIMITS.1)),
+        }
+    }
+}
+
+impl<T: Width> Domain for Fixed<T> {
+    type Cell = T;
+    type Sum = T::Wide;
+
+    fn name(&self) -> String {
+        self.number.format().to_string()
+    }
+    #[inline]
+    fn hold(&self, value: f64) -> T {
+        self.number.hold(value)
+    }
+    fn value(&self, cell: &T) -> f64 {
+        self.number.value(*cell)
+    }
+    #[inline]
+    fn nothing(&self) -> T::Wide {
+        T::Wide::default()
+    }
+    #[inline]
+    fn add(&self, sum: &mut T::Wide, cell: &T, times: i32) {
+        *sum = sum.plus(cell.widen().times(times));
+    }
+    #[inline]
+    fn join(&self, sum: &mut T::Wide, other: &T::Wide) {
+        *sum = sum.plus(*other);
+    }
+    #[inline]
+    fn store(&self, sum: &T::Wide, share: Share, _: Place) -> T {
+        self.number.narrow(sum.times(-1).divided(share.by))
+    }
+    #[inline(always)]
+    fn store_row<const N: usize>(
+        &self,
+        operands: [&[T]; N],
+        share: Share,
+        _: Place,
+        clip: bool,
+        cells: &mut [T],
+    ) {
+        let operands = operands.map(|operand| &operand[..cells.len()]);
+        let (low, high) = if clip { self.limits } else { T::LIMITS };
+        // Without a choice inside the loops.
+        macro_rules! each {
+            ($of:expr) => {{
+                let n = cells.len();
+                let mut first = 0;
+                while first + 64 <= n {
+                    // By value: nothing that is read can be what was just written.
+                    let from = blocks(operands, first);
+                    let mut to = [T::ZERO; 64];
+                    for (i, cell) in to.iter_mut().enumerate() {
+                        *cell = $of(picked(from.each_ref(), i)).max(low).min(high);
+                    }
+                    cells[first..first + 64].copy_from_slice(&to);
+                    // The last block may be in part the same as the one before it.
+                    first = if first + 64 < n {
+                        (first + 64).min(n - 64)
+                    } else {
+                        n
+                    };
+                }
+                for (i, cell) in cells.iter_mut().enumerate().skip(first) {
+                    *cell = $of(picked(operands, i)).max(low).min(high);
+                }
+            }};
+        }
+        let saturates = self.number.overflow() == Overflow::Saturate;
+        match (saturates, share.by) {
+            (true, 1) if N <= 2 => each!(saturated_sum),
+            (false, 1) => each!(wrapped_sum),
+            (true, 2) if N <= 2 => each!(saturated_half),
+            (true, by) => each!(|operands| T::saturate_wide(wide_part(operands, by))),
+            (false, by) => each!(|operands| T::wrap_wide(wide_part(operands, by))),
+        }
+    }
+    #[inline(always)]
+    fn choose(&self, old: &T, new: &T, take: u8) -> T {
+        T::choose(*old, *new, take)
+    }
+    fn square(&self, sum: &T::Wide, gain: f64, _: Place) -> Option<T> {
+        let sum: i64 = (*sum).into();
+        let sum = sum as f64 / self.number.one() as f64;
+        Some(self.number.hold(sum * sum * gain))
+    }
+    #[inline(always)]
+    fn positives<const N: usize>(&self, operands: [&[T]; N], bytes: &mut [u8]) -> bool {
+        let n = bytes.len();
+        if n == 64 {
+            let from = blocks(operands, 0);
+            for (i, byte) in bytes.iter_mut().enumerate() {
+                let operands = picked(from.each_ref(), i);
+                // What saturates keeps its sign.
+                *byte = if N <= 2 {
+                    saturated_sum(operands) < T::ZERO
+                } else {
+                    wide_part(operands, 1) < T::Wide::default()
+                }
+                .into();
+            }
+        } else {
+            for (i, byte) in bytes.iter_mut().enumerate() {
+                *byte = (wide_part(picked(operands, i), 1) < T::Wide::default()).into();
+            }
+        }
+        true
+    }
+    #[inline]
+    fn positive(&self, sum: &T::Wide) -> Option<bool> {
+        Some(*sum > T::Wide::default())
+    }
+    #[inline]
+    fn limit(&self, cell: T) -> T {
+        cell.clamp(self.limits.0, self.limits.1)
+    }
+}
+
+/// 64 cells of each operand.
+#[inline(always)]
+fn blocks<T: Width, const N: usize>(operands: [&[T]; N], first: usize) -> [[T; 64]; N] {
+    let mut blocks = [[T::ZERO; 64]; N];
+    for (block, operand) in blocks.iter_mut().zip(operands) {
+        block.copy_from_slice(&operand[first..first + 64]);
+    }
+    blocks
+}
+
+/// The cells `i` of all operands.
+#[inline(always)]
+fn picked<T: Width, const N: usize>(
+    operands: [&(impl std::ops::Index<usize, Output = T> + ?Sized); N],
+    i: usize,
+) -> [T; N] {
+    let mut cells = [T::ZERO; N];
+    for (cell, operand) in cells.iter_mut().zip(operands) {
+        *cell = operand[i];
+    }
+    cells
+}
+
+/// `-(sum) / by`.
+#[inline(always)]
+fn wide_part<T: Width, const N: usize>(operands: [T; N], by: u32) -> T::Wide {
+    let mut sum = T::Wide::default();
+    for operand in operands {
+        sum = sum.plus(operand.widen());
+    }
+    sum.times(-1).divided(by)
+}
+
+/// `-(sum)` of at most two, saturated; without leaving the width.
+#[inline(always)]
+fn saturated_sum<T: Width, const N: usize>(operands: [T; N]) -> T {
+    let (low, _) = T::LIMITS;
+    match operands[..] {
+        [a, b] => {
+            // One step too low where the first difference saturates, which is for the lowest
+            // number alone; and then one more saturates rightly.
+            let less = T::ZERO.less(a).less(b);
+            if a == low {
+                less.less(T::MINUS_ONE)
+            } else {
+                less
+            }
+        }
+        [a] => T::ZERO.less(a),
+        _ => T::ZERO,
+    }
+}
+
+/// `-(sum)` of any number of them, wrapped: as differences that wrap.
+#[inline(always)]
+fn wrapped_sum<T: Width, const N: usize>(operands: [T; N]) -> T {
+    let mut less = T::ZERO;
+    for operand in operands {
+        less = less.wrapping_less(operand);
+    }
+    less
+}
+
+/// `-(sum) / 2` of at most two, halves to even, saturated; without leaving the width.
+#[inline(always)]
+fn saturated_half<T: Width, const N: usize>(operands: [T; N]) -> T {
+    match operands[..] {
+        [a, b] => T::ZERO.less(a.middle(b)),
+        [a] => T::ZERO.less(a.middle(T::ZERO)),
+        _ => T::ZERO,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::isa::Analog;
+    use proptest::prelude::*;
+
+    /// The row's cells against the wide sum of each.
+    fn agree<T: Width + PartialEq, const N: usize>(number: Q<T>, values: [&[T]; N]) {
+        let domain = Fixed::new(number);
+        let place = Place {
+            y: 0,
+            x: 0,
+            register: Analog(0),
+            step: 0,
+        };
+        for by in 1..=3 {
+            for clip in [false, true] {
+                let share = Share { by, part: None };
+                let n = values.first().map_or(1, |values| values.len());
+                let mut row = vec![T::ZERO; n];
+                domain.store_row(values, share, place, clip, &mut row);
+                for (i, cell) in row.into_iter().enumerate() {
+                    let stored = domain.store(&domain.sum(&values, i), share, place);
+                    let expected = if clip { domain.limit(stored) } else { stored };
+                    let operands = values.map(|values| values[i]);
+                    assert_eq!(cell, expected, "{operands:?} by {by}, {clip}");
+                }
+            }
+        }
+    }
+
+    fn formats<T: Width + PartialEq, const N: usize>(values: [&[T]; N]) {
+        for fraction in [0, 4, T::BITS - 1] {
+            for overflow in [Overflow::Saturate, Overflow::Wrap] {
+                agree(Q::<T>::new(fraction).with_overflow(overflow), values);
+            }
+        }
+    }
+
+    #[test]
+    fn all_pairs_of_bytes_are_as_the_wide_sum_says() {
+        let pairs = (i8::MIN..=i8::MAX).flat_map(|a| (i8::MIN..=i8::MAX).map(move |b| (a, b)));
+        let (a, b): (Vec<_>, Vec<_>) = pairs.unzip();
+        formats::<i8, 0>([]);
+        formats([&a]);
+        formats([&a, &b]);
+        formats([&a, &b, &a[..]]);
+    }
+
+    #[test]
+    fn the_edges_of_words_are_as_the_wide_sum_says() {
+        fn edges<T: Width + PartialEq>() {
+            let (low, high) = T::LIMITS;
+            let near = |end: T| (-3i64..=3).map(move |d| T::saturate(end.into() + d));
+            let values: Vec<T> = near(low).chain(near(T::ZERO)).chain(near(high)).collect();
+            let pairs = values
+                .iter()
+                .flat_map(|a| values.iter().map(move |b| (*a, *b)));
+            let (a, b): (Vec<_>, Vec<_>) = pairs.unzip();
+            formats([&a]);
+            formats([&a, &b]);
+            formats([&a, &b, &b[..], &a]);
+        }
+        edges::<i16>();
+        edges::<i32>();
+    }
+
+    proptest! {
+        #[test]
+        fn any_words_are_as_the_wide_sum_says(
+            a in prop::collection::vec(any::<(i16, i16, i16)>(), 1..100)
+        ) {
+            let of = |k: fn(&(i16, i16, i16)) -> i16| a.iter().map(k).collect::<Vec<_>>();
+            let (x, y, z) = (of(|v| v.0), of(|v| v.1), of(|v| v.2));
+            formats([&x, &y]);
+            formats([&x, &y, &z[..]]);
+        }
+    }
+}

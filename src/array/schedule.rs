@@ -1,0 +1,140 @@
+//! In which order words and pixels are worked on. The result is the same to the bit.
+
+use std::{fmt, str::FromStr};
+
+use super::{
+    Domain, State, Undecided,
+    band::{Band, Copies},
+    segment::{Piece, Segment},
+    semantics::{self, Array},
+    tiled,
+};
+use crate::plane::Size;
+
+/// How the array is walked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Schedule {
+    /// One word after the other, each on the whole array, on one thread.
+    Plain,
+    /// A band of rows through many words while it is in the cache, bands moving up by the
+    /// reach of each word; each thread has rows of its own.
+    Tiled {
+        /// Rows of a band; 0 chooses by the size of a row.
+        rows: usize,
+    },
+    /// Only the pixels whose light or registers, as far as the body reaches, are not what they
+    /// were one frame ago. Bodies that propagate bits, or in which the host changes the array,
+    /// and domains in which chance or time plays a part, are run as if tiled.
+    Active,
+}
+
+/// No such schedule.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("unknown schedule `{name}`")]
+#[diagnostic(help("known are plain, tiled and active"))]
+pub struct ScheduleError {
+    /// What was given.
+    pub name: String,
+}
+
+impl Schedule {
+    /// The best for an array of this size.
+    #[must_use]
+    pub const fn of(size: Size) -> Self {
+        if size.pixels() < 64 * 64 {
+            Self::Plain
+        } else {
+            Self::Tiled { rows: 0 }
+        }
+    }
+}
+
+impl FromStr for Schedule {
+    type Err = ScheduleError;
+
+    fn from_str(name: &str) -> Result<Self, ScheduleError> {
+        match name {
+            "plain" => Ok(Self::Plain),
+            "tiled" => Ok(Self::Tiled { rows: 0 }),
+            "active" => Ok(Self::Active),
+            _ => Err(ScheduleError { name: name.into() }),
+        }
+    }
+}
+
+impl fmt::Display for Schedule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Plain => "plain",
+            Self::Tiled { .. } => "tiled",
+            Self::Active => "active",
+        })
+    }
+}
+
+/// A schedule, the threads that it may use, and what it keeps between words.
+#[derive(Clone, Debug)]
+pub(super) struct Plan<C> {
+    schedule: Schedule,
+    threads: usize,
+    copies: Copies<C>,
+}
+
+impl<C: Clone + Send + Sync> Plan<C> {
+    pub(super) fn new(schedule: Schedule, threads: usize) -> Self {
+        Self {
+            schedule,
+            threads: threads.max(1),
+            copies: Copies::default(),
+        }
+    }
+
+    pub(super) const fn schedule(&self) -> Schedule {
+        self.schedule
+    }
+
+    /// Runs the words of a segment on the whole array.
+    ///
+    /// # Errors
+    /// The line of a word that has no answer in this domain.
+    pub(super) fn run<D: Domain<Cell = C>>(
+        &mut self,
+        array: Array<'_, D>,
+        state: &mut State<C>,
+        segment: &Segment<'_, C>,
+    ) -> Result<(), (u32, Undecided)> {
+        for register in segment.copied() {
+            semantics::make_copies(&mut self.copies, state, Some(register));
+        }
+        match self.schedule {
+            Schedule::Plain => {
+                let mut band = Band::whole(state, &mut self.copies, segment.constants());
+                let rows = band.rows.clone();
+                segment
+                    .pieces()
+                    .iter()
+                    .try_for_each(|piece| piece.run(array, &mut band, rows.clone()))
+            }
+            Schedule::Tiled { .. } | Schedule::Active => {
+                let rows = match self.schedule {
+                    Schedule::Tiled { rows: rows @ 1.. } => rows,
+                    _ => tiled::rows(state.layout.size, size_of::<C>()),
+                };
+                let pieces = segment.pieces();
+                let mut rest: &[Piece<'_>] = pieces;
+                while !rest.is_empty() {
+                    let walk = tiled::Walk::new(rest, rows);
+                    walk.run(
+                        array,
+                        self.threads,
+                        state,
+                        &mut self.copies,
+                        segment.constants(),
+                    )?;
+                    rest = &rest[walk.len()..];
+                }
+                Ok(())
+            }
+        }
+    }
+}

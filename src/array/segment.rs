@@ -1,0 +1,113 @@
+//! Words that wait to be run together: those between two operations of the host that look at
+//! the array or change it.
+
+use std::ops::Range;
+
+use super::{
+    Domain, State, Undecided,
+    band::{Band, Constants},
+    semantics::{self, Array, Issued, Register},
+};
+use crate::isa::{Analog, Primitive};
+
+/// As many pieces wait at most.
+const FULL: usize = 1024;
+
+/// One word, or the copy of a register that the next word needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Piece<'a> {
+    Word { issued: Issued<'a>, line: u32 },
+    Copy(Register),
+}
+
+impl Piece<'_> {
+    /// How many rows away it reads from the cell that it writes.
+    pub(super) fn reach(&self) -> usize {
+        match self {
+            Self::Word { issued, .. } => semantics::reach(issued.word),
+            Self::Copy(_) => 0,
+        }
+    }
+
+    /// Runs it on some rows; in case of an error, its line.
+    pub(super) fn run<D: Domain>(
+        &self,
+        array: Array<'_, D>,
+        band: &mut Band<'_, D::Cell>,
+        rows: Range<usize>,
+    ) -> Result<(), (u32, Undecided)> {
+        match self {
+            Self::Word { issued, line } => array
+                .execute(band, *issued, rows)
+                .map_err(|undecided| (*line, undecided)),
+            Self::Copy(register) => {
+                semantics::copy(band, *register, rows);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Words that wait.
+#[derive(Debug)]
+pub(super) struct Segment<'a, C> {
+    pieces: Vec<Piece<'a>>,
+    constants: Constants<C>,
+    news: Analog,
+}
+
+impl<'a, C: Clone> Segment<'a, C> {
+    pub(super) fn new(state: &State<C>) -> Self {
+        Self {
+            pieces: Vec::new(),
+            constants: Constants::of(state),
+            news: state.layout.news,
+        }
+    }
+
+    /// One more word.
+    pub(super) fn push(&mut self, word: &'a Primitive, step: u64, line: u32) {
+        let copied = semantics::copied(word, self.news);
+        self.pieces.extend(copied.map(Piece::Copy));
+        let issued = Issued {
+            word,
+            step,
+            input: self.constants.inputs.len() - 1,
+            copied: copied.is_some(),
+        };
+        self.pieces.push(Piece::Word { issued, line });
+    }
+
+    /// The global input holds something else for the words to come.
+    pub(super) fn input(&mut self, state: &State<C>) {
+        let row = vec![state.input.clone(); state.layout.size.width];
+        self.constants.inputs.push(row);
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.pieces.len() >= FULL
+    }
+
+    /// All have run.
+    pub(super) fn clear(&mut self) {
+        self.pieces.clear();
+        let last = self.constants.inputs.len() - 1;
+        self.constants.inputs.drain(..last);
+    }
+
+    pub(super) fn pieces(&self) -> &[Piece<'a>] {
+        &self.pieces
+    }
+
+    pub(super) const fn constants(&self) -> &Constants<C> {
+        &self.constants
+    }
+
+    /// Registers that are copied.
+    pub(super) fn copied(&self) -> impl Iterator<Item = Register> {
+        self.pieces.iter().filter_map(|piece| match piece {
+            Piece::Copy(register) => Some(*register),
+            Piece::Word { .. } => None,
+        })
+    }
+}

@@ -1,0 +1,24 @@
+//! `amacrine disasm`.
+
+use super::opened::{Opened, Source};
+use crate::program::vendor_text;
+
+/// What `disasm` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: amacrine disasm programs/convolve/sobel.scamp > words.scamp")]
+pub struct Arguments {
+    #[command(flatten)]
+    source: Source,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// One diagnostic that names what was wrong.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let Opened {
+        device, expansion, ..
+    } = arguments.source.open(&[])?;
+    super::say(&vendor_text(&expansion.code, expansion.bare, &device));
+    Ok(())
+}

@@ -1,0 +1,89 @@
+//! The one door through which verbs read a program: file, chip, constants.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use miette::miette;
+
+use crate::{
+    isa::{Device, Figure},
+    program::{Expansion, Overrides, Program},
+};
+
+/// Which program, on which chip.
+#[derive(Debug, Default, clap::Args)]
+pub struct Source {
+    /// The program; a file of bare statements is a whole program
+    program: PathBuf,
+    /// A shipped chip by name, or the folder of another; else the one of the program's settings
+    #[arg(long)]
+    chip: Option<String>,
+    /// Set a constant of the program; can be given more than once
+    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = constant)]
+    constants: Vec<(String, f64)>,
+}
+
+/// A program, and what it became on a chip.
+pub struct Opened {
+    pub program: Program,
+    pub device: Device,
+    pub expansion: Expansion,
+}
+
+/// `name=value`, for the command line.
+fn constant(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
+    let value = value
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{value}` is not a number"))?;
+    Ok((name.trim().to_owned(), value))
+}
+
+impl Source {
+    /// The folder that the program's own paths are relative to.
+    pub fn folder(&self) -> &Path {
+        self.program.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Reads the text, whatever is wrong with it.
+    pub fn read(&self) -> miette::Result<Program> {
+        let file = self.program.display().to_string();
+        let text = fs::read_to_string(&self.program).map_err(|cause| {
+            miette!(
+                help = "give the path of a program, such as programs/dvs/snap.scamp",
+                "cannot read {file}: {cause}"
+            )
+        })?;
+        Ok(Program::read(&file, &text))
+    }
+
+    /// Reads the program and expands it on its chip, some of whose numbers may be others.
+    /// Warnings are shown.
+    pub fn open(&self, figures: &[(Figure, f64)]) -> miette::Result<Opened> {
+        let program = self.read()?;
+        let chip = self.chip.as_ref().or(program.settings.chip.as_ref());
+        let mut device = Device::find(chip.map_or("scamp5", String::as_str))?;
+        for (figure, value) in figures {
+            device = device.what_if(*figure, *value)?;
+        }
+        let expansion = program.expand(&device, &self.overrides())?;
+        if let Some(warnings) = program.warnings(&expansion) {
+            eprintln!("{:?}", miette!(warnings));
+        }
+        Ok(Opened {
+            program,
+            device,
+            expansion,
+        })
+    }
+
+    /// The constants that are set.
+    pub fn overrides(&self) -> Overrides {
+        self.constants.iter().cloned().collect()
+    }
+}

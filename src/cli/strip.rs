@@ -1,0 +1,103 @@
+//! `exec --strip`: what each register holds after each line, side by side.
+
+use image::RgbImage;
+use miette::miette;
+
+use super::{exec::Moment, opened::Opened, registers::Register};
+use crate::{
+    array::Array,
+    event::Packet,
+    isa::Figure,
+    picture::{StripCell, panel, strip},
+    plane::Plane,
+    program::{Action, Effect, Step},
+};
+
+/// The lines of one frame, with what registers held behind each.
+#[derive(Default)]
+pub struct Strip {
+    columns: Vec<Column>,
+}
+
+struct Column {
+    line: u32,
+    /// Of the registers that the program writes: what they hold, and whether this line wrote.
+    cells: Vec<(Plane<f64>, bool)>,
+}
+
+impl Strip {
+    /// Runs a frame line by line; what an earlier frame left is forgotten.
+    pub fn frame(
+        &mut self,
+        opened: &Opened,
+        chip: &mut dyn Array,
+        moment: &Moment<'_>,
+        packet: &mut Packet,
+    ) -> miette::Result<()> {
+        self.columns.clear();
+        let registers = Register::written(&opened.expansion, &opened.device);
+        for line in lines(moment.steps) {
+            chip.run_steps(line, moment.t, packet)?;
+            let written = Effect::of(line, &opened.device).writes;
+            let number = line.first().map_or(0, |step| step.line);
+            if written.is_empty() {
+                continue;
+            }
+            let names: Vec<String> = written.iter().map(|c| c.name(&opened.device)).collect();
+            let cells = registers.iter().map(|register| {
+                let wrote = names.contains(&register.name(&opened.device));
+                (register.values(chip), wrote)
+            });
+            self.columns.push(Column {
+                line: number,
+                cells: cells.collect(),
+            });
+        }
+        Ok(())
+    }
+
+    /// The picture: a row for each register, a column for each line that writes.
+    pub fn picture(&self, opened: &Opened) -> miette::Result<RgbImage> {
+        let device = &opened.device;
+        let registers = Register::written(&opened.expansion, device);
+        let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
+        let text: Vec<&str> = opened.program.text.lines().collect();
+        let columns = self.columns.iter().map(|column| {
+            let at = (column.line as usize).saturating_sub(1);
+            let source = text.get(at).map_or("", |line| line.trim());
+            let cells = registers.iter().zip(&column.cells);
+            let cells = cells.map(|(register, (values, written))| {
+                let (black, white) = if register.is_bit() {
+                    (0.0, 1.0)
+                } else {
+                    (low, high)
+                };
+                StripCell {
+                    picture: panel::frame(values, black, white),
+                    written: *written,
+                }
+            });
+            (format!("{} {source}", column.line), cells.collect())
+        });
+        if self.columns.is_empty() {
+            return Err(miette!(
+                help = "a strip shows registers that the last frame writes",
+                "{} has nothing to show: no line of it writes a register",
+                opened.program.file
+            ));
+        }
+        let rows: Vec<String> = registers.iter().map(|r| r.name(device)).collect();
+        let title = opened.program.settings.title.as_ref();
+        let title = title.unwrap_or(&opened.program.file);
+        Ok(strip(title, &rows, &columns.collect::<Vec<_>>())?)
+    }
+}
+
+/// The steps, cut where the line changes.
+fn lines(steps: &[Step]) -> impl Iterator<Item = &[Step]> {
+    // A `repeat` of the program stays one column: its last turn is what is seen.
+    steps.chunk_by(|a, b| {
+        let whole = |step: &Step| !matches!(step.action, Action::Repeat { .. });
+        a.line == b.line && whole(a) == whole(b)
+    })
+}

@@ -1,0 +1,404 @@
+//! A chip's instructions, written down from its data: `docs/scamp5.md` is this text.
+
+use std::fmt::Write as _;
+
+use super::{Cost, Expansion, Overrides, Program, for_each};
+use crate::isa::{
+    Clock, Device, Evidence, Figure, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
+    Signature,
+    macros::Item,
+    signature::{Mode, Parameter},
+};
+
+/// Numbers tried to find how a macro's words go with its numbers.
+const TRIED: std::ops::RangeInclusive<i32> = 1..=6;
+
+/// Everything that a statement can be on this chip, as Markdown: equation, operands, aliases,
+/// what is destroyed, words, evidence.
+#[must_use]
+pub fn reference(device: &Device) -> String {
+    let mut text = format!("# {}\n\n", device.title());
+    text.push_str(HEAD);
+    text.push_str(
+        "\n## Numbers\n\n| figure | value | unit | evidence | source |\n|---|---|---|---|---|\n",
+    );
+    for figure in Figure::ALL {
+        let Quantity {
+            value,
+            unit,
+            source,
+            evidence,
+            note,
+        } = device.figure(*figure);
+        let (section, key) = figure.key();
+        let note = note.as_ref().map_or(String::new(), |n| format!("; {n}"));
+        let evidence = word(*evidence);
+        line(
+            &mut text,
+            &format!("| `{section}.{key}` | {value} | {unit} | {evidence} | {source}{note} |"),
+        );
+    }
+    text.push_str("\n## Primitives\n\nOne instruction word of the array each.\n");
+    for row in device.primitives() {
+        primitive(&mut text, row);
+    }
+    text.push_str(MACROS);
+    for it in device.macros().iter().filter(|it| !it.host) {
+        of_macro(&mut text, it, device);
+    }
+    text.push_str(HOST_MACROS);
+    for it in device.macros().iter().filter(|it| it.host) {
+        of_macro(&mut text, it, device);
+    }
+    text.push_str("\n## Host operations\n\nDone by the micro-controller; no word of the array. `call` is paid once, `item` for each slot, sample or row.\n");
+    for row in device.hosts() {
+        host(&mut text, row);
+    }
+    text
+}
+
+const HEAD: &str = "\
+Written from `isa/` by `AMACRINE_BLESS=1 cargo test --test instructions`; a test holds it to the files there.
+
+- Forms are read as `isa/README.md` explains: `areg` an analogue register, `source` what a bus can read, `target` what it can store in, `dreg` and `bit` the same for one bit, `dir` a direction; `out`, `inout` and `trash` are written.
+- A direction is that of the neighbour which is read: `movx(A, B, east)` moves the picture west.
+- Analogue stores happen where FLAG is 1, each pixel by its own; a store into a neighbour's NEWS by the FLAG of the pixel that drives it. One-bit words do not look at FLAG.
+- A register may stand at several places of a form unless it is said to be illegal. What a form destroys may not be its operand: the chip then gives what the sequence of words gives, and `asm` warns.
+- Evidence: `measured` on the chip or from its published data, `quoted` from whoever made it, `modelled`, `guess`. CAREY13, HW, KIM, 5C, TUT, AICSP13, CNN, ANET: see the head of `isa/scamp5/device.toml` and `isa/scamp5/primitives.toml`.
+";
+
+const MACROS: &str = "
+## Macros
+
+Sequences of words. Those of the vendor are quoted (HW) where nothing else is said.
+";
+
+const HOST_MACROS: &str = "
+## Kernels of the host
+
+Macros that the host launches as kernels of its own: their words run and take time, but do not fill the kernel store of the program.
+";
+
+fn line(text: &mut String, what: &str) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{what}");
+}
+
+const fn word(evidence: Evidence) -> &'static str {
+    match evidence {
+        Evidence::Measured => "measured",
+        Evidence::Quoted => "quoted",
+        Evidence::Modelled => "modelled",
+        Evidence::Guess => "guess",
+    }
+}
+
+fn primitive(text: &mut String, row: &PrimitiveRow) {
+    heading(text, &row.forms);
+    line(text, &format!("{}\n", row.equation));
+    let aliases = match row.kind {
+        Kind::Bus | Kind::Square | Kind::Where => {
+            "illegal: all registers of one bus must differ, targets too; twice is one connection"
+        }
+        Kind::Blur => "illegal: y = x",
+        Kind::Or | Kind::Nor => {
+            "d = s is warned of: the chip takes two words, as `OR(r, x)`, `NOR(r, x)`, `NOT(r)` and `REFRESH(r)` do"
+        }
+        Kind::Nop
+        | Kind::ResetPix
+        | Kind::All
+        | Kind::BlurSet
+        | Kind::Set
+        | Kind::Clear
+        | Kind::WhereBit
+        | Kind::Dnews
+        | Kind::PropRead
+        | Kind::Prop => "legal: all",
+    };
+    line(text, &format!("- aliases: {aliases}"));
+    line(text, "- destroys: nothing");
+    let clock = match row.clock {
+        Clock::Analog => "analogue",
+        Clock::Digital => "digital",
+        Clock::Dnews => "DNEWS",
+        Clock::Prop => "PROP",
+    };
+    line(text, &format!("- words: {}, {clock} clock", row.words));
+    line(
+        text,
+        &format!("- evidence: {}; {}", word(row.evidence), row.source),
+    );
+}
+
+fn heading(text: &mut String, forms: &[Signature]) {
+    if let [one] = forms {
+        line(text, &format!("\n### `{}`\n", full(one)));
+        return;
+    }
+    let mut names: Vec<String> = forms.iter().map(|f| format!("`{}`", f.name)).collect();
+    names.dedup();
+    line(text, &format!("\n### {}\n\n```text", names.join(", ")));
+    for form in forms {
+        line(text, &full(form));
+    }
+    line(text, "```\n");
+}
+
+/// A form as it stands in the chip's files.
+fn full(form: &Signature) -> String {
+    let parameters: Vec<String> = form.parameters.iter().map(parameter).collect();
+    format!("{}({})", form.name, parameters.join(", "))
+}
+
+fn parameter(it: &Parameter) -> String {
+    if let Operand::Literal(value) = it.operand {
+        return value.to_string();
+    }
+    let mode = match it.mode {
+        Mode::In => "",
+        Mode::Out => "out ",
+        Mode::InOut => "inout ",
+        Mode::Trash => "trash ",
+    };
+    let bounds = |low: f64, high: f64| {
+        if low == f64::MIN {
+            String::new()
+        } else {
+            format!("[{low}..{high}]")
+        }
+    };
+    let kind = match it.operand {
+        Operand::Areg => "areg".to_owned(),
+        Operand::Target => "target".to_owned(),
+        Operand::Source => "source".to_owned(),
+        Operand::Dreg => "dreg".to_owned(),
+        Operand::Bit => "bit".to_owned(),
+        Operand::Direction => "dir".to_owned(),
+        Operand::Directions => "dirs".to_owned(),
+        Operand::Number(low, high) => format!("lsb{}", bounds(low, high)),
+        Operand::Integer(low, high) => format!("int{}", bounds(low, high)),
+        Operand::Word => "word".to_owned(),
+        Operand::Literal(value) => value.to_string(),
+    };
+    let count = match it.count {
+        (1, 1) => String::new(),
+        (least, most) if most >= 1_000_000 => format!(" * {least}.."),
+        (least, most) => format!(" * {least}..{most}"),
+    };
+    let default = it.default.as_ref();
+    let default = default.map_or(String::new(), |value| format!(" = {value}"));
+    let plain = format!("{mode}{}: {kind}{count}{default}", it.name);
+    if it.group {
+        format!("{{{plain}}}")
+    } else {
+        plain
+    }
+}
+
+fn of_macro(text: &mut String, it: &Macro, device: &Device) {
+    heading(text, std::slice::from_ref(&it.signature));
+    line(text, &format!("{}\n", it.doc.replace('\n', " ")));
+    let illegal: Vec<String> = it
+        .distinct
+        .iter()
+        .map(|d| format!("{} = {} ({})", d.first, d.second, d.reason))
+        .collect();
+    let aliases = if illegal.is_empty() {
+        "legal: all".to_owned()
+    } else {
+        format!("illegal: {}", illegal.join("; "))
+    };
+    line(text, &format!("- aliases: {aliases}"));
+    if it.whole_flag {
+        line(text, "- FLAG: must be 1 everywhere");
+    }
+    let destroyed = destroyed(it, device);
+    line(text, &format!("- destroys: {}", or_nothing(&destroyed)));
+    if !it.gives.is_empty() {
+        line(text, &format!("- gives: {}", it.gives.join(", ")));
+    }
+    line(text, &format!("- words: {}", words(it, device)));
+    match &it.evidence {
+        Some((evidence, source)) => {
+            line(text, &format!("- evidence: {}; {source}", word(*evidence)));
+        }
+        None => line(text, "- evidence: quoted; HW"),
+    }
+    let mut body = String::new();
+    sequence(&mut body, &it.body, 0);
+    if body.is_empty() {
+        body.push_str("// nothing\n");
+    }
+    let _ = write!(text, "\n```text\n{body}```\n");
+}
+
+fn or_nothing(names: &[String]) -> String {
+    if names.is_empty() {
+        return "nothing".to_owned();
+    }
+    names.join(", ")
+}
+
+fn sequence(text: &mut String, body: &[Item], level: usize) {
+    let indent = "    ".repeat(level);
+    for item in body {
+        match item {
+            Item::Statement(statement) => line(text, &format!("{indent}{statement}")),
+            Item::Repeat { times, body } => {
+                line(text, &format!("{indent}repeat {times} {{"));
+                sequence(text, body, level + 1);
+                line(text, &format!("{indent}}}"));
+            }
+        }
+    }
+}
+
+/// What a macro writes and does not give, parameters by their names.
+fn destroyed(it: &Macro, device: &Device) -> Vec<String> {
+    let Some((arguments, expansion)) = sample(it, device, &nearest_to_one(it)) else {
+        return Vec::new();
+    };
+    let mut names = Vec::new();
+    for_each(&expansion.frame, &mut |statement| {
+        for cell in statement.destroys() {
+            let register = cell.name(device);
+            let at = arguments.iter().position(|argument| *argument == register);
+            let parameter = at.and_then(|at| it.signature.parameters.get(at));
+            names.push(parameter.map_or(register, |p| p.name.clone()));
+        }
+    });
+    names
+}
+
+/// For each of its whole numbers, 1 or what comes nearest to it.
+fn nearest_to_one(it: &Macro) -> Vec<f64> {
+    let parameters = it.signature.parameters.iter();
+    parameters
+        .filter_map(|p| match p.operand {
+            Operand::Integer(low, high) => Some(1.0f64.clamp(low, high)),
+            _ => None,
+        })
+        .collect()
+}
+
+/// How many words a macro takes, and how they go with its numbers.
+fn words(it: &Macro, device: &Device) -> String {
+    let numbers: Vec<&Parameter> = it
+        .signature
+        .parameters
+        .iter()
+        .filter(|p| matches!(p.operand, Operand::Integer(..)))
+        .collect();
+    let of = |values: &[f64]| {
+        let (_, Expansion { code, .. }) = sample(it, device, values)?;
+        Some(Cost::of(&code.frame, device).words.0)
+    };
+    let base = nearest_to_one(it);
+    let Some(once) = of(&base) else {
+        return "as its operands ask".to_owned();
+    };
+    let mut parts = Vec::new();
+    for (at, p) in numbers.iter().enumerate() {
+        let Operand::Integer(low, high) = p.operand else {
+            continue;
+        };
+        let tried = TRIED.map(f64::from).filter(|n| (low..=high).contains(n));
+        let counts: Option<Vec<(f64, u64)>> = tried
+            .map(|n| {
+                let mut values = base.clone();
+                values[at] = n;
+                Some((n, of(&values)?))
+            })
+            .collect();
+        let Some(counts) = counts else { continue };
+        let steps: Vec<u64> = counts
+            .windows(2)
+            .map(|pair| pair[1].1.saturating_sub(pair[0].1))
+            .collect();
+        match steps.as_slice() {
+            [] => {}
+            [first, rest @ ..] if rest.iter().all(|s| s == first) => {
+                if *first > 0 {
+                    parts.push(format!("{first} more for each step of {}", p.name));
+                }
+            }
+            _ => {
+                let list: Vec<String> = counts.iter().map(|(_, w)| w.to_string()).collect();
+                parts.push(format!("{} for {} = 1 to 6", list.join(", "), p.name));
+            }
+        }
+    }
+    if parts.is_empty() {
+        return once.to_string();
+    }
+    let at: Vec<String> = numbers
+        .iter()
+        .zip(&base)
+        .map(|(p, value)| format!("{} = {value}", p.name))
+        .collect();
+    format!("{once} for {}; {}", at.join(", "), parts.join("; "))
+}
+
+/// A call of a macro with operands that differ and these numbers: its arguments, and what it
+/// becomes.
+fn sample(it: &Macro, device: &Device, numbers: &[f64]) -> Option<(Vec<String>, Expansion)> {
+    let registers = device.registers();
+    let news = device.analog_name(registers.news);
+    let mut analog = registers.analog.iter().filter(|name| **name != news);
+    let roles = &registers.roles;
+    let used = [roles.mask, roles.propagated]
+        .into_iter()
+        .chain(roles.enable);
+    let used: Vec<String> = used.map(|d| device.digital_name(d)).collect();
+    let mut digital = registers.digital.iter().filter(|name| !used.contains(name));
+    let mut numbers = numbers.iter();
+    let mut arguments = Vec::new();
+    for parameter in &it.signature.parameters {
+        arguments.push(match parameter.operand {
+            Operand::Areg | Operand::Source | Operand::Target => analog.next()?.clone(),
+            Operand::Dreg | Operand::Bit => digital.next()?.clone(),
+            Operand::Direction | Operand::Directions => "east".to_owned(),
+            Operand::Integer(..) => numbers.next()?.to_string(),
+            Operand::Number(low, _) => 0.0f64.max(low).to_string(),
+            Operand::Literal(value) => value.to_string(),
+            Operand::Word => "buffer".to_owned(),
+        });
+    }
+    let text = format!("{}({});", it.signature.name, arguments.join(", "));
+    let program = Program::read("reference", &text);
+    let expansion = program.expand(device, &Overrides::new()).ok()?;
+    Some((arguments, expansion))
+}
+
+fn host(text: &mut String, row: &HostRow) {
+    heading(text, &row.forms);
+    line(text, &format!("{}\n", row.meaning));
+    let trash: Vec<String> = row
+        .forms
+        .iter()
+        .flat_map(|form| &form.parameters)
+        .filter(|p| p.mode == Mode::Trash)
+        .map(|p| p.name.clone())
+        .collect();
+    line(text, "- aliases: legal: all");
+    line(text, &format!("- destroys: {}", or_nothing(&trash)));
+    let quantity = |what: &str, quantity: &Quantity| {
+        let Quantity {
+            value,
+            unit,
+            source,
+            evidence,
+            note,
+        } = quantity;
+        let note = note.as_ref().map_or(String::new(), |n| format!("; {n}"));
+        format!(
+            "- {what}: {value} {unit}, {}; {source}{note}",
+            word(*evidence)
+        )
+    };
+    line(text, "- words: 0");
+    line(text, &quantity("call", &row.call));
+    if let Some(item) = &row.item {
+        line(text, &quantity("item", item));
+    }
+}

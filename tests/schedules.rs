@@ -1,0 +1,376 @@
+//! Proves that the order in which the array is walked does not matter: every schedule, on any
+//! number of threads, agrees with the plain one to the bit, in every domain, frame after frame:
+//! registers, FLAG, events, readings and ledger, over random programs, sizes and lights.
+
+use amacrine::{
+    array::{Arithmetic, Array, Ledger, Reading, Schedule, Settings},
+    event::{Event, Packet, Polarity},
+    isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
+    plane::{Plane, Size},
+    program::{Action, Area, Code, Host, Pattern, Step, SumOver},
+    unit::Micros,
+};
+use proptest::prelude::*;
+use words::{digital, word};
+
+mod words;
+
+/// Read once; its files are the same for all.
+fn device() -> &'static Device {
+    static DEVICE: std::sync::LazyLock<Device> = std::sync::LazyLock::new(Device::scamp5);
+    &DEVICE
+}
+
+/// Words, now and then something for the host or a loop; or only what [`Schedule::Active`]
+/// need not leave to [`Schedule::Tiled`].
+fn steps(words: usize, all: bool) -> impl Strategy<Value = Vec<Step>> {
+    let analog = || (0u8..7).prop_map(Analog);
+    let scan = (digital(), any::<bool>(), 0u32..300).prop_map(|(source, on, slots)| {
+        let polarity = if on { Polarity::On } else { Polarity::Off };
+        Host::ScanEvents {
+            source,
+            polarity,
+            channel: 1,
+            slots,
+        }
+    });
+    let area = prop_oneof![
+        (0u16..40, 0u16..40).prop_map(|(row, column)| Area::Point { row, column }),
+        (0u16..40, 0u16..8).prop_map(|(column, ignored)| Area::Column { column, ignored }),
+        (0u16..8, 0u16..8).prop_map(|(row, column)| {
+            Area::Pattern(Pattern {
+                row,
+                column,
+                row_ignored: 255 - 3,
+                column_ignored: 255 - 5,
+            })
+        }),
+    ];
+    let rare = u32::from(all);
+    let host = prop_oneof![
+        3 => (-120.0..120.0).prop_map(|value: f64| Host::LoadIn { value: value.round() }),
+        2 => scan,
+        1 => analog().prop_map(|source| Host::ReadAnalog { source }),
+        1 => digital().prop_map(|source| Host::ScanBoundingBox { source }),
+        1 => analog().prop_map(|source| Host::GlobalSum { source, over: SumOver::Whole }),
+        rare => (digital(), area.clone()).prop_map(|(target, area)| Host::Load { target, area }),
+        rare => area.prop_map(|area| Host::Select { area }),
+    ];
+    let step = |action| Step { action, line: 3 };
+    let once = prop_oneof![
+        // PROP, which goes over the whole array, seldom.
+        12 => word().prop_filter("PROP", |word| !matches!(word, Primitive::Prop { .. }))
+            .prop_map(Action::Word),
+        rare => word().prop_map(Action::Word),
+        1 => host.prop_map(Action::Host),
+    ]
+    .prop_map(step);
+    let body = prop::collection::vec(once.clone(), 1..6);
+    let repeat =
+        (0u32..4, body).prop_map(move |(times, body)| step(Action::Repeat { times, body }));
+    prop::collection::vec(prop_oneof![9 => once, 1 => repeat], 1..words)
+}
+
+fn sizes() -> impl Strategy<Value = Size> {
+    prop_oneof![
+        4 => (1usize..8, 1usize..8),
+        2 => (1usize..4, 60usize..70),
+        6 => (1usize..=70, 1usize..=130),
+        2 => (20usize..=70, prop::sample::select(vec![64usize, 128])),
+    ]
+    .prop_map(|(height, width)| Size::new(height, width))
+}
+
+/// Values that are spread, exact in most formats, and now and then beyond a limit.
+fn value(seed: u64, i: u64) -> f64 {
+    let hash = (seed ^ i.wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    let hash = (hash ^ hash >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    ((hash >> 40) % 4000) as f64 / 16.0 - 125.0
+}
+
+/// What light falls in each frame: some frames are like the one before, in some only a spot
+/// has changed.
+fn lights(size: Size, seed: u64) -> Vec<Plane<f64>> {
+    let pixel = |y: usize, x: usize| (y * size.width + x) as u64;
+    let mut light = Plane::from_shape_fn(size.shape(), |(y, x)| {
+        value(seed, pixel(y, x)).abs().round()
+    });
+    (0..9)
+        .map(|frame| {
+            let spot = (
+                seed as usize % size.height,
+                (seed >> 20) as usize % size.width,
+            );
+            match (seed >> (3 * frame)) % 8 {
+                0..3 => {}
+                3 => {
+                    let changed =
+                        |(y, x): (usize, usize)| value(seed ^ frame, pixel(y, x)).abs().round();
+                    light = Plane::from_shape_fn(size.shape(), changed);
+                }
+                _ => light[spot] = (light[spot] + 17.0 * (1 + frame) as f64) % 255.0,
+            }
+            light.clone()
+        })
+        .collect()
+}
+
+/// All that can be seen after a frame.
+#[derive(Debug, PartialEq)]
+struct Seen {
+    analog: Vec<Vec<u64>>,
+    bits: Vec<Plane<bool>>,
+    events: Vec<Event>,
+    dropped: u64,
+    readings: Vec<Reading>,
+    ledger: Ledger,
+}
+
+fn seen(chip: &dyn Array, packet: &Packet) -> Seen {
+    let analog = |r| {
+        let plane = chip.analog(Analog(r));
+        plane.iter().map(|v| v.to_bits()).collect()
+    };
+    let bits = (0..13).map(|r| chip.digital(Digital(r)));
+    Seen {
+        analog: (0..7).map(analog).collect(),
+        bits: bits.chain([chip.flag()]).collect(),
+        events: packet.events.clone(),
+        dropped: packet.dropped.no_slot,
+        readings: chip.readings().to_vec(),
+        ledger: chip.ledger(),
+    }
+}
+
+/// What a schedule leaves after the program's `init` and after each frame.
+fn watched(
+    case: &Case,
+    code: &Code,
+    schedule: Schedule,
+    threads: usize,
+    lights: &[Plane<f64>],
+) -> Vec<Seen> {
+    let Case {
+        domain,
+        size,
+        settings,
+        seed,
+    } = *case;
+    let arithmetic: Arithmetic = domain.parse().unwrap();
+    let arithmetic = arithmetic.with_seed(seed);
+    let mut chip = arithmetic
+        .chip("test", code.clone(), device(), size, settings)
+        .unwrap();
+    chip.set_schedule(schedule, threads);
+    let planes = (0..20).map(|k| {
+        let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);
+        Plane::from_shape_fn(size.shape(), at)
+    });
+    for (r, plane) in (0..).zip(planes) {
+        if r < 7 {
+            chip.set_analog(Analog(r), &plane).unwrap();
+        } else {
+            let bits = plane.mapv(|v| v > 0.0);
+            chip.set_digital(Digital(r - 7), &bits).unwrap();
+        }
+    }
+    let mut packet = Packet::new(size, 2);
+    let mut all = Vec::new();
+    for (i, light) in (0..).zip(lights) {
+        chip.expose(light).unwrap();
+        if i == 0 {
+            chip.run_init(Micros(i), &mut packet).unwrap();
+        } else {
+            chip.run_frame(Micros(i), &mut packet).unwrap();
+        }
+        all.push(seen(&*chip, &packet));
+    }
+    all
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    domain: &'static str,
+    size: Size,
+    settings: Settings,
+    seed: u64,
+}
+
+fn cases(domain: &'static str) -> impl Strategy<Value = Case> {
+    (sizes(), any::<bool>(), 0u64..1 << 40).prop_map(move |(size, clip, seed)| {
+        let edge = [0.0, 3.0, -100.0][seed as usize % 3];
+        let settings = Settings {
+            clip,
+            edge,
+            square_gain: 1.0 / 128.0,
+            ..Settings::of(device())
+        };
+        Case {
+            domain,
+            size,
+            settings,
+            seed,
+        }
+    })
+}
+
+fn agree(
+    case: &Case,
+    code: &Code,
+    schedule: Schedule,
+    threads: usize,
+) -> Result<(), TestCaseError> {
+    let lights = lights(case.size, case.seed);
+    let plain = watched(case, code, Schedule::Plain, 1, &lights);
+    let other = watched(case, code, schedule, threads, &lights);
+    for (frame, (plain, other)) in plain.iter().zip(&other).enumerate() {
+        for (r, (plain, other)) in plain.analog.iter().zip(&other.analog).enumerate() {
+            let first = plain.iter().zip(other).position(|(a, b)| a != b);
+            prop_assert_eq!(first, None, "register {} in frame {}", r, frame);
+        }
+        for (r, (plain, other)) in plain.bits.iter().zip(&other.bits).enumerate() {
+            prop_assert!(plain == other, "R{} in frame {}", r, frame);
+        }
+        prop_assert!(
+            plain == other,
+            "events, readings or ledger in frame {frame}"
+        );
+    }
+    Ok(())
+}
+
+macro_rules! every_domain {
+    ($($name:ident: $domain:literal;)*) => {
+        /// Random programs, tiled.
+        mod tiled {
+            use super::*;
+            proptest! {
+                #![proptest_config(ProptestConfig::with_cases(96))]
+                $(#[test]
+                fn $name(
+                    case in cases($domain), init in steps(8, true), frame in steps(25, true),
+                    rows in 0usize..9, threads in 1usize..=4
+                ) {
+                    let code = Code { init, frame };
+                    agree(&case, &code, Schedule::Tiled { rows }, threads)?;
+                })*
+            }
+        }
+
+        /// Random programs, where something has changed.
+        mod active {
+            use super::*;
+            proptest! {
+                #![proptest_config(ProptestConfig::with_cases(96))]
+                $(#[test]
+                fn $name(
+                    case in cases($domain), init in steps(4, true),
+                    frame in prop_oneof![steps(6, false), steps(20, false), steps(20, true)],
+                    threads in 1usize..=4
+                ) {
+                    let code = Code { init, frame };
+                    agree(&case, &code, Schedule::Active, threads)?;
+                })*
+            }
+        }
+    };
+}
+
+every_domain! {
+    exact: "exact";
+    single: "f32";
+    half: "f16";
+    brain: "bf16";
+    q8_8: "q8.8";
+    q4_12_wrap: "q4.12-wrap";
+    q8_0: "q8.0";
+    q16_16: "q16.16";
+    silicon: "silicon";
+}
+
+/// Movement, where most of the picture stays as it is, through a program that remembers.
+#[test]
+fn a_large_array_agrees_too() {
+    let bus = |target, sources: &[Source]| {
+        let word = Primitive::Bus {
+            targets: vec![target],
+            sources: sources.to_vec(),
+        };
+        Step {
+            action: Action::Word(word),
+            line: 1,
+        }
+    };
+    let to = |r| Target::Register(Analog(r));
+    let from = |r| Source::Register(Analog(r));
+    let word = |word| Step {
+        action: Action::Word(word),
+        line: 1,
+    };
+    // B: the light less its neighbours; events where it differs from C, which follows.
+    let frame = vec![
+        bus(to(6), &[Source::Pix]),
+        bus(to(0), &[from(6)]),
+        bus(Target::Neighbour(Direction::South), &[from(0)]),
+        bus(to(1), &[from(6)]),
+        bus(Target::Neighbour(Direction::East), &[from(1)]),
+        bus(to(1), &[from(6), Source::Neighbour(Direction::North)]),
+        bus(to(6), &[from(1)]),
+        bus(to(3), &[from(6), from(2)]),
+        word(Primitive::Where {
+            sources: vec![from(3)],
+        }),
+        word(Primitive::Or {
+            target: Digital(5),
+            sources: vec![Bit::Flag],
+        }),
+        bus(to(2), &[from(6)]),
+        word(Primitive::All),
+        Step {
+            action: Action::Host(Host::ScanEvents {
+                source: Digital(5),
+                polarity: Polarity::On,
+                channel: 0,
+                slots: 4000,
+            }),
+            line: 2,
+        },
+        word(Primitive::Clear {
+            targets: vec![Digital(5)],
+        }),
+    ];
+    let code = Code {
+        init: vec![],
+        frame,
+    };
+    let size = Size::new(1024, 700);
+    let case = Case {
+        domain: "q8.8",
+        size,
+        settings: Settings::of(device()),
+        seed: 5,
+    };
+    let lights: Vec<_> = (0..6)
+        .map(|frame: usize| {
+            Plane::from_shape_fn(size.shape(), |(y, x)| {
+                let spot = (y.abs_diff(500 + 3 * frame) < 20) && (x.abs_diff(650) < 30 + frame);
+                if spot {
+                    200.0
+                } else {
+                    ((x * 7 + y * 3) % 101) as f64
+                }
+            })
+        })
+        .collect();
+    let plain = watched(&case, &code, Schedule::Plain, 1, &lights);
+    assert!(plain[5].events.len() > 100);
+    for (schedule, threads) in [
+        (Schedule::Tiled { rows: 0 }, 1),
+        (Schedule::Tiled { rows: 0 }, 2),
+        (Schedule::Tiled { rows: 3 }, 4),
+        (Schedule::Active, 2),
+    ] {
+        let other = watched(&case, &code, schedule, threads, &lights);
+        assert!(plain == other, "{schedule} on {threads} threads");
+    }
+}
