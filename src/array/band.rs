@@ -195,6 +195,11 @@ impl<'a, C> Band<'a, C> {
         }
     }
 
+    /// All analogue registers.
+    pub(super) fn registers(&mut self) -> &mut [&'a mut [C]] {
+        &mut self.analog
+    }
+
     pub(super) fn flag(&self) -> &[u64] {
         self.flag
     }
