@@ -189,9 +189,9 @@ impl<'a, C> Band<'a, C> {
     /// What a word reads: a register, or the copy of it.
     pub(super) fn analog(&self, register: Analog, copied: bool) -> &[C] {
         if copied {
-            &self.analog[self.analog.len() - 1]
+            self.analog[self.analog.len() - 1]
         } else {
-            &self.analog[usize::from(register.0)]
+            self.analog[usize::from(register.0)]
         }
     }
 

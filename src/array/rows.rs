@@ -466,7 +466,8 @@ fn spread(word: u64) -> [u8; 64] {
     for (k, eight) in eights.iter_mut().enumerate() {
         // Each byte keeps a bit of its own; it carries into the highest, which goes to the
         // lowest.
-        let own = (word >> (8 * k) & 0xFF) * 0x0101_0101_0101_0101 & 0x8040_2010_0804_0201;
+        let all = (word >> (8 * k) & 0xFF) * 0x0101_0101_0101_0101;
+        let own = all & 0x8040_2010_0804_0201;
         let ones = (own + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & 0x0101_0101_0101_0101;
         *eight = ones.to_le_bytes();
     }
