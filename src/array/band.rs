@@ -189,10 +189,15 @@ impl<'a, C> Band<'a, C> {
     /// What a word reads: a register, or the copy of it.
     pub(super) fn analog(&self, register: Analog, copied: bool) -> &[C] {
         if copied {
-            &self.analog[self.analog.len() - 1]
+            self.analog[self.analog.len() - 1]
         } else {
-            &self.analog[usize::from(register.0)]
+            self.analog[usize::from(register.0)]
         }
+    }
+
+    /// All analogue registers.
+    pub(super) fn registers(&mut self) -> &mut [&'a mut [C]] {
+        &mut self.analog
     }
 
     pub(super) fn flag(&self) -> &[u64] {

@@ -361,6 +361,84 @@ fn store_cells<D: Domain, const N: usize>(
     }
 }
 
+/// A word of a chain: one bus of one or two registers into one register of the same pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Link {
+    pub(super) target: Analog,
+    /// Into one or two parts.
+    pub(super) share: Share,
+    pub(super) sources: [Analog; 2],
+    /// Whether there is a second source.
+    pub(super) two: bool,
+    pub(super) step: u64,
+}
+
+/// Bytes of a register that go through a chain at once: those of all registers fit into the
+/// cache next to a core.
+const PIECE: usize = 4096;
+
+/// Runs words one after the other, a piece of the cells at a time, where FLAG is 1 in all of
+/// them. They begin at `place`.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn chain<D: Domain>(
+    domain: &D,
+    planes: &mut [&mut [D::Cell]],
+    links: &[Link],
+    cells: Range<usize>,
+    place: Place,
+    clip: bool,
+) {
+    let piece = PIECE / size_of::<D::Cell>().clamp(1, PIECE);
+    let mut from = cells.start;
+    while from < cells.end {
+        let to = (from + piece).min(cells.end);
+        let x = place.x + from - cells.start;
+        for link in links {
+            let place = Place {
+                x,
+                register: link.target,
+                step: link.step,
+                ..place
+            };
+            let target = std::mem::take(&mut planes[usize::from(link.target.0)]);
+            let [one, two] = link.sources.map(|source| usize::from(source.0));
+            let new = &mut target[from..to];
+            if link.two {
+                let operands = [&planes[one][from..to], &planes[two][from..to]];
+                link_cells(domain, operands, new, link.share, place, clip);
+            } else {
+                link_cells(
+                    domain,
+                    [&planes[one][from..to]],
+                    new,
+                    link.share,
+                    place,
+                    clip,
+                );
+            }
+            planes[usize::from(link.target.0)] = target;
+        }
+        from = to;
+    }
+}
+
+/// As [`store_cells`], of a share that a chain may have.
+#[inline(always)]
+fn link_cells<D: Domain, const N: usize>(
+    domain: &D,
+    operands: [&[D::Cell]; N],
+    cells: &mut [D::Cell],
+    share: Share,
+    place: Place,
+    clip: bool,
+) {
+    if share.by == 1 {
+        domain.store_row(operands, Share { by: 1, ..share }, place, clip, cells);
+    } else {
+        domain.store_row(operands, Share { by: 2, ..share }, place, clip, cells);
+    }
+}
+
 /// Takes `new` where the bit is 1; of at most 64 cells.
 #[inline(always)]
 fn merge<D: Domain>(domain: &D, cells: &mut [D::Cell], new: &[D::Cell], flags: u64) {
@@ -388,7 +466,8 @@ fn spread(word: u64) -> [u8; 64] {
     for (k, eight) in eights.iter_mut().enumerate() {
         // Each byte keeps a bit of its own; it carries into the highest, which goes to the
         // lowest.
-        let own = (word >> (8 * k) & 0xFF) * 0x0101_0101_0101_0101 & 0x8040_2010_0804_0201;
+        let all = (word >> (8 * k) & 0xFF) * 0x0101_0101_0101_0101;
+        let own = all & 0x8040_2010_0804_0201;
         let ones = (own + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & 0x0101_0101_0101_0101;
         *eight = ones.to_le_bytes();
     }

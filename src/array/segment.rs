@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::{
     Domain, State, Undecided,
     band::{Band, Constants},
+    rows::Link,
     semantics::{self, Array, Issued, Register},
 };
 use crate::isa::{Analog, Primitive};
@@ -26,6 +27,14 @@ impl Piece<'_> {
         match self {
             Self::Word { issued, .. } => semantics::reach(issued.word),
             Self::Copy(_) => 0,
+        }
+    }
+
+    /// Adds what it is in a chain; `false` where it can be in none.
+    pub(super) fn link(&self, links: &mut Vec<Link>) -> bool {
+        match self {
+            Self::Word { issued, .. } => semantics::link(*issued, links),
+            Self::Copy(_) => false,
         }
     }
 

@@ -27,7 +27,7 @@ use super::{
     BitPlane, Domain, Place, Propagation, Settings, Share, State, Undecided,
     band::{Band, Constants, Copies},
     bits,
-    rows::{self, Bus, Links, Store},
+    rows::{self, Bus, Link, Links, Store},
 };
 use crate::{
     isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target},
@@ -184,6 +184,44 @@ pub(super) fn copied(word: &Primitive, news: Analog) -> Option<Register> {
     }
 }
 
+/// Adds to `links` what a word is in a chain; `false` where it can be in none.
+pub(super) fn link(issued: Issued<'_>, links: &mut Vec<Link>) -> bool {
+    let Primitive::Bus { targets, sources } = issued.word else {
+        return false;
+    };
+    let register = |source: &Source| match source {
+        Source::Register(register) => Some(*register),
+        Source::Pix | Source::In | Source::Neighbour(_) => None,
+    };
+    let (one, two) = match &sources[..] {
+        [one] => (register(one), None),
+        [one, two] => (register(one), register(two)),
+        _ => return false,
+    };
+    let two_registers = two.is_some();
+    let (Some(one), true) = (one, two_registers || sources.len() == 1) else {
+        return false;
+    };
+    if issued.copied || targets.len() > 2 {
+        return false;
+    }
+    let before = links.len();
+    for (part, target) in targets.iter().enumerate() {
+        let Target::Register(target) = target else {
+            links.truncate(before);
+            return false;
+        };
+        links.push(Link {
+            target: *target,
+            share: Share::of(targets.len(), part),
+            sources: [one, two.unwrap_or(one)],
+            two: two_registers,
+            step: issued.step,
+        });
+    }
+    true
+}
+
 /// Makes room for the copy of a register.
 pub(super) fn make_copies<C: Clone>(
     copies: &mut Copies<C>,
@@ -292,6 +330,32 @@ impl<D: Domain> Array<'_, D> {
             } => dnews(band, *target, *source, *boundary, rows),
         }
         Ok(())
+    }
+
+    /// Executes the words of a chain on some rows; `false`, and nothing done, where FLAG is not
+    /// 1 in all of their pixels, or the words of bits do not tell.
+    pub(super) fn chain(
+        self,
+        band: &mut Band<'_, D::Cell>,
+        links: &[Link],
+        rows: Range<usize>,
+    ) -> bool {
+        let flags = &band.flag()[band.row_words(rows.clone())];
+        if !band.layout.size.width.is_multiple_of(64)
+            || flags.iter().fold(!0, |all, word| all & word) != !0
+        {
+            return false;
+        }
+        let place = Place {
+            y: rows.start,
+            x: 0,
+            register: band.layout.news,
+            step: 0,
+        };
+        let cells = band.row_cells(rows);
+        let clip = self.settings.clip;
+        rows::chain(self.domain, band.registers(), links, cells, place, clip);
+        true
     }
 
     fn bus(

@@ -23,6 +23,7 @@ use rayon::prelude::*;
 use super::{
     Domain, State, Undecided,
     band::{Band, Constants, Copies},
+    rows::Link,
     segment::Piece,
     semantics::Array,
 };
@@ -31,8 +32,8 @@ use crate::plane::Size;
 /// Bands move up by so many rows at most: what is behind them leaves the cache.
 const FARTHEST: usize = 16;
 
-/// Bytes of a register in one band, so that eight of them fit into the cache next to a core.
-const BAND: usize = 4096;
+/// Bytes of a register in one band, so that all registers fit into a core's larger cache.
+const BAND: usize = 16384;
 
 /// The rows of a band.
 pub(super) fn rows(size: Size, cell: usize) -> usize {
@@ -43,6 +44,9 @@ pub(super) fn rows(size: Size, cell: usize) -> usize {
 pub(super) struct Walk<'a, 'b> {
     pieces: &'b [Piece<'a>],
     shifts: Vec<usize>,
+    /// Words of chains, and for each piece that begins one, how many pieces and which words.
+    links: Vec<Link>,
+    chains: Vec<Option<(usize, Range<usize>)>>,
     rows: usize,
 }
 
@@ -60,9 +64,26 @@ impl<'a, 'b> Walk<'a, 'b> {
             shifts.push(shift);
             before = reach;
         }
+        let pieces = &pieces[..shifts.len()];
+        let (mut links, mut chains) = (Vec::new(), vec![None; pieces.len()]);
+        let mut first = 0;
+        while first < pieces.len() {
+            let begin = links.len();
+            let mut end = first;
+            while end < pieces.len() && shifts[end] == shifts[first] && pieces[end].link(&mut links)
+            {
+                end += 1;
+            }
+            if end > first {
+                chains[first] = Some((end - first, begin..links.len()));
+            }
+            first = end.max(first + 1);
+        }
         Self {
-            pieces: &pieces[..shifts.len()],
+            pieces,
             shifts,
+            links,
+            chains,
             rows,
         }
     }
@@ -120,7 +141,9 @@ impl<'a, 'b> Walk<'a, 'b> {
         let mut top = part.start;
         while top < part.end {
             let bottom = top + self.rows;
-            for (piece, shift) in self.pieces.iter().zip(&self.shifts) {
+            let mut k = 0;
+            while k < self.pieces.len() {
+                let shift = &self.shifts[k];
                 let from = if top == part.start {
                     top
                 } else {
@@ -135,9 +158,18 @@ impl<'a, 'b> Walk<'a, 'b> {
                 let first = part.start + if part.start == 0 { 0 } else { *shift };
                 let last = part.end - if part.end == height { 0 } else { *shift };
                 let rows = from.max(first)..to.min(last);
-                if !rows.is_empty() {
-                    piece.run(array, band, rows)?;
+                let (pieces, links) = self.chains[k].clone().unwrap_or((1, 0..0));
+                let links = &self.links[links];
+                let chained =
+                    !links.is_empty() && !rows.is_empty() && array.chain(band, links, rows.clone());
+                if rows.is_empty() || chained {
+                    k += pieces;
+                    continue;
                 }
+                for piece in &self.pieces[k..k + pieces] {
+                    piece.run(array, band, rows.clone())?;
+                }
+                k += pieces;
             }
             top = bottom;
         }
