@@ -490,8 +490,9 @@ impl Clock {
         let place = if place < 1.0 { place } else { 1.0 };
         let since = self.fraction + place * self.duration;
         let since = if since > 0.0 { since } else { 0.0 };
-        // Added to 2^52, the nearest whole number stands in the lowest bits.
-        (since + MAGIC).to_bits() - MAGIC.to_bits()
+        // Halves up, as a frame's own time is rounded. Added to 2^52, a whole number stands in
+        // the lowest bits.
+        ((since + 0.5).floor() + MAGIC).to_bits() - MAGIC.to_bits()
     }
 
     #[inline]
