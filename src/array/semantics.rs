@@ -18,7 +18,7 @@
 //! - R12 is written only where R0 was 1 before the word.
 //!
 //! A word is executed on some rows of the array: which rows when is the business of a
-//! [`Schedule`](super::Schedule). What reaches a row from its neighbours is at most [`reach`]
+//! [`Schedule`](super::Schedule). What reaches a row from its neighbours is at most `reach`
 //! rows away.
 
 use std::ops::Range;
