@@ -1,20 +1,13 @@
 //! Chance as a hash of the place, so that no order of work can change it.
 
-/// A well-mixed word from `key` (the finaliser of `SplitMix64`: Steele, Lea, Flood 2014,
-/// doi:10.1145/2714064.2660195).
-#[inline]
-pub(super) const fn mix(key: u64) -> u64 {
-    let key = (key ^ key >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let key = (key ^ key >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-    key ^ key >> 31
-}
+use crate::chance::{GOLDEN, mix};
 
 /// A word from a seed, a kind of event, a register, a step and a pixel.
 #[inline]
 pub(super) const fn hash(seed: u64, kind: u64, register: u8, step: u64, pixel: u64) -> u64 {
-    let word = mix(seed.wrapping_add(0x9E37_79B9_7F4A_7C15u64.wrapping_mul(1 + kind)));
+    let word = mix(seed.wrapping_add(GOLDEN.wrapping_mul(1 + kind)));
     let word = mix(word ^ (register as u64) << 56 ^ step);
-    mix(word.wrapping_add(pixel.wrapping_mul(0x9E37_79B9_7F4A_7C15)))
+    mix(word.wrapping_add(pixel.wrapping_mul(GOLDEN)))
 }
 
 /// Nearly normal, mean 0 and variance 1: the sum of the eight bytes of a random word, so never

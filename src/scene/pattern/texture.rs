@@ -1,6 +1,9 @@
 //! Textures without figures: a picture, or blobs from a hash.
 
-use crate::plane::Plane;
+use crate::{
+    chance::{self, GOLDEN},
+    plane::Plane,
+};
 
 /// Light everywhere on the plane.
 #[derive(Debug)]
@@ -95,13 +98,8 @@ fn cubic(x: f64, y: f64, value: impl Fn(i64, i64) -> f64) -> f64 {
 
 /// A number from 0 to 1 that depends on nothing but its arguments (`SplitMix64`'s mixing).
 fn hash(seed: u64, x: i64, y: i64) -> f64 {
-    let mix = |mut z: u64| {
-        z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    (mix(mix(mix(seed) ^ x as u64) ^ y as u64) >> 11) as f64 / (1_u64 << 53) as f64
+    let mix = |word: u64| chance::mix(word.wrapping_add(GOLDEN));
+    chance::uniform(mix(mix(mix(seed) ^ x as u64) ^ y as u64))
 }
 
 #[cfg(test)]
