@@ -2,6 +2,7 @@
 
 pub mod asm;
 pub mod compare;
+pub mod compile;
 pub mod demo;
 pub mod exec;
 mod progress;
@@ -19,6 +20,7 @@ Examples:
   amacrine run --scene clip.mp4 --sensor sensors/dvs.toml --upsample 0.1 --events events.npy
   amacrine exec programs/convolve/sobel.scamp --image frame.png --dump registers
   amacrine asm programs/rgc/centre_surround.scamp
+  amacrine compile sobel-x --filter-only
   amacrine compare out/reference.npy out/silicon.npy --within 1ms";
 
 /// What real silicon does to the retina's computation.
@@ -39,6 +41,8 @@ enum Verb {
     Exec(exec::Arguments),
     /// Check a program: expansion, words, microseconds, registers
     Asm(asm::Arguments),
+    /// Kernels to a program: shift, add, halve, with the proof
+    Compile(compile::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
 }
@@ -54,6 +58,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Run(arguments)) => run::run(&arguments),
         Some(Verb::Exec(arguments)) => exec::run(&arguments),
         Some(Verb::Asm(arguments)) => asm::run(&arguments),
+        Some(Verb::Compile(arguments)) => compile::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
     };
     match result {
