@@ -32,6 +32,7 @@ pub mod program;
 pub mod sensor;
 
 pub mod array;
+pub mod compile;
 pub mod reference;
 pub mod rig;
 

@@ -2,6 +2,7 @@
 
 pub mod asm;
 pub mod compare;
+pub mod compile;
 mod debug;
 pub mod demo;
 pub mod disasm;
@@ -27,6 +28,7 @@ Examples:
   amacrine exec programs/convolve/sobel.scamp --image frame.png --dump registers
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
+  amacrine compile sobel-x --filter-only
   amacrine compare out/reference.npy out/silicon.npy --within 1ms";
 
 /// What real silicon does to the retina's computation.
@@ -51,6 +53,8 @@ enum Verb {
     Disasm(disasm::Arguments),
     /// A kernel in few values: levels, scale, and what is lost
     Quantise(quantise::Arguments),
+    /// Kernels to a program: shift, add, halve, with the proof
+    Compile(compile::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
 }
@@ -68,6 +72,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Asm(arguments)) => asm::run(&arguments),
         Some(Verb::Disasm(arguments)) => disasm::run(&arguments),
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
+        Some(Verb::Compile(arguments)) => compile::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
     };
     match result {

@@ -1,0 +1,659 @@
+//! `amacrine compile`: kernels to a program, and the proof.
+
+use std::{
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use miette::{IntoDiagnostic, WrapErr, miette};
+use ndarray::Array3;
+use ndarray_npy::{ReadNpyError, ReadNpyExt, ReadableElement};
+use serde_json::json;
+
+use crate::{
+    array::{
+        Input, Settings,
+        range::{self, Inputs, Interval},
+        taps,
+    },
+    compile::{CompileError, Effort, Filter, Kind, Request, SensorProgram, snake_words},
+    isa::{Analog, Device, Figure, Source, Value},
+    kernel::Kernel,
+    photoreceptor::Curve,
+    plane::Plane,
+    program::{Cost, Entry, Expansion, Overrides, Program, for_each, stored},
+    reference::{Border, MemoryRule},
+    save::save,
+};
+
+/// What `compile` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp"
+)]
+pub struct Arguments {
+    /// Kernels: files (.toml, .npy of shape (k,k) or (K,k,k)) or names of built-in ones
+    #[arg(required_unless_present = "sensor")]
+    kernels: Vec<String>,
+    /// Write the program here; else it is printed
+    #[arg(short, long, value_name = "FILE.scamp")]
+    output: Option<PathBuf>,
+    /// The weights that the program has: `exact` takes them as they are
+    #[arg(long, default_value = "exact")]
+    to: String,
+    /// Only the filter, from register A into A, as bare statements
+    #[arg(long, conflicts_with_all = ["sensor", "threshold"])]
+    filter_only: bool,
+    /// The registers of the results, with --filter-only
+    #[arg(long, value_delimiter = ',', requires = "filter_only")]
+    into: Vec<String>,
+    /// Registers that stay as they are, with --filter-only
+    #[arg(long, value_delimiter = ',', requires = "filter_only")]
+    keep: Vec<String>,
+    /// What the input can be, in LSB, with --filter-only: it is halved until nothing saturates
+    #[arg(long, value_name = "LO..HI", requires = "filter_only", value_parser = interval, allow_hyphen_values = true)]
+    input: Option<(f64, f64)>,
+    /// With --filter-only: right up to the border, zeros beyond it, if that can be had
+    #[arg(long, requires = "filter_only")]
+    border: bool,
+    /// A sensor file: its kernels and thresholds
+    #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
+    sensor: Option<PathBuf>,
+    /// Events where kernel times light (0 to 255) moved by more than this
+    #[arg(long)]
+    threshold: Option<f64>,
+    /// A shipped chip by name, or the folder of another
+    #[arg(long, default_value = "scamp5")]
+    chip: String,
+    /// How long to search, in seconds of two cores of 2024
+    #[arg(long, default_value_t = 2.5, value_parser = seconds)]
+    effort: f64,
+    /// Another seed may find another program
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// `lo..hi`, for the command line.
+fn interval(text: &str) -> Result<(f64, f64), String> {
+    let wrong = || format!("`{text}` is not LO..HI, such as 0..127");
+    let (low, high) = text.split_once("..").ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    match (number(low), number(high)) {
+        (Some(low), Some(high)) if low < high => Ok((low, high)),
+        _ => Err(wrong()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.0..=3600.0).contains(&value) => Ok(value),
+        _ => Err(format!(
+            "`{text}` is not a number of seconds from 0 to 3600"
+        )),
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// One diagnostic that names what was wrong.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let began = Instant::now();
+    let device = Device::find(&arguments.chip)?;
+    let asked = Asked::read(arguments)?;
+    let compiled = if arguments.filter_only {
+        filter_only(arguments, &asked, &device)?
+    } else {
+        whole(arguments, &asked, &device)?
+    };
+    if let Some(path) = &arguments.output {
+        save(path, |w| w.write_all(compiled.text.as_bytes()))?;
+    }
+    let seconds = began.elapsed().as_secs_f64();
+    if arguments.json {
+        super::say(&format!("{}\n", compiled.json(&asked, &device, seconds)));
+        return Ok(());
+    }
+    if arguments.output.is_none() {
+        super::say(&compiled.text);
+        super::say("\n");
+    }
+    super::say(&compiled.account(&device, seconds));
+    Ok(())
+}
+
+/// What is to be compiled.
+struct Asked {
+    kernels: Vec<Kernel>,
+    /// Given as one array of three axes.
+    stacked: bool,
+    /// ON and OFF, in kernel times light.
+    thresholds: Vec<(f64, f64)>,
+    title: String,
+}
+
+impl Asked {
+    fn read(arguments: &Arguments) -> miette::Result<Self> {
+        if let Some(path) = &arguments.sensor {
+            return Self::of_sensor(path, &arguments.to);
+        }
+        let mut kernels = Vec::new();
+        let mut stacked = arguments.kernels.len() > 1;
+        for name in &arguments.kernels {
+            let (more, axes) = read_kernels(name)?;
+            kernels.extend(more);
+            stacked |= axes == 3;
+        }
+        if !arguments.filter_only && arguments.threshold.is_none() {
+            return Err(miette!(
+                help = "give --threshold T or --sensor FILE for a whole program, or --filter-only for the filter alone",
+                "a program needs a threshold"
+            ));
+        }
+        let threshold = arguments.threshold.unwrap_or(0.0);
+        if !(threshold >= 0.0 && threshold.is_finite()) {
+            return Err(miette!(
+                help = "give zero or a positive number",
+                "the threshold is {threshold}"
+            ));
+        }
+        let kernels = prepared(kernels, &arguments.to)?;
+        Ok(Self {
+            thresholds: vec![(threshold, threshold); kernels.len()],
+            kernels,
+            stacked,
+            title: format!("events of {}", arguments.kernels.join(", ")),
+        })
+    }
+
+    fn of_sensor(path: &Path, to: &str) -> miette::Result<Self> {
+        let description = super::run::read_sensor(path)?;
+        let shown = path.display();
+        let linear = match description.response.curve {
+            Curve::Identity => 1.0,
+            Curve::Linear { white } => white,
+            Curve::Log { .. } | Curve::LinLog { .. } => {
+                return Err(miette!(
+                    help = "the chip's photodiode is linear: give a sensor with `response = {{ linear = … }}`",
+                    "{shown}: its response is not linear"
+                ));
+            }
+        };
+        if description.memory != MemoryRule::FilteredSnap {
+            return Err(miette!(
+                help = "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`",
+                "{shown}: its memory is not filtered-snap"
+            ));
+        }
+        let mut kernels = Vec::new();
+        let mut thresholds = Vec::new();
+        for channel in &description.channels {
+            let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
+                return Err(miette!(
+                    help = "give every kind of cell one kernel; all pixels of the array run the same program",
+                    "{shown}: a channel has a pattern of kernels"
+                ));
+            };
+            kernels.push(kernel.clone());
+            thresholds.push((threshold.on * linear, threshold.off * linear));
+        }
+        if description.border == Border::Replicate {
+            eprintln!("note: {shown} replicates the border; off the array the chip sees 0");
+        }
+        Ok(Self {
+            kernels: prepared(kernels, to)?,
+            stacked: true,
+            thresholds,
+            title: description.name,
+        })
+    }
+}
+
+/// The kernels with the weights that the program will have.
+fn prepared(kernels: Vec<Kernel>, to: &str) -> miette::Result<Vec<Kernel>> {
+    match to {
+        "exact" => Ok(kernels),
+        other => Err(miette!(
+            help = "give --to exact",
+            "`{other}` is not a way to prepare weights"
+        )),
+    }
+}
+
+/// The kernels of a file or of a name, and how many axes they came with.
+fn read_kernels(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
+    if let Some(kernel) = Kernel::builtin(name) {
+        return Ok((vec![kernel], 2));
+    }
+    let bytes = fs::read(name).map_err(|cause| {
+        let known: Vec<_> = Kernel::builtin_names().collect();
+        miette!(
+            help = format!(
+                "give a kernel file (.toml, .npy) or one of {}",
+                known.join(", ")
+            ),
+            "cannot read the kernel {name}: {cause}"
+        )
+    })?;
+    if !bytes.starts_with(b"\x93NUMPY") {
+        let kernel = Kernel::from_toml_bytes(&bytes).map_err(|e| miette!("{name}: {e}"))?;
+        return Ok((vec![kernel], 2));
+    }
+    let flat = match Kernel::from_npy(&bytes) {
+        Ok(kernel) => return Ok((vec![kernel], 2)),
+        Err(error) => error,
+    };
+    let Some(stack) = stack(&bytes) else {
+        return Err(miette!(
+            help = "give an array of shape (k,k) or (K,k,k), k odd, of floats or integers",
+            "{name}: {flat}"
+        ));
+    };
+    let planes = stack.outer_iter().map(|plane| plane.to_owned());
+    let kernels = planes
+        .enumerate()
+        .map(|(i, plane)| Kernel::new(plane).map_err(|e| miette!("{name}, kernel {i}: {e}")))
+        .collect::<miette::Result<Vec<_>>>()?;
+    if kernels.is_empty() {
+        return Err(miette!("{name}: there is no kernel in it"));
+    }
+    Ok((kernels, 3))
+}
+
+fn stack(bytes: &[u8]) -> Option<Array3<f64>> {
+    fn read<T: ReadableElement + Copy>(
+        bytes: &[u8],
+        weight: impl Fn(T) -> f64,
+    ) -> Result<Array3<f64>, ReadNpyError> {
+        Ok(Array3::<T>::read_npy(bytes)?.mapv(weight))
+    }
+    read::<f64>(bytes, |w| w)
+        .or_else(|_| read::<f32>(bytes, f64::from))
+        .or_else(|_| read::<i64>(bytes, |w| w as f64))
+        .or_else(|_| read::<i32>(bytes, f64::from))
+        .or_else(|_| read::<i16>(bytes, f64::from))
+        .or_else(|_| read::<i8>(bytes, f64::from))
+        .or_else(|_| read::<u8>(bytes, f64::from))
+        .ok()
+}
+
+/// A program that was proved.
+struct Compiled {
+    text: String,
+    expansion: Expansion,
+    filter: Filter,
+    /// Weights by which the results differ from the kernels, a power of two.
+    scale: f64,
+    /// The kernels as read back from the program, without the scale.
+    kernels: Vec<Plane<f64>>,
+    /// What the results may be, in LSB.
+    results: Vec<Interval>,
+    saturations: usize,
+    results_in: Vec<Analog>,
+    snake: u64,
+}
+
+fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+    let mut request = request(arguments, asked, device)?;
+    if !arguments.into.is_empty() {
+        request.into = named(&arguments.into, device)?;
+    }
+    request.keep = named(&arguments.keep, device)?;
+    check_registers(&request, asked)?;
+    request.border = arguments.border;
+    request.range = arguments.input;
+    let filter = request.filter()?;
+    let text = filter.text(device, 0);
+    let scale = 2f64.powi(-(filter.prescale as i32));
+    let (low, high) = arguments.input.unwrap_or((0.0, 127.5));
+    let proof = Proof {
+        asked,
+        device,
+        results: &request.into,
+        input: Input::Register(request.input),
+        inputs: Inputs {
+            registers: Interval::new(low, high),
+            ..Inputs::default()
+        },
+        scale,
+    };
+    proof.compiled(text, filter, arguments.input.is_some())
+}
+
+fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+    let kinds: Vec<Kind> = asked
+        .kernels
+        .iter()
+        .zip(&asked.thresholds)
+        .map(|(kernel, (on, off))| Kind {
+            kernel: kernel.clone(),
+            on: *on,
+            off: *off,
+        })
+        .collect();
+    let request = request(arguments, asked, device)?;
+    let program = SensorProgram::new(&kinds, &asked.title, &request)?;
+    let proof = Proof {
+        asked,
+        device,
+        results: &program.drives,
+        input: Input::Light,
+        inputs: Inputs::default(),
+        scale: program.scale,
+    };
+    let mut compiled = proof.compiled(program.text, program.filter, false)?;
+    let words = |steps: &[crate::program::Step]| Cost::of(steps, device).words.0;
+    let expectation = crate::program::Expectation {
+        words: Some(crate::program::ExpectedWords {
+            init: words(&compiled.expansion.code.init),
+            frame: words(&compiled.expansion.code.frame),
+        }),
+        ..crate::program::Expectation::default()
+    };
+    let program = Program::parse("compiled", &compiled.text)?;
+    compiled.text = program.blessed(&expectation).into_diagnostic()?;
+    Ok(compiled)
+}
+
+fn request<'a>(
+    arguments: &Arguments,
+    asked: &'a Asked,
+    device: &'a Device,
+) -> miette::Result<Request<'a>> {
+    let mut request = Request::new(&asked.kernels, device)?;
+    request.effort = Effort::seconds(arguments.effort);
+    request.seed = arguments.seed;
+    Ok(request)
+}
+
+fn named(names: &[String], device: &Device) -> miette::Result<Vec<Analog>> {
+    let one = |name: &String| match device.value_of(name.trim()) {
+        Some(Value::Source(Source::Register(register))) if register != device.news() => {
+            Ok(register)
+        }
+        _ => Err(miette!(
+            help = "give analogue registers of the chip but NEWS, such as A,B",
+            "{name} is no register that can hold a result on {}",
+            device.name()
+        )),
+    };
+    names.iter().map(one).collect()
+}
+
+fn check_registers(request: &Request<'_>, asked: &Asked) -> miette::Result<()> {
+    let count = asked.kernels.len();
+    if request.into.len() != count {
+        return Err(miette!(
+            help = "give --into as many registers as there are kernels",
+            "there are {count} kernels and {} registers for them",
+            request.into.len()
+        ));
+    }
+    let twice = |(i, register): (usize, &Analog)| request.into[..i].contains(register);
+    let kept = |register: &Analog| request.keep.contains(register);
+    if request.into.iter().enumerate().any(twice) || request.into.iter().any(kept) {
+        return Err(miette!(
+            help = "name every result's register once, and none that is kept",
+            "two values would lie in one register"
+        ));
+    }
+    if request.keep.contains(&request.input) {
+        return Err(miette!(
+            help = "keep other registers; copy the input first where it is needed later",
+            "the input's register cannot be kept"
+        ));
+    }
+    Ok(())
+}
+
+struct Proof<'a> {
+    asked: &'a Asked,
+    device: &'a Device,
+    results: &'a [Analog],
+    input: Input,
+    inputs: Inputs,
+    scale: f64,
+}
+
+impl Proof<'_> {
+    /// Reads the kernels back from the text, and the ranges.
+    fn compiled(&self, text: String, filter: Filter, limited: bool) -> miette::Result<Compiled> {
+        let program = Program::parse("compiled", &text)?;
+        let expansion = program.expand(self.device, &Overrides::default());
+        let expansion = expansion.map_err(|faults| self.too_long(&filter, faults))?;
+        let steps = &expansion.code.frame;
+        let settings = Settings::of(self.device);
+        let mut kernels = Vec::new();
+        for (kernel, register) in self.asked.kernels.iter().zip(self.results) {
+            let taps = taps::read(steps, self.device, settings, *register)
+                .wrap_err("the program cannot be read back")?;
+            let found = Self::framed(&taps.kernel(self.input), kernel.weights().dim());
+            let unscale = 1.0 / self.scale;
+            let found = found.map(|found| found.mapv(|w| w * unscale + 0.0));
+            let others = taps.taps.keys().any(|(input, ..)| *input != self.input);
+            if others || found.as_ref() != Some(kernel.weights()) {
+                return Err(miette!(
+                    help = "this is a fault of amacrine: please report the kernel and the command",
+                    "the compiled program computes another kernel than asked for"
+                ));
+            }
+            kernels.extend(found);
+        }
+        let ranges = range::of(steps, self.device, settings, self.inputs)
+            .wrap_err("the program's ranges cannot be told")?;
+        let results = self
+            .results
+            .iter()
+            .filter_map(|r| ranges.registers.get(usize::from(r.0)));
+        if limited && !ranges.saturations.is_empty() {
+            return Err(miette!(
+                help = "this is a fault of amacrine: please report the kernel and the command",
+                "the compiled program saturates for the input that it was made for"
+            ));
+        }
+        Ok(Compiled {
+            results: results.copied().collect(),
+            saturations: ranges.saturations.len(),
+            snake: snake_words(&self.asked.kernels)?,
+            results_in: self.results.to_vec(),
+            scale: self.scale,
+            text,
+            expansion,
+            filter,
+            kernels,
+        })
+    }
+
+    /// Too many words, said with numbers; else what the program's check says.
+    fn too_long(&self, filter: &Filter, faults: crate::isa::text::Faults) -> miette::Report {
+        let room = self.device.value(Figure::Store) as u64;
+        let words = filter.words.len() as u64;
+        let words = if self.input == Input::Light {
+            2 * words
+        } else {
+            words
+        };
+        if words > room {
+            return CompileError::Store {
+                words,
+                room,
+                chip: self.device.name().to_owned(),
+            }
+            .into();
+        }
+        faults.into()
+    }
+
+    /// The weights in a plane of this shape; `None` where one lies outside.
+    fn framed(found: &Plane<f64>, shape: (usize, usize)) -> Option<Plane<f64>> {
+        let mut out = Plane::zeros(shape);
+        let (height, width) = found.dim();
+        for ((y, x), weight) in found.indexed_iter().filter(|(_, w)| **w != 0.0) {
+            let y = (y + shape.0 / 2).checked_sub(height / 2)?;
+            let x = (x + shape.1 / 2).checked_sub(width / 2)?;
+            *out.get_mut((y, x))? = *weight;
+        }
+        Some(out)
+    }
+}
+
+impl Compiled {
+    fn statements(&self) -> u64 {
+        let mut count = 0;
+        for_each(&self.expansion.frame, &mut |_| count += 1);
+        for entry in &self.expansion.frame {
+            debug_assert!(matches!(entry, Entry::Statement(_)));
+        }
+        count
+    }
+
+    fn registers(&self) -> Vec<Analog> {
+        let mut all: Vec<Analog> = self.filter.live.iter().flatten().copied().collect();
+        all.extend(&self.results_in);
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn json(&self, asked: &Asked, device: &Device, seconds: f64) -> serde_json::Value {
+        let cost = Cost::of(&self.expansion.code.frame, device);
+        let rows = |plane: &Plane<f64>| -> Vec<Vec<f64>> {
+            plane.rows().into_iter().map(|row| row.to_vec()).collect()
+        };
+        let stack: Vec<_> = self.kernels.iter().map(rows).collect();
+        let kernel = match &stack[..] {
+            [one] if !asked.stacked => json!(one),
+            all => json!(all),
+        };
+        let names = |all: &[Analog]| -> Vec<String> {
+            all.iter().map(|r| device.analog_name(*r)).collect()
+        };
+        let results = self.results.iter().map(|i| json!([i.low, i.high]));
+        json!({
+            "chip": device.name(),
+            "words": cost.words.0,
+            "macros": self.statements(),
+            "registers": names(&self.registers()),
+            "into": names(&self.results_in),
+            "kernel": kernel,
+            "scale": self.scale,
+            "prescale_bits": self.filter.prescale,
+            "filter_words": self.filter.words.len(),
+            "snake_words": self.snake,
+            "border": self.filter.border,
+            "array_us": cost.array_us,
+            "host_us": cost.host_us,
+            "results_lsb": results.collect::<Vec<_>>(),
+            "saturating_stores": self.saturations,
+            "largest_input_lsb": 127.0 / self.filter.peak,
+            "offset_stores": self.filter.offsets,
+            "states": self.filter.states,
+            "seconds": seconds,
+            "text": self.text,
+        })
+    }
+
+    /// The table for people.
+    fn account(&self, device: &Device, seconds: f64) -> String {
+        let cost = Cost::of(&self.expansion.code.frame, device);
+        let mut text = String::new();
+        let mut line = |name: &str, what: String| {
+            let _ = writeln!(text, "{name:<10}{what}");
+        };
+        line(
+            "words",
+            format!(
+                "{} (the filter {}, a naive snake {})",
+                cost.words.0,
+                self.filter.words.len(),
+                self.snake
+            ),
+        );
+        let kept = stored(&self.expansion.code.init, device).0
+            + stored(&self.expansion.code.frame, device).0;
+        line(
+            "store",
+            format!("{kept} words of {}", device.value(Figure::Store)),
+        );
+        line(
+            "time",
+            format!(
+                "{:.1} us on the array, {:.1} us on the host: at most {:.0} frames/s, of compute alone {:.0}",
+                cost.array_us,
+                cost.host_us,
+                1e6 / cost.micros(),
+                1e6 / cost.array_us
+            ),
+        );
+        line(
+            "proof",
+            "the program was read back: it computes the kernel exactly".to_owned(),
+        );
+        for (register, result) in self.results_in.iter().zip(&self.results) {
+            line(
+                "result",
+                format!(
+                    "{} from {} to {} LSB",
+                    device.analog_name(*register),
+                    result.low,
+                    result.high
+                ),
+            );
+        }
+        let range = match (self.saturations, self.filter.prescale) {
+            (0, 0) => "nothing saturates".to_owned(),
+            (0, bits) => format!(
+                "nothing saturates; the input is halved {bits} times first, which costs {bits} bits"
+            ),
+            (n, _) => format!(
+                "{n} stores can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
+                127.0 / self.filter.peak
+            ),
+        };
+        line("range", range);
+        let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
+        line(
+            "offset",
+            format!(
+                "{} transfer errors of one store stay in the result",
+                offsets.collect::<Vec<_>>().join(", ")
+            ),
+        );
+        let border = if self.filter.border {
+            "right up to the border, zeros beyond it"
+        } else {
+            "not right at the border, where the kernel leaves the array"
+        };
+        line("border", border.to_owned());
+        line(
+            "search",
+            format!("{} states in {seconds:.1} s", self.filter.states),
+        );
+        text.push_str("\nregisters live over the filter's words\n");
+        text.push_str(&self.chart(device));
+        text
+    }
+
+    /// A row for each register, a column for each word.
+    fn chart(&self, device: &Device) -> String {
+        let mut text = String::new();
+        for (start, part) in self.filter.live.chunks(64).enumerate() {
+            if start > 0 {
+                text.push('\n');
+            }
+            for register in self.registers() {
+                let marks: String = part
+                    .iter()
+                    .map(|live| if live.contains(&register) { '#' } else { '.' })
+                    .collect();
+                let _ = writeln!(text, "  {:<4} {marks}", device.analog_name(register));
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,72 @@
+//! Why there is no program.
+
+/// Kernels that cannot be compiled as asked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+pub enum CompileError {
+    /// A weight that sums and halves do not make exactly.
+    #[error(
+        "kernel {kernel}, row {row}, column {column}: {weight} is not a whole number of 1/4096 of at most 4096"
+    )]
+    #[diagnostic(help(
+        "sums and halves make dyadic weights only; quantise the kernel first, or write the weight as a fraction of a power of two"
+    ))]
+    NotDyadic {
+        /// Which kernel, from 0.
+        kernel: usize,
+        /// Row, from 0 in the north.
+        row: usize,
+        /// Column, from 0 in the west.
+        column: usize,
+        /// The weight.
+        weight: f64,
+    },
+    /// A kernel that is too large.
+    #[error("kernel {kernel} is {height} rows by {width} columns; at most 15 by 15 here")]
+    #[diagnostic(help("cut the kernel where its weights are small"))]
+    Size {
+        /// Which kernel, from 0.
+        kernel: usize,
+        /// Rows.
+        height: usize,
+        /// Columns.
+        width: usize,
+    },
+    /// Too few registers.
+    #[error(
+        "{what}: {needed} analogue registers are needed, {free} are free: {} too few",
+        needed.saturating_sub(*free)
+    )]
+    #[diagnostic(help(
+        "ask for fewer kernels, keep fewer registers, or try a chip with more, such as --chip scamp5-wide"
+    ))]
+    Registers {
+        /// What needs them.
+        what: String,
+        /// How many it needs.
+        needed: usize,
+        /// How many there are.
+        free: usize,
+    },
+    /// More words than the chip stores.
+    #[error("the program has {words} instruction words, {} more than the {room} that {chip} holds", words - room)]
+    #[diagnostic(help(
+        "ask for fewer kinds or for a lower precision, search longer with --effort, or try a wider chip such as --chip scamp5-wide"
+    ))]
+    Store {
+        /// How many it has.
+        words: u64,
+        /// How many the chip holds.
+        room: u64,
+        /// The chip.
+        chip: String,
+    },
+    /// An input that no number of halvings brings into range.
+    #[error("an input from {low} to {high} LSB does not fit into -128…127, halved or not")]
+    #[diagnostic(help("give a range with a low end below its high end, within -128 to 127 LSB"))]
+    Range {
+        /// Lowest.
+        low: f64,
+        /// Highest.
+        high: f64,
+    },
+}

@@ -1,0 +1,331 @@
+//! What a register holds while a filter runs: a sum of weighted, shifted inputs, in whole
+//! numbers of one small unit.
+
+use crate::isa::Direction;
+
+/// One weight at one place, rows downwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Tap {
+    pub(super) y: i16,
+    pub(super) x: i16,
+    pub(super) weight: i64,
+}
+
+/// `value(p) = sum of weight * input(p + (y, x))`; taps by place, none of weight 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Field {
+    taps: Vec<Tap>,
+}
+
+/// Beyond, a weight is given up: nobody asks for it, and sums stay far from the end of i64.
+const MOST: i64 = 1 << 40;
+
+/// Farther than this nothing is moved.
+const FARTHEST: i16 = 64;
+
+/// A pixel's own NEWS cell, then those in the order of [`Direction::ALL`].
+pub(super) const VIEWS: [(i16, i16); 5] = [(0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)];
+
+/// The step of a view: nothing is the pixel itself.
+pub(super) fn step(view: Option<Direction>) -> (i16, i16) {
+    view.map_or((0, 0), |direction| {
+        let (y, x) = direction.step();
+        (y as i16, x as i16)
+    })
+}
+
+impl Field {
+    /// One weight, at the pixel itself.
+    pub(super) fn unit(weight: i64) -> Self {
+        Self::of(vec![Tap { y: 0, x: 0, weight }])
+    }
+
+    /// From taps at different places.
+    pub(super) fn of(mut taps: Vec<Tap>) -> Self {
+        taps.retain(|tap| tap.weight != 0);
+        taps.sort_unstable();
+        Self { taps }
+    }
+
+    pub(super) fn taps(&self) -> &[Tap] {
+        &self.taps
+    }
+
+    pub(super) fn is_zero(&self) -> bool {
+        self.taps.is_empty()
+    }
+
+    /// The weight at a place.
+    pub(super) fn at(&self, (y, x): (i16, i16)) -> i64 {
+        let found = self
+            .taps
+            .binary_search_by_key(&(y, x), |tap| (tap.y, tap.x));
+        found.map_or(0, |i| self.taps[i].weight)
+    }
+
+    /// Whether no weight and no place is out of hand.
+    pub(super) fn is_tame(&self) -> bool {
+        self.taps.iter().all(|tap| {
+            tap.weight.abs() <= MOST && tap.y.abs() <= FARTHEST && tap.x.abs() <= FARTHEST
+        })
+    }
+
+    pub(super) fn times(&self, by: i64) -> Self {
+        if by == 0 {
+            return Self::default();
+        }
+        let mut taps = self.taps.clone();
+        for tap in &mut taps {
+            tap.weight *= by;
+        }
+        Self { taps }
+    }
+
+    /// Half of it; `None` where a weight is odd.
+    pub(super) fn half(&self) -> Option<Self> {
+        let mut taps = self.taps.clone();
+        for tap in &mut taps {
+            if tap.weight % 2 != 0 {
+                return None;
+            }
+            tap.weight /= 2;
+        }
+        Some(Self { taps })
+    }
+
+    /// What a pixel finds a step away: taps at t come to t + step.
+    pub(super) fn seen(&self, (dy, dx): (i16, i16)) -> Self {
+        let mut taps = self.taps.clone();
+        for tap in &mut taps {
+            tap.y += dy;
+            tap.x += dx;
+        }
+        Self { taps }
+    }
+
+    /// Whether this is `times` what `other` is, seen a step away.
+    pub(super) fn is_seen(&self, other: &Self, (dy, dx): (i16, i16), times: i64) -> bool {
+        self.taps.len() == other.taps.len()
+            && self
+                .taps
+                .iter()
+                .zip(&other.taps)
+                .all(|(a, b)| (a.y, a.x, a.weight) == (b.y + dy, b.x + dx, b.weight * times))
+    }
+
+    /// A number for this field that hardly any other has.
+    pub(super) fn fingerprint(&self) -> u64 {
+        let mut hash = 0x243F_6A88_85A3_08D3u64;
+        for tap in &self.taps {
+            let place = (tap.y as u16 as u64) << 16 | tap.x as u16 as u64;
+            hash = (hash ^ place).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            hash = (hash.rotate_left(29) ^ tap.weight as u64).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        }
+        hash ^ hash >> 31
+    }
+
+    /// `self + times * other`.
+    pub(super) fn plus(&self, other: &Self, times: i64) -> Self {
+        let mut taps = Vec::with_capacity(self.taps.len() + other.taps.len());
+        let (mut a, mut b) = (
+            self.taps.iter().copied().peekable(),
+            other.taps.iter().peekable(),
+        );
+        loop {
+            let scaled = |tap: &Tap| Tap {
+                weight: tap.weight * times,
+                ..*tap
+            };
+            match (a.peek(), b.peek()) {
+                (None, None) => break,
+                (Some(tap), None) => {
+                    taps.push(*tap);
+                    a.next();
+                }
+                (None, Some(tap)) => {
+                    taps.push(scaled(tap));
+                    b.next();
+                }
+                (Some(p), Some(q)) => match (p.y, p.x).cmp(&(q.y, q.x)) {
+                    std::cmp::Ordering::Less => {
+                        taps.push(*p);
+                        a.next();
+                    }
+                    std::cmp::Ordering::Greater => {
+                        taps.push(scaled(q));
+                        b.next();
+                    }
+                    std::cmp::Ordering::Equal => {
+                        let weight = p.weight + q.weight * times;
+                        if weight != 0 {
+                            taps.push(Tap { weight, ..*p });
+                        }
+                        a.next();
+                        b.next();
+                    }
+                },
+            }
+        }
+        Self { taps }
+    }
+
+    /// The field that, seen from all these steps and summed, is this one.
+    pub(super) fn divided(&self, steps: &[(i16, i16)]) -> Option<Self> {
+        let (&lead, others) = steps.split_first()?;
+        if others.is_empty() {
+            return Some(self.seen((-lead.0, -lead.1)));
+        }
+        let sum: i64 = self.taps.iter().map(|tap| tap.weight).sum();
+        if sum % steps.len() as i64 != 0 {
+            return None;
+        }
+        // From the first place on: the first step is the smallest, so each of its taps is final
+        // once all before it are gone.
+        let smallest = steps.iter().min()?;
+        let last = self.taps.last().map(|tap| (tap.y, tap.x))?;
+        let largest = steps.iter().max()?;
+        let bound = (last.0 - largest.0, last.1 - largest.1);
+        let columns = self.taps.iter().map(|tap| tap.x);
+        let (left, right) = (columns.clone().min()?, columns.max()?);
+        let side = steps.iter().map(|step| step.1);
+        let (west, east) = (side.clone().min()?, side.max()?);
+        let mut rest = self.clone();
+        let mut quotient = Vec::new();
+        while let Some(first) = rest.taps.first().copied() {
+            let at = (first.y - smallest.0, first.x - smallest.1);
+            if at > bound || at.1 + west < left || at.1 + east > right {
+                return None;
+            }
+            let tap = Tap {
+                y: at.0,
+                x: at.1,
+                weight: first.weight,
+            };
+            for (dy, dx) in steps {
+                let shifted = Tap {
+                    y: tap.y + dy,
+                    x: tap.x + dx,
+                    weight: tap.weight,
+                };
+                rest.subtract(shifted);
+            }
+            quotient.push(tap);
+        }
+        Some(Self::of(quotient))
+    }
+
+    fn subtract(&mut self, tap: Tap) {
+        let found = self
+            .taps
+            .binary_search_by_key(&(tap.y, tap.x), |t| (t.y, t.x));
+        match found {
+            Ok(i) => {
+                self.taps[i].weight -= tap.weight;
+                if self.taps[i].weight == 0 {
+                    self.taps.remove(i);
+                }
+            }
+            Err(i) => self.taps.insert(
+                i,
+                Tap {
+                    weight: -tap.weight,
+                    ..tap
+                },
+            ),
+        }
+    }
+
+    /// What all these steps have in common, each weight used once, from the first place on.
+    pub(super) fn common(&self, steps: &[(i16, i16)]) -> Self {
+        let mut rest = self.clone();
+        let mut found = Vec::new();
+        let Some(smallest) = steps.iter().min() else {
+            return Self::default();
+        };
+        for tap in &self.taps {
+            let at = (tap.y - smallest.0, tap.x - smallest.1);
+            let weights = steps.iter().map(|(dy, dx)| rest.at((at.0 + dy, at.1 + dx)));
+            let least = weights.clone().map(i64::abs).min().unwrap_or(0);
+            let weight = least * tap.weight.signum();
+            if weight == 0 || !weights.clone().all(|w| w.signum() == weight.signum()) {
+                continue;
+            }
+            for (dy, dx) in steps {
+                rest.subtract(Tap {
+                    y: at.0 + dy,
+                    x: at.1 + dx,
+                    weight,
+                });
+            }
+            found.push(Tap {
+                y: at.0,
+                x: at.1,
+                weight,
+            });
+        }
+        Self::of(found)
+    }
+
+    /// Whether a pixel can read this a step away without missing, at the border, what lies on
+    /// the array: no tap leads back.
+    pub(super) fn leads(&self, (dy, dx): (i16, i16)) -> bool {
+        self.taps
+            .iter()
+            .all(|tap| tap.y * dy >= 0 && tap.x * dx >= 0)
+    }
+
+    /// Lowest and highest value, of inputs from `low` to `high`, in units.
+    pub(super) fn bounds(&self, low: f64, high: f64) -> (f64, f64) {
+        let mut ends = (0.0, 0.0);
+        for tap in &self.taps {
+            let weight = tap.weight as f64;
+            ends.0 += (weight * low).min(weight * high);
+            ends.1 += (weight * low).max(weight * high);
+        }
+        ends
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    pub(in super::super) fn fields(reach: i16, most: i64) -> impl Strategy<Value = Field> {
+        let tap = (-reach..=reach, -reach..=reach, -most..=most);
+        proptest::collection::btree_map(tap.prop_map(|(y, x, _)| (y, x)), -most..=most, 1..12)
+            .prop_map(|taps| {
+                let taps = taps.into_iter();
+                Field::of(taps.map(|((y, x), weight)| Tap { y, x, weight }).collect())
+            })
+    }
+
+    fn product(field: &Field, steps: &[(i16, i16)]) -> Field {
+        let none = Field::default();
+        steps
+            .iter()
+            .fold(none, |sum, step| sum.plus(&field.seen(*step), 1))
+    }
+
+    proptest! {
+        #[test]
+        fn division_undoes_the_sum(field in fields(3, 5), which in 1usize..31) {
+            let steps: Vec<_> = (0..5).filter(|i| which >> i & 1 == 1).map(|i| VIEWS[i]).collect();
+            let sum = product(&field, &steps);
+            prop_assert_eq!(sum.divided(&steps), Some(field.clone()));
+            let broken = sum.plus(&Field::unit(1), 1);
+            if let Some(other) = broken.divided(&steps) {
+                prop_assert_eq!(product(&other, &steps), broken);
+            }
+        }
+
+        #[test]
+        fn what_is_common_and_the_rest_are_the_whole(field in fields(3, 5), which in 1usize..31) {
+            let steps: Vec<_> = (0..5).filter(|i| which >> i & 1 == 1).map(|i| VIEWS[i]).collect();
+            let common = field.common(&steps);
+            let rest = field.plus(&product(&common, &steps), -1);
+            let size = |field: &Field| field.taps().iter().map(|tap| tap.weight.abs()).sum::<i64>();
+            prop_assert_eq!(size(&rest) + steps.len() as i64 * size(&common), size(&field));
+        }
+    }
+}

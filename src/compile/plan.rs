@@ -1,0 +1,93 @@
+//! A filter as instruction words over values, before they have registers.
+
+use super::field::{Field, step};
+use crate::isa::Direction;
+
+/// A value in an ordinary register: 0 is the input, the others in the order of their stores.
+pub(super) type Value = usize;
+
+/// Where a word stores.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Store {
+    /// In an ordinary register, as the next value.
+    Register,
+    /// In NEWS of this pixel or of a neighbour.
+    News(Option<Direction>),
+    /// In both at once, halved.
+    Both(Option<Direction>),
+}
+
+/// One bus word: `store := -(sum of sources) / (number of targets)`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Word {
+    pub(super) store: Store,
+    /// NEWS cells that are read.
+    pub(super) views: Vec<Option<Direction>>,
+    /// Values that are read.
+    pub(super) values: Vec<Value>,
+    /// Half of it goes to a target that nobody reads.
+    pub(super) halved: bool,
+}
+
+impl Word {
+    /// Whether the sum is stored in two parts.
+    pub(super) const fn splits(&self) -> bool {
+        self.halved || matches!(self.store, Store::Both(_))
+    }
+}
+
+/// Straight code that makes some values from the input.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Plan {
+    pub(super) words: Vec<Word>,
+    /// The value of each goal.
+    pub(super) goals: Vec<Value>,
+}
+
+/// What each word leaves behind.
+#[derive(Clone, Debug)]
+pub(super) struct Trace {
+    /// Every value in a register, the input first.
+    pub(super) values: Vec<Field>,
+    /// What each word stored.
+    pub(super) stored: Vec<Field>,
+    /// Whether the result is right up to the border, where zeros lie beyond it.
+    pub(super) border: bool,
+}
+
+impl Plan {
+    /// Runs the words on an input of one `unit`. `None` where a half is not whole.
+    pub(super) fn trace(&self, unit: i64) -> Option<Trace> {
+        let mut trace = Trace {
+            values: vec![Field::unit(unit)],
+            stored: Vec::new(),
+            border: true,
+        };
+        let mut news = Field::default();
+        for word in &self.words {
+            let mut sum = Field::default();
+            for view in &word.views {
+                trace.border &= news.leads(step(*view));
+                sum = sum.plus(&news.seen(step(*view)), 1);
+            }
+            for value in &word.values {
+                sum = sum.plus(trace.values.get(*value)?, 1);
+            }
+            let mut stored = sum.times(-1);
+            if word.splits() {
+                stored = stored.half()?;
+            }
+            if let Store::News(to) | Store::Both(to) = word.store {
+                // What a pixel puts into its western neighbour, that one has from its east.
+                let from = to.map(Direction::opposite);
+                trace.border &= stored.leads(step(from));
+                news = stored.seen(step(from));
+            }
+            if let Store::Register | Store::Both(_) = word.store {
+                trace.values.push(stored.clone());
+            }
+            trace.stored.push(stored);
+        }
+        Some(trace)
+    }
+}

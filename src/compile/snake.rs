@@ -1,0 +1,24 @@
+//! The yardstick: what the plainest program of a kernel costs.
+
+use super::{CompileError, beam::digits, goals};
+use crate::kernel::Kernel;
+
+/// Words of a naive snake over each kernel: two for every step of a shifted copy to the next
+/// place of the kernel, two for every signed digit that is added, and two for every halving or
+/// doubling of the copy on the way from digit to digit.
+///
+/// # Errors
+/// When a weight is not dyadic or a kernel is too large.
+pub fn snake_words(kernels: &[Kernel]) -> Result<u64, CompileError> {
+    let (fields, unit) = goals(kernels)?;
+    let one = i64::from(unit.trailing_zeros());
+    let steps = kernels.iter().map(|k| k.weights().len() as u64 - 1);
+    let taps = fields.iter().flat_map(|field| field.taps());
+    let weights = taps.map(|tap| {
+        let first = i64::from(tap.weight.trailing_zeros()) - one;
+        let last = i64::from(64 - tap.weight.unsigned_abs().leading_zeros()) - 1 - one;
+        let shifts = (first.min(0).abs() + last.max(0)) as u64;
+        2 * (u64::from(digits(tap.weight)) + shifts)
+    });
+    Ok(2 * steps.sum::<u64>() + weights.sum::<u64>())
+}

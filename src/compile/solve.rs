@@ -1,0 +1,256 @@
+//! The best plan that a given effort finds: walks first, then searches of growing width.
+
+use rayon::prelude::*;
+
+use super::{
+    allocate::{Allocated, Room, allocate},
+    beam::{Task, Taste, search},
+    comb::comb,
+    field::Field,
+    plan::{Plan, Value},
+    walk::walk,
+};
+
+/// Goals, and what may be used for them.
+#[derive(Clone, Debug)]
+pub(super) struct Job {
+    pub(super) goals: Vec<Field>,
+    /// The input, in units of which every weight is a whole number.
+    pub(super) unit: i64,
+    pub(super) room: Room,
+    /// Right up to the border, if it can be had.
+    pub(super) border: bool,
+    pub(super) seed: u64,
+    /// States that may be looked at.
+    pub(super) states: u64,
+}
+
+/// A plan with its registers.
+#[derive(Clone, Debug)]
+pub(super) struct Solved {
+    pub(super) plan: Plan,
+    pub(super) allocated: Allocated,
+    pub(super) border: bool,
+    pub(super) seen: u64,
+}
+
+/// Finer units in which every half of a plan is whole.
+pub(super) const FINE: i64 = 1 << 20;
+
+impl Job {
+    pub(super) fn solve(&self) -> Option<Solved> {
+        let mut best = self.base();
+        let mut seen = 0;
+        let mut width = 4;
+        for round in 0.. {
+            let left = self.states.saturating_sub(seen);
+            if left == 0 || best.as_ref().is_some_and(|b| b.allocated.words.is_empty()) {
+                break;
+            }
+            let (more, found) = self.round(round, width, best.as_ref(), left);
+            seen += more;
+            for solved in found {
+                if better(&solved, best.as_ref(), self.border) {
+                    best = Some(solved);
+                }
+            }
+            if more == 0 {
+                break;
+            }
+            // As wide as what is left allows, and at most twice as wide as before.
+            let left = self.states.saturating_sub(seen);
+            let affordable = left as u128 * width as u128 / u128::from(more);
+            width = (2 * width).min((affordable as usize).max(4));
+        }
+        best.map(|best| Solved { seen, ..best })
+    }
+
+    /// Several searches of one width, side by side.
+    fn round(
+        &self,
+        round: u64,
+        width: usize,
+        best: Option<&Solved>,
+        left: u64,
+    ) -> (u64, Vec<Solved>) {
+        let fits = |solved: &&Solved| solved.border || !self.border;
+        let below = best
+            .filter(fits)
+            .map_or(usize::MAX, |b| b.allocated.words.len());
+        let below = below.min(2048);
+        let over = |goals: &[usize]| {
+            let over = goals
+                .iter()
+                .position(|g| self.room.into[*g] == self.room.input);
+            over.filter(|_| goals.len() == self.goals.len())
+        };
+        let tastes: Vec<Taste> = (0..TASTES)
+            .map(|i| taste(self.seed, width, round * TASTES + i))
+            .collect();
+        let all: Vec<usize> = (0..self.goals.len()).collect();
+        let task = Task {
+            goals: self.goals.clone(),
+            unit: self.unit,
+            registers: self.room.all.len(),
+            over_input: over(&all),
+            border: self.border,
+        };
+        let share = left / 2 + 1;
+        let found: Vec<_> = tastes
+            .par_iter()
+            .map(|taste| {
+                let found = search(&task, *taste, below, share);
+                (found.seen, found.plan.and_then(|plan| self.finish(plan)))
+            })
+            .collect();
+        let mut seen = found.iter().map(|(seen, _)| seen).sum();
+        let mut solved: Vec<Solved> = found.into_iter().filter_map(|(_, s)| s).collect();
+        if self.goals.len() > 1 && seen < left {
+            let (more, plan) = self.in_turn(&tastes, (left - seen) / 2);
+            seen += more;
+            solved.extend(plan.and_then(|plan| self.finish(plan)));
+        }
+        (seen, solved)
+    }
+
+    /// One goal after the other, the input kept for the next; that over the input last.
+    fn in_turn(&self, tastes: &[Taste], left: u64) -> (u64, Option<Plan>) {
+        let order = self.order();
+        let tasks: Vec<(Task, usize)> = order
+            .iter()
+            .enumerate()
+            .map(|(done, &goal)| {
+                let last = done + 1 == order.len();
+                let mut goals = vec![self.goals[goal].clone()];
+                if !last {
+                    goals.push(Field::unit(self.unit));
+                }
+                let over = last && self.room.into[goal] == self.room.input;
+                let task = Task {
+                    goals,
+                    unit: self.unit,
+                    registers: self.room.all.len().saturating_sub(done),
+                    over_input: over.then_some(0),
+                    border: self.border,
+                };
+                (task, goal)
+            })
+            .collect();
+        let share = left / tasks.len() as u64 + 1;
+        let runs: Vec<(usize, Taste)> = (0..tasks.len())
+            .flat_map(|task| tastes.iter().map(move |taste| (task, *taste)))
+            .collect();
+        let found: Vec<_> = runs
+            .par_iter()
+            .map(|(task, taste)| search(&tasks[*task].0, *taste, 2048, share))
+            .collect();
+        let seen = found.iter().map(|f| f.seen).sum();
+        let mut parts = Vec::new();
+        for (i, (_, goal)) in tasks.iter().enumerate() {
+            let own = runs.iter().zip(&found).filter(|((task, _), _)| *task == i);
+            let plans = own.filter_map(|(_, found)| found.plan.clone());
+            let Some(plan) = plans.min_by_key(|plan| plan.words.len()) else {
+                return (seen, None);
+            };
+            parts.push((*goal, plan));
+        }
+        (seen, Some(self.joined(parts)))
+    }
+
+    /// The goal over the input comes last.
+    fn order(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.goals.len()).collect();
+        order.sort_by_key(|goal| self.room.into[*goal] == self.room.input);
+        order
+    }
+
+    /// Plans of single goals, one after the other.
+    fn joined(&self, parts: Vec<(usize, Plan)>) -> Plan {
+        let mut whole = Plan {
+            words: Vec::new(),
+            goals: vec![0; self.goals.len()],
+        };
+        let mut next: Value = 0;
+        for (goal, part) in parts {
+            let renamed = |value: Value| if value == 0 { 0 } else { value + next };
+            let stores = part
+                .words
+                .iter()
+                .filter(|word| !matches!(word.store, super::plan::Store::News(_)));
+            let count = stores.count();
+            for mut word in part.words {
+                for value in &mut word.values {
+                    *value = renamed(*value);
+                }
+                whole.words.push(word);
+            }
+            whole.goals[goal] = part.goals.first().map_or(0, |value| renamed(*value));
+            next += count;
+        }
+        whole
+    }
+
+    fn base(&self) -> Option<Solved> {
+        let mut parts = Vec::new();
+        for (done, goal) in self.order().into_iter().enumerate() {
+            let registers = self.room.all.len().saturating_sub(done);
+            let (goal_field, unit) = (&self.goals[goal], self.unit);
+            let outward = self.border.then(|| comb(goal_field, unit, registers));
+            let plan = outward
+                .flatten()
+                .or_else(|| walk(goal_field, unit, registers));
+            parts.push((goal, plan?));
+        }
+        self.finish(self.joined(parts))
+    }
+
+    /// A plan with registers, if it is one; it is checked here once more.
+    fn finish(&self, plan: Plan) -> Option<Solved> {
+        let trace = plan.trace(self.unit.checked_mul(FINE)?)?;
+        for (goal, value) in self.goals.iter().zip(&plan.goals) {
+            if trace.values.get(*value)? != &goal.times(FINE) {
+                debug_assert!(false, "a plan makes something else");
+                return None;
+            }
+        }
+        let allocated = allocate(&plan, &self.room)?;
+        Some(Solved {
+            plan,
+            allocated,
+            border: trace.border,
+            seen: 0,
+        })
+    }
+}
+
+fn better(new: &Solved, old: Option<&Solved>, border: bool) -> bool {
+    let Some(old) = old else { return true };
+    let key = |solved: &Solved| {
+        let most = solved.allocated.live.iter().map(Vec::len).max();
+        (border && !solved.border, solved.allocated.words.len(), most)
+    };
+    key(new) < key(old)
+}
+
+/// Searches side by side.
+const TASTES: u64 = 4;
+
+fn taste(seed: u64, width: usize, i: u64) -> Taste {
+    let mut state = seed ^ (width as u64) << 32 ^ i.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mut next = move || {
+        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = state;
+        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ z >> 31) >> 40) as f32 / (1u64 << 24) as f32
+    };
+    Taste {
+        width,
+        digit: 0.3 + next(),
+        place: 0.4 + 0.9 * next(),
+        level: 0.3 + next(),
+        value: 0.2 + 2.0 * next(),
+        related: i % 2 == 0,
+        split: (i / 2 + i / 4) % 2 == 0,
+    }
+}

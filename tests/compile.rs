@@ -1,0 +1,276 @@
+//! Compiled kernels: the program that comes out computes the kernel that went in, exactly, as
+//! read back from its text (`Taps`), whatever the kernel, the registers and the effort; it never
+//! costs more than a naive snake, nor more than was once reached; and a whole compiled sensor
+//! emits the packets of the float reference.
+
+use amacrine::{
+    array::{Chip, Exact, Input, Settings, range, taps},
+    compile::{CompileError, Effort, Filter, Kind, Request, SensorProgram, snake_words},
+    event::Packet,
+    isa::{Analog, Device},
+    kernel::Kernel,
+    plane::{Plane, Size},
+    program::{Cost, Overrides, Program},
+    reference::{Description, Reference},
+    scene::Frame,
+    sensor::Sensor,
+};
+use proptest::prelude::*;
+
+fn kernel(rows: &[Vec<f64>]) -> Kernel {
+    Kernel::from_rows(rows).unwrap()
+}
+
+fn outer(down: &[f64], across: &[f64], scale: f64) -> Kernel {
+    let row = |y: &f64| across.iter().map(|x| x * y * scale).collect();
+    kernel(&down.iter().map(row).collect::<Vec<_>>())
+}
+
+/// The kernels that the text of a filter computes from A, framed as the asked-for ones.
+fn read_back(filter: &Filter, request: &Request<'_>) -> Vec<Plane<f64>> {
+    let device = request.device;
+    let text = filter.text(device, 0);
+    let program = Program::parse("filter", &text).unwrap();
+    let expansion = program.expand(device, &Overrides::default()).unwrap();
+    let steps = &expansion.code.frame;
+    assert_eq!(Cost::of(steps, device).words.0, filter.words.len() as u64);
+    let read = |(kernel, register): (&Kernel, &Analog)| {
+        let taps = taps::read(steps, device, Settings::of(device), *register).unwrap();
+        assert!(
+            taps.taps
+                .keys()
+                .all(|(input, ..)| *input == Input::Register(request.input))
+        );
+        let (height, width) = kernel.weights().dim();
+        let centre = (height as isize / 2, width as isize / 2);
+        let mut plane = Plane::zeros((height, width));
+        for ((_, dy, dx), weight) in &taps.taps {
+            let at = (centre.0 + dy, centre.1 + dx);
+            plane[(at.0 as usize, at.1 as usize)] = weight.to_f64();
+        }
+        plane
+    };
+    request
+        .kernels
+        .iter()
+        .zip(&request.into)
+        .map(read)
+        .collect()
+}
+
+fn compiled(kernels: &[Kernel], states: u64) -> usize {
+    let device = Device::scamp5();
+    let mut request = Request::new(kernels, &device).unwrap();
+    request.effort = Effort { states };
+    let filter = request.filter().unwrap();
+    for (kernel, found) in kernels.iter().zip(read_back(&filter, &request)) {
+        assert_eq!(kernel.weights(), found);
+    }
+    assert!(filter.words.len() as u64 <= snake_words(kernels).unwrap());
+    filter.words.len()
+}
+
+/// Words that were reached once, at this effort.
+#[test]
+fn words_do_not_grow() {
+    let binomial = [1.0, 2.0, 1.0];
+    let five = [1.0, 4.0, 6.0, 4.0, 1.0];
+    let slope = [-1.0, 0.0, 1.0];
+    let flat = [1.0; 3];
+    let cross = [
+        vec![0.0, 1.0, 0.0],
+        vec![1.0, -4.0, 1.0],
+        vec![0.0, 1.0, 0.0],
+    ];
+    let table: Vec<(&str, Vec<Kernel>, usize)> = vec![
+        ("identity", vec![outer(&[1.0], &[1.0], 1.0)], 0),
+        ("Sobel", vec![outer(&binomial, &slope, 1.0)], 6),
+        (
+            "both Sobels",
+            vec![outer(&binomial, &slope, 1.0), outer(&slope, &binomial, 1.0)],
+            11,
+        ),
+        ("Prewitt", vec![outer(&flat, &slope, 1.0)], 5),
+        ("box 3x3", vec![outer(&flat, &flat, 1.0)], 4),
+        ("Laplacian", vec![kernel(&cross)], 9),
+        (
+            "binomial 3x3 / 16",
+            vec![outer(&binomial, &binomial, 1.0 / 16.0)],
+            6,
+        ),
+        (
+            "binomial 5x5 / 256",
+            vec![outer(&five, &five, 1.0 / 256.0)],
+            12,
+        ),
+    ];
+    for (name, kernels, most) in table {
+        let words = compiled(&kernels, 300_000);
+        println!(
+            "{name:<20}{words:>4} words, snake {}",
+            snake_words(&kernels).unwrap()
+        );
+        assert!(words <= most, "{name}: {words} words, {most} were reached");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_program() {
+    let device = Device::scamp5();
+    let kernels = [Kernel::builtin("rgc-5x5-ternary").unwrap()];
+    let mut request = Request::new(&kernels, &device).unwrap();
+    request.effort = Effort { states: 30_000 };
+    let first = request.filter().unwrap();
+    assert_eq!(first.words, request.filter().unwrap().words);
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let device = Device::scamp5();
+    let third = [kernel(&[vec![0.5, 1.0 / 3.0, 0.0]])];
+    let error = Request::new(&third, &device).unwrap().filter().unwrap_err();
+    assert!(matches!(
+        error,
+        CompileError::NotDyadic {
+            kernel: 0,
+            row: 0,
+            column: 1,
+            ..
+        }
+    ));
+    let kinds = vec![
+        Kind {
+            kernel: outer(&[1.0], &[1.0], 1.0),
+            on: 1.0,
+            off: 1.0
+        };
+        3
+    ];
+    let ones = [outer(&[1.0], &[1.0], 1.0)];
+    let request = Request::new(&ones, &device).unwrap();
+    let error = SensorProgram::new(&kinds, "three", &request).unwrap_err();
+    assert!(error.to_string().ends_with("2 too few"), "{error}");
+}
+
+fn weights(side: usize, bits: u32, most: i32) -> impl Strategy<Value = Kernel> {
+    let row = proptest::collection::vec(-most..=most, side);
+    proptest::collection::vec(row, side).prop_map(move |rows| {
+        let scale = 2f64.powi(-(bits as i32));
+        let row = |row: &Vec<i32>| row.iter().map(|w| f64::from(*w) * scale).collect();
+        kernel(&rows.iter().map(row).collect::<Vec<_>>())
+    })
+}
+
+fn kernels() -> impl Strategy<Value = Kernel> {
+    (0usize..6, 0u32..6, 1i32..40)
+        .prop_flat_map(|(half, bits, most)| weights(2 * half + 1, bits, most))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn any_kernel_compiles(kernel in kernels(), states in 0u64..3000) {
+        compiled(&[kernel], states);
+    }
+
+    #[test]
+    fn several_kernels_compile(list in proptest::collection::vec(weights(3, 1, 3), 2..5), states in 0u64..3000) {
+        compiled(&list, states);
+    }
+
+    /// Registers are kept, results lie where they were asked for, and nothing saturates.
+    #[test]
+    fn within_registers_and_range(kernel in weights(3, 0, 4), keep in 0usize..3, into in 0u8..4, high in 1i32..128) {
+        let device = Device::scamp5();
+        let kernels = [kernel];
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.into = vec![Analog(into)];
+        request.keep = (0..keep).map(|i| Analog(5 - i as u8)).collect();
+        request.effort = Effort { states: 2000 };
+        request.range = Some((0.0, f64::from(high)));
+        let filter = request.filter().unwrap();
+        let text = filter.text(&device, 0);
+        let code = Program::parse("filter", &text).unwrap().expand(&device, &Overrides::default()).unwrap().code;
+        let settings = Settings::of(&device);
+        let inputs = range::Inputs {
+            registers: range::Interval::new(0.0, f64::from(high)),
+            ..range::Inputs::default()
+        };
+        let ranges = range::of(&code.frame, &device, settings, inputs).unwrap();
+        prop_assert_eq!(&ranges.saturations, &vec![]);
+        for register in &request.keep {
+            let taps = taps::read(&code.frame, &device, settings, *register).unwrap();
+            prop_assert_eq!(taps.taps.len(), 1);
+        }
+        let scale = 2f64.powi(filter.prescale as i32);
+        let found = read_back(&filter, &request);
+        prop_assert_eq!(&found[0].mapv(|w| w * scale + 0.0), kernels[0].weights());
+    }
+
+    /// Packets of the array and of the float model, up to the border.
+    #[test]
+    fn a_compiled_sensor_is_the_reference(kernel in weights(5, 2, 2), threshold in 1u32..200, seed: u64) {
+        let device = Device::scamp5();
+        let kernels = [kernel.clone()];
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = Effort { states: 3000 };
+        let light = f64::from(threshold) / 4.0;
+        let kinds = [Kind { kernel: kernel.clone(), on: light, off: light }];
+        let sensor = SensorProgram::new(&kinds, "random", &request).unwrap();
+        prop_assert!(sensor.filter.border);
+        let program = Program::parse("sensor", &sensor.text).unwrap();
+        let code = program.expand(&device, &Overrides::default()).unwrap().code;
+        let clip = clip(seed);
+        let size = Size::of(&clip[0]);
+        let settings = Settings { clip: true, ..Settings::of(&device) };
+        let mut chip = Chip::new("chip", Exact, code, &device, size, settings).unwrap();
+        let rows: Vec<Vec<f64>> = kernel.weights().rows().into_iter().map(|row| row.to_vec()).collect();
+        let text = format!(
+            "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n[[channel]]\n\
+             kernel = {rows:?}\nthreshold = {{ on = {light:?}, off = {light:?} }}\n"
+        );
+        let description = Description::parse("sensor", &text, &|_| unreachable!()).unwrap();
+        let mut reference = Reference::new(description, size, 0).unwrap();
+        let [a, b] = [watch(&mut chip, &clip), watch(&mut reference, &clip)];
+        prop_assert_eq!(a, b, "{}", sensor.text);
+    }
+}
+
+/// Light in whole levels, some of it changing from frame to frame.
+fn clip(seed: u64) -> Vec<Plane<f64>> {
+    let mut state = seed;
+    let mut next = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        state >> 33
+    };
+    let mut light = Plane::from_shape_fn((9, 12), |_| (next() % 256) as f64);
+    let mut clip = vec![light.clone()];
+    for _ in 0..3 {
+        light.mapv_inplace(|v| {
+            if next() % 3 == 0 {
+                (next() % 256) as f64
+            } else {
+                v
+            }
+        });
+        clip.push(light.clone());
+    }
+    clip
+}
+
+fn watch(sensor: &mut dyn Sensor, clip: &[Plane<f64>]) -> Packet {
+    let mut packet = Packet::new(sensor.size(), sensor.channels());
+    for (index, light) in clip.iter().enumerate() {
+        let frame = Frame {
+            index: index as u64,
+            seconds: index as f64 / 240.0,
+            light: light.clone(),
+        };
+        sensor.watch(&frame, &mut packet).unwrap();
+    }
+    packet.events = packet.canonical();
+    packet
+}
