@@ -192,9 +192,16 @@ impl<'a> Search<'a> {
             .iter()
             .map(|tap| digits(tap.weight).saturating_sub(1))
             .sum();
-        let twos = taps.iter().map(|tap| tap.weight.trailing_zeros()).min();
-        let twos = twos.unwrap_or(0) as f32 - unit.trailing_zeros() as f32;
-        let levels = if twos < 0.0 { -twos } else { 2.5 * twos };
+        // From the unit down by halves, up by doubles, all weights of a value together.
+        let one = i64::from(unit.trailing_zeros());
+        let low = taps.iter().map(|tap| tap.weight.trailing_zeros()).min();
+        let high = taps
+            .iter()
+            .map(|tap| tap.weight.unsigned_abs().ilog2())
+            .max();
+        let down = (one - i64::from(low.unwrap_or(0))).max(0);
+        let up = (i64::from(high.unwrap_or(0)) - one).max(0);
+        let levels = down as f32 + 2.5 * up as f32;
         self.taste.value
             + self.taste.digit * digits as f32
             + self.taste.place * spread(taps)
@@ -253,6 +260,9 @@ impl<'a> Search<'a> {
             if field.is_seen(other, place, 1) {
                 return 2.0;
             }
+        }
+        if field.is_seen(other, (0, 0), 2) || field.is_seen(other, (0, 0), -2) {
+            return 3.0;
         }
         let mut least = f32::INFINITY;
         if self.taste.related && other.taps().len() > 1 {
