@@ -24,7 +24,7 @@ use crate::{
     kernel::Kernel,
     photoreceptor::Curve,
     plane::{Plane, Size},
-    program::{Code, Cost, Expansion, Overrides, Program, for_each, stored},
+    program::{Action, Code, Cost, Expansion, Overrides, Program, Step, for_each, stored},
     reference::{Border, MemoryRule},
     save::save,
     sensor::Sensor as _,
@@ -357,7 +357,7 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         scale: program.scale,
     };
     let mut compiled = proof.compiled(program.text, program.filter, false)?;
-    let words = |steps: &[crate::program::Step]| Cost::of(steps, device).words.0;
+    let words = |steps: &[Step]| Cost::of(steps, device).words.0;
     let expectation = crate::program::Expectation {
         words: Some(crate::program::ExpectedWords {
             init: words(&compiled.expansion.code.init),
@@ -468,7 +468,11 @@ impl Proof<'_> {
             let most = filter.peak * high * 2f64.powi(-(filter.prescale as i32));
             (Vec::new(), usize::from(most > 127.0))
         } else {
-            let ranges = range::of(steps, self.device, settings, self.inputs)
+            // What comes after the filter compares with a memory that may hold anything.
+            let host = |step: &Step| matches!(step.action, Action::Host(_));
+            let end = steps.iter().position(host).unwrap_or(steps.len());
+            let filter = &steps[..end];
+            let ranges = range::of(filter, self.device, settings, self.inputs)
                 .wrap_err("the program's ranges cannot be told")?;
             let of = |r: &Analog| ranges.registers.get(usize::from(r.0)).copied();
             let results: Vec<Interval> = self.results.iter().filter_map(of).collect();

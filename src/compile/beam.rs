@@ -73,6 +73,11 @@ struct State {
 #[derive(Clone, Debug)]
 struct Step {
     stored: Option<Rc<Item>>,
+    /// Whether it stored in NEWS, and whose.
+    #[expect(
+        clippy::option_option,
+        reason = "none of the neighbours is the pixel itself"
+    )]
     news: Option<Option<Direction>>,
     views: u8,
     values: Vec<Rc<Item>>,
@@ -357,8 +362,7 @@ impl<'a> Search<'a> {
 
     /// The word that filled NEWS.
     fn before_news(&mut self, state: &State, news: &Rc<Item>, out: &mut Out<'_>) {
-        for i in 0..5 {
-            let place = VIEWS[i];
+        for (i, place) in VIEWS.into_iter().enumerate() {
             // Stored into the neighbour in this direction: seen from the other side.
             let to = view(i).map(Direction::opposite);
             let stored = news.field.seen((-place.0, -place.1));
@@ -382,7 +386,7 @@ impl<'a> Search<'a> {
                 if halved {
                     let twin = state.live.iter().position(|item| item.field == stored);
                     if let Some(at) = twin
-                        && !(state.live[at].hash == self.input.hash)
+                        && state.live[at].hash != self.input.hash
                     {
                         let base = Step {
                             stored: Some(state.live[at].clone()),
@@ -480,6 +484,7 @@ impl<'a> Search<'a> {
     }
 
     /// The word that stored a register, when NEWS is free to hold what it likes before.
+    #[expect(clippy::too_many_lines, reason = "one list of steps")]
     fn before_register(&mut self, state: &State, at: usize, out: &mut Out<'_>) {
         let item = state.live[at].clone();
         for halved in [false, true] {
