@@ -14,18 +14,21 @@ use serde_json::json;
 
 use crate::{
     array::{
-        Input, Settings,
+        Array as _, Chip, Exact, Input, Settings,
         range::{self, Inputs, Interval},
         taps,
     },
     compile::{CompileError, Effort, Filter, Kind, Request, SensorProgram, snake_words},
+    event::Packet,
     isa::{Analog, Device, Figure, Source, Value},
     kernel::Kernel,
     photoreceptor::Curve,
-    plane::Plane,
-    program::{Cost, Entry, Expansion, Overrides, Program, for_each, stored},
+    plane::{Plane, Size},
+    program::{Action, Code, Cost, Expansion, Overrides, Program, Step, for_each, stored},
     reference::{Border, MemoryRule},
     save::save,
+    sensor::Sensor as _,
+    unit::Micros,
 };
 
 /// What `compile` is asked to do.
@@ -77,6 +80,9 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
 }
+
+/// Longer filters are proved by an impulse.
+const TRACED: usize = 100;
 
 /// `lo..hi`, for the command line.
 fn interval(text: &str) -> Result<(f64, f64), String> {
@@ -343,11 +349,15 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         device,
         results: &program.drives,
         input: Input::Light,
-        inputs: Inputs::default(),
+        // One more would saturate the capture itself.
+        inputs: Inputs {
+            light: Interval::new(0.0, 254.0),
+            ..Inputs::default()
+        },
         scale: program.scale,
     };
     let mut compiled = proof.compiled(program.text, program.filter, false)?;
-    let words = |steps: &[crate::program::Step]| Cost::of(steps, device).words.0;
+    let words = |steps: &[Step]| Cost::of(steps, device).words.0;
     let expectation = crate::program::Expectation {
         words: Some(crate::program::ExpectedWords {
             init: words(&compiled.expansion.code.init),
@@ -429,13 +439,19 @@ impl Proof<'_> {
         let steps = &expansion.code.frame;
         let settings = Settings::of(self.device);
         let mut kernels = Vec::new();
+        let long = filter.words.len() > TRACED;
         for (kernel, register) in self.asked.kernels.iter().zip(self.results) {
-            let taps = taps::read(steps, self.device, settings, *register)
-                .wrap_err("the program cannot be read back")?;
-            let found = Self::framed(&taps.kernel(self.input), kernel.weights().dim());
+            let (read, others) = if long {
+                (self.impulse(&expansion.code, *register)?, false)
+            } else {
+                let taps = taps::read(steps, self.device, settings, *register)
+                    .wrap_err("the program cannot be read back")?;
+                let others = taps.taps.keys().any(|(input, ..)| *input != self.input);
+                (taps.kernel(self.input), others)
+            };
             let unscale = 1.0 / self.scale;
+            let found = Self::framed(&read, kernel.weights().dim());
             let found = found.map(|found| found.mapv(|w| w * unscale + 0.0));
-            let others = taps.taps.keys().any(|(input, ..)| *input != self.input);
             if others || found.as_ref() != Some(kernel.weights()) {
                 return Err(miette!(
                     help = "this is a fault of amacrine: please report the kernel and the command",
@@ -444,21 +460,33 @@ impl Proof<'_> {
             }
             kernels.extend(found);
         }
-        let ranges = range::of(steps, self.device, settings, self.inputs)
-            .wrap_err("the program's ranges cannot be told")?;
-        let results = self
-            .results
-            .iter()
-            .filter_map(|r| ranges.registers.get(usize::from(r.0)));
-        if limited && !ranges.saturations.is_empty() {
+        let (results, saturations) = if long {
+            let high = match self.input {
+                Input::Light => self.inputs.light.high * settings.gain,
+                Input::Register(_) => self.inputs.registers.high,
+            };
+            let most = filter.peak * high * 2f64.powi(-(filter.prescale as i32));
+            (Vec::new(), usize::from(most > 127.0))
+        } else {
+            // What comes after the filter compares with a memory that may hold anything.
+            let host = |step: &Step| matches!(step.action, Action::Host(_));
+            let end = steps.iter().position(host).unwrap_or(steps.len());
+            let filter = &steps[..end];
+            let ranges = range::of(filter, self.device, settings, self.inputs)
+                .wrap_err("the program's ranges cannot be told")?;
+            let of = |r: &Analog| ranges.registers.get(usize::from(r.0)).copied();
+            let results: Vec<Interval> = self.results.iter().filter_map(of).collect();
+            (results, ranges.saturations.len())
+        };
+        if limited && saturations > 0 && !long {
             return Err(miette!(
                 help = "this is a fault of amacrine: please report the kernel and the command",
                 "the compiled program saturates for the input that it was made for"
             ));
         }
         Ok(Compiled {
-            results: results.copied().collect(),
-            saturations: ranges.saturations.len(),
+            results,
+            saturations,
             snake: snake_words(&self.asked.kernels)?,
             results_in: self.results.to_vec(),
             scale: self.scale,
@@ -467,6 +495,35 @@ impl Proof<'_> {
             filter,
             kernels,
         })
+    }
+
+    /// The kernel by what one bright pixel leaves behind: for programs that reach too far to be
+    /// read back as forms.
+    fn impulse(&self, code: &Code, register: Analog) -> miette::Result<Plane<f64>> {
+        const SIDE: usize = 64;
+        let middle = (SIDE / 2, SIDE / 2);
+        let settings = Settings::of(self.device);
+        let left_by = |level: f64| -> miette::Result<Plane<f64>> {
+            let mut picture = Plane::zeros((SIDE, SIDE));
+            picture[middle] = level;
+            let size = Size::new(SIDE, SIDE);
+            let code = code.clone();
+            let mut chip = Chip::new("compiled", Exact, code, self.device, size, settings)?;
+            match self.input {
+                Input::Light => chip.expose(&picture)?,
+                Input::Register(register) => chip.set_analog(register, &picture)?,
+            }
+            let mut packet = Packet::new(size, chip.channels());
+            chip.run_frame(Micros(0), &mut packet)?;
+            Ok(chip.analog(register))
+        };
+        let (dark, bright) = (left_by(0.0)?, left_by(1.0)?);
+        let reach = 15;
+        let weight = |(y, x): (usize, usize)| {
+            let at = (middle.0 + reach - y, middle.1 + reach - x);
+            bright[at] - dark[at]
+        };
+        Ok(Plane::from_shape_fn((2 * reach + 1, 2 * reach + 1), weight))
     }
 
     /// Too many words, said with numbers; else what the program's check says.
@@ -506,9 +563,6 @@ impl Compiled {
     fn statements(&self) -> u64 {
         let mut count = 0;
         for_each(&self.expansion.frame, &mut |_| count += 1);
-        for entry in &self.expansion.frame {
-            debug_assert!(matches!(entry, Entry::Statement(_)));
-        }
         count
     }
 

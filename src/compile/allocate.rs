@@ -47,6 +47,10 @@ struct Span {
     pinned: Option<Analog>,
 }
 
+#[expect(
+    clippy::too_many_lines,
+    reason = "spans, registers and words, in this order"
+)]
 fn place(plan: &Plan, room: &Room, pinned: &[Option<Analog>]) -> Option<Allocated> {
     let end = plan.words.len() as isize;
     let mut spans = vec![Span {

@@ -73,6 +73,11 @@ struct State {
 #[derive(Clone, Debug)]
 struct Step {
     stored: Option<Rc<Item>>,
+    /// Whether it stored in NEWS, and whose.
+    #[expect(
+        clippy::option_option,
+        reason = "none of the neighbours is the pixel itself"
+    )]
     news: Option<Option<Direction>>,
     views: u8,
     values: Vec<Rc<Item>>,
@@ -192,9 +197,16 @@ impl<'a> Search<'a> {
             .iter()
             .map(|tap| digits(tap.weight).saturating_sub(1))
             .sum();
-        let twos = taps.iter().map(|tap| tap.weight.trailing_zeros()).min();
-        let twos = twos.unwrap_or(0) as f32 - unit.trailing_zeros() as f32;
-        let levels = if twos < 0.0 { -twos } else { 2.5 * twos };
+        // From the unit down by halves, up by doubles, all weights of a value together.
+        let one = i64::from(unit.trailing_zeros());
+        let low = taps.iter().map(|tap| tap.weight.trailing_zeros()).min();
+        let high = taps
+            .iter()
+            .map(|tap| tap.weight.unsigned_abs().ilog2())
+            .max();
+        let down = (one - i64::from(low.unwrap_or(0))).max(0);
+        let up = (i64::from(high.unwrap_or(0)) - one).max(0);
+        let levels = down as f32 + 2.5 * up as f32;
         self.taste.value
             + self.taste.digit * digits as f32
             + self.taste.place * spread(taps)
@@ -253,6 +265,9 @@ impl<'a> Search<'a> {
             if field.is_seen(other, place, 1) {
                 return 2.0;
             }
+        }
+        if field.is_seen(other, (0, 0), 2) || field.is_seen(other, (0, 0), -2) {
+            return 3.0;
         }
         let mut least = f32::INFINITY;
         if self.taste.related && other.taps().len() > 1 {
@@ -347,8 +362,7 @@ impl<'a> Search<'a> {
 
     /// The word that filled NEWS.
     fn before_news(&mut self, state: &State, news: &Rc<Item>, out: &mut Out<'_>) {
-        for i in 0..5 {
-            let place = VIEWS[i];
+        for (i, place) in VIEWS.into_iter().enumerate() {
             // Stored into the neighbour in this direction: seen from the other side.
             let to = view(i).map(Direction::opposite);
             let stored = news.field.seen((-place.0, -place.1));
@@ -372,7 +386,7 @@ impl<'a> Search<'a> {
                 if halved {
                     let twin = state.live.iter().position(|item| item.field == stored);
                     if let Some(at) = twin
-                        && !(state.live[at].hash == self.input.hash)
+                        && state.live[at].hash != self.input.hash
                     {
                         let base = Step {
                             stored: Some(state.live[at].clone()),
@@ -470,6 +484,7 @@ impl<'a> Search<'a> {
     }
 
     /// The word that stored a register, when NEWS is free to hold what it likes before.
+    #[expect(clippy::too_many_lines, reason = "one list of steps")]
     fn before_register(&mut self, state: &State, at: usize, out: &mut Out<'_>) {
         let item = state.live[at].clone();
         for halved in [false, true] {

@@ -124,10 +124,7 @@ impl Comb {
         let mut left = tap;
         if let Some(negative) = tap {
             // In the sum, what NEWS holds has the other sign by now.
-            let input = match negative == a.1 {
-                true => self.minus,
-                false => Some(0),
-            };
+            let input = if negative == a.1 { self.minus } else { Some(0) };
             if let Some(input) = input {
                 values.push(input);
                 left = None;

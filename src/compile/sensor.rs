@@ -20,8 +20,9 @@ pub struct Kind {
     pub off: f64,
 }
 
-/// The light of a capture, in LSB: half the range of a register.
-const CAPTURE: (f64, f64) = (0.0, 127.5);
+/// The light of a capture, in LSB: up to what a register holds; a pixel at the very end of the
+/// scale, 255, is half an LSB beyond it.
+const CAPTURE: (f64, f64) = (0.0, 127.0);
 
 /// A sensor in chip text.
 #[derive(Clone, Debug)]
@@ -65,7 +66,7 @@ impl SensorProgram {
             into: all[..count].to_vec(),
             keep: memories.clone(),
             border: true,
-            range: Some((CAPTURE.0, light.min(CAPTURE.1).max(1.0))),
+            range: Some((CAPTURE.0, light.clamp(1.0, CAPTURE.1))),
             ..request.clone()
         };
         let filter = request.filter()?;

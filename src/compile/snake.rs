@@ -13,7 +13,7 @@ pub fn snake_words(kernels: &[Kernel]) -> Result<u64, CompileError> {
     let (fields, unit) = goals(kernels)?;
     let one = i64::from(unit.trailing_zeros());
     let steps = kernels.iter().map(|k| k.weights().len() as u64 - 1);
-    let taps = fields.iter().flat_map(|field| field.taps());
+    let taps = fields.iter().flat_map(super::field::Field::taps);
     let weights = taps.map(|tap| {
         let first = i64::from(tap.weight.trailing_zeros()) - one;
         let last = i64::from(64 - tap.weight.unsigned_abs().leading_zeros()) - 1 - one;

@@ -250,7 +250,7 @@ fn taste(seed: u64, width: usize, i: u64) -> Taste {
         place: 0.4 + 0.9 * next(),
         level: 0.3 + next(),
         value: 0.2 + 2.0 * next(),
-        related: i % 2 == 0,
-        split: (i / 2 + i / 4) % 2 == 0,
+        related: i.is_multiple_of(2),
+        split: (i / 2 + i / 4).is_multiple_of(2),
     }
 }
