@@ -2,14 +2,11 @@
 
 use std::{
     fmt::Write as _,
-    fs,
     path::{Path, PathBuf},
     time::Instant,
 };
 
 use miette::{IntoDiagnostic, WrapErr, miette};
-use ndarray::Array3;
-use ndarray_npy::{ReadNpyError, ReadNpyExt, ReadableElement};
 use serde_json::json;
 
 use crate::{
@@ -21,7 +18,10 @@ use crate::{
     compile::{CompileError, Effort, Filter, Kind, Request, SensorProgram, snake_words},
     event::Packet,
     isa::{Analog, Device, Figure, Source, Value},
-    kernel::Kernel,
+    kernel::{
+        Kernel,
+        quantise::{Quantiser, QuantiserNameError},
+    },
     photoreceptor::Curve,
     plane::{Plane, Size},
     program::{Action, Code, Cost, Expansion, Overrides, Program, Step, for_each, stored},
@@ -30,6 +30,8 @@ use crate::{
     sensor::Sensor as _,
     unit::Micros,
 };
+
+use super::quantise::Total;
 
 /// What `compile` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -43,9 +45,13 @@ pub struct Arguments {
     /// Write the program here; else it is printed
     #[arg(short, long, value_name = "FILE.scamp")]
     output: Option<PathBuf>,
-    /// The weights that the program has: `exact` takes them as they are
-    #[arg(long, default_value = "exact")]
-    to: String,
+    /// The weights that the program has: `exact` takes them as they are, a quantiser (see
+    /// `amacrine quantise --help`) brings them to few values; its scale goes into the thresholds
+    #[arg(long, default_value = "exact", value_name = "QUANTISER")]
+    to: To,
+    /// What quantised kernels must sum to
+    #[arg(long, value_enum, default_value = "free")]
+    sum: Total,
     /// Only the filter, from register A into A, as bare statements
     #[arg(long, conflicts_with_all = ["sensor", "threshold"])]
     filter_only: bool,
@@ -130,12 +136,21 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say("\n");
     }
     super::say(&compiled.account(&device, seconds));
+    if let Some(to) = arguments.to.0 {
+        let scales: Vec<String> = asked.scales.iter().map(|s| format!("{s:.4}")).collect();
+        super::say(&format!(
+            "levels    {to}; times {} they are the kernel: thresholds are divided by it\n",
+            scales.join(", ")
+        ));
+    }
     Ok(())
 }
 
 /// What is to be compiled.
 struct Asked {
     kernels: Vec<Kernel>,
+    /// What they are to be multiplied by.
+    scales: Vec<f64>,
     /// Given as one array of three axes.
     stacked: bool,
     /// ON and OFF, in kernel times light.
@@ -146,12 +161,12 @@ struct Asked {
 impl Asked {
     fn read(arguments: &Arguments) -> miette::Result<Self> {
         if let Some(path) = &arguments.sensor {
-            return Self::of_sensor(path, &arguments.to);
+            return Self::of_sensor(path, arguments);
         }
         let mut kernels = Vec::new();
         let mut stacked = arguments.kernels.len() > 1;
         for name in &arguments.kernels {
-            let (more, axes) = read_kernels(name)?;
+            let (more, axes) = super::kernels::read(name)?;
             kernels.extend(more);
             stacked |= axes == 3;
         }
@@ -168,16 +183,17 @@ impl Asked {
                 "the threshold is {threshold}"
             ));
         }
-        let kernels = prepared(kernels, &arguments.to)?;
-        Ok(Self {
+        Self {
             thresholds: vec![(threshold, threshold); kernels.len()],
+            scales: vec![1.0; kernels.len()],
             kernels,
             stacked,
             title: format!("events of {}", arguments.kernels.join(", ")),
-        })
+        }
+        .prepared(arguments)
     }
 
-    fn of_sensor(path: &Path, to: &str) -> miette::Result<Self> {
+    fn of_sensor(path: &Path, arguments: &Arguments) -> miette::Result<Self> {
         let description = super::run::read_sensor(path)?;
         let shown = path.display();
         let linear = match description.response.curve {
@@ -211,81 +227,46 @@ impl Asked {
         if description.border == Border::Replicate {
             eprintln!("note: {shown} replicates the border; off the array the chip sees 0");
         }
-        Ok(Self {
-            kernels: prepared(kernels, to)?,
+        Self {
+            scales: vec![1.0; kernels.len()],
+            kernels,
             stacked: true,
             thresholds,
             title: description.name,
-        })
+        }
+        .prepared(arguments)
+    }
+
+    /// With the weights that the program will have; the scale of each kernel goes into its
+    /// thresholds.
+    fn prepared(mut self, arguments: &Arguments) -> miette::Result<Self> {
+        let Some(to) = arguments.to.0 else {
+            return Ok(self);
+        };
+        for (i, kernel) in self.kernels.iter_mut().enumerate() {
+            let quantised = to.quantise(kernel, arguments.sum.into(), arguments.seed)?;
+            let scale = quantised.scale;
+            (*kernel, self.scales[i]) = (quantised.levels, scale);
+            let (on, off) = self.thresholds[i];
+            self.thresholds[i] = (on / scale, off / scale);
+        }
+        Ok(self)
     }
 }
 
-/// The kernels with the weights that the program will have.
-fn prepared(kernels: Vec<Kernel>, to: &str) -> miette::Result<Vec<Kernel>> {
-    match to {
-        "exact" => Ok(kernels),
-        other => Err(miette!(
-            help = "give --to exact",
-            "`{other}` is not a way to prepare weights"
-        )),
-    }
-}
+/// `exact`, or a quantiser.
+#[derive(Clone, Copy, Debug)]
+struct To(Option<Quantiser>);
 
-/// The kernels of a file or of a name, and how many axes they came with.
-fn read_kernels(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
-    if let Some(kernel) = Kernel::builtin(name) {
-        return Ok((vec![kernel], 2));
-    }
-    let bytes = fs::read(name).map_err(|cause| {
-        let known: Vec<_> = Kernel::builtin_names().collect();
-        miette!(
-            help = format!(
-                "give a kernel file (.toml, .npy) or one of {}",
-                known.join(", ")
-            ),
-            "cannot read the kernel {name}: {cause}"
-        )
-    })?;
-    if !bytes.starts_with(b"\x93NUMPY") {
-        let kernel = Kernel::from_toml_bytes(&bytes).map_err(|e| miette!("{name}: {e}"))?;
-        return Ok((vec![kernel], 2));
-    }
-    let flat = match Kernel::from_npy(&bytes) {
-        Ok(kernel) => return Ok((vec![kernel], 2)),
-        Err(error) => error,
-    };
-    let Some(stack) = stack(&bytes) else {
-        return Err(miette!(
-            help = "give an array of shape (k,k) or (K,k,k), k odd, of floats or integers",
-            "{name}: {flat}"
-        ));
-    };
-    let planes = stack.outer_iter().map(|plane| plane.to_owned());
-    let kernels = planes
-        .enumerate()
-        .map(|(i, plane)| Kernel::new(plane).map_err(|e| miette!("{name}, kernel {i}: {e}")))
-        .collect::<miette::Result<Vec<_>>>()?;
-    if kernels.is_empty() {
-        return Err(miette!("{name}: there is no kernel in it"));
-    }
-    Ok((kernels, 3))
-}
+impl std::str::FromStr for To {
+    type Err = QuantiserNameError;
 
-fn stack(bytes: &[u8]) -> Option<Array3<f64>> {
-    fn read<T: ReadableElement + Copy>(
-        bytes: &[u8],
-        weight: impl Fn(T) -> f64,
-    ) -> Result<Array3<f64>, ReadNpyError> {
-        Ok(Array3::<T>::read_npy(bytes)?.mapv(weight))
+    fn from_str(name: &str) -> Result<Self, QuantiserNameError> {
+        if name == "exact" {
+            return Ok(Self(None));
+        }
+        name.parse().map(|to| Self(Some(to)))
     }
-    read::<f64>(bytes, |w| w)
-        .or_else(|_| read::<f32>(bytes, f64::from))
-        .or_else(|_| read::<i64>(bytes, |w| w as f64))
-        .or_else(|_| read::<i32>(bytes, f64::from))
-        .or_else(|_| read::<i16>(bytes, f64::from))
-        .or_else(|_| read::<i8>(bytes, f64::from))
-        .or_else(|_| read::<u8>(bytes, f64::from))
-        .ok()
 }
 
 /// A program that was proved.
@@ -596,6 +577,7 @@ impl Compiled {
             "into": names(&self.results_in),
             "kernel": kernel,
             "scale": self.scale,
+            "quantised_scales": asked.scales,
             "prescale_bits": self.filter.prescale,
             "filter_words": self.filter.words.len(),
             "snake_words": self.snake,

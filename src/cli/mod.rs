@@ -7,6 +7,7 @@ mod debug;
 pub mod demo;
 pub mod disasm;
 pub mod exec;
+mod kernels;
 mod opened;
 mod progress;
 pub mod quantise;

@@ -2,12 +2,11 @@
 
 use std::{
     fmt::Write,
-    fs,
     path::{Path, PathBuf},
 };
 
 use image::{RgbImage, imageops};
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::miette;
 
 use crate::{
     kernel::{
@@ -32,7 +31,7 @@ pub struct Arguments {
     to: Vec<Quantiser>,
     /// What the quantised kernel must sum to
     #[arg(long, value_enum, default_value = "free")]
-    sum: Asked,
+    sum: Total,
     /// Seed of stochastic rounding
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -49,13 +48,23 @@ pub struct Arguments {
 
 /// [`Sum`], as it is written.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Asked {
+pub(super) enum Total {
     /// Whatever comes
     Free,
     /// 0: uniform light gives nothing
     Zero,
     /// That of the kernel, as near as the levels allow
     Kept,
+}
+
+impl From<Total> for Sum {
+    fn from(total: Total) -> Self {
+        match total {
+            Total::Free => Self::Free,
+            Total::Zero => Self::Zero,
+            Total::Kept => Self::Kept,
+        }
+    }
 }
 
 /// One row of the table.
@@ -83,14 +92,18 @@ struct Json {
 /// # Errors
 /// When the kernel cannot be read or not quantised as asked, or a file not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kernel = read(&arguments.kernel)?;
-    let sum = match arguments.sum {
-        Asked::Free => Sum::Free,
-        Asked::Zero => Sum::Zero,
-        Asked::Kept => Sum::Kept,
+    let (kernels, _) = super::kernels::read(&arguments.kernel)?;
+    let [kernel] = &kernels[..] else {
+        return Err(miette!(
+            help = "give one of them, an array of shape (k,k)",
+            "{} holds {} kernels",
+            arguments.kernel,
+            kernels.len()
+        ));
     };
+    let sum = arguments.sum.into();
     let quantise = |to: &Quantiser| -> miette::Result<Quantised> {
-        let quantised = to.quantise(&kernel, sum, arguments.seed);
+        let quantised = to.quantise(kernel, sum, arguments.seed);
         quantised.map_err(|error| {
             miette::Report::new(error).wrap_err(format!("{} cannot be {to}", arguments.kernel))
         })
@@ -104,7 +117,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         .to
         .iter()
         .zip(&all)
-        .map(|(to, quantised)| Row::of(*to, &kernel, quantised))
+        .map(|(to, quantised)| Row::of(*to, kernel, quantised))
         .collect();
     if let Some(path) = &arguments.output {
         let [quantised] = &all[..] else {
@@ -117,7 +130,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         write(path, arguments, quantised)?;
     }
     if let Some(path) = &arguments.picture {
-        write_png(path, &picture(&kernel, &all))?;
+        write_png(path, &picture(kernel, &all))?;
     }
     if arguments.json {
         let json = Json {
@@ -139,30 +152,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     text += &table(&rows);
     super::say(&text);
     Ok(())
-}
-
-/// A built-in kernel, or one from a file.
-fn read(name: &str) -> miette::Result<Kernel> {
-    if let Some(kernel) = Kernel::builtin(name) {
-        return Ok(kernel);
-    }
-    let path = Path::new(name);
-    let array = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("npy"));
-    let bytes = fs::read(path).map_err(|error| {
-        let known: Vec<_> = Kernel::builtin_names().collect();
-        miette!(
-            help = format!("give a file, or one of the built-ins: {}", known.join(", ")),
-            "{name}: {error}"
-        )
-    })?;
-    let kernel = if array {
-        Kernel::from_npy(&bytes)
-    } else {
-        Kernel::from_toml_bytes(&bytes)
-    };
-    kernel.into_diagnostic().wrap_err_with(|| name.to_owned())
 }
 
 impl Row {
