@@ -4,7 +4,7 @@
 //! word away and puts what it read in place of what it stored. Whatever a bus does in one word
 //! is a step: up to four sources, neighbours among them, the sign that turns with every store,
 //! halving by two targets. So symmetry, separability, sums along a walk and work shared between
-//! kernels are found without being named. A [walk] over the kernel is the plan to beat.
+//! kernels are found without being named. A `walk` over the kernel is the plan to beat.
 //!
 //! ```
 //! use amacrine::{compile::{Effort, Request}, isa::Device, kernel::Kernel};
