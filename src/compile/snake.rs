@@ -5,7 +5,8 @@ use crate::kernel::Kernel;
 
 /// Words of a naive snake over each kernel: two for every step of a shifted copy to the next
 /// place of the kernel, two for every signed digit that is added, and two for every halving or
-/// doubling of the copy on the way from digit to digit.
+/// doubling of the copy on the way from digit to digit; two to clear the result of a kernel of
+/// zeros.
 ///
 /// # Errors
 /// When a weight is not dyadic or a kernel is too large.
@@ -20,5 +21,6 @@ pub fn snake_words(kernels: &[Kernel]) -> Result<u64, CompileError> {
         let shifts = (first.min(0).abs() + last.max(0)) as u64;
         2 * (u64::from(digits(tap.weight)) + shifts)
     });
-    Ok(2 * steps.sum::<u64>() + weights.sum::<u64>())
+    let dark = fields.iter().filter(|field| field.is_zero());
+    Ok(2 * (steps.sum::<u64>() + dark.count() as u64) + weights.sum::<u64>())
 }
