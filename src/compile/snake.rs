@@ -5,15 +5,17 @@ use crate::kernel::Kernel;
 
 /// Words of a naive snake over each kernel: two for every step of a shifted copy to the next
 /// place of the kernel, two for every signed digit that is added, and two for every halving or
-/// doubling of the copy on the way from digit to digit; two to clear the result of a kernel of
-/// zeros.
+/// doubling of the copy on the way from digit to digit; and two to bring the result of a
+/// single weight back to where the picture was.
 ///
 /// # Errors
 /// When a weight is not dyadic or a kernel is too large.
 pub fn snake_words(kernels: &[Kernel]) -> Result<u64, CompileError> {
     let (fields, unit) = goals(kernels)?;
     let one = i64::from(unit.trailing_zeros());
-    let steps = kernels.iter().map(|k| k.weights().len() as u64 - 1);
+    let steps = kernels
+        .iter()
+        .map(|k| (k.weights().len() as u64 - 1).max(1));
     let taps = fields.iter().flat_map(super::field::Field::taps);
     let weights = taps.map(|tap| {
         let first = i64::from(tap.weight.trailing_zeros()) - one;
@@ -21,6 +23,5 @@ pub fn snake_words(kernels: &[Kernel]) -> Result<u64, CompileError> {
         let shifts = (first.min(0).abs() + last.max(0)) as u64;
         2 * (u64::from(digits(tap.weight)) + shifts)
     });
-    let dark = fields.iter().filter(|field| field.is_zero());
-    Ok(2 * (steps.sum::<u64>() + dark.count() as u64) + weights.sum::<u64>())
+    Ok(2 * steps.sum::<u64>() + weights.sum::<u64>())
 }
