@@ -13,6 +13,7 @@
 //! The rooms, in the order in which light passes them. Imports run downward only
 //! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it).
 
+pub mod bits;
 pub mod chance;
 pub mod plane;
 pub mod save;

@@ -70,7 +70,7 @@ pub trait Domain: Sync {
         for (i, cell) in cells.iter_mut().enumerate() {
             let x = place.x + i;
             let stored = self.store(&self.sum(&operands, i), share, Place { x, ..place });
-            *cell = if clip { self.limit(stored) } else { stored };
+            *cell = self.limited(stored, clip);
         }
     }
 
@@ -103,6 +103,12 @@ pub trait Domain: Sync {
 
     /// The cell, limited to [-128, 127] LSB.
     fn limit(&self, cell: Self::Cell) -> Self::Cell;
+
+    /// The cell, limited if stores are.
+    #[inline(always)]
+    fn limited(&self, cell: Self::Cell, clip: bool) -> Self::Cell {
+        if clip { self.limit(cell) } else { cell }
+    }
 
     /// What the DAC makes of a value in LSB, with or without the host's calibration.
     fn input(&self, value: f64, _calibrated: bool) -> Self::Cell {

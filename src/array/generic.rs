@@ -4,9 +4,12 @@
 //! it. Its FLAG may be unknown, where it depends on what went in: then what a store would
 //! change holds either the old or the new.
 
-use super::{Domain, Input, Layout, Settings, State, Undecided, host, semantics::execute};
+use super::{
+    Domain, Input, Layout, Settings, State, Undecided, host,
+    semantics::{beside, execute},
+};
 use crate::{
-    isa::{Analog, Device, Direction, Primitive, Source, Target},
+    isa::{Analog, Device, Direction, Primitive, Target},
     plane::{At, Size},
     program::{Action, Host, Step},
 };
@@ -252,13 +255,6 @@ fn reach(steps: &[Step]) -> (usize, usize) {
         far = (far.0.saturating_add(rows), far.1.saturating_add(columns));
     }
     far
-}
-
-fn beside(sources: &[Source]) -> impl Iterator<Item = Direction> {
-    sources.iter().filter_map(|source| match source {
-        Source::Neighbour(direction) => Some(*direction),
-        Source::Register(_) | Source::Pix | Source::In => None,
-    })
 }
 
 /// In rows and columns, 0 or 1 each.

@@ -13,10 +13,10 @@ use super::{
     generic::{Generic, GenericError, Ran, Symbolic},
 };
 use crate::{
-    isa::{Analog, Device, Primitive, Target},
+    isa::{Analog, Device},
     number::Dyadic,
     plane::At,
-    program::Step,
+    program::{self, Step, writes},
 };
 
 /// From `low` to `high`, both included.
@@ -97,10 +97,15 @@ pub fn of(
 ) -> Result<Ranges, GenericError> {
     let bounds = Bounds { inputs };
     let mut generic = Generic::new(&bounds, device, settings, steps)?;
-    let news = generic.state.layout.news;
     let mut found: BTreeMap<(u32, Analog), Interval> = BTreeMap::new();
     generic.run(steps, &mut |generic, Ran { line, word }| {
-        for register in stored(word, news) {
+        let registers = writes(word, device)
+            .into_iter()
+            .filter_map(|cell| match cell {
+                program::Cell::Analog(register) => Some(register),
+                program::Cell::Digital(_) | program::Cell::Flag => None,
+            });
+        for register in registers {
             let stored = generic.cell(register).stored;
             if stored.low < LIMITS.0 || stored.high > LIMITS.1 {
                 let so_far = found.entry((line, register)).or_insert(stored);
@@ -123,34 +128,6 @@ pub fn of(
         registers,
         saturations,
     })
-}
-
-/// The analogue registers that a word stores in.
-fn stored(word: &Primitive, news: Analog) -> Vec<Analog> {
-    match word {
-        Primitive::Bus { targets, .. } => targets
-            .iter()
-            .map(|target| match target {
-                Target::Register(register) => *register,
-                Target::Neighbour(_) => news,
-            })
-            .collect(),
-        Primitive::Square { .. } => vec![news],
-        Primitive::Blur { target, .. } => vec![*target],
-        Primitive::Nop
-        | Primitive::ResetPix
-        | Primitive::Where { .. }
-        | Primitive::All
-        | Primitive::BlurSet
-        | Primitive::Set { .. }
-        | Primitive::Clear { .. }
-        | Primitive::Or { .. }
-        | Primitive::Nor { .. }
-        | Primitive::WhereBit { .. }
-        | Primitive::Dnews { .. }
-        | Primitive::PropRead
-        | Primitive::Prop { .. } => vec![],
-    }
 }
 
 /// Cells hold forms or intervals.

@@ -13,7 +13,11 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::{Domain, Place, Share, Undecided};
-use crate::{isa::Analog, plane::Size};
+use crate::{
+    bits::{packed, spread},
+    isa::Analog,
+    plane::Size,
+};
 
 /// What one source puts on the bus of every pixel.
 pub(super) struct Operand<'a, C> {
@@ -135,11 +139,7 @@ impl<C> Store<'_, C> {
             step: self.step,
         };
         let stored = domain.store(&bus.sum(domain, from_y, from_x), self.share, place);
-        self.cells[(y - self.top) * width + x] = if self.clip {
-            domain.limit(stored)
-        } else {
-            stored
-        };
+        self.cells[(y - self.top) * width + x] = domain.limited(stored, self.clip);
     }
 }
 
@@ -458,22 +458,6 @@ fn merge<D: Domain>(domain: &D, cells: &mut [D::Cell], new: &[D::Cell], flags: u
     }
 }
 
-/// A byte, 0 or 1, for every bit.
-#[inline(always)]
-fn spread(word: u64) -> [u8; 64] {
-    let mut bytes = [0; 64];
-    let (eights, _) = bytes.as_chunks_mut::<8>();
-    for (k, eight) in eights.iter_mut().enumerate() {
-        // Each byte keeps a bit of its own; it carries into the highest, which goes to the
-        // lowest.
-        let all = (word >> (8 * k) & 0xFF) * 0x0101_0101_0101_0101;
-        let own = all & 0x8040_2010_0804_0201;
-        let ones = (own + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & 0x0101_0101_0101_0101;
-        *eight = ones.to_le_bytes();
-    }
-    bytes
-}
-
 /// Sets the bits of these rows where the bus is above zero; `top` is the first row of `bits`.
 ///
 /// # Errors
@@ -585,25 +569,6 @@ fn positive_n<D: Domain, const N: usize>(
     decided
 }
 
-/// The lowest bit of each byte; none has others.
-#[inline(always)]
-fn packed(bytes: &[u8; 64]) -> u64 {
-    let (eights, _) = bytes.as_chunks::<8>();
-    let mut words = [0; 8];
-    for (word, eight) in words.iter_mut().zip(eights) {
-        // Bits come together in pairs, fours and eights.
-        let ones = u64::from_le_bytes(*eight);
-        let ones = (ones | ones >> 7) & 0x0003_0003_0003_0003;
-        let ones = (ones | ones >> 14) & 0x0000_000F_0000_000F;
-        *word = (ones | ones >> 28) & 0xFF;
-    }
-    let mut all = 0;
-    for (k, word) in words.into_iter().enumerate() {
-        all |= word << (8 * k);
-    }
-    all
-}
-
 /// Stores `gain` times the square of the bus in these rows, where FLAG is 1.
 ///
 /// # Errors
@@ -628,8 +593,7 @@ pub(super) fn square<D: Domain>(
             let square = domain.square(&bus.sum(domain, y, x), gain, place);
             let cell = square.ok_or(Undecided { operation: "sq" })?;
             if store.flagged(bus.size, y, x) {
-                store.cells[(y - store.top) * width + x] =
-                    if store.clip { domain.limit(cell) } else { cell };
+                store.cells[(y - store.top) * width + x] = domain.limited(cell, store.clip);
             }
         }
     }
@@ -689,7 +653,7 @@ pub(super) fn diffuse<D: Domain>(
             }
             domain.add(&mut sum, &links.own[i], own);
             let stored = domain.store(&sum, share, Place { x: i, ..place });
-            *cell = if clip { domain.limit(stored) } else { stored };
+            *cell = domain.limited(stored, clip);
         }
         if let Some(some) = some {
             merge(domain, cells, &block[..to - from], some);
@@ -715,15 +679,6 @@ pub(super) fn expose<D: Domain>(
 mod tests {
     use super::*;
     use crate::array::Exact;
-
-    #[test]
-    fn bytes_become_bits_and_bits_bytes() {
-        for word in [0, 1, !0, 0x8000_0000_0000_0001, 0x0123_4567_89AB_CDEF] {
-            let bytes = std::array::from_fn(|i| (word >> i & 1) as u8);
-            assert_eq!(packed(&bytes), word);
-            assert_eq!(spread(word), bytes);
-        }
-    }
 
     #[test]
     fn only_flagged_cells_change() {

@@ -137,7 +137,8 @@ pub(super) fn reaches(word: &Primitive) -> [usize; 2] {
     [along(0), along(1)]
 }
 
-fn beside(sources: &[Source]) -> impl Iterator<Item = Direction> {
+/// The neighbours whose NEWS is among the sources.
+pub(super) fn beside(sources: &[Source]) -> impl Iterator<Item = Direction> {
     sources.iter().filter_map(|source| match source {
         Source::Neighbour(direction) => Some(*direction),
         Source::Register(_) | Source::Pix | Source::In => None,
@@ -443,11 +444,7 @@ impl<D: Domain> Array<'_, D> {
                     step,
                 };
                 let stored = self.domain.store(&total, share, place);
-                cells[(y - top) * width + x] = if self.settings.clip {
-                    self.domain.limit(stored)
-                } else {
-                    stored
-                };
+                cells[(y - top) * width + x] = self.domain.limited(stored, self.settings.clip);
             }
         }
     }

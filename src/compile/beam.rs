@@ -10,7 +10,7 @@ use super::{
     field::{Field, Tap, VIEWS},
     plan::{Plan, Store, Value, Word},
 };
-use crate::isa::Direction;
+use crate::{isa::Direction, number::signed_digits};
 
 /// What to search for.
 #[derive(Clone, Debug)]
@@ -48,7 +48,7 @@ pub(super) struct Taste {
 
 /// Sources that one word takes, and that one word takes which stores in two parts: the
 /// vendor's `bus` and `bus2`.
-const SOURCES: usize = 4;
+pub(super) const SOURCES: usize = 4;
 const SOURCES_SPLIT: usize = 2;
 
 /// Values of a state that are tried as the last one stored.
@@ -195,7 +195,7 @@ impl<'a> Search<'a> {
         }
         let digits: u32 = taps
             .iter()
-            .map(|tap| digits(tap.weight).saturating_sub(1))
+            .map(|tap| signed_digits(tap.weight).saturating_sub(1))
             .sum();
         // From the unit down by halves, up by doubles, all weights of a value together.
         let one = i64::from(unit.trailing_zeros());
@@ -369,11 +369,7 @@ impl<'a> Search<'a> {
             if self.task.border && !stored.leads(place) {
                 continue;
             }
-            for halved in [false, true] {
-                let sum = stored.times(if halved { -2 } else { -1 });
-                if !sum.is_tame() {
-                    continue;
-                }
+            for (sum, halved, room) in stores_of(&stored) {
                 let base = Step {
                     stored: None,
                     news: Some(to),
@@ -381,7 +377,6 @@ impl<'a> Search<'a> {
                     values: Vec::new(),
                     halved,
                 };
-                let room = if halved { SOURCES_SPLIT } else { SOURCES };
                 self.sums(state, None, &sum, &base, room, out);
                 if halved {
                     let twin = state.live.iter().position(|item| item.field == stored);
@@ -484,15 +479,9 @@ impl<'a> Search<'a> {
     }
 
     /// The word that stored a register, when NEWS is free to hold what it likes before.
-    #[expect(clippy::too_many_lines, reason = "one list of steps")]
     fn before_register(&mut self, state: &State, at: usize, out: &mut Out<'_>) {
         let item = state.live[at].clone();
-        for halved in [false, true] {
-            let sum = item.field.times(if halved { -2 } else { -1 });
-            if !sum.is_tame() {
-                continue;
-            }
-            let room = if halved { SOURCES_SPLIT } else { SOURCES };
+        for (sum, halved, room) in stores_of(&item.field) {
             let base = Step {
                 stored: Some(item.clone()),
                 news: None,
@@ -596,12 +585,7 @@ impl<'a> Search<'a> {
     /// A word that stored a register from a NEWS that is read again later.
     fn before_second(&mut self, state: &State, at: usize, news: &Rc<Item>, out: &mut Out<'_>) {
         let item = state.live[at].clone();
-        for halved in [false, true] {
-            let sum = item.field.times(if halved { -2 } else { -1 });
-            if !sum.is_tame() {
-                continue;
-            }
-            let size = weight(&sum);
+        for (sum, halved, room) in stores_of(&item.field) {
             let base = Step {
                 stored: Some(item.clone()),
                 news: None,
@@ -609,7 +593,7 @@ impl<'a> Search<'a> {
                 values: Vec::new(),
                 halved,
             };
-            let room = if halved { SOURCES_SPLIT } else { SOURCES };
+            let size = weight(&sum);
             for which in 0..self.shapes.len() {
                 let (mask, places) = &self.shapes[which];
                 if places.len() > room {
@@ -810,6 +794,15 @@ struct Out<'a> {
     children: &'a mut Vec<Child>,
 }
 
+/// The sums of a bus that store a field, whole or halved, and how many sources each can have.
+fn stores_of(stored: &Field) -> impl Iterator<Item = (Field, bool, usize)> {
+    let whole = (stored.times(-1), false, SOURCES);
+    let halved = (stored.times(-2), true, SOURCES_SPLIT);
+    [whole, halved]
+        .into_iter()
+        .filter(|(sum, ..)| sum.is_tame())
+}
+
 /// Keeps the best, in an order that does not depend on anything else.
 fn trim(children: &mut Vec<Child>, width: usize) {
     let better = |a: &Child, b: &Child| a.score.total_cmp(&b.score);
@@ -818,11 +811,6 @@ fn trim(children: &mut Vec<Child>, width: usize) {
         children.truncate(width);
     }
     children.sort_by(better);
-}
-
-/// Nonzero digits of the shortest signed-digit form.
-pub(super) const fn digits(weight: i64) -> u32 {
-    (weight ^ (3 * weight)).count_ones()
 }
 
 fn weight(field: &Field) -> i64 {

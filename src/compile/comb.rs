@@ -1,169 +1,203 @@
-//! A plan that always exists and is right up to the border: sums move only towards the pixel,
+//! Plans that always exist and are right up to the border: sums move only towards the pixel,
 //! rows along rows, then all of them along columns, so that nothing passes a place off the array.
+//! As on a [`walk`](super::walk), what is held of the input is added at both ends of a move.
 
 use super::{
+    beam::SOURCES,
+    digit::{Digit, Visits, groups, most_halved},
+    draft::{Draft, Sum},
     field::Field,
-    plan::{Plan, Store, Value, Word},
-    walk::planes,
+    plan::{Plan, Value},
+    walk::HELD,
 };
 use crate::isa::Direction;
 
-/// Registers that a comb needs, the input's included.
-pub(super) const LEAST: usize = 5;
-
-/// A value, and whether it is minus what it stands for.
-type Signed = (Value, bool);
-
-/// A plan for one goal that keeps to so many registers; `None` with fewer than [`LEAST`].
-pub(super) fn comb(goal: &Field, unit: i64, registers: usize) -> Option<Plan> {
-    if registers < LEAST {
-        return None;
+/// Plans for one goal that differ in words and in registers.
+pub(super) fn combs(goal: &Field, unit: i64) -> Vec<Plan> {
+    let mut plans = Vec::new();
+    for held in 1..=HELD {
+        for minus in [false, true] {
+            for columns_first in [false, true] {
+                plans.push(comb(goal, unit, held, minus, columns_first));
+            }
+        }
     }
-    let mut comb = Comb::default();
-    if registers > LEAST {
-        comb.minus = Some(comb.store(vec![], vec![0], false));
+    plans
+}
+
+fn comb(goal: &Field, unit: i64, held: usize, minus: bool, columns_first: bool) -> Plan {
+    let Some((groups, last)) = groups(goal, held) else {
+        return Draft::new(false).zero();
+    };
+    let mut comb = Comb {
+        draft: Draft::new(minus),
+        columns_first,
+    };
+    let mut total: Option<Sum> = None;
+    for visits in groups {
+        for _ in 0..held {
+            total = total.map(|total| comb.draft.halved(total));
+        }
+        comb.draft.hold(most_halved(&visits));
+        total = comb.gathered(total, visits);
     }
-    let planes = planes(goal);
-    let count = planes.len();
-    let mut total: Option<Signed> = None;
-    for plane in planes {
-        total = total.map(|total| comb.halved(total));
-        let of = |y: i16| {
-            let row = plane.iter().filter(move |((row, _), _)| *row == y);
-            row.map(|((_, x), negative)| (*x, *negative))
-                .collect::<Vec<_>>()
+    // Without a digit there was no group.
+    let Some(total) = total else {
+        return comb.draft.zero();
+    };
+    let one = unit.trailing_zeros() as usize;
+    let (up, down) = (last.saturating_sub(one), one.saturating_sub(last));
+    comb.draft.finished(total, up, down)
+}
+
+#[derive(Clone)]
+struct Comb {
+    draft: Draft,
+    /// The other way round.
+    columns_first: bool,
+}
+
+/// What is added at each distance of an arm, from the far end.
+type Arm = Vec<(i16, Vec<Digit>)>;
+
+impl Comb {
+    /// All of a group, and a sum that lies at the pixel already.
+    fn gathered(&mut self, mut total: Option<Sum>, mut visits: Visits) -> Option<Sum> {
+        if self.columns_first {
+            for ((y, x), _) in &mut visits {
+                std::mem::swap(y, x);
+            }
+        }
+        let of = |y: i16| -> Vec<(i16, Vec<Digit>)> {
+            let row = visits.iter().filter(|((row, _), _)| *row == y);
+            row.map(|((_, x), digits)| (*x, digits.clone())).collect()
         };
-        let far = plane.iter().map(|((y, _), _)| y.abs()).max().unwrap_or(0);
+        let far = visits.iter().map(|((y, _), _)| y.abs()).max().unwrap_or(0);
         for (direction, sign) in [(Direction::North, -1), (Direction::South, 1)] {
             let mut part = None;
             for y in (1..=far).rev() {
-                part = comb.row(part, &of(sign * y));
-                part = part.map(|part| comb.moved(part, direction, None));
+                part = self.row(part, of(sign * y));
+                part = part.map(|part| {
+                    self.news(direction, vec![part.value]);
+                    let sum = self.draft.register(vec![None], vec![], false);
+                    // Stored twice.
+                    Sum { value: sum, ..part }
+                });
             }
             if let Some(part) = part {
-                total = Some(comb.sum(total, part));
+                total = Some(self.merged(total, part));
             }
         }
-        total = comb.row(total, &of(0));
-    }
-    let Some(mut total) = total else {
-        let zero = comb.store(vec![], vec![], false);
-        comb.plan.goals = vec![zero];
-        return Some(comb.plan);
-    };
-    let one = unit.trailing_zeros() as usize + 1;
-    for _ in count..one {
-        total = comb.halved(total);
-    }
-    for _ in one..count {
-        let other = (comb.store(vec![], vec![total.0], false), !total.1);
-        comb.news(None, vec![total.0]);
-        total = (comb.store(vec![None], vec![other.0], false), total.1);
-    }
-    if total.1 {
-        total = (comb.store(vec![], vec![total.0], false), false);
-    }
-    comb.plan.goals = vec![total.0];
-    Some(comb.plan)
-}
-
-#[derive(Default)]
-struct Comb {
-    plan: Plan,
-    stores: usize,
-    /// Minus the input.
-    minus: Option<Value>,
-}
-
-impl Comb {
-    fn store(&mut self, views: Vec<Option<Direction>>, values: Vec<Value>, halved: bool) -> Value {
-        self.plan.words.push(Word {
-            store: Store::Register,
-            views,
-            values,
-            halved,
-        });
-        self.stores += 1;
-        self.stores
+        self.row(total, of(0))
     }
 
-    fn news(&mut self, from: Option<Direction>, values: Vec<Value>) {
-        self.plan.words.push(Word {
-            store: Store::News(from.map(Direction::opposite)),
-            views: vec![],
-            values,
-            halved: false,
-        });
+    fn news(&mut self, direction: Direction, values: Vec<Value>) {
+        let direction = match direction {
+            other if !self.columns_first => other,
+            Direction::North => Direction::West,
+            Direction::South => Direction::East,
+            Direction::West => Direction::North,
+            Direction::East => Direction::South,
+        };
+        self.draft.news(Some(direction), values);
     }
 
-    fn halved(&mut self, (value, negative): Signed) -> Signed {
-        (self.store(vec![], vec![value], true), !negative)
-    }
-
-    /// The input or minus the input, as it is held.
-    fn input(&self, negative: bool) -> Signed {
-        match (negative, self.minus) {
-            (false, _) => (0, false),
-            (true, Some(minus)) => (minus, false),
-            (true, None) => (0, true),
-        }
-    }
-
-    fn sum(&mut self, a: Option<Signed>, b: Signed) -> Signed {
+    fn merged(&mut self, a: Option<Sum>, b: Sum) -> Sum {
         let Some(mut a) = a else { return b };
-        if a.1 != b.1 {
-            a = (self.store(vec![], vec![a.0], false), b.1);
+        if a.negative != b.negative {
+            a = Sum::stored(
+                self.draft.register(vec![], vec![a.value], false),
+                a.negative,
+            );
         }
-        (self.store(vec![], vec![a.0, b.0], false), !b.1)
+        let both = self.draft.register(vec![], vec![a.value, b.value], false);
+        Sum::stored(both, a.negative)
     }
 
-    /// What is seen in this direction, and the input besides.
-    fn moved(&mut self, a: Signed, direction: Direction, tap: Option<bool>) -> Signed {
-        self.news(Some(direction), vec![a.0]);
-        let mut values = Vec::new();
-        let mut left = tap;
-        if let Some(negative) = tap {
-            // In the sum, what NEWS holds has the other sign by now.
-            let input = if negative == a.1 { self.minus } else { Some(0) };
-            if let Some(input) = input {
-                values.push(input);
-                left = None;
-            }
-        }
-        let seen = (self.store(vec![None], values, false), a.1);
-        match left {
-            None => seen,
-            Some(negative) => {
-                let input = self.input(negative);
-                self.sum(Some(seen), input)
-            }
-        }
-    }
-
-    /// A row's sum, to a sum that lies in this row already.
-    fn row(&mut self, to: Option<Signed>, taps: &[(i16, bool)]) -> Option<Signed> {
-        let mut to = to;
+    /// A row's sum, to a sum that lies in its middle already.
+    fn row(&mut self, to: Option<Sum>, row: Vec<(i16, Vec<Digit>)>) -> Option<Sum> {
+        let mut sum = to;
+        let (middle, sides): (Arm, Arm) = row.into_iter().partition(|(x, _)| *x == 0);
+        let mut pending: Vec<Digit> = middle.into_iter().flat_map(|(_, digits)| digits).collect();
         for (direction, sign) in [(Direction::West, -1), (Direction::East, 1)] {
-            let at = |x: i16| taps.iter().find(|tap| tap.0 == sign * x).map(|tap| tap.1);
-            let far = taps.iter().map(|tap| tap.0 * sign).max().unwrap_or(0);
-            let mut part = None;
-            for x in (1..=far).rev() {
-                part = match (part, at(x)) {
-                    (None, Some(negative)) => Some(self.input(negative)),
-                    (part, _) => part,
-                };
-                let next = if x > 1 { at(x - 1) } else { None };
-                part = part.map(|part| self.moved(part, direction, next));
+            let arm = sides.iter().filter(|(x, _)| x * sign > 0);
+            let arm: Arm = arm.map(|(x, d)| (x.abs(), d.clone())).collect();
+            if arm.is_empty() {
+                continue;
             }
-            if let Some(part) = part {
-                to = Some(self.sum(to, part));
+            // With the sign that costs less.
+            let tries = [false, true].map(|negative| {
+                let (mut comb, mut left) = (self.clone(), pending.clone());
+                let sum = comb.arm(&arm, direction, negative, sum, &mut left);
+                (comb, left, sum)
+            });
+            let best = tries.into_iter().min_by_key(|(comb, left, sum)| {
+                let open = usize::from(!left.is_empty()) + usize::from(sum.negative);
+                (2 * comb.draft.plan.words.len() + open, left.len())
+            });
+            if let Some((comb, left, found)) = best {
+                (*self, pending, sum) = (comb, left, Some(found));
             }
         }
-        if let Some((_, negative)) = taps.iter().find(|tap| tap.0 == 0) {
-            let input = self.input(*negative);
-            to = Some(self.sum(to, input));
+        match sum {
+            Some(sum) => Some(self.draft.add_all(sum, &mut pending)),
+            None if pending.is_empty() => None,
+            None => {
+                let values = self.draft.take(&mut pending, false, SOURCES);
+                let sum = Sum::stored(self.draft.register(vec![], values, false), false);
+                Some(self.draft.add_all(sum, &mut pending))
+            }
         }
-        to
+    }
+
+    /// One side of a row, moved to its middle, with what lies there and can be added; begun with
+    /// this sign.
+    fn arm(
+        &mut self,
+        arm: &Arm,
+        direction: Direction,
+        mut negative: bool,
+        to: Option<Sum>,
+        middle: &mut Vec<Digit>,
+    ) -> Sum {
+        let own = |at: i16| {
+            let found = arm.iter().find(|(x, _)| *x == at);
+            found.map_or(Vec::new(), |(_, digits)| digits.clone())
+        };
+        let far = arm.iter().map(|(x, _)| *x).max().unwrap_or(0);
+        let mut to = to;
+        let mut sum: Vec<Value> = Vec::new();
+        let mut pending = own(far);
+        for x in (1..=far).rev() {
+            loop {
+                let room = SOURCES - sum.len();
+                sum.extend(self.draft.take(&mut pending, negative, room));
+                negative = !negative;
+                if pending.is_empty() {
+                    break;
+                }
+                sum = vec![self.draft.register(vec![], sum, false)];
+            }
+            self.news(direction, sum);
+            pending = if x > 1 {
+                own(x - 1)
+            } else {
+                std::mem::take(middle)
+            };
+            let fits = |to: &mut Sum| x == 1 && to.negative == negative;
+            let taken = to.take_if(fits).map(|to| to.value);
+            let room = SOURCES - 1 - usize::from(taken.is_some());
+            let mut values = self.draft.take(&mut pending, negative, room);
+            values.extend(taken);
+            sum = vec![self.draft.register(vec![None], values, false)];
+            negative = !negative;
+        }
+        *middle = pending;
+        let sum = Sum {
+            value: sum.first().copied().unwrap_or(0),
+            negative,
+        };
+        self.merged(to, sum)
     }
 }
 
@@ -175,13 +209,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_comb_makes_what_is_asked_up_to_the_border(goal in fields(5, 300), exponent in 0u32..9, registers in 5usize..7) {
+        fn combs_make_what_is_asked_up_to_the_border(goal in fields(5, 300), exponent in 0u32..9) {
             let unit = 1i64 << exponent;
-            let plan = comb(&goal, unit, registers).unwrap();
             let fine = 1 << 20;
-            let trace = plan.trace(unit * fine).unwrap();
-            prop_assert!(trace.border);
-            prop_assert_eq!(&trace.values[plan.goals[0]], &goal.times(fine));
+            for plan in combs(&goal, unit) {
+                let trace = plan.trace(unit * fine).unwrap();
+                prop_assert!(trace.border);
+                prop_assert_eq!(&trace.values[plan.goals[0]], &goal.times(fine));
+            }
         }
     }
 }

@@ -21,10 +21,15 @@
 mod allocate;
 mod beam;
 mod comb;
+mod digit;
+mod draft;
 mod error;
 mod field;
 mod plan;
+mod route;
+mod scale;
 mod sensor;
+mod separable;
 mod snake;
 mod solve;
 mod walk;

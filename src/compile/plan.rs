@@ -56,6 +56,32 @@ pub(super) struct Trace {
 }
 
 impl Plan {
+    /// How many values must be held in registers at a time, the input until it is last read.
+    pub(super) fn width(&self) -> usize {
+        let mut last: Vec<usize> = vec![0];
+        for (i, word) in self.words.iter().enumerate() {
+            for value in &word.values {
+                if let Some(last) = last.get_mut(*value) {
+                    *last = i;
+                }
+            }
+            if !matches!(word.store, Store::News(_)) {
+                last.push(i);
+            }
+        }
+        for goal in &self.goals {
+            if let Some(last) = last.get_mut(*goal) {
+                *last = self.words.len();
+            }
+        }
+        let mut stored = 1;
+        let held = self.words.iter().enumerate().map(|(i, word)| {
+            stored += usize::from(!matches!(word.store, Store::News(_)));
+            last.iter().take(stored).filter(|last| **last >= i).count()
+        });
+        held.max().unwrap_or(1)
+    }
+
     /// Runs the words on an input of one `unit`. `None` where a half is not whole.
     pub(super) fn trace(&self, unit: i64) -> Option<Trace> {
         let mut trace = Trace {

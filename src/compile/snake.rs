@@ -1,7 +1,7 @@
 //! The yardstick: what the plainest program of a kernel costs.
 
-use super::{CompileError, beam::digits, goals};
-use crate::kernel::Kernel;
+use super::{CompileError, goals};
+use crate::{kernel::Kernel, number::signed_digits};
 
 /// Words of a naive snake over each kernel: two for every step of a shifted copy to the next
 /// place of the kernel, two for every signed digit that is added, and two for every halving or
@@ -21,7 +21,7 @@ pub fn snake_words(kernels: &[Kernel]) -> Result<u64, CompileError> {
         let first = i64::from(tap.weight.trailing_zeros()) - one;
         let last = i64::from(64 - tap.weight.unsigned_abs().leading_zeros()) - 1 - one;
         let shifts = (first.min(0).abs() + last.max(0)) as u64;
-        2 * (u64::from(digits(tap.weight)) + shifts)
+        2 * (u64::from(signed_digits(tap.weight)) + shifts)
     });
     Ok(2 * steps.sum::<u64>() + weights.sum::<u64>())
 }

@@ -5,10 +5,12 @@ use rayon::prelude::*;
 use super::{
     allocate::{Allocated, Room, allocate},
     beam::{Task, Taste, search},
-    comb::comb,
+    comb::combs,
     field::Field,
     plan::{Plan, Value},
-    walk::walk,
+    scale::scale,
+    separable::{Factor, after, factors},
+    walk::walks,
 };
 
 /// Goals, and what may be used for them.
@@ -110,7 +112,39 @@ impl Job {
             seen += more;
             solved.extend(plan.and_then(|plan| self.finish(plan)));
         }
+        if let (true, [goal]) = (round < FACTORED, &self.goals[..])
+            && let Some(parts) = factors(goal, self.unit)
+        {
+            let (more, plan) = self.factored(parts, &tastes, left.saturating_sub(seen) / 2);
+            seen += more;
+            solved.extend(plan.and_then(|plan| self.finish(plan)));
+        }
         (seen, solved)
+    }
+
+    /// The row, then the column.
+    fn factored(&self, parts: [Factor; 2], tastes: &[Taste], left: u64) -> (u64, Option<Plan>) {
+        let found = parts.map(|(goal, unit)| {
+            let task = Task {
+                goals: vec![goal],
+                unit,
+                registers: self.room.all.len(),
+                over_input: None,
+                border: self.border,
+            };
+            let tries = tastes.par_iter();
+            let found: Vec<_> = tries
+                .map(|t| search(&task, *t, 2048, left / 2 + 1))
+                .collect();
+            let seen: u64 = found.iter().map(|found| found.seen).sum();
+            let plans = found.into_iter().filter_map(|found| found.plan);
+            (seen, plans.min_by_key(|plan| plan.words.len()))
+        });
+        let [(a, row), (b, column)] = found;
+        let plan = row
+            .zip(column)
+            .and_then(|(row, column)| after(&row, &column));
+        (a + b, plan)
     }
 
     /// One goal after the other, the input kept for the next; that over the input last.
@@ -195,10 +229,10 @@ impl Job {
         for (done, goal) in self.order().into_iter().enumerate() {
             let registers = self.room.all.len().saturating_sub(done);
             let (goal_field, unit) = (&self.goals[goal], self.unit);
-            let outward = self.border.then(|| comb(goal_field, unit, registers));
-            let plan = outward
-                .flatten()
-                .or_else(|| walk(goal_field, unit, registers));
+            let outward = self
+                .border
+                .then(|| plain(combs, goal_field, unit, registers));
+            let plan = (outward.flatten()).or_else(|| plain(walks, goal_field, unit, registers));
             parts.push((goal, plan?));
         }
         self.finish(self.joined(parts))
@@ -223,6 +257,26 @@ impl Job {
     }
 }
 
+/// The shortest of the plans that need no search and keep to so many registers.
+fn plain(
+    kind: impl Fn(&Field, i64) -> Vec<Plan>,
+    goal: &Field,
+    unit: i64,
+    registers: usize,
+) -> Option<Plan> {
+    let least = |plans: Vec<Plan>| {
+        let fitting = plans.into_iter().filter(|plan| plan.width() <= registers);
+        fitting.min_by_key(|plan| plan.words.len())
+    };
+    let mut plans = kind(goal, unit);
+    plans.extend(scale(goal, unit));
+    if let Some(parts) = factors(goal, unit) {
+        let [row, column] = parts.map(|(part, unit)| least(kind(&part, unit)));
+        plans.extend(after(&row?, &column?));
+    }
+    least(plans)
+}
+
 fn better(new: &Solved, old: Option<&Solved>, border: bool) -> bool {
     let Some(old) = old else { return true };
     let key = |solved: &Solved| {
@@ -231,6 +285,9 @@ fn better(new: &Solved, old: Option<&Solved>, border: bool) -> bool {
     };
     key(new) < key(old)
 }
+
+/// Rounds that look at the factors too: lines are soon searched through.
+const FACTORED: u64 = 4;
 
 /// Searches side by side.
 const TASTES: u64 = 4;

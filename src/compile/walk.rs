@@ -1,117 +1,62 @@
-//! A plan that always exists: the accumulator walks over the kernel and takes the input in,
-//! digit by digit of the weights, from the smallest to the largest.
+//! Plans that always exist: the accumulator walks over the kernel to the pixel and takes the
+//! input in on its way, digit by digit of the weights.
+//!
+//! One word stores into NEWS, the next one from NEWS: each can move the sum by one pixel, and
+//! where one ends at a place and the next begins there, each can add what is held besides, one
+//! with this sign, the other with that. Held are the input and its halves, a word each, so that
+//! a visit takes in all digits of a weight; digits below those that are held come first, on a
+//! walk of their own, and are halved with the sum.
 
 use super::{
+    beam::SOURCES,
+    digit::{Place, Visits, groups, most_halved},
+    draft::{Draft, Sum},
     field::Field,
-    plan::{Plan, Store, Value, Word},
+    plan::{Plan, Value},
+    route::route,
 };
 use crate::isa::Direction;
 
-/// Registers that a walk needs, the input's included.
+/// Registers that the narrowest walk needs, the input's included.
 pub(super) const LEAST: usize = 3;
 
-/// A plan for one goal that keeps to so many registers; `None` with fewer than [`LEAST`].
-pub(super) fn walk(goal: &Field, unit: i64, registers: usize) -> Option<Plan> {
-    if registers < LEAST {
-        return None;
+/// Exponents that are taken in on one walk at most.
+pub(super) const HELD: usize = 6;
+
+/// Plans for one goal that differ in words and in registers.
+pub(super) fn walks(goal: &Field, unit: i64) -> Vec<Plan> {
+    let mut plans = Vec::new();
+    for held in 1..=HELD {
+        for (minus, negative) in [(false, false), (false, true), (true, false), (true, true)] {
+            plans.push(walk(goal, unit, held, minus, negative));
+        }
     }
+    plans
+}
+
+/// A walk that takes in so many exponents at a time, with or without minus the input, and
+/// begins with this sign.
+fn walk(goal: &Field, unit: i64, held: usize, minus: bool, negative: bool) -> Plan {
+    let draft = Draft::new(minus);
+    let Some((groups, last)) = groups(goal, held) else {
+        return Draft::new(false).zero();
+    };
     let mut walk = Walk {
-        plan: Plan::default(),
-        next: 1,
-        minus: None,
+        draft,
         place: At::Nowhere,
-        negative: false,
+        negative,
         cursor: (0, 0),
     };
-    if goal.is_zero() {
-        let zero = walk.register(vec![], vec![], false);
-        walk.plan.goals = vec![zero];
-        return Some(walk.plan);
+    for visits in groups {
+        walk.halve(held);
+        walk.draft.hold(most_halved(&visits));
+        let begun = !matches!(walk.place, At::Nowhere);
+        walk.visit(&route(&visits, begun.then_some(walk.cursor)));
     }
-    if registers > LEAST {
-        walk.minus = Some(walk.register(vec![], vec![0], false));
-    }
-    let planes = planes(goal);
-    let last = planes.len() - 1;
-    for (exponent, mut plane) in planes.into_iter().enumerate() {
-        if exponent > 0 && !matches!(walk.place, At::Nowhere) {
-            walk.halve();
-        }
-        order(&mut plane, walk.cursor);
-        walk.visit(&plane);
-    }
-    walk.home();
+    let sum = walk.home();
     let one = unit.trailing_zeros() as usize;
-    for _ in last..one {
-        walk.halve();
-    }
-    for _ in one..last {
-        walk.double();
-    }
-    if walk.negative {
-        walk.still();
-    }
-    let At::Register(value) = walk.place else {
-        return None;
-    };
-    walk.plan.goals = vec![value];
-    Some(walk.plan)
-}
-
-/// Places and signs by the digit's exponent.
-pub(super) fn planes(goal: &Field) -> Vec<Vec<((i16, i16), bool)>> {
-    let mut planes: Vec<Vec<_>> = Vec::new();
-    for tap in goal.taps() {
-        let (mut left, mut exponent) = (tap.weight, 0);
-        while left != 0 {
-            if left % 2 != 0 {
-                // 1 or -1, so that the next digit is 0.
-                let digit = 2 - left.rem_euclid(4);
-                left -= digit;
-                if planes.len() <= exponent {
-                    planes.resize(exponent + 1, Vec::new());
-                }
-                planes[exponent].push(((tap.y, tap.x), digit < 0));
-            }
-            left /= 2;
-            exponent += 1;
-        }
-    }
-    planes
-}
-
-/// Row by row to and fro, from the corner that is nearest.
-fn order(plane: &mut [((i16, i16), bool)], from: (i16, i16)) {
-    let ordered = |down: bool, right: bool| {
-        let mut list = plane.to_vec();
-        let mut rows: Vec<i16> = list.iter().map(|((y, _), _)| *y).collect();
-        rows.sort_unstable();
-        rows.dedup();
-        if !down {
-            rows.reverse();
-        }
-        list.sort_by_key(|((y, x), _)| {
-            let row = rows.iter().position(|row| row == y).unwrap_or(0);
-            (row, if (row % 2 == 0) == right { *x } else { -*x })
-        });
-        list
-    };
-    let length = |list: &[((i16, i16), bool)]| {
-        let mut at = from;
-        let mut total = 0;
-        for (place, _) in list {
-            total += (place.0 - at.0).abs() + (place.1 - at.1).abs();
-            at = *place;
-        }
-        total + at.0.abs() + at.1.abs()
-    };
-    let best = [(true, true), (true, false), (false, true), (false, false)]
-        .map(|(down, right)| ordered(down, right))
-        .into_iter()
-        .min_by_key(|list| length(list));
-    if let Some(best) = best {
-        plane.copy_from_slice(&best);
-    }
+    let (up, down) = (last.saturating_sub(one), one.saturating_sub(last));
+    walk.draft.finished(sum, up, down)
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -122,42 +67,18 @@ enum At {
 }
 
 struct Walk {
-    plan: Plan,
-    next: Value,
-    /// Minus the input.
-    minus: Option<Value>,
-    /// Where the accumulator is,
+    draft: Draft,
+    /// Where the sum is,
     place: At,
     /// whether it is minus what it stands for,
     negative: bool,
     /// and to which place what is added now will come.
-    cursor: (i16, i16),
+    cursor: Place,
 }
 
 impl Walk {
-    fn register(
-        &mut self,
-        views: Vec<Option<Direction>>,
-        values: Vec<Value>,
-        halved: bool,
-    ) -> Value {
-        self.plan.words.push(Word {
-            store: Store::Register,
-            views,
-            values,
-            halved,
-        });
-        self.next += 1;
-        self.next - 1
-    }
-
-    /// The input with this sign, if it is held.
-    fn input(&self, negative: bool) -> Option<Value> {
-        if negative { self.minus } else { Some(0) }
-    }
-
     /// The way to a place, as what is seen from there; the cursor moves.
-    fn towards(&mut self, to: (i16, i16)) -> Option<Direction> {
+    fn towards(&mut self, to: Place) -> Option<Direction> {
         let (dy, dx) = (self.cursor.0 - to.0, self.cursor.1 - to.1);
         let direction = match (dy, dx) {
             (0, 0) => return None,
@@ -172,106 +93,101 @@ impl Walk {
     }
 
     /// Takes the input in at each place.
-    fn visit(&mut self, plane: &[((i16, i16), bool)]) {
-        if let (At::Nowhere, Some((first, negative))) = (self.place, plane.first()) {
-            self.cursor = *first;
-            self.negative = self.input(*negative).is_none();
-        }
-        let mut rest = plane;
-        while let Some((place, negative)) = rest.first().copied() {
-            // In the word's sum everything has the accumulator's sign.
-            let value = self.input(negative != self.negative);
-            match self.place {
-                At::Nowhere | At::Register(_) => {
-                    let mut values = Vec::new();
-                    if let At::Register(value) = self.place {
-                        values.push(value);
-                    }
-                    let mut to = None;
-                    if self.cursor == place {
-                        if let Some(value) = value {
-                            values.push(value);
-                            rest = &rest[1..];
-                            if let Some((next, _)) = rest.first() {
-                                to = self.towards(*next);
-                            }
+    fn visit(&mut self, visits: &Visits) {
+        for (i, (place, digits)) in visits.iter().enumerate() {
+            if matches!(self.place, At::Nowhere) {
+                self.cursor = *place;
+            }
+            let mut pending = digits.clone();
+            let next = visits.get(i + 1).map(|(place, _)| *place);
+            loop {
+                match self.place {
+                    At::News => {
+                        let from = self.towards(*place);
+                        let mut values = Vec::new();
+                        if self.cursor == *place {
+                            values = self.draft.take(&mut pending, self.negative, SOURCES - 1);
                         }
-                    } else {
-                        to = self.towards(place);
+                        self.read(from, values);
                     }
-                    self.news(to, values, false);
-                }
-                At::News => {
-                    let from = self.towards(place);
-                    let mut values = Vec::new();
-                    if let (true, Some(value)) = (self.cursor == place, value) {
-                        values.push(value);
-                        rest = &rest[1..];
+                    At::Register(sum) if self.cursor != *place => {
+                        let to = self.towards(*place);
+                        self.news(to, vec![sum]);
                     }
-                    self.read(from, values, false);
+                    At::Register(_) if pending.is_empty() => break,
+                    At::Nowhere | At::Register(_) => {
+                        let mut values: Vec<Value> = match self.place {
+                            At::Register(sum) => vec![sum],
+                            At::Nowhere | At::News => vec![],
+                        };
+                        let room = SOURCES - values.len();
+                        values.extend(self.draft.take(&mut pending, self.negative, room));
+                        if let (true, Some(next)) = (pending.is_empty(), next) {
+                            let to = self.towards(next);
+                            self.news(to, values);
+                            break;
+                        }
+                        let sum = self.draft.register(vec![], values, false);
+                        self.stored(At::Register(sum));
+                    }
                 }
             }
         }
     }
 
-    fn news(&mut self, from: Option<Direction>, values: Vec<Value>, halved: bool) {
-        self.plan.words.push(Word {
-            store: Store::News(from.map(Direction::opposite)),
-            views: vec![],
-            values,
-            halved,
-        });
-        self.place = At::News;
+    fn stored(&mut self, place: At) {
+        self.place = place;
         self.negative = !self.negative;
     }
 
-    fn read(&mut self, from: Option<Direction>, values: Vec<Value>, halved: bool) {
-        let value = self.register(vec![from], values, halved);
-        self.place = At::Register(value);
-        self.negative = !self.negative;
+    fn news(&mut self, from: Option<Direction>, values: Vec<Value>) {
+        self.draft.news(from, values);
+        self.stored(At::News);
+    }
+
+    fn read(&mut self, from: Option<Direction>, values: Vec<Value>) {
+        let sum = self.draft.register(vec![from], values, false);
+        self.stored(At::Register(sum));
     }
 
     /// Home, and into a register.
-    fn home(&mut self) {
-        while self.cursor != (0, 0) || !matches!(self.place, At::Register(_)) {
-            let direction = self.towards((0, 0));
-            match self.place {
-                At::Register(value) => self.news(direction, vec![value], false),
-                At::News | At::Nowhere => self.read(direction, vec![], false),
-            }
-        }
-    }
-
-    fn in_register(&mut self) -> Value {
+    fn home(&mut self) -> Sum {
         loop {
             match self.place {
-                At::Register(value) => return value,
-                At::News | At::Nowhere => self.read(None, vec![], false),
+                At::Register(value) if self.cursor == (0, 0) => {
+                    return Sum {
+                        value,
+                        negative: self.negative,
+                    };
+                }
+                At::Register(value) => {
+                    let direction = self.towards((0, 0));
+                    self.news(direction, vec![value]);
+                }
+                At::News | At::Nowhere => {
+                    let direction = self.towards((0, 0));
+                    self.read(direction, vec![]);
+                }
             }
         }
     }
 
-    fn halve(&mut self) {
-        let value = self.in_register();
-        let half = self.register(vec![], vec![value], true);
-        self.place = At::Register(half);
-        self.negative = !self.negative;
-    }
-
-    fn double(&mut self) {
-        let value = self.in_register();
-        let other = self.register(vec![], vec![value], false);
-        self.news(None, vec![value], false);
-        self.read(None, vec![other], false);
-        // Both parts were negated once, their sum again.
-    }
-
-    /// The other sign.
-    fn still(&mut self) {
-        let value = self.in_register();
-        let other = self.register(vec![], vec![value], false);
-        self.place = At::Register(other);
-        self.negative = !self.negative;
+    /// So often, if there is a sum.
+    fn halve(&mut self, times: usize) {
+        if matches!(self.place, At::News) {
+            self.read(None, vec![]);
+        }
+        if let At::Register(value) = self.place {
+            let mut sum = Sum {
+                value,
+                negative: self.negative,
+            };
+            for _ in 0..times {
+                sum = self.draft.halved(sum);
+            }
+            self.place = At::Register(sum.value);
+            self.negative = sum.negative;
+        }
     }
 }
 
@@ -283,13 +199,16 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_walk_makes_what_is_asked(goal in fields(5, 300), exponent in 0u32..9, registers in 3usize..6) {
+        fn walks_make_what_is_asked(goal in fields(5, 300), exponent in 0u32..9) {
             let unit = 1i64 << exponent;
-            let plan = walk(&goal, unit, registers).unwrap();
             // The halves on the way need finer units.
             let fine = 1 << 20;
-            let trace = plan.trace(unit * fine).unwrap();
-            prop_assert_eq!(&trace.values[plan.goals[0]], &goal.times(fine));
+            let plans = walks(&goal, unit);
+            prop_assert!(plans.iter().any(|plan| plan.width() <= LEAST));
+            for plan in plans {
+                let trace = plan.trace(unit * fine).unwrap();
+                prop_assert_eq!(&trace.values[plan.goals[0]], &goal.times(fine));
+            }
         }
     }
 }

@@ -21,6 +21,7 @@ mod float;
 mod format;
 mod halves;
 mod real;
+mod signed_digits;
 mod visit;
 
 pub use dyadic::Dyadic;
@@ -29,6 +30,7 @@ pub use float::{Bf16, F16, F32, F64};
 pub use format::{FixedFormat, Format, FormatError};
 pub(crate) use halves::{bf16_to_f32, f16_to_f32, f32_to_bf16, f32_to_f16};
 pub use real::Real;
+pub use signed_digits::signed_digits;
 pub use visit::Visitor;
 
 use std::fmt::Debug;

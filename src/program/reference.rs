@@ -23,19 +23,13 @@ pub fn reference(device: &Device) -> String {
         "\n## Numbers\n\n| figure | value | unit | evidence | source |\n|---|---|---|---|---|\n",
     );
     for figure in Figure::ALL {
-        let Quantity {
-            value,
-            unit,
-            source,
-            evidence,
-            note,
-        } = device.figure(*figure);
         let (section, key) = figure.key();
-        let note = note.as_ref().map_or(String::new(), |n| format!("; {n}"));
-        let evidence = word(*evidence);
+        let quantity = device.figure(*figure);
+        let (value, unit, evidence) = (quantity.value, &quantity.unit, word(quantity.evidence));
+        let source = source(quantity);
         line(
             &mut text,
-            &format!("| `{section}.{key}` | {value} | {unit} | {evidence} | {source}{note} |"),
+            &format!("| `{section}.{key}` | {value} | {unit} | {evidence} | {source} |"),
         );
     }
     text.push_str("\n## Primitives\n\nOne instruction word of the array each.\n");
@@ -383,22 +377,21 @@ fn host(text: &mut String, row: &HostRow) {
     line(text, "- aliases: legal: all");
     line(text, &format!("- destroys: {}", or_nothing(&trash)));
     let quantity = |what: &str, quantity: &Quantity| {
-        let Quantity {
-            value,
-            unit,
-            source,
-            evidence,
-            note,
-        } = quantity;
-        let note = note.as_ref().map_or(String::new(), |n| format!("; {n}"));
-        format!(
-            "- {what}: {value} {unit}, {}; {source}{note}",
-            word(*evidence)
-        )
+        let (value, unit, evidence) = (quantity.value, &quantity.unit, word(quantity.evidence));
+        format!("- {what}: {value} {unit}, {evidence}; {}", source(quantity))
     };
     line(text, "- words: 0");
     line(text, &quantity("call", &row.call));
     if let Some(item) = &row.item {
         line(text, &quantity("item", item));
     }
+}
+
+/// Where a quantity comes from, and what is noted about it.
+fn source(quantity: &Quantity) -> String {
+    let note = quantity
+        .note
+        .as_ref()
+        .map_or(String::new(), |n| format!("; {n}"));
+    format!("{}{note}", quantity.source)
 }

@@ -7,13 +7,17 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::{
+    bits,
     event::{Event, Packet, Polarity},
     number::Real,
     sensor::SensorError,
     unit::Micros,
 };
 
-use super::train::{BandSink, Pair, Sink, TrainRow};
+use super::{
+    MAGIC,
+    train::{BandSink, Pair, Sink, TrainRow},
+};
 
 /// What to do when a list would grow beyond its bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -407,17 +411,7 @@ fn expand_block<R: Real>(
 )]
 #[inline(always)]
 fn fired(counts: &[i32; BLOCK]) -> u64 {
-    let mut bytes = [0u8; 64];
-    for (byte, count) in bytes.iter_mut().zip(counts) {
-        *byte = u8::from(*count != 0);
-    }
-    let mut bits = 0;
-    for (k, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
-        // The product brings bit 8i to bit 56 + i, and nothing else there.
-        let top = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-        bits |= top << (8 * k);
-    }
-    bits
+    bits::packed(&counts.map(|count| u8::from(count != 0)))
 }
 
 /// From places between two frames to microseconds.
@@ -443,9 +437,6 @@ const CACHED: u64 = 1 << 15;
 
 /// Fewer events are not worth sharing out.
 const ENOUGH: usize = 1 << 12;
-
-/// 2^52: the first double after which there are no fractions.
-const MAGIC: f64 = 4_503_599_627_370_496.0;
 
 impl Clock {
     const NONE: Self = Self {

@@ -59,6 +59,10 @@ use self::{
     signal::{Light, Padded, Photoreceptors},
 };
 
+/// 2^52: the first double after which there are no fractions. Added to it, a whole number
+/// stands in the lowest bits.
+const MAGIC: f64 = 4_503_599_627_370_496.0;
+
 /// Below so many pixels, sharing out the work costs more than it gives.
 const SMALL: usize = 1 << 13;
 

@@ -12,7 +12,7 @@ use crate::{
     sensor::SensorError,
 };
 
-use super::{description::Border, noise::LowPass};
+use super::{MAGIC, description::Border, noise::LowPass};
 
 /// Some rows of a plane, with a rim, so that a kernel can be laid on every pixel of them; row
 /// after row.
@@ -217,9 +217,6 @@ fn from_table<H: Copy>(table: &[H; 256], light: &[f64], out: &mut [H]) -> bool {
     }
     true
 }
-
-/// 2^52: the first double after which there are no fractions.
-const MAGIC: f64 = 4_503_599_627_370_496.0;
 
 /// `light / white`; whether all the light is finite and at least `least`.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]

@@ -6,6 +6,7 @@
 //! the weights then finds how the budget is best shared out.
 
 use super::{FINEST, QuantiseError, Quantiser, Sum};
+use crate::number::signed_digits;
 
 /// The levels, whole numbers of [`FINEST`] bits, and the scale.
 pub(super) fn quantise(
@@ -32,15 +33,9 @@ pub(super) fn quantise(
     Ok((levels, scale))
 }
 
-/// How many digits of a canonical signed-digit number are not 0.
-pub(super) const fn digits(value: i64) -> u32 {
-    let value = value.unsigned_abs();
-    (value ^ (3 * value)).count_ones()
-}
-
-/// Of any number up to `top`.
+/// The most digits of any number up to `top`.
 fn most_digits(top: i64) -> u32 {
-    (0..=top).map(digits).max().unwrap_or(0)
+    (0..=top).map(signed_digits).max().unwrap_or(0)
 }
 
 /// The nearest whole number to `value` of each number of digits up to `most`.
@@ -48,8 +43,8 @@ fn nearest(value: f64, top: i64, most: u32) -> Vec<i64> {
     let mut best = vec![0i64; most as usize + 1];
     for level in -top..=top {
         let far = |level: i64| (level as f64 - value).abs();
-        for best in &mut best[digits(level).min(most) as usize..] {
-            if digits(level) <= most && far(level) < far(*best) {
+        for best in &mut best[signed_digits(level).min(most) as usize..] {
+            if signed_digits(level) <= most && far(level) < far(*best) {
                 *best = level;
             }
         }
@@ -98,13 +93,13 @@ fn balance(values: &[f64], levels: &mut [i64], budget: u32, asked: i64) -> Optio
     let far = |i: usize, level: i64| (level as f64 - values[i]).powi(2);
     while levels.iter().sum::<i64>() != asked {
         let missing = asked - levels.iter().sum::<i64>();
-        let used: u32 = levels.iter().map(|level| digits(*level)).sum();
+        let used: u32 = levels.iter().map(|level| signed_digits(*level)).sum();
         let mut best: Option<(f64, usize, i64)> = None;
         for (i, now) in levels.iter().enumerate() {
             // Any step towards the sum, the whole way at most.
             for step in 1..=missing.abs().min(2 * top) {
                 let level = now + step * missing.signum();
-                if level.abs() > top || used - digits(*now) + digits(level) > budget {
+                if level.abs() > top || used - signed_digits(*now) + signed_digits(level) > budget {
                     continue;
                 }
                 let hurt = (far(i, level) - far(i, *now)) / step as f64;

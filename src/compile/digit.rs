@@ -1,0 +1,69 @@
+//! The signed digits of a kernel's weights, in groups that a walk takes in together.
+
+use super::field::Field;
+
+/// Rows and columns from the pixel.
+pub(super) type Place = (i16, i16);
+
+/// A halved input that is added at a place; minus it, if so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Digit {
+    /// How often it is halved.
+    pub(super) halved: usize,
+    pub(super) negative: bool,
+}
+
+/// What is added where.
+pub(super) type Visits = Vec<(Place, Vec<Digit>)>;
+
+/// The digits of a goal in groups of `held` exponents, the lowest first; the whole of one group
+/// counts 2^-held in the next. With them the exponent of the last group's input; `None` without
+/// digits.
+pub(super) fn groups(goal: &Field, held: usize) -> Option<(Vec<Visits>, usize)> {
+    let planes = planes(goal);
+    let last = planes.len().checked_sub(1)?;
+    let group = |group: usize| {
+        let top = last - group * held;
+        let mut visits = Visits::new();
+        for (exponent, plane) in planes[..=top].iter().enumerate().rev().take(held) {
+            let halved = top - exponent;
+            for &(place, negative) in plane {
+                let digit = Digit { halved, negative };
+                match visits.iter_mut().find(|(known, _)| *known == place) {
+                    Some((_, digits)) => digits.push(digit),
+                    None => visits.push((place, vec![digit])),
+                }
+            }
+        }
+        visits
+    };
+    Some(((0..=last / held).rev().map(group).collect(), last))
+}
+
+/// Places and signs by the digit's exponent.
+pub(super) fn planes(goal: &Field) -> Vec<Vec<(Place, bool)>> {
+    let mut planes: Vec<Vec<_>> = Vec::new();
+    for tap in goal.taps() {
+        let (mut left, mut exponent) = (tap.weight, 0);
+        while left != 0 {
+            if left % 2 != 0 {
+                // 1 or -1, so that the next digit is 0.
+                let digit = 2 - left.rem_euclid(4);
+                left -= digit;
+                if planes.len() <= exponent {
+                    planes.resize(exponent + 1, Vec::new());
+                }
+                planes[exponent].push(((tap.y, tap.x), digit < 0));
+            }
+            left /= 2;
+            exponent += 1;
+        }
+    }
+    planes
+}
+
+/// How often the input must be halved for these.
+pub(super) fn most_halved(visits: &Visits) -> usize {
+    let all = visits.iter().flat_map(|(_, digits)| digits);
+    all.map(|digit| digit.halved).max().unwrap_or(0)
+}

@@ -1,0 +1,170 @@
+//! A plan while it is written: sums that grow from word to word, and the input and its halves
+//! to be added to them.
+
+use super::{
+    beam::SOURCES,
+    digit::Digit,
+    plan::{Plan, Store, Value, Word},
+};
+use crate::isa::Direction;
+
+/// A sum in a register, and whether it is minus what it stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Sum {
+    pub(super) value: Value,
+    pub(super) negative: bool,
+}
+
+impl Sum {
+    /// With the sign turned, as every store does.
+    pub(super) const fn stored(value: Value, before: bool) -> Self {
+        Self {
+            value,
+            negative: !before,
+        }
+    }
+}
+
+/// Words so far, and what is held of the input.
+#[derive(Clone, Debug)]
+pub(super) struct Draft {
+    pub(super) plan: Plan,
+    /// The input and its halves; every other one is minus what it stands for.
+    held: Vec<Value>,
+    /// Minus the input.
+    minus: Option<Value>,
+    /// Values in registers so far.
+    values: usize,
+}
+
+impl Draft {
+    /// With or without minus the input.
+    pub(super) fn new(minus: bool) -> Self {
+        let mut draft = Self {
+            plan: Plan::default(),
+            held: vec![0],
+            minus: None,
+            values: 1,
+        };
+        if minus {
+            draft.minus = Some(draft.register(vec![], vec![0], false));
+        }
+        draft
+    }
+
+    /// One word into a register.
+    pub(super) fn register(
+        &mut self,
+        views: Vec<Option<Direction>>,
+        values: Vec<Value>,
+        halved: bool,
+    ) -> Value {
+        self.plan.words.push(Word {
+            store: Store::Register,
+            views,
+            values,
+            halved,
+        });
+        self.values += 1;
+        self.values - 1
+    }
+
+    /// One word into NEWS, of the pixel to which this one lies in direction `from`.
+    pub(super) fn news(&mut self, from: Option<Direction>, values: Vec<Value>) {
+        self.plan.words.push(Word {
+            store: Store::News(from.map(Direction::opposite)),
+            views: vec![],
+            values,
+            halved: false,
+        });
+    }
+
+    /// Halves the input so often.
+    pub(super) fn hold(&mut self, halved: usize) {
+        while let (true, Some(last)) = (self.held.len() <= halved, self.held.last().copied()) {
+            let half = self.register(vec![], vec![last], true);
+            self.held.push(half);
+        }
+    }
+
+    /// Takes out of `pending` what can be added to a sum that is `negative`, so many at most.
+    pub(super) fn take(&self, pending: &mut Vec<Digit>, negative: bool, room: usize) -> Vec<Value> {
+        let mut values = Vec::new();
+        pending.retain(|digit| {
+            let minus = digit.negative != negative;
+            let held = if minus == (digit.halved % 2 == 1) {
+                self.held.get(digit.halved).copied()
+            } else {
+                self.minus.filter(|_| digit.halved == 0)
+            };
+            match held {
+                Some(value) if values.len() < room => {
+                    values.push(value);
+                    false
+                }
+                Some(_) | None => true,
+            }
+        });
+        values
+    }
+
+    /// Adds all that is pending, where the sum is.
+    pub(super) fn add_all(&mut self, mut sum: Sum, pending: &mut Vec<Digit>) -> Sum {
+        while !pending.is_empty() {
+            let mut values = vec![sum.value];
+            values.extend(self.take(pending, sum.negative, SOURCES - 1));
+            sum = Sum::stored(self.register(vec![], values, false), sum.negative);
+        }
+        sum
+    }
+
+    /// Half of it.
+    pub(super) fn halved(&mut self, sum: Sum) -> Sum {
+        Sum::stored(self.register(vec![], vec![sum.value], true), sum.negative)
+    }
+
+    /// Twice as much, so often: of two copies one word makes their sum, two words two copies.
+    pub(super) fn doubled(&mut self, sum: Sum, times: usize) -> Sum {
+        if times == 0 {
+            return sum;
+        }
+        let mut one = Sum::stored(self.register(vec![], vec![sum.value], false), sum.negative);
+        // The other copy; in NEWS where it is not a value.
+        let mut other: Option<Value> = None;
+        self.news(None, vec![sum.value]);
+        for left in (0..times).rev() {
+            let mut values = vec![one.value];
+            values.extend(other);
+            let views = if other.is_none() { vec![None] } else { vec![] };
+            let copy = self.register(views.clone(), values.clone(), false);
+            one = Sum::stored(copy, one.negative);
+            if left > 0 && other.is_none() {
+                other = Some(self.register(views, values, false));
+            } else if left > 0 {
+                self.news(None, values);
+                other = None;
+            }
+        }
+        one
+    }
+
+    /// The goal, which counts 2^`up` of the sum, or 2^-`down`.
+    pub(super) fn finished(mut self, mut sum: Sum, up: usize, down: usize) -> Plan {
+        for _ in 0..down {
+            sum = self.halved(sum);
+        }
+        sum = self.doubled(sum, up);
+        if sum.negative {
+            sum = Sum::stored(self.register(vec![], vec![sum.value], false), true);
+        }
+        self.plan.goals = vec![sum.value];
+        self.plan
+    }
+
+    /// No weight at all.
+    pub(super) fn zero(mut self) -> Plan {
+        let zero = self.register(vec![], vec![], false);
+        self.plan.goals = vec![zero];
+        self.plan
+    }
+}

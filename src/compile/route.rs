@@ -1,0 +1,107 @@
+//! In which order a walk visits the places of a kernel.
+
+use super::digit::Place;
+
+/// Places to be visited, and what for, from where the walk is, if it has begun, and with the
+/// way to the pixel after it: the best of lines to and fro and of spirals, then bettered by
+/// turning parts of it round.
+pub(super) fn route<T: Clone>(visits: &[(Place, T)], from: Option<Place>) -> Vec<(Place, T)> {
+    let places: Vec<Place> = visits.iter().map(|(place, _)| *place).collect();
+    let best = starts(&places)
+        .into_iter()
+        .map(|route| bettered(route, from))
+        .min_by_key(|route| length(route, from))
+        .unwrap_or(places);
+    let of = |place: &Place| visits.iter().find(|(known, _)| known == place).cloned();
+    best.iter().filter_map(of).collect()
+}
+
+/// Words from place to place: two words move by two pixels at most.
+fn words(a: Place, b: Place) -> u32 {
+    let apart = a.0.abs_diff(b.0) + a.1.abs_diff(b.1);
+    2 * u32::from(apart).div_ceil(2)
+}
+
+fn length(route: &[Place], from: Option<Place>) -> u32 {
+    let mut total = 0;
+    let mut at = from;
+    for &place in route.iter().chain([&(0, 0)]) {
+        total += at.map_or(0, |at| words(at, place));
+        at = Some(place);
+    }
+    total
+}
+
+fn starts(places: &[Place]) -> Vec<Vec<Place>> {
+    let mut all = Vec::new();
+    for flips in 0..8 {
+        let turned = |(y, x): Place| {
+            let (y, x) = if flips & 1 == 0 { (y, x) } else { (x, y) };
+            let y = if flips & 2 == 0 { y } else { -y };
+            (y, if flips & 4 == 0 { x } else { -x })
+        };
+        let mut lines = places.to_vec();
+        lines.sort_by_key(|place| {
+            let (y, x) = turned(*place);
+            (y, if y.rem_euclid(2) == 0 { x } else { -x })
+        });
+        all.push(lines);
+        let mut spiral = places.to_vec();
+        spiral.sort_by_key(|place| {
+            let (y, x) = turned(*place);
+            let ring = y.abs().max(x.abs());
+            // Round the ring, beginning beside where the ring outside it ended.
+            let side = if y == -ring && x < ring {
+                x + ring
+            } else if x == ring && y < ring {
+                3 * ring + y
+            } else if y == ring && x > -ring {
+                5 * ring - x
+            } else {
+                7 * ring - y
+            };
+            (-ring, side)
+        });
+        all.push(spiral);
+    }
+    all
+}
+
+/// Turns parts round as long as that helps.
+fn bettered(mut route: Vec<Place>, from: Option<Place>) -> Vec<Place> {
+    let end = (0, 0);
+    loop {
+        let mut better = false;
+        for i in 0..route.len() {
+            for j in i + 1..route.len() {
+                let before = if i == 0 { from } else { Some(route[i - 1]) };
+                let after = route.get(j + 1).copied().unwrap_or(end);
+                let way = |first: Place, last: Place| {
+                    before.map_or(0, |before| words(before, first)) + words(last, after)
+                };
+                if way(route[j], route[i]) < way(route[i], route[j]) {
+                    route[i..=j].reverse();
+                    better = true;
+                }
+            }
+        }
+        if !better {
+            return route;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_square_is_visited_without_a_detour() {
+        let places = (-2..=2).flat_map(|y| (-2..=2).map(move |x| ((y, x), ())));
+        let found: Vec<Place> = route(&places.collect::<Vec<_>>(), None)
+            .into_iter()
+            .map(|(place, ())| place)
+            .collect();
+        assert_eq!(length(&found, None), 48);
+    }
+}
