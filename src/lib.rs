@@ -37,5 +37,9 @@ pub mod compile;
 pub mod reference;
 pub mod rig;
 
+#[cfg(feature = "proptest")]
+pub mod property;
+pub mod study;
+
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -22,6 +22,24 @@ pub trait Sensor {
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError>;
 }
 
+impl<S: Sensor + ?Sized> Sensor for Box<S> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn size(&self) -> Size {
+        (**self).size()
+    }
+
+    fn channels(&self) -> u8 {
+        (**self).channels()
+    }
+
+    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        (**self).watch(frame, packet)
+    }
+}
+
 /// Why a sensor cannot go on.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SensorError {

@@ -15,7 +15,9 @@ use crate::{
         range::{self, Inputs, Interval},
         taps,
     },
-    compile::{CompileError, Effort, Filter, Kind, Request, SensorProgram, snake_words},
+    compile::{
+        CompileError, Effort, Filter, Kind, Memory, Noise, Request, SensorProgram, snake_words,
+    },
     event::Packet,
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{
@@ -73,6 +75,14 @@ pub struct Arguments {
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long)]
     threshold: Option<f64>,
+    /// Where the program remembers: `analogue` registers, or `bits:N` one-bit registers a kind
+    #[arg(
+        long,
+        default_value = "analogue",
+        value_name = "WHERE",
+        conflicts_with = "filter_only"
+    )]
+    memory: Remembered,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: String,
@@ -101,7 +111,8 @@ fn interval(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// An effort, for the command line.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if (0.0..=3600.0).contains(&value) => Ok(value),
         _ => Err(format!(
@@ -135,7 +146,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&compiled.text);
         super::say("\n");
     }
-    super::say(&compiled.account(&device, seconds));
+    super::say(&compiled.account(&asked, &device, seconds));
     if let Some(to) = arguments.to.0 {
         let scales: Vec<String> = asked.scales.iter().map(|s| format!("{s:.4}")).collect();
         super::say(&format!(
@@ -269,6 +280,29 @@ impl std::str::FromStr for To {
     }
 }
 
+/// `analogue`, or `bits:N`.
+#[derive(Clone, Copy, Debug)]
+struct Remembered(Memory);
+
+impl std::str::FromStr for Remembered {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        if name == "analogue" {
+            return Ok(Self(Memory::Analogue));
+        }
+        let bits = name
+            .strip_prefix("bits:")
+            .and_then(|bits| bits.parse().ok());
+        let memory = bits.filter(|bits| (1..=8).contains(bits)).map(Memory::Bits);
+        memory.map(Self).ok_or_else(|| {
+            format!(
+                "`{name}` is neither `analogue` nor `bits:N` with N from 1 to 8, such as bits:4"
+            )
+        })
+    }
+}
+
 /// A program that was proved.
 struct Compiled {
     text: String,
@@ -324,7 +358,7 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         })
         .collect();
     let request = request(arguments, asked, device)?;
-    let program = SensorProgram::new(&kinds, &asked.title, &request)?;
+    let program = SensorProgram::new(&kinds, arguments.memory.0, &asked.title, &request)?;
     let proof = Proof {
         asked,
         device,
@@ -402,6 +436,18 @@ fn check_registers(request: &Request<'_>, asked: &Asked) -> miette::Result<()> {
     Ok(())
 }
 
+/// The level at which mismatch is told, LSB.
+const MIDDLE: f64 = 64.0;
+
+/// Errors of the chip in one result, LSB.
+#[derive(serde::Serialize)]
+struct Added {
+    temporal: f64,
+    fixed: f64,
+    input_temporal: Option<f64>,
+    input_fixed: Option<f64>,
+}
+
 struct Proof<'a> {
     asked: &'a Asked,
     device: &'a Device,
@@ -447,7 +493,7 @@ impl Proof<'_> {
                 Input::Register(_) => self.inputs.registers.high,
             };
             let most = filter.peak * high * 2f64.powi(-(filter.prescale as i32));
-            (Vec::new(), usize::from(most > 127.0))
+            (self.bounds(&kernels), usize::from(most > 127.0))
         } else {
             // What comes after the filter compares with a memory that may hold anything.
             let host = |step: &Step| matches!(step.action, Action::Host(_));
@@ -476,6 +522,20 @@ impl Proof<'_> {
             filter,
             kernels,
         })
+    }
+
+    /// What kernels make of the inputs.
+    fn bounds(&self, kernels: &[Plane<f64>]) -> Vec<Interval> {
+        let Interval { low, high } = match self.input {
+            Input::Light => self.inputs.light,
+            Input::Register(_) => self.inputs.registers,
+        };
+        let end = |kernel: &Plane<f64>, [least, most]: [f64; 2]| {
+            let part = |w: &f64| if *w > 0.0 { w * most } else { w * least };
+            self.scale * kernel.iter().map(part).sum::<f64>()
+        };
+        let bound = |kernel| Interval::new(end(kernel, [high, low]), end(kernel, [low, high]));
+        kernels.iter().map(bound).collect()
     }
 
     /// The kernel by what one bright pixel leaves behind: for programs that reach too far to be
@@ -588,14 +648,50 @@ impl Compiled {
             "saturating_stores": self.saturations,
             "largest_input_lsb": 127.0 / self.filter.peak,
             "offset_stores": self.filter.offsets,
+            "noise_lsb": self.noise(asked, device),
+            "energy_uj": self.energy(device).0,
             "states": self.filter.states,
             "seconds": seconds,
             "text": self.text,
         })
     }
 
+    /// What the filter adds to each result, and to the input for each.
+    fn noise(&self, asked: &Asked, device: &Device) -> Vec<Added> {
+        let noises = self
+            .filter
+            .noise(device, Analog(0), MIDDLE, &self.results_in);
+        let added = |(noise, kernel): (Noise, &Kernel)| {
+            let squares: f64 = kernel.weights().iter().map(|w| w * w).sum();
+            let gain = self.filter_scale() * squares.sqrt();
+            Added {
+                temporal: noise.temporal,
+                fixed: noise.fixed,
+                input_temporal: (gain > 0.0).then(|| noise.temporal / gain),
+                input_fixed: (gain > 0.0).then(|| noise.fixed / gain),
+            }
+        };
+        noises.into_iter().zip(&asked.kernels).map(added).collect()
+    }
+
+    /// From an input in LSB to a result in LSB, but for the kernel.
+    fn filter_scale(&self) -> f64 {
+        2f64.powi(-(self.filter.prescale as i32))
+    }
+
+    /// Microjoules a frame at the highest frame rate, from the array's busy time alone to full
+    /// power all the time; and that frame rate.
+    fn energy(&self, device: &Device) -> ([f64; 2], f64) {
+        let cost = Cost::of(&self.expansion.code.frame, device);
+        let power = device.value(Figure::Power);
+        (
+            [power * cost.array_us, power * cost.micros()],
+            1e6 / cost.micros(),
+        )
+    }
+
     /// The table for people.
-    fn account(&self, device: &Device, seconds: f64) -> String {
+    fn account(&self, asked: &Asked, device: &Device, seconds: f64) -> String {
         let cost = Cost::of(&self.expansion.code.frame, device);
         let mut text = String::new();
         let mut line = |name: &str, what: String| {
@@ -658,6 +754,27 @@ impl Compiled {
             format!(
                 "{} transfer errors of one store stay in the result",
                 offsets.collect::<Vec<_>>().join(", ")
+            ),
+        );
+        for added in self.noise(asked, device) {
+            let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
+            line(
+                "noise",
+                format!(
+                    "the filter adds {:.2} LSB from frame to frame and {:.2} LSB from pixel to pixel; as an error of every input: {} and {} LSB (modelled, in part a guess; at {MIDDLE} LSB)",
+                    added.temporal,
+                    added.fixed,
+                    input(added.input_temporal),
+                    input(added.input_fixed),
+                ),
+            );
+        }
+        let ([least, most], rate) = self.energy(device);
+        line(
+            "energy",
+            format!(
+                "{least:.2} to {most:.2} uJ a frame at {rate:.0} frames/s: {} W (quoted) while the array is busy, or all the time; what it takes idle is not public",
+                device.value(Figure::Power)
             ),
         );
         let border = if self.filter.border {

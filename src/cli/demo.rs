@@ -14,7 +14,7 @@ use crate::{
     event::{Packet, address, file},
     isa::Device,
     picture::{Moment, Show, contact_sheet, write_animation, write_png},
-    plane::{Plane, Size},
+    plane::Plane,
     program::{Cost, Overrides, Program},
     reference::{Description, Reference},
     rig,
@@ -22,7 +22,7 @@ use crate::{
         Frame, Scene, bundled,
         upsample::{Bound, Upsampled, Upsampling},
     },
-    sensor::{Sensor, SensorError},
+    sensor::Sensor,
     unit::Micros,
 };
 
@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for (domain, _) in DOMAINS {
         let arithmetic = domain.parse::<Arithmetic>()?.with_seed(arguments.seed);
         let chip = arithmetic.chip(domain, code.clone(), &device, size, settings)?;
-        chips.push(Timed::new(Emulated(chip)));
+        chips.push(Timed::new(chip));
     }
 
     let mut moments = Moments::default();
@@ -162,27 +162,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 fn description() -> miette::Result<Description> {
     let nothing = |name: &str| Err(std::io::Error::other(format!("{name} is not built in")));
     Ok(Description::parse(SENSOR.0, SENSOR.1, &nothing)?)
-}
-
-/// A chip whose arithmetic was chosen at run time, as a sensor.
-struct Emulated(Box<dyn Array + Send>);
-
-impl Sensor for Emulated {
-    fn name(&self) -> &str {
-        self.0.name()
-    }
-
-    fn size(&self) -> Size {
-        self.0.size()
-    }
-
-    fn channels(&self) -> u8 {
-        self.0.channels()
-    }
-
-    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
-        self.0.watch(frame, packet)
-    }
 }
 
 /// A picture for every tenth of a second: the frame at its end, the events in it.
@@ -257,7 +236,7 @@ fn write(
 /// All that the demo has to say.
 struct Story<'a> {
     reference: &'a Timed<Reference>,
-    chips: &'a [Timed<Emulated>],
+    chips: &'a [Timed<Box<dyn Array + Send>>],
     truth: &'a Packet,
     said: &'a [Packet],
     /// Within each of the two windows.

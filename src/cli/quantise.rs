@@ -9,6 +9,8 @@ use image::{RgbImage, imageops};
 use miette::miette;
 
 use crate::{
+    compile::Effort,
+    isa::Device,
     kernel::{
         Kernel,
         quantise::{Change, Quantised, Quantiser, Sum},
@@ -16,7 +18,12 @@ use crate::{
     picture::{panel, write_png},
     plane::Plane,
     save::save,
+    scene::{self, OpenOptions, Scene as _},
+    study::quantisation::{self, Answer, Outcome, Question, Score},
+    unit::Micros,
 };
+
+use super::progress::Progress;
 
 /// What `quantise` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -41,6 +48,22 @@ pub struct Arguments {
     /// Draw the kernel and each of the quantised ones, side by side
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
+    /// Compile each for the chip and run it against the float kernel: events where kernel times
+    /// light (0 to 255) moved by more than this
+    #[arg(long)]
+    threshold: Option<f64>,
+    /// What they watch, with --threshold: a clip, image folder, .npy or pattern; the bundled clip
+    #[arg(long, requires = "threshold")]
+    scene: Option<String>,
+    /// A shipped chip by name, or the folder of another, with --threshold
+    #[arg(long, default_value = "scamp5", requires = "threshold")]
+    chip: String,
+    /// How long to search for each program, in seconds of two cores of 2024, with --threshold
+    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds, requires = "threshold")]
+    effort: f64,
+    /// Events of one pixel and sign that are closer than this match, with --threshold
+    #[arg(long, default_value = "1ms", requires = "threshold")]
+    within: Micros,
     /// Print one JSON object instead
     #[arg(long)]
     json: bool,
@@ -85,6 +108,8 @@ struct Json {
     kernel: Vec<Vec<f64>>,
     sum: f64,
     quantised: Vec<Row>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chip: Option<Answer>,
 }
 
 /// Runs the verb.
@@ -132,8 +157,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(path) = &arguments.picture {
         write_png(path, &picture(kernel, &all))?;
     }
+    let answer = match arguments.threshold {
+        Some(threshold) => Some(on_chip(arguments, kernel, threshold)?),
+        None => None,
+    };
     if arguments.json {
         let json = Json {
+            chip: answer,
             kernel: rows_of(kernel.weights()),
             sum: kernel.sum(),
             quantised: rows,
@@ -150,8 +180,96 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         text += &drawn(quantised.levels.weights());
     }
     text += &table(&rows);
+    if let Some(answer) = &answer {
+        text += &chip_table(arguments, answer);
+    }
     super::say(&text);
     Ok(())
+}
+
+/// Each compiled, and run beside the float kernel.
+fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Result<Answer> {
+    if !(threshold > 0.0 && threshold.is_finite()) {
+        return Err(miette!(
+            help = "give a positive number",
+            "the threshold is {threshold}"
+        ));
+    }
+    let device = Device::find(&arguments.chip)?;
+    let mut scene = match &arguments.scene {
+        Some(scene) => scene::open(scene, &OpenOptions::default())?,
+        None => scene::bundled()?,
+    };
+    let question = Question {
+        kernel,
+        threshold,
+        quantisers: &arguments.to,
+        sum: arguments.sum.into(),
+        device: &device,
+        effort: Effort::seconds(arguments.effort),
+        seed: arguments.seed,
+        within: arguments.within,
+    };
+    let progress = Progress::new("watching", scene.frames());
+    let answer = quantisation::ask(&question, &mut scene, |_| progress.tick());
+    progress.finish();
+    Ok(answer?)
+}
+
+fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
+    let mut text = format!(
+        "\non {}, against the float kernel's {} events on {} (matched within {} us)\n{:<16} {:>9} {:>6} {:>6} {:>6} {:>9}  {:>8} {:>7}  {:>8} {:>7}\n{:<16} {:>9} {:>6} {:>6} {:>6} {:>9}  {:>16}  {:>16}\n",
+        arguments.chip,
+        answer.reference_events,
+        arguments.scene.as_deref().unwrap_or("the bundled clip"),
+        arguments.within.0,
+        "quantiser",
+        "rel error",
+        "filter",
+        "words",
+        "us",
+        "registers",
+        "F1",
+        "events",
+        "F1",
+        "events",
+        "",
+        "",
+        "words",
+        "/frame",
+        "/frame",
+        "",
+        "exact",
+        "silicon",
+    );
+    for row in &answer.rows {
+        let _ = match &row.outcome {
+            Outcome::Refused(why) => {
+                writeln!(text, "{:<16} {:>9.4} {why}", row.to, row.relative_error)
+            }
+            Outcome::OnChip(chip) => {
+                let score = |score: &Score| {
+                    let ratio = score
+                        .event_ratio
+                        .map_or("-".to_owned(), |r| format!("{r:.3}"));
+                    format!("{:>8.4} {ratio:>7}", score.f1)
+                };
+                writeln!(
+                    text,
+                    "{:<16} {:>9.4} {:>6} {:>6} {:>6.1} {:>9}  {}  {}",
+                    row.to,
+                    row.relative_error,
+                    chip.filter_words,
+                    chip.words,
+                    chip.array_us,
+                    chip.registers,
+                    score(&chip.exact),
+                    score(&chip.silicon),
+                )
+            }
+        };
+    }
+    text + "events: for each of the float kernel's. us: on the array, without readout.\n"
 }
 
 impl Row {

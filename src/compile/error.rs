@@ -8,7 +8,7 @@ pub enum CompileError {
         "kernel {kernel}, row {row}, column {column}: {weight} is not a whole number of 1/4096 of at most 4096"
     )]
     #[diagnostic(help(
-        "sums and halves make dyadic weights only; quantise the kernel first, or write the weight as a fraction of a power of two"
+        "sums and halves make dyadic weights only; quantise the kernel with --to (ternary, po2-3, int-5, q1.4 …), or write the weight as a fraction of a power of two"
     ))]
     NotDyadic {
         /// Which kernel, from 0.
@@ -37,7 +37,7 @@ pub enum CompileError {
         needed.saturating_sub(*free)
     )]
     #[diagnostic(help(
-        "ask for fewer kernels, keep fewer registers, or try a chip with more, such as --chip scamp5-wide"
+        "ask for fewer kinds or kernels, keep fewer registers, or try a chip with more, such as --chip scamp5-wide"
     ))]
     Registers {
         /// What needs them.
@@ -45,6 +45,37 @@ pub enum CompileError {
         /// How many it needs.
         needed: usize,
         /// How many there are.
+        free: usize,
+    },
+    /// Too few registers for a whole program.
+    #[error(
+        "{count} kinds, each with {each}, a threshold and a scratch: {needed} analogue registers are needed, {free} are free: {} too few",
+        needed.saturating_sub(*free)
+    )]
+    #[diagnostic(help(
+        "ask for fewer kinds, hold the memories in one-bit registers (--memory bits:2), or try a chip with more registers, such as --chip scamp5-wide"
+    ))]
+    Kinds {
+        /// How many kinds.
+        count: usize,
+        /// What each of them needs.
+        each: &'static str,
+        /// Registers that they need.
+        needed: usize,
+        /// How many there are.
+        free: usize,
+    },
+    /// Too few one-bit registers.
+    #[error(
+        "{count} memories of {bits} bits do not fit into the {free} one-bit registers that are free for them"
+    )]
+    #[diagnostic(help("ask for fewer kinds or for fewer bits, one at least"))]
+    Bits {
+        /// How many memories.
+        count: usize,
+        /// Bits of each.
+        bits: u8,
+        /// Registers.
         free: usize,
     },
     /// More words than the chip stores.

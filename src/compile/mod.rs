@@ -25,6 +25,7 @@ mod digit;
 mod draft;
 mod error;
 mod field;
+mod noise;
 mod plan;
 mod route;
 mod scale;
@@ -35,7 +36,8 @@ mod solve;
 mod walk;
 
 pub use error::CompileError;
-pub use sensor::{Kind, SensorProgram};
+pub use noise::Noise;
+pub use sensor::{Kind, Memory, SensorProgram, Steps};
 pub use snake::snake_words;
 
 use crate::{

@@ -20,6 +20,32 @@ pub struct Kind {
     pub off: f64,
 }
 
+/// Where a program remembers the drives of the last events.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Memory {
+    /// In analogue registers, one for each kind.
+    #[default]
+    Analogue,
+    /// In so many one-bit registers for each kind: the range of the drive in equal steps, each
+    /// remembered as its middle. They do not decay, and leave analogue registers free.
+    Bits(u8),
+}
+
+/// The one-bit registers that a memory may take; R0 and R12 serve logic, R5, R6 and R11 the
+/// program.
+const MEMORY: [&str; 8] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
+
+/// A drive in bits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steps {
+    /// The lowest drive that light of 0 to 255 can give, LSB.
+    pub low: f64,
+    /// The size of a step, LSB.
+    pub step: f64,
+    /// The one-bit registers, the lowest bit first.
+    pub registers: Vec<&'static str>,
+}
+
 /// The light of a capture, in LSB: up to what a register holds; a pixel at the very end of the
 /// scale, 255, is half an LSB beyond it.
 const CAPTURE: (f64, f64) = (0.0, 127.0);
@@ -35,6 +61,8 @@ pub struct SensorProgram {
     pub drives: Vec<Analog>,
     /// From kernel times light to LSB in the drive.
     pub scale: f64,
+    /// The memory of each kind, where it is in bits.
+    pub steps: Vec<Steps>,
 }
 
 impl SensorProgram {
@@ -43,42 +71,85 @@ impl SensorProgram {
     /// here.
     ///
     /// # Errors
-    /// When a weight is not dyadic, or there are too few registers.
-    pub fn new(kinds: &[Kind], title: &str, request: &Request<'_>) -> Result<Self, CompileError> {
+    /// When a weight is not dyadic, there are too few registers, or too many words.
+    pub fn new(
+        kinds: &[Kind],
+        memory: Memory,
+        title: &str,
+        request: &Request<'_>,
+    ) -> Result<Self, CompileError> {
         let device = request.device;
         let all = ordinary(device);
         let count = kinds.len();
-        if all.len() < 2 * count + 2 {
-            return Err(CompileError::Registers {
-                what: format!(
-                    "{count} kinds, each with a drive and a memory, a threshold and a scratch"
-                ),
-                needed: 2 * count + 2,
+        // One for each memory, or one in which they are put together by turns.
+        let (remembered, each) = match memory {
+            Memory::Analogue => (count, "a drive and a memory"),
+            Memory::Bits(_) => (1, "a drive, and a memory"),
+        };
+        let needed = count + remembered + 2;
+        if all.len() < needed {
+            return Err(CompileError::Kinds {
+                count,
+                each,
+                needed,
                 free: all.len(),
             });
         }
-        let memories = all[all.len() - count..].to_vec();
+        if let Memory::Bits(bits) = memory
+            && !(1..=MEMORY.len()).contains(&(usize::from(bits) * count))
+        {
+            return Err(CompileError::Bits {
+                count,
+                bits,
+                free: MEMORY.len(),
+            });
+        }
+        let memories = all[all.len() - remembered..].to_vec();
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
         let light = device.value(Figure::LightScale) * 255.0;
         let request = Request {
             kernels: &kernels,
             input: all[0],
             into: all[..count].to_vec(),
-            keep: memories.clone(),
+            keep: match memory {
+                Memory::Analogue => memories.clone(),
+                Memory::Bits(_) => Vec::new(),
+            },
             border: true,
             range: Some((CAPTURE.0, light.clamp(1.0, CAPTURE.1))),
             ..request.clone()
         };
         let filter = request.filter()?;
+        // The filter stands in `init` and in `frame`.
+        let (words, room) = (
+            2 * filter.words.len() as u64,
+            device.value(Figure::Store) as u64,
+        );
+        if words > room {
+            return Err(CompileError::Store {
+                words,
+                room,
+                chip: device.name().to_owned(),
+            });
+        }
         let scale = device.value(Figure::LightScale) * 2f64.powi(-(filter.prescale as i32));
+        let steps: Vec<Steps> = match memory {
+            Memory::Analogue => Vec::new(),
+            Memory::Bits(bits) => {
+                let registers = MEMORY.chunks(usize::from(bits));
+                let steps = |(kind, own)| Steps::of(kind, scale, own);
+                kinds.iter().zip(registers).map(steps).collect()
+            }
+        };
         let writer = Writer {
+            steps: &steps,
             device,
             kinds,
             filter: &filter,
             scale,
             drives: &all[..count],
             memories: &memories,
-            threshold: all[all.len() - count - 1],
+            threshold: all[all.len() - remembered - 1],
             scratch: all[count],
         };
         let text = writer.text(title);
@@ -87,11 +158,36 @@ impl SensorProgram {
             drives: all[..count].to_vec(),
             filter,
             scale,
+            steps,
         })
     }
 }
 
+impl Steps {
+    /// Steps of whole LSB where the range is wide enough for them: the host sets no others.
+    fn of(kind: &Kind, scale: f64, registers: &[&'static str]) -> Self {
+        let sum = |sign: f64| -> f64 {
+            let weights = kind.kernel.weights().iter();
+            weights.filter(|w| **w * sign > 0.0).sum::<f64>() * 255.0 * scale
+        };
+        let (low, high) = (sum(-1.0), sum(1.0));
+        let step = (high - low) / 2f64.powi(registers.len() as i32);
+        let step = if step > 1.0 {
+            step.ceil()
+        } else {
+            // The next power of two; of a kernel of zeros, any.
+            2f64.powi(step.log2().ceil().max(-16.0) as i32)
+        };
+        Self {
+            low: low.floor(),
+            step,
+            registers: registers.to_vec(),
+        }
+    }
+}
+
 struct Writer<'a> {
+    steps: &'a [Steps],
     device: &'a Device,
     kinds: &'a [Kind],
     filter: &'a Filter,
@@ -113,6 +209,9 @@ impl Writer<'_> {
                 let _ = writeln!(text, "const {off} = {:?};", kind.off * self.scale);
             }
         }
+        if !self.steps.is_empty() {
+            text += "const zero = 0; // what the drive is in the dark, LSB: on a chip, its transfer errors\n";
+        }
         text += "const slots = 4000; // the most that one readout can deliver\n\n";
         let list = |registers: &[Analog]| registers.iter().map(name).collect::<Vec<_>>().join(", ");
         let _ = writeln!(
@@ -124,8 +223,15 @@ impl Writer<'_> {
         );
         text += "\ninit {\n";
         self.filter_text(&mut text);
-        for (drive, memory) in self.drives.iter().zip(self.memories) {
-            let _ = writeln!(text, "    neg({}, {});", name(memory), name(drive));
+        if self.steps.is_empty() {
+            for (drive, memory) in self.drives.iter().zip(self.memories) {
+                let _ = writeln!(text, "    neg({}, {});", name(memory), name(drive));
+            }
+        } else {
+            text += "    SET(R5); // all are remembered\n";
+        }
+        for i in 0..self.steps.len() {
+            self.remember_bits(&mut text, i);
         }
         text += "}\n\nframe {\n";
         self.filter_text(&mut text);
@@ -193,7 +299,12 @@ impl Writer<'_> {
     /// Compare, note, remember, read out.
     fn events(&self, text: &mut String, i: usize) {
         let name = |register: Analog| self.device.analog_name(register);
-        let (drive, memory) = (name(self.drives[i]), name(self.memories[i]));
+        let in_bits = !self.steps.is_empty();
+        let drive = name(self.drives[i]);
+        let memory = name(self.memories[if in_bits { 0 } else { i }]);
+        if in_bits {
+            self.recall_bits(text, i);
+        }
         let (threshold, scratch) = (name(self.threshold), name(self.scratch));
         let (on, off) = self.constants(i);
         let number = if self.kinds.len() > 1 {
@@ -219,11 +330,68 @@ impl Writer<'_> {
             "where({drive}, {memory}, {threshold}); // drive - memory > threshold"
         ));
         line("MOV(R5, FLAG);");
-        line("WHERE(R5, R6); // where it fired, the memory becomes the drive");
-        line(&format!("neg({memory}, {drive});"));
+        if !in_bits {
+            line("WHERE(R5, R6); // where it fired, the memory becomes the drive");
+            line(&format!("neg({memory}, {drive});"));
+        }
         line("all();");
         line(&format!("scamp5_scan_events(R5, on{number}, slots);"));
         line(&format!("scamp5_scan_events(R6, off{number}, slots);"));
+        if in_bits {
+            line("OR(R5, R6); // where it fired, the memory becomes the drive");
+            self.remember_bits(text, i);
+        }
+    }
+
+    /// Minus the middle of the remembered step.
+    fn recall_bits(&self, text: &mut String, i: usize) {
+        let Steps {
+            low,
+            step,
+            registers,
+        } = &self.steps[i];
+        let name = |register: Analog| self.device.analog_name(register);
+        let (memory, level) = (name(self.memories[0]), name(self.threshold));
+        let middle = -(low + step / 2.0);
+        let _ = writeln!(
+            text,
+            "    scamp5_in({memory}, {middle:?} - zero); // minus the memory"
+        );
+        for (bit, register) in registers.iter().enumerate() {
+            let size = -step * 2f64.powi(bit as i32);
+            let _ = writeln!(text, "    scamp5_in({level}, {size:?});");
+            let _ = writeln!(text, "    WHERE({register});");
+            let _ = writeln!(text, "    add({memory}, {memory}, {level});");
+            let _ = writeln!(text, "    all();");
+        }
+    }
+
+    /// The step in which the drive lies, where R5 is set: the highest bit first.
+    fn remember_bits(&self, text: &mut String, i: usize) {
+        let Steps {
+            low,
+            step,
+            registers,
+        } = &self.steps[i];
+        let name = |register: Analog| self.device.analog_name(register);
+        let (drive, below, level) = (
+            name(self.drives[i]),
+            name(self.memories[0]),
+            name(self.threshold),
+        );
+        let _ = writeln!(text, "    scamp5_in({below}, {:?} - zero);", -low);
+        for (bit, register) in registers.iter().enumerate().rev() {
+            let size = -step * 2f64.powi(bit as i32);
+            let _ = writeln!(text, "    scamp5_in({level}, {size:?});");
+            let _ = writeln!(
+                text,
+                "    where({drive}, {below}, {level}); // above the middle"
+            );
+            let _ = writeln!(text, "    MOV(R11, FLAG);");
+            let _ = writeln!(text, "    add({below}, {below}, {level});");
+            let _ = writeln!(text, "    all();");
+            let _ = writeln!(text, "    MUX({register}, R5, R11, {register});");
+        }
     }
 }
 

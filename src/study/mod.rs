@@ -1,0 +1,3 @@
+//! Studies: many sensors on one scene, and what each loses.
+
+pub mod quantisation;

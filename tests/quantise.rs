@@ -1,0 +1,243 @@
+//! The verb `quantise` from outside: levels and scale, files that the other verbs read, the
+//! table of what each costs on the chip and loses there, and what it refuses.
+#![cfg(feature = "cli")]
+
+use std::{fs, path::Path};
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const KERNEL: &str = "weights = [[0.0, -0.5, 0.0], [-0.5, 2.0, -0.5], [0.0, -0.5, 0.0]]\nname = \"k\"\nsource = \"test\"\n";
+
+const SCENE: &str = "pattern:disc?width=32&height=24&frames=8&radius=6";
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("k.toml"), KERNEL).unwrap();
+    folder
+}
+
+fn amacrine(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("amacrine").unwrap();
+    command.current_dir(folder).env("NO_COLOR", "1");
+    command.args(arguments);
+    command
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    let said = amacrine(folder, arguments).assert().success();
+    serde_json::from_slice(&said.get_output().stdout).unwrap()
+}
+
+#[track_caller]
+fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let said = amacrine(folder, arguments).assert().code(2);
+    let message = String::from_utf8_lossy(&said.get_output().stderr).into_owned();
+    let message = message.replace('│', " ");
+    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+    for word in words {
+        assert!(message.contains(word), "no {word:?} in: {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+}
+
+/// Worked out by hand: the largest weight alone explains most; what is left is 1 of 5.
+#[test]
+fn levels_and_scale_are_the_best() {
+    let folder = folder();
+    let said = json(
+        folder.path(),
+        &["quantise", "k.toml", "--to", "ternary", "--json"],
+    );
+    let row = &said["quantised"][0];
+    assert_eq!(row["scale"], 2.0);
+    assert_eq!(row["levels"][1], serde_json::json!([0.0, 1.0, 0.0]));
+    assert_eq!(row["taps"], 1);
+    let error = row["relative_error"].as_f64().unwrap();
+    assert!((error - 0.2f64.sqrt()).abs() < 1e-12);
+    assert!(said.get("chip").is_none());
+}
+
+/// What is written is read by `compile`, to the same levels.
+#[test]
+fn the_written_kernel_compiles() {
+    let folder = folder();
+    let write = [
+        "quantise",
+        "k.toml",
+        "--to",
+        "q3.1",
+        "-o",
+        "out.toml",
+        "--picture",
+        "out.png",
+    ];
+    amacrine(folder.path(), &write).assert().success();
+    let compile = [
+        "compile",
+        "out.toml",
+        "--filter-only",
+        "--effort",
+        "0.01",
+        "--json",
+    ];
+    let said = json(folder.path(), &compile);
+    let levels = json(
+        folder.path(),
+        &["quantise", "k.toml", "--to", "q3.1", "--json"],
+    );
+    assert_eq!(said["kernel"], levels["quantised"][0]["levels"]);
+    let picture = image::open(folder.path().join("out.png")).unwrap();
+    // Two kernels of 3 by 3 cells side by side.
+    assert!(picture.width() > 2 * 3 * 24 && picture.height() < 2 * 3 * 24);
+}
+
+/// The scale goes into the thresholds: times the levels it is the kernel's own.
+#[test]
+fn compiled_thresholds_are_divided_by_the_scale() {
+    let folder = folder();
+    let compile = [
+        "compile",
+        "k.toml",
+        "--threshold",
+        "24",
+        "--effort",
+        "0.01",
+        "--json",
+    ];
+    let ternary = json(
+        folder.path(),
+        &[&compile[..], &["--to", "ternary"]].concat(),
+    );
+    assert_eq!(ternary["quantised_scales"][0], 2.0);
+    assert_eq!(ternary["kernel"][1], serde_json::json!([0.0, 1.0, 0.0]));
+    let scale = ternary["scale"].as_f64().unwrap();
+    let threshold = format!("const threshold = {:?};", 12.0 * scale);
+    let text = ternary["text"].as_str().unwrap();
+    assert!(text.contains(&threshold), "no {threshold} in {text}");
+}
+
+/// A kernel that loses nothing by being quantised loses no event in exact arithmetic, and one
+/// that does loses some; both cost what the programs say.
+#[test]
+fn the_chip_table_says_what_is_lost() {
+    let folder = folder();
+    let ask = [
+        "quantise",
+        "k.toml",
+        "--to",
+        "q3.1,binary",
+        "--threshold",
+        "20",
+        "--scene",
+        SCENE,
+    ];
+    let ask = [&ask[..], &["--effort", "0.01"]].concat();
+    let said = json(folder.path(), &[&ask[..], &["--json"]].concat());
+    let (rows, all) = (&said["chip"]["rows"], &said["chip"]["reference_events"]);
+    assert!(all.as_u64().unwrap() > 100, "{all}");
+    let exact = |row: usize| rows[row]["on_chip"]["exact"]["f1"].as_f64().unwrap();
+    assert_eq!(exact(0), 1.0);
+    assert_eq!(rows[0]["on_chip"]["exact"]["event_ratio"], 1.0);
+    assert!(exact(1) < 0.9, "{}", exact(1));
+    let silicon = rows[0]["on_chip"]["silicon"]["f1"].as_f64().unwrap();
+    assert!((0.3..1.0).contains(&silicon), "{silicon}");
+    for row in 0..2 {
+        let chip = &rows[row]["on_chip"];
+        assert!(chip["words"].as_u64() > chip["filter_words"].as_u64());
+        assert!(chip["array_us"].as_f64().unwrap() > 0.09 * chip["words"].as_f64().unwrap());
+        assert!((1..=6).contains(&chip["registers"].as_u64().unwrap()));
+    }
+    let table = amacrine(folder.path(), &ask).assert().success();
+    let table = String::from_utf8_lossy(&table.get_output().stdout).into_owned();
+    assert!(
+        table.contains("on scamp5, against the float kernel's"),
+        "{table}"
+    );
+    assert!(table.contains("1.0000   1.000"), "{table}");
+}
+
+/// A kernel with more words than the chip stores has a row that says so.
+#[test]
+fn what_does_not_fit_has_a_row() {
+    let folder = folder();
+    let row = |y: i32| -> Vec<f64> {
+        (0..15)
+            .map(|x| f64::from((x * x * 7 + y * 13 + x * y * 5) % 2039) / 2039.0)
+            .collect()
+    };
+    let rows: Vec<_> = (0..15).map(row).collect();
+    let text = format!("name = \"large\"\nsource = \"test\"\nweights = {rows:?}\n");
+    fs::write(folder.path().join("large.toml"), text).unwrap();
+    let ask = [
+        "quantise",
+        "large.toml",
+        "--to",
+        "q1.11",
+        "--threshold",
+        "20",
+        "--scene",
+        SCENE,
+    ];
+    let ask = [&ask[..], &["--effort", "0", "--json"]].concat();
+    let said = json(folder.path(), &ask);
+    let why = said["chip"]["rows"][0]["refused"].as_str().unwrap();
+    assert!(
+        why.contains("more than the 1024 that scamp5 holds"),
+        "{why}"
+    );
+}
+
+#[test]
+fn bad_input_is_named() {
+    let folder = folder();
+    let at = folder.path();
+    refused(
+        at,
+        &["quantise", "k.toml", "--to", "ternery"],
+        &["ternery", "po2-N"],
+    );
+    refused(
+        at,
+        &["quantise", "none.toml", "--to", "binary"],
+        &["none.toml", "rgc-5x5"],
+    );
+    refused(
+        at,
+        &[
+            "quantise",
+            "k.toml",
+            "--to",
+            "binary,ternary",
+            "-o",
+            "x.toml",
+        ],
+        &["2 were asked for", "give one quantiser"],
+    );
+    refused(
+        at,
+        &["quantise", "k.toml", "--to", "binary", "--threshold", "0"],
+        &["threshold is 0", "positive"],
+    );
+    refused(
+        at,
+        &["quantise", "k.toml", "--to", "binary", "--scene", SCENE],
+        &["--threshold"],
+    );
+    refused(
+        at,
+        &[
+            "quantise",
+            "k.toml",
+            "--to",
+            "binary",
+            "--threshold",
+            "9",
+            "--chip",
+            "scamp9",
+        ],
+        &["scamp9", "scamp5"],
+    );
+    assert_eq!(at.read_dir().unwrap().count(), 1, "files were left");
+}
