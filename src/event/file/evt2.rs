@@ -58,11 +58,15 @@ impl Clock {
         // The first word of a file is 0, so that no byte of a time looks like a header's %.
         let start = last.is_none().then_some(0);
         let turns = (from >> HIGH)..(to >> HIGH);
+        let turns = turns.flat_map(move |_| [most, 0]);
         let end = (to != from).then_some(to as u32 & most);
+        // Nothing twice: some readers take that for a turn.
+        let mut before = last.map(|last| last as u32 & most);
         start
             .into_iter()
-            .chain(turns.flat_map(move |_| [most, 0]))
+            .chain(turns)
             .chain(end)
+            .filter(move |part| before.replace(*part) != Some(*part))
     }
 }
 

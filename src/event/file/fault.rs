@@ -10,9 +10,7 @@ use crate::{plane::Size, save::SaveError};
 pub enum FileError {
     /// The extension names no format.
     #[error("{}: `{extension}` is not a known kind of event file; known are {}", path.display(), known())]
-    #[diagnostic(help(
-        "rename the file so that its extension says what is in it, or give `--format`"
-    ))]
+    #[diagnostic(help("rename the file so that its extension says what is in it"))]
     Extension {
         /// Which file.
         path: PathBuf,
@@ -21,7 +19,9 @@ pub enum FileError {
     },
     /// Several formats share the extension.
     #[error("{}: `.{extension}` files come in several formats: {names}", path.display())]
-    #[diagnostic(help("say which with `--format`"))]
+    #[diagnostic(help(
+        "end the name in one of these, such as `.evt3`, or say which with `--format`"
+    ))]
     Ambiguous {
         /// Which file.
         path: PathBuf,
@@ -32,7 +32,7 @@ pub enum FileError {
     },
     /// Neither the extension nor the first bytes name a format.
     #[error("{}: neither the extension nor the first bytes say what kind of event file this is", path.display())]
-    #[diagnostic(help("say which with `--format`"))]
+    #[diagnostic(help("say which with `amacrine convert --from NAME`"))]
     Unknown {
         /// Which file.
         path: PathBuf,
@@ -296,11 +296,11 @@ impl Fault {
     pub const fn help(&self) -> &'static str {
         match self {
             Self::Late { .. } | Self::Silence { .. } => {
-                "write aedat4, npy or csv, which hold any time; or cut the recording with `--slice`"
+                "write aedat4, npy or csv, which hold any time; or cut the recording with `convert --slice`"
             }
             Self::Large { .. } => "write aedat4, npy or csv, which hold larger sensors",
             Self::Layout { .. } | Self::Word { .. } => {
-                "check that `--format` or the extension says what is in the file; `--salvage` keeps the events before the damage"
+                "check that the extension (or `--from`) says what is in the file; `convert --salvage` keeps the events before the damage"
             }
             Self::Header { .. } => "let the first line name the columns: t,x,y,p",
             Self::Fields { .. } => {
@@ -329,7 +329,7 @@ impl Fault {
             }
             Self::Channel { .. } => "correct the number of channels, or the channel of the event",
             Self::NoChannels { .. } => {
-                "write csv, npy, npz, hdf5 or parquet, which keep them; or one channel with `--kind N`, or one file a channel with `--each-kind`"
+                "write csv, npy, npz, hdf5 or parquet, which keep them; or one channel with `convert --kind N`, or one file a channel with `convert --each-kind`"
             }
             Self::About { .. } => {
                 "it should read like `# amacrine size=346x260 channels=1 span=0..2000000 dropped=0,0`, before the first event, once; all but `amacrine` may be left out"
@@ -338,7 +338,7 @@ impl Fault {
                 "save a one-dimensional array of dtype [('t','<i8'),('x','<i2'),('y','<i2'),('p','i1')], and perhaps ('channel','u1')"
             }
             Self::Truncated { .. } => {
-                "the file was cut short: write or copy it again, or keep what is there with `--salvage`"
+                "the file was cut short: write or copy it again, or keep what is there with `convert --salvage`"
             }
             Self::Trailing => "store one array a file",
         }

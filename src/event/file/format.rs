@@ -192,6 +192,31 @@ impl Format {
         }
     }
 
+    /// What [`Format::python`] needs to import.
+    #[must_use]
+    pub const fn module(self) -> &'static str {
+        match self {
+            Self::Csv => "pandas",
+            Self::Txt | Self::Npy | Self::Npz => "numpy",
+            Self::Evt2 | Self::Evt3 | Self::Dat => "faery",
+            Self::Evt21 => "evlib",
+            Self::Aedat2 | Self::Aedat3 => "dv",
+            Self::Aedat4 => "aedat",
+            Self::Es => "event_stream",
+            Self::Hdf5 => "h5py",
+            Self::Parquet => "pyarrow.parquet",
+        }
+    }
+
+    /// The whole line of Python that opens this file.
+    #[must_use]
+    pub fn opened_by(self, path: &Path) -> String {
+        let name = path.display().to_string();
+        let name = name.replace('\\', "\\\\").replace('\'', "\\'");
+        let line = self.python().replace("(path)", &format!("('{name}')"));
+        format!("import {}; events = {line}", self.module())
+    }
+
     /// The format that a file to be written asks for by its extension.
     ///
     /// # Errors

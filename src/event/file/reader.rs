@@ -157,6 +157,18 @@ impl Reader {
         self.source.skipped()
     }
 
+    /// The smallest sensor that holds the events so far.
+    #[must_use]
+    pub const fn reach(&self) -> Size {
+        self.gate.reach
+    }
+
+    /// One more than the largest channel so far.
+    #[must_use]
+    pub const fn kinds(&self) -> u8 {
+        self.gate.channels
+    }
+
     /// How far the events reached so far.
     pub(super) const fn gate(&self) -> &Gate {
         &self.gate

@@ -44,10 +44,10 @@ pub struct Head {
     pub size: Size,
     /// Kinds of cells.
     pub channels: u8,
-    /// The time watched.
-    pub span: (Micros, Micros),
-    /// What is missing.
-    pub dropped: Dropped,
+    /// The time watched, where it is known to be another than that of the events.
+    pub span: Option<(Micros, Micros)>,
+    /// What is missing, where that is known.
+    pub dropped: Option<Dropped>,
 }
 
 impl Head {
@@ -57,8 +57,8 @@ impl Head {
         Self {
             size: packet.size,
             channels: packet.channels,
-            span: packet.span,
-            dropped: packet.dropped,
+            span: Some(packet.span),
+            dropped: Some(packet.dropped),
         }
     }
 
@@ -67,8 +67,8 @@ impl Head {
         About {
             size: Some(self.size),
             channels: Some(self.channels),
-            span: Some(self.span),
-            dropped: Some(self.dropped),
+            span: self.span,
+            dropped: self.dropped,
         }
     }
 }
