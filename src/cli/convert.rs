@@ -347,6 +347,7 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
 }
 
 /// How to open an event file that a verb has written, as the last line of its table.
+#[must_use]
 pub fn opened(path: &Path) -> String {
     let line = Format::of(path).map(|format| format.opened_by(path));
     line.map_or(String::new(), |line| format!("open     {line}\n"))

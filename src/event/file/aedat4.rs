@@ -3,7 +3,7 @@
 //!
 //! `#!AER-DAT4.0`, a header (how packets are compressed, where the table of packets is, and
 //! XML that describes the streams), then packets: number of the stream, bytes, and a
-//! FlatBuffer, compressed; an event has 16 bytes, t in 64 bits, x and y in 16 with a sign,
+//! `FlatBuffer`, compressed; an event has 16 bytes, t in 64 bits, x and y in 16 with a sign,
 //! and the sign of the event. At the end the table of packets, so that players can seek.
 //! Source: <https://docs.inivation.com/software/software-advanced-usage/file-formats/aedat-4.0.html>
 //! and the schemata at <https://gitlab.com/inivation/dv/dv-core>.
@@ -380,7 +380,7 @@ impl Sink for Writing {
         builder.bytes.extend(text.as_bytes());
         // A text ends in a zero, and the buffer at a multiple of 8.
         builder.bytes.push(0);
-        while (builder.bytes.len() + 4) % 8 != 0 {
+        while !(builder.bytes.len() + 4).is_multiple_of(8) {
             builder.bytes.push(0);
         }
         let header = builder.finish();
@@ -426,7 +426,7 @@ fn table(rows: &[Row]) -> Vec<u8> {
     let offsets = bytes.len();
     // One table of fields for all: place, packet (stream and bytes), events, first, last.
     let mut fields = offsets + 4 * rows.len();
-    while (fields + 14) % 8 != 0 {
+    while !(fields + 14).is_multiple_of(8) {
         fields += 1;
     }
     let first = fields + 14;

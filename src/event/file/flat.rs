@@ -1,7 +1,7 @@
-//! As much of FlatBuffers as AEDAT4 needs: tables read with every bound checked, and the few
+//! As much of `FlatBuffers` as AEDAT4 needs: tables read with every bound checked, and the few
 //! tables that are written, laid out by hand.
 //!
-//! The readers that the FlatBuffers compiler makes ask for `unsafe`. Layout:
+//! The readers that the `FlatBuffers` compiler makes ask for `unsafe`. Layout:
 //! <https://flatbuffers.dev/internals/>.
 
 /// A table in a buffer.
@@ -84,7 +84,7 @@ impl Builder {
         // makes it 4 more): so 64-bit fields at offsets 4, 12 … are aligned.
         let vtable = 4 + 2 * fields.len();
         let mut table = 8 + vtable;
-        while table % 8 != 0 {
+        while !table.is_multiple_of(8) {
             table += 1;
         }
         bytes.extend((table as u32).to_le_bytes());

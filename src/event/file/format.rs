@@ -123,7 +123,12 @@ impl Format {
             ..wide
         };
         match self {
-            Self::Csv | Self::Npz | Self::Hdf5 | Self::Parquet => wide,
+            Self::Csv | Self::Npz | Self::Parquet => wide,
+            // Its index has a number for each millisecond.
+            Self::Hdf5 => Limits {
+                silence: u32::MAX as u64,
+                ..wide
+            },
             Self::Txt => Limits {
                 channels: false,
                 ..wide

@@ -112,7 +112,7 @@ impl Gate {
     /// Takes the next events; the number of the first that is not let through, and why.
     pub fn admit(&mut self, events: &[Event]) -> Result<(), (usize, Fault)> {
         // All at once, as almost always; then, if need be, one by one.
-        let mut last = self.last.0;
+        let mut last = self.before(events);
         let (mut x, mut y, mut channel, mut ordered, mut pause) = (0, 0, 0, true, 0);
         for e in events {
             ordered &= e.t.0 >= last;
@@ -130,7 +130,7 @@ impl Gate {
             polarity: Polarity::On,
         };
         if !ordered || pause > self.silence || (!events.is_empty() && self.fits(&far).is_err()) {
-            let mut last = self.last.0;
+            let mut last = self.before(events);
             for (i, e) in events.iter().enumerate() {
                 self.fits(e).map_err(|fault| (i, fault))?;
                 self.follows(last, e.t.0).map_err(|fault| (i, fault))?;
@@ -146,6 +146,15 @@ impl Gate {
             self.channels = self.channels.max(channel.saturating_add(1));
         }
         Ok(())
+    }
+
+    /// The time that the next event follows.
+    fn before(&self, events: &[Event]) -> u64 {
+        match events.first() {
+            // Its clock starts with the first event, and not at 0.
+            Some(e) if self.events == 0 && self.format == Some(Format::Hdf5) => e.t.0,
+            _ => self.last.0,
+        }
     }
 
     /// Whether an event is on the sensor and in the format's range.

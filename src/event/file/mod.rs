@@ -26,10 +26,14 @@ mod fault;
 mod flat;
 mod format;
 mod gate;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod header;
 mod line;
 mod npy;
 mod npz;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod reader;
 mod source;
 mod txt;

@@ -194,17 +194,15 @@ pub(super) struct Column {
 /// Reads an array of integers.
 pub(super) fn column(mut chunks: Chunks) -> Result<Column, Stop> {
     let Header { shape, events, .. } = header(&mut chunks, false)?;
-    match shape {
-        Shape::Number(Some(field)) => Ok(Column {
-            chunks,
-            field,
-            events,
-        }),
-        _ => {
-            let why = "should describe one integer an event".into();
-            Err(Stop::Fault(Place::Byte(0), Fault::Npy { why }))
-        }
-    }
+    let Shape::Number(Some(field)) = shape else {
+        let why = "should describe one integer an event".into();
+        return Err(Stop::Fault(Place::Byte(0), Fault::Npy { why }));
+    };
+    Ok(Column {
+        chunks,
+        field,
+        events,
+    })
 }
 
 impl Column {

@@ -99,12 +99,11 @@ impl Reader {
     fn new(path: &Path, origin: &Origin, how: &Opening) -> Result<Self, FileError> {
         let at_fault = |stop| named(path, stop);
         let mut chunks = origin.chunks().map_err(|e| at_fault(e.into()))?;
-        let format = match how.format {
-            Some(format) => format,
-            None => {
-                let start = chunks.ahead(4096).map_err(|e| at_fault(e.into()))?;
-                Format::of_content(path, start)?
-            }
+        let format = if let Some(format) = how.format {
+            format
+        } else {
+            let start = chunks.ahead(4096).map_err(|e| at_fault(e.into()))?;
+            Format::of_content(path, start)?
         };
         let source: Result<Box<dyn Source>, Stop> = match format {
             Format::Csv => Ok(Box::new(csv::source(chunks))),
@@ -119,6 +118,11 @@ impl Reader {
             Format::Aedat3 => boxed(aedat3::source(chunks)),
             Format::Aedat4 => boxed(aedat4::source(chunks)),
             Format::Es => boxed(es::source(chunks)),
+            #[cfg(feature = "hdf5")]
+            Format::Hdf5 => boxed(super::hdf5::source(origin)),
+            #[cfg(feature = "parquet")]
+            Format::Parquet => boxed(super::parquet::source(origin)),
+            #[allow(unreachable_patterns, reason = "unless both features are left out")]
             Format::Hdf5 | Format::Parquet => {
                 let path = path.to_owned();
                 return Err(FileError::NotBuilt { path, format });

@@ -113,6 +113,11 @@ impl Writer {
             Format::Aedat3 => Box::new(aedat3::sink(head)),
             Format::Aedat4 => Box::new(aedat4::sink(head, compression)),
             Format::Es => Box::new(es::sink(head)),
+            #[cfg(feature = "hdf5")]
+            Format::Hdf5 => Box::new(super::hdf5::sink(head)),
+            #[cfg(feature = "parquet")]
+            Format::Parquet => Box::new(super::parquet::sink(head)),
+            #[allow(unreachable_patterns, reason = "unless both features are left out")]
             Format::Hdf5 | Format::Parquet => {
                 let path = path.to_owned();
                 return Err(FileError::NotBuilt { path, format });
