@@ -50,7 +50,7 @@ fn mixed(count: u64) -> Vec<Event> {
         let h = hash(events.len() as u64);
         t += h >> 30 & 0xFF;
         let first = event(t, h);
-        let run = if h & 3 == 0 { 1 } else { 2 + h % 19 };
+        let run = if h.is_multiple_of(4) { 1 } else { 2 + h % 19 };
         for i in 0..run.min(count - events.len() as u64) {
             let x = u64::from(first.x) + i * (1 + (h >> 50 & 1));
             if x < SIZE.width as u64 {
@@ -68,11 +68,10 @@ fn mixed(count: u64) -> Vec<Event> {
 fn turning(format: Format) -> Option<Vec<Event>> {
     let bits: &[u32] = match format {
         Format::Evt2 | Format::Evt21 => &[24, 34],
-        Format::Evt3 => &[24],
+        Format::Evt3 | Format::Es => &[24],
         Format::Dat => &[31],
         Format::Aedat3 => &[31, 33],
         Format::Aedat4 | Format::Npz => &[31, 32, 40],
-        Format::Es => &[24],
         _ => return None,
     };
     let around = bits.iter().flat_map(|bits| {
@@ -109,11 +108,8 @@ fn turning(format: Format) -> Option<Vec<Event>> {
 }
 
 fn built(format: Format) -> bool {
-    match format {
-        Format::Hdf5 => cfg!(feature = "hdf5"),
-        Format::Parquet => cfg!(feature = "parquet"),
-        _ => true,
-    }
+    (format != Format::Hdf5 || cfg!(feature = "hdf5"))
+        && (format != Format::Parquet || cfg!(feature = "parquet"))
 }
 
 /// `a.evt3.raw`, since some readers go by the extension.

@@ -260,12 +260,12 @@ impl Format {
     /// # Errors
     /// When neither tells.
     pub fn of_content(path: &Path, start: &[u8]) -> Result<Self, FileError> {
-        match Self::by_extension(&extension(path))[..] {
+        let known = Self::by_extension(&extension(path));
+        match known[..] {
             [format] => Ok(format),
-            _ => sniff(start).ok_or_else(|| {
-                Self::of(path).err().unwrap_or(FileError::Unknown {
-                    path: path.to_owned(),
-                })
+            [] => sniff(start).map_or_else(|| Self::of(path), Ok),
+            _ => sniff(start).ok_or_else(|| FileError::Unknown {
+                path: path.to_owned(),
             }),
         }
     }
