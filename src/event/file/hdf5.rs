@@ -26,8 +26,8 @@ use super::{
 };
 use crate::event::Event;
 
-/// Values of a chunk.
-const CHUNK: u64 = 1 << 16;
+/// Values of a chunk; at 2^16 the C library refuses how hdf5-pure 0.47 writes the number.
+const CHUNK: u64 = 1 << 15;
 
 /// The columns.
 const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];

@@ -9,9 +9,11 @@
 use std::{
     fs::File,
     io::{self, Seek, SeekFrom},
+    panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
 };
 
+use bytes::Bytes;
 use parquet::{
     basic::{Compression, ZstdLevel},
     column::{reader::ColumnReader, writer::ColumnWriter},
@@ -47,21 +49,50 @@ fn wrong(why: impl Into<String>) -> Stop {
     Stop::Fault(Place::Byte(0), Fault::Layout { format, why })
 }
 
-fn unreadable(e: &ParquetError) -> Stop {
-    wrong(format!("cannot be read: {e}"))
+/// Does what the crate may also answer with a panic, as it does for some damaged files.
+fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, Stop> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(done)) => Ok(done),
+        Ok(Err(e)) => Err(wrong(format!("cannot be read: {e}"))),
+        Err(_) => Err(wrong("cannot be read: it contradicts itself")),
+    }
+}
+
+/// The columns of a row group whose places make sense.
+fn opened(
+    file: &dyn FileReader,
+    group: usize,
+    columns: &[usize],
+) -> ParquetResult<(u64, Vec<ColumnReader>)> {
+    let group = file.get_row_group(group)?;
+    let mut open = Vec::new();
+    for number in columns {
+        let column = group.metadata().column(*number);
+        let places = [
+            column.compressed_size(),
+            column.data_page_offset(),
+            column.dictionary_page_offset().unwrap_or(0),
+        ];
+        if places.iter().any(|place| *place < 0) {
+            let why = "a column lies before the start of the file";
+            return Err(ParquetError::General(why.into()));
+        }
+        open.push(group.get_column_reader(*number)?);
+    }
+    let rows = u64::try_from(group.metadata().num_rows()).unwrap_or(0);
+    Ok((rows, open))
 }
 
 /// Reads the events.
 pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     let file: Box<dyn FileReader> = match origin {
         Origin::File(path) => {
-            let file = SerializedFileReader::new(File::open(path)?);
-            Box::new(file.map_err(|e| unreadable(&e))?)
+            let file = File::open(path)?;
+            Box::new(guarded(|| SerializedFileReader::new(file))?)
         }
         Origin::Memory(bytes) => {
-            let bytes = parquet::data_type::AsBytes::as_bytes(&bytes[..]).to_vec();
-            let file = SerializedFileReader::new(bytes::Bytes::from(bytes));
-            Box::new(file.map_err(|e| unreadable(&e))?)
+            let bytes = Bytes::copy_from_slice(bytes);
+            Box::new(guarded(|| SerializedFileReader::new(bytes))?)
         }
     };
     let schema = file.metadata().file_metadata().schema_descr_ptr();
@@ -147,20 +178,14 @@ impl Source for Reading {
             if self.group == self.file.num_row_groups() {
                 return Ok(false);
             }
-            let group = self.file.get_row_group(self.group);
-            let group = group.map_err(|e| unreadable(&e))?;
-            self.left = u64::try_from(group.metadata().num_rows()).unwrap_or(0);
-            self.open.clear();
-            for column in &self.columns {
-                let column = group.get_column_reader(*column);
-                self.open.push(column.map_err(|e| unreadable(&e))?);
-            }
+            let opened = guarded(|| opened(&*self.file, self.group, &self.columns))?;
+            (self.left, self.open) = opened;
             self.group += 1;
         }
         let count = self.left.min(BLOCK as u64) as usize;
         let mut columns = Vec::new();
         for (column, name) in self.open.iter_mut().zip(COLUMNS) {
-            let values = integers(column, count).map_err(|e| unreadable(&e))?;
+            let values = guarded(|| integers(column, count))?;
             if values.len() != count {
                 return Err(wrong(format!(
                     "has a column `{name}` with missing values, or that ends early"
