@@ -34,16 +34,18 @@ except ImportError:
 
 fn main() {
     let quick = std::env::var("AMACRINE_BENCH").as_deref() == Ok("quick");
-    let (events, repetitions) = if quick { (200_000, 3) } else { (4_000_000, 15) };
+    let (events, seconds) = if quick {
+        (200_000, 0.05)
+    } else {
+        (1_000_000, 2.0)
+    };
     let wanted: Vec<String> = std::env::args()
         .skip(1)
         .filter(|argument| !argument.starts_with('-'))
         .collect();
     let packet = packet(events);
     let folder = tempfile::tempdir().expect("a folder for temporary files");
-    println!(
-        "{events} events, 640x480, half of them in runs along a row; minimum of {repetitions}"
-    );
+    println!("{events} events, 640x480, half of them in runs along a row; the best of {seconds} s");
     println!("million events a second; copy: the file's bytes copied in memory; bytes an event");
     println!(
         "{:<8} {:>7} {:>8} {:>8} {:>10} {:>8} {:>8}",
@@ -63,11 +65,11 @@ fn main() {
             println!("{format:<8} {error}");
             continue;
         }
-        let write = best(repetitions, || write().expect("written before"));
+        let write = best(seconds, || write().expect("written before"));
         let bytes = std::fs::read(&path).expect("just written");
-        let read = best(repetitions, || count(&path, format, events));
+        let read = best(seconds, || count(&path, format, events));
         let mut target = vec![0_u8; bytes.len()];
-        let copy = best(repetitions, || {
+        let copy = best(seconds, || {
             target.copy_from_slice(black_box(&bytes));
             black_box(&target);
         });
@@ -85,16 +87,17 @@ fn main() {
     }
 }
 
-/// Seconds of the fastest run.
-fn best(repetitions: usize, mut run: impl FnMut()) -> f64 {
-    let time = |()| {
+/// Seconds of the fastest of the runs that fit into `seconds`, three at least.
+fn best(seconds: f64, mut run: impl FnMut()) -> f64 {
+    let began = Instant::now();
+    let (mut best, mut runs) = (f64::INFINITY, 0);
+    while runs < 3 || began.elapsed().as_secs_f64() < seconds {
         let start = Instant::now();
         run();
-        start.elapsed().as_secs_f64()
-    };
-    std::iter::repeat_n((), repetitions)
-        .map(time)
-        .fold(f64::INFINITY, f64::min)
+        best = best.min(start.elapsed().as_secs_f64());
+        runs += 1;
+    }
+    best
 }
 
 /// Reads a file as a stream.

@@ -107,12 +107,12 @@ impl Sink for Writing {
             let address = u32::from(e.y) << 22 | u32::from(e.x) << 12 | sign;
             let t = e.t.0 as u32;
             if !self.begun && address >> 24 == u32::from(b'#') {
-                self.bytes.extend(OTHER.to_be_bytes());
-                self.bytes.extend(t.to_be_bytes());
+                self.bytes.extend_from_slice(&OTHER.to_be_bytes());
+                self.bytes.extend_from_slice(&t.to_be_bytes());
             }
             self.begun = true;
-            self.bytes.extend(address.to_be_bytes());
-            self.bytes.extend(t.to_be_bytes());
+            self.bytes.extend_from_slice(&address.to_be_bytes());
+            self.bytes.extend_from_slice(&t.to_be_bytes());
         }
         out.write_all(&self.bytes)
     }

@@ -208,17 +208,17 @@ impl Sink for Writing {
         for part in events.chunk_by(|a, b| a.t.0 >> LOW == b.t.0 >> LOW) {
             let number = part.len() as u32;
             let turns = part.first().map_or(0, |e| (e.t.0 >> LOW) as u32);
-            self.bytes.extend(POLARITY.to_le_bytes());
-            self.bytes.extend(1_u16.to_le_bytes());
+            self.bytes.extend_from_slice(&POLARITY.to_le_bytes());
+            self.bytes.extend_from_slice(&1_u16.to_le_bytes());
             for field in [EVENT as u32, 4, turns, number, number, number] {
-                self.bytes.extend(field.to_le_bytes());
+                self.bytes.extend_from_slice(&field.to_le_bytes());
             }
             for e in part {
                 let sign = u32::from(e.polarity.bit()) << 1;
                 let address = u32::from(e.x) << 17 | u32::from(e.y) << 2 | sign | 1;
                 let low = e.t.0 as u32 & i32::MAX as u32;
                 let word = u64::from(low) << 32 | u64::from(address);
-                self.bytes.extend(word.to_le_bytes());
+                self.bytes.extend_from_slice(&word.to_le_bytes());
             }
         }
         out.write_all(&self.bytes)

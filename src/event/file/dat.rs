@@ -109,7 +109,8 @@ impl Sink for Writing {
         for e in events {
             let sign = u64::from(e.polarity.bit()) << 28;
             let place = sign | u64::from(e.y) << 14 | u64::from(e.x);
-            self.bytes.extend((place << 32 | e.t.0).to_le_bytes());
+            self.bytes
+                .extend_from_slice(&(place << 32 | e.t.0).to_le_bytes());
         }
         out.write_all(&self.bytes)
     }

@@ -138,7 +138,7 @@ impl Sink for Writing {
             self.last = e.t.0;
             let first = (pause as u8) << 1 | e.polarity.bit();
             let ([x0, x1], [y0, y1]) = (e.x.to_le_bytes(), e.y.to_le_bytes());
-            self.bytes.extend([first, x0, x1, y0, y1]);
+            self.bytes.extend_from_slice(&[first, x0, x1, y0, y1]);
         }
         out.write_all(&self.bytes)
     }

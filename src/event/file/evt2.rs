@@ -164,14 +164,15 @@ impl Sink for Writing {
             let high = e.t.0 >> LOW;
             if self.high != Some(high) {
                 for part in Clock::steps(self.high, high) {
-                    self.bytes.extend((0x8000_0000 | part).to_le_bytes());
+                    self.bytes
+                        .extend_from_slice(&(0x8000_0000 | part).to_le_bytes());
                 }
                 self.high = Some(high);
             }
             let low = (e.t.0 as u32 & 0x3F) << 22;
             let kind = u32::from(e.polarity.bit()) << 28;
             let word = kind | low | u32::from(e.x) << 11 | u32::from(e.y);
-            self.bytes.extend(word.to_le_bytes());
+            self.bytes.extend_from_slice(&word.to_le_bytes());
         }
         out.write_all(&self.bytes)
     }

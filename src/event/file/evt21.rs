@@ -139,7 +139,7 @@ impl Sink for Writing {
             if self.high != Some(high) {
                 for part in Clock::steps(self.high, high) {
                     let word = u64::from(0x8000_0000 | part) << 32;
-                    self.bytes.extend(word.to_le_bytes());
+                    self.bytes.extend_from_slice(&word.to_le_bytes());
                 }
                 self.high = Some(high);
             }
@@ -150,7 +150,7 @@ impl Sink for Writing {
             let kind = u32::from(e.polarity.bit()) << 28;
             let upper = kind | low | u32::from(from) << 11 | u32::from(e.y);
             let word = u64::from(upper) << 32 | u64::from(pixels);
-            self.bytes.extend(word.to_le_bytes());
+            self.bytes.extend_from_slice(&word.to_le_bytes());
             events = &events[count.max(1)..];
         }
         out.write_all(&self.bytes)

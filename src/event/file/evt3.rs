@@ -183,7 +183,8 @@ pub(super) struct Writing {
 
 impl Writing {
     fn word(&mut self, kind: u16, rest: u16) {
-        self.bytes.extend((kind << 12 | rest).to_le_bytes());
+        self.bytes
+            .extend_from_slice(&(kind << 12 | rest).to_le_bytes());
     }
 
     fn time(&mut self, t: u64) {
@@ -246,11 +247,12 @@ impl Sink for Writing {
                 if width > 24 {
                     self.word(5, (pixels >> 24) as u16);
                 }
-                events = &events[count..];
             } else {
-                self.word(2, sign | e.x);
-                events = &events[1..];
+                for e in &events[..count] {
+                    self.word(2, sign | e.x);
+                }
             }
+            events = &events[count..];
         }
         out.write_all(&self.bytes)
     }

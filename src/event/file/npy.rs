@@ -165,8 +165,13 @@ impl Source for Reading {
         }
         let room = usize::try_from(left).unwrap_or(BLOCK).min(BLOCK);
         let (from, mut read) = (self.from, 0);
+        let plain = self.record.plain;
         for record in here.chunks_exact(width).take(room) {
-            let event = self.record.read(record).event().map_err(|fault| {
+            let raw = match (plain, record.first_chunk()) {
+                (true, Some(own)) => Raw::plain(*own),
+                _ => self.record.read(record),
+            };
+            let event = raw.event().map_err(|fault| {
                 let at = from + (read * width) as u64;
                 Stop::Fault(Place::Byte(at), fault)
             })?;
@@ -291,6 +296,22 @@ struct Record {
     y: Field,
     p: Field,
     channel: Option<Field>,
+    /// As this writes it, without channels.
+    plain: bool,
+}
+
+impl Raw {
+    /// A record as this writes it.
+    fn plain(record: [u8; 13]) -> Self {
+        let [t0, t1, t2, t3, t4, t5, t6, t7, x0, x1, y0, y1, p] = record;
+        Self {
+            t: i64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]).into(),
+            x: i16::from_le_bytes([x0, x1]).into(),
+            y: i16::from_le_bytes([y0, y1]).into(),
+            p: i128::from(p as i8),
+            channel: 0,
+        }
+    }
 }
 
 impl Record {
@@ -417,6 +438,7 @@ impl<'a> Literal<'a> {
         }
         let [mut t, mut x, mut y, mut p, mut channel] = [None; 5];
         let mut width = 0_usize;
+        let mut codes = Vec::new();
         while !self.take("]") {
             self.expect("(")?;
             let name = self.string()?;
@@ -427,6 +449,7 @@ impl<'a> Literal<'a> {
                     "should have one number for `{name}` in each record"
                 ));
             }
+            codes.extend([name, code]);
             let padding = code
                 .strip_prefix("|V")
                 .filter(|_| name.is_empty())
@@ -458,7 +481,9 @@ impl<'a> Literal<'a> {
             }
         }
         let missing = |name| move || format!("has no field `{name}`");
+        let code: String = codes.concat();
         Ok(Record {
+            plain: code == "t<i8x<i2y<i2p|i1" || code == "t<i8x<i2y<i2pi1",
             width,
             t: t.ok_or_else(missing("t"))?,
             x: x.ok_or_else(missing("x"))?,
