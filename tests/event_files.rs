@@ -1,6 +1,7 @@
-//! Event files: what is written is read back (proptest, all formats), the bytes are the ones
-//! promised, and each damaged file in `tests/bad/event/` gets one message with its place.
-//! Whether other people's readers agree is `tests/python_readers.rs`.
+//! Event files of text and numpy: what is written is read back (proptest), the bytes are the
+//! ones promised, and each damaged file in `tests/bad/event/` gets one message with its place.
+//! The other formats are in
+//! `tests/event_formats.rs`; whether other people's readers agree is in `tests/python_readers.rs`.
 
 use std::{fs, path::Path};
 
@@ -92,7 +93,7 @@ proptest! {
         byte in any::<u8>(),
     ) {
         let folder = tempfile::tempdir().unwrap();
-        for format in Format::ALL {
+        for format in [Format::Csv, Format::Txt, Format::Npy] {
             let path = folder.path().join("a").with_extension(format.extension());
             let single = Packet { channels: 1, events: vec![], ..packet.clone() };
             let packet = if format == Format::Txt { &single } else { &packet };
@@ -224,7 +225,7 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
         packet
     };
     refused("a.jpg", &good, "`jpg` is not a known kind");
-    refused("a", &good, "known are .csv .npy .txt");
+    refused("a", &good, "known are .csv .txt .npy");
     refused("a.txt", &with(|p| p.channels = 2), ".txt has no place");
     let far = with(|p| {
         p.size.width = 40_000;

@@ -13,7 +13,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: amacrine compare out/reference.npy out/device.npy --within 1ms")]
 pub struct Arguments {
-    /// The reference: an event file (.csv, .npy, .txt)
+    /// The reference: an event file of any format
     a: PathBuf,
     /// What is judged against it
     b: PathBuf,

@@ -65,7 +65,7 @@ pub struct Arguments {
     /// On how many threads at most
     #[arg(long)]
     threads: Option<usize>,
-    /// Write the events that were read out (.csv, .npy, .txt)
+    /// Write the events that were read out; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
     #[arg(long)]
     events: Option<PathBuf>,
     /// Write every register into this folder, as .npy and .png
@@ -197,6 +197,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{}\n", report.json()));
     } else {
         super::say(&report.table());
+        if let Some(path) = &arguments.events {
+            super::say(&super::convert::opened(path));
+        }
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 pub mod asm;
 pub mod compare;
 pub mod compile;
+pub mod convert;
 mod debug;
 pub mod demo;
 pub mod disasm;
@@ -30,7 +31,8 @@ Examples:
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
-  amacrine compare out/reference.npy out/silicon.npy --within 1ms";
+  amacrine compare out/reference.npy out/silicon.npy --within 1ms
+  amacrine convert recording.raw part.aedat4 --slice 1s..2.5s";
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
@@ -58,6 +60,8 @@ enum Verb {
     Compile(compile::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
+    /// An event file into another format
+    Convert(convert::Arguments),
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -75,6 +79,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
+        Some(Verb::Convert(arguments)) => convert::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -50,7 +50,7 @@ pub struct Arguments {
     /// The number format of signals, weights and memory: f64, f32, f16, bf16, q8.8, …
     #[arg(long, default_value = "f64")]
     format: Format,
-    /// Write the events (.csv, .npy, .txt)
+    /// Write the events; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
     #[arg(long)]
     events: Option<PathBuf>,
     /// Write signed event counts, int32 (P,K,H,W)
@@ -118,6 +118,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{}\n", watched.json(arguments, &description)));
     } else {
         super::say(&watched.table(arguments, &description));
+        if let Some(path) = &arguments.events {
+            super::say(&super::convert::opened(path));
+        }
     }
     Ok(())
 }

@@ -3,13 +3,15 @@
 //! Everything is written to a temporary name in the same folder and renamed at the end, so
 //! that an error, a full disk or a kill leaves no half-written file behind.
 
+mod draft;
 mod stack;
 
+pub use draft::Draft;
 pub use stack::{Element, Stack};
 
 use std::{
     fs,
-    io::{self, BufWriter, Write},
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
@@ -35,18 +37,9 @@ pub fn save<F>(path: &Path, fill: F) -> Result<(), SaveError>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
 {
-    let write = || -> io::Result<()> {
-        let mut file = BufWriter::new(temporary_beside(path)?);
-        fill(&mut file)?;
-        let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-        give_ordinary_permissions(file.as_file())?;
-        file.persist(path).map_err(|e| e.error)?;
-        Ok(())
-    };
-    write().map_err(|cause| SaveError {
-        path: path.to_owned(),
-        cause,
-    })
+    let mut draft = Draft::create(path)?;
+    fill(&mut draft).map_err(|cause| draft.failed(cause))?;
+    draft.keep()
 }
 
 /// A file without a name yet, in the folder where it will get one.

@@ -32,8 +32,17 @@ pub struct About {
 }
 
 impl About {
+    /// A file that does not say anything.
+    pub const NOTHING: Self = Self {
+        size: None,
+        channels: None,
+        span: None,
+        dropped: None,
+    };
+
     /// All of a packet but its events.
-    pub fn of(packet: &Packet) -> Self {
+    #[must_use]
+    pub const fn of(packet: &Packet) -> Self {
         Self {
             size: Some(packet.size),
             channels: Some(packet.channels),
@@ -43,7 +52,7 @@ impl About {
     }
 
     /// What a comment (without its `#`) says; `None` when it is somebody else's comment.
-    pub fn parse(comment: &str) -> Result<Option<Self>, Fault> {
+    pub(super) fn parse(comment: &str) -> Result<Option<Self>, Fault> {
         let mut words = comment.split_ascii_whitespace();
         if words.next() != Some(NAME) {
             return Ok(None);
@@ -93,7 +102,7 @@ fn two<T: FromStr>(text: &str, between: &str) -> Option<(T, T)> {
 }
 
 /// Holds a sensor to the addresses that events have.
-pub fn within_reach(size: Size) -> Result<(), Fault> {
+pub(super) fn within_reach(size: Size) -> Result<(), Fault> {
     if size.height > LARGEST_SIDE || size.width > LARGEST_SIDE {
         return Err(Fault::SizeLimit { size });
     }

@@ -7,33 +7,62 @@
 //! Read with the columns in any order, `p` also as -1, and comments (`# …`); a comment
 //! `# amacrine size=346x260` before the first event gives the size.
 
-use std::io::{self, BufRead, Write};
+use std::io;
 
 use super::{
-    Fault, Loaded,
-    about::About,
+    Fault,
+    chunks::Chunks,
     fault::Stop,
-    intake::{Intake, Raw},
-    line::{Line, Lines, integer, shown},
+    gate::Raw,
+    line::{Line, Rows, Text, decimal, integer, shown},
+    source::{Out, Sink},
 };
-use crate::event::Packet;
+use crate::event::Event;
 
-/// Writes the events.
-pub(super) fn write(out: &mut dyn Write, packet: &Packet) -> io::Result<()> {
-    let channels = packet.channels > 1;
-    out.write_all(if channels {
-        b"t,x,y,p,channel\n"
-    } else {
-        b"t,x,y,p\n"
-    })?;
-    for e in &packet.events {
-        write!(out, "{},{},{},{}", e.t.0, e.x, e.y, e.polarity.bit())?;
-        if channels {
-            write!(out, ",{}", e.channel)?;
-        }
-        out.write_all(b"\n")?;
+/// Writes the events, with a column of channels or without.
+pub(super) const fn sink(channels: bool) -> Writing {
+    Writing {
+        channels,
+        text: Vec::new(),
     }
-    Ok(())
+}
+
+#[derive(Debug)]
+pub(super) struct Writing {
+    channels: bool,
+    text: Vec<u8>,
+}
+
+impl Sink for Writing {
+    fn start(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        out.write_all(if self.channels {
+            b"t,x,y,p,channel\n"
+        } else {
+            b"t,x,y,p\n"
+        })
+    }
+
+    fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
+        self.text.clear();
+        for e in events {
+            decimal(&mut self.text, e.t.0);
+            self.text.push(b',');
+            decimal(&mut self.text, e.x.into());
+            self.text.push(b',');
+            decimal(&mut self.text, e.y.into());
+            self.text.extend([b',', b'0' + e.polarity.bit()]);
+            if self.channels {
+                self.text.push(b',');
+                decimal(&mut self.text, e.channel.into());
+            }
+            self.text.push(b'\n');
+        }
+        out.write_all(&self.text)
+    }
+
+    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// What a column holds.
@@ -61,34 +90,35 @@ impl Column {
 }
 
 /// Reads the events.
-pub(super) fn read(input: &mut dyn BufRead) -> Result<Loaded, Stop> {
-    let mut lines = Lines::new(input);
-    let mut intake = Intake::new();
-    let mut columns: Option<Vec<Column>> = None;
-    while let Some(line) = lines.next()? {
-        if let Some(comment) = line.comment() {
-            let about = About::parse(&comment).map_err(|fault| line.stop(0, fault))?;
-            if let Some(about) = about {
-                intake.declare(about).map_err(|fault| line.stop(0, fault))?;
+pub(super) fn source(chunks: Chunks) -> Text<Csv> {
+    Text::new(chunks, Csv::default())
+}
+
+/// What the header says.
+#[derive(Debug, Default)]
+pub(super) struct Csv {
+    columns: Option<Vec<Column>>,
+}
+
+impl Rows for Csv {
+    fn row(&mut self, line: &Line<'_>) -> Result<Option<Raw>, Stop> {
+        match &self.columns {
+            None => {
+                self.columns = Some(header(line)?);
+                Ok(None)
             }
-            continue;
-        }
-        match &columns {
-            None => columns = Some(header(&line)?),
-            Some(columns) => {
-                let raw = event(&line, columns)?;
-                intake.take(raw).map_err(|fault| line.stop(0, fault))?;
-            }
+            Some(columns) => event(line, columns).map(Some),
         }
     }
-    if columns.is_none() {
+
+    fn end(&self) -> Result<(), Stop> {
+        if self.columns.is_some() {
+            return Ok(());
+        }
         let why = "found no line at all".into();
-        return Err(Stop::Fault(
-            super::Place::Line { line: 1, column: 1 },
-            Fault::Header { why },
-        ));
+        let place = super::Place::Line { line: 1, column: 1 };
+        Err(Stop::Fault(place, Fault::Header { why }))
     }
-    Ok(intake.finish())
 }
 
 fn header(line: &Line<'_>) -> Result<Vec<Column>, Stop> {

@@ -17,6 +17,35 @@ pub enum FileError {
         /// What it ends in.
         extension: String,
     },
+    /// Several formats share the extension.
+    #[error("{}: `.{extension}` files come in several formats: {names}", path.display())]
+    #[diagnostic(help(
+        "end the name in one of these, such as `.evt3`, or say which with `--format`"
+    ))]
+    Ambiguous {
+        /// Which file.
+        path: PathBuf,
+        /// What it ends in.
+        extension: String,
+        /// The formats.
+        names: String,
+    },
+    /// Neither the extension nor the first bytes name a format.
+    #[error("{}: neither the extension nor the first bytes say what kind of event file this is", path.display())]
+    #[diagnostic(help("say which with `amacrine convert --from NAME`"))]
+    Unknown {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// The format needs a feature that this program was built without.
+    #[error("{}: this amacrine was built without {format}", path.display())]
+    #[diagnostic(help("build it with `--features {format}`"))]
+    NotBuilt {
+        /// Which file.
+        path: PathBuf,
+        /// Which format, and feature.
+        format: Format,
+    },
     /// The file cannot be opened or read.
     #[error("{}: {cause}", path.display())]
     #[diagnostic(help("give a file that exists and can be read"))]
@@ -45,7 +74,7 @@ pub enum FileError {
         /// Which file.
         path: PathBuf,
         /// Number of the event, from 0.
-        event: usize,
+        event: u64,
         /// What is wrong.
         fault: Fault,
     },
@@ -55,9 +84,9 @@ pub enum FileError {
     Save(#[from] SaveError),
 }
 
-/// ".csv .npy .txt".
+/// ".csv .txt …".
 fn known() -> String {
-    Format::ALL.map(|f| format!(".{}", f.extension())).join(" ")
+    Format::ALL.map(|f| format!(".{}", f.name())).join(" ")
 }
 
 /// A place in an event file.
@@ -72,6 +101,8 @@ pub enum Place {
     },
     /// In a binary file, from 0.
     Byte(u64),
+    /// An event, from 0, where columns lie apart.
+    Event(u64),
 }
 
 impl fmt::Display for Place {
@@ -79,6 +110,7 @@ impl fmt::Display for Place {
         match self {
             Self::Line { line, column } => write!(f, "{line}:{column}"),
             Self::Byte(at) => write!(f, " byte {at}"),
+            Self::Event(number) => write!(f, " event {number}"),
         }
     }
 }
@@ -169,10 +201,44 @@ pub enum Fault {
         channels: u8,
     },
     /// More kinds of cells than the format can tell apart.
-    #[error("the packet has {channels} channels, and .{} has no place for them", format.extension())]
+    #[error("the packet has {channels} channels, and .{format} has no place for them")]
     NoChannels {
         /// How many.
         channels: u8,
+        /// Which format.
+        format: Format,
+    },
+    /// A sensor larger than the format can say.
+    #[error("the sensor is {size}; {format} holds at most {most}")]
+    Large {
+        /// Its size.
+        size: Size,
+        /// The largest that the format holds.
+        most: Size,
+        /// Which format.
+        format: Format,
+    },
+    /// A time later than the format can say.
+    #[error("`t` is {t} us; {format} holds times up to {limit} us")]
+    Late {
+        /// The time.
+        t: u64,
+        /// The latest that the format holds.
+        limit: u64,
+        /// Which format.
+        format: Format,
+    },
+    /// More time between events than the format can reasonably say.
+    #[error(
+        "nothing happens from {from} to {to} us; {format} writes silence out, up to {limit} us"
+    )]
+    Silence {
+        /// The event before, or 0.
+        from: u64,
+        /// This event.
+        to: u64,
+        /// The longest silence.
+        limit: u64,
         /// Which format.
         format: Format,
     },
@@ -186,6 +252,22 @@ pub enum Fault {
     #[error("the comment `# amacrine …` {why}")]
     About {
         /// What is wrong with it.
+        why: String,
+    },
+    /// A word that the format does not have.
+    #[error("a word of kind {kind}, which {format} does not have")]
+    Word {
+        /// Which format.
+        format: Format,
+        /// Its kind, the upper four bits.
+        kind: u32,
+    },
+    /// The file is not laid out as its format asks.
+    #[error("the {format} file {why}")]
+    Layout {
+        /// Which format.
+        format: Format,
+        /// What is wrong.
         why: String,
     },
     /// Not an NPY file.
@@ -213,6 +295,13 @@ impl Fault {
     #[must_use]
     pub const fn help(&self) -> &'static str {
         match self {
+            Self::Late { .. } | Self::Silence { .. } => {
+                "write aedat4, npy or csv, which hold any time; or cut the recording with `convert --slice`"
+            }
+            Self::Large { .. } => "write aedat4, npy or csv, which hold larger sensors",
+            Self::Layout { .. } | Self::Word { .. } => {
+                "check that the extension (or `--from`) says what is in the file; `convert --salvage` keeps the events before the damage"
+            }
             Self::Header { .. } => "let the first line name the columns: t,x,y,p",
             Self::Fields { .. } => {
                 "give one event a line, with as many fields as there are columns"
@@ -239,14 +328,18 @@ impl Fault {
                 "correct the size, or the events that lie outside"
             }
             Self::Channel { .. } => "correct the number of channels, or the channel of the event",
-            Self::NoChannels { .. } => "write .csv or .npy, or one file a channel",
+            Self::NoChannels { .. } => {
+                "write csv, npy, npz, hdf5 or parquet, which keep them; or one channel with `convert --kind N`, or one file a channel with `convert --each-kind`"
+            }
             Self::About { .. } => {
                 "it should read like `# amacrine size=346x260 channels=1 span=0..2000000 dropped=0,0`, before the first event, once; all but `amacrine` may be left out"
             }
             Self::Npy { .. } => {
                 "save a one-dimensional array of dtype [('t','<i8'),('x','<i2'),('y','<i2'),('p','i1')], and perhaps ('channel','u1')"
             }
-            Self::Truncated { .. } => "the file was cut short: write or copy it again",
+            Self::Truncated { .. } => {
+                "the file was cut short: write or copy it again, or keep what is there with `convert --salvage`"
+            }
             Self::Trailing => "store one array a file",
         }
     }

@@ -1,48 +1,129 @@
 //! Text files, line by line, in bounded memory.
 
-use std::io::{BufRead, Read};
-
-use super::{Fault, Place, fault::Stop};
+use super::{Fault, Place, about::About, chunks::Chunks, fault::Stop, gate::Raw, source::Source};
+use crate::event::Event;
 
 /// Longer than any event or comment.
 const LONGEST: usize = 4096;
 
-/// The lines of a text file.
-#[derive(Debug)]
-pub struct Lines<R> {
-    input: R,
-    text: Vec<u8>,
-    number: u64,
+/// What the lines of a text mean.
+pub trait Rows: Send {
+    /// The event of a line that is neither blank nor a comment, if it has one.
+    fn row(&mut self, line: &Line<'_>) -> Result<Option<Raw>, Stop>;
+
+    /// At the end of the file.
+    fn end(&self) -> Result<(), Stop> {
+        Ok(())
+    }
 }
 
-impl<R: BufRead> Lines<R> {
+/// A text file.
+pub struct Text<R> {
+    chunks: Chunks,
+    rows: R,
+    about: Option<About>,
+    /// Lines so far, and those of the last block's events.
+    number: u64,
+    places: Vec<u64>,
+    begun: bool,
+    /// The lines in hand.
+    lines: Vec<u8>,
+}
+
+impl<R: Rows> Text<R> {
     /// From the start.
-    pub const fn new(input: R) -> Self {
+    pub const fn new(chunks: Chunks, rows: R) -> Self {
         Self {
-            input,
-            text: Vec::new(),
+            chunks,
+            rows,
+            about: None,
             number: 0,
+            places: Vec::new(),
+            begun: false,
+            lines: Vec::new(),
         }
     }
 
-    /// The next line that is not blank, without its end.
-    pub fn next(&mut self) -> Result<Option<Line<'_>>, Stop> {
-        loop {
-            self.text.clear();
-            let mut bounded = Read::take(&mut self.input, LONGEST as u64);
-            if bounded.read_until(b'\n', &mut self.text)? == 0 {
-                return Ok(None);
-            }
-            self.number += 1;
-            if self.text.len() == LONGEST {
+    /// Takes whole lines.
+    fn lines_of(&mut self, part: &[u8], events: &mut Vec<Event>) -> Result<(), Stop> {
+        for text in part.split_inclusive(|b| *b == b'\n') {
+            if text.len() >= LONGEST {
                 let fault = Fault::LongLine { limit: LONGEST };
-                return Err(Line::new(self.number, &self.text).stop(0, fault));
+                return Err(Line::new(self.number + 1, text).stop(0, fault));
             }
-            if !self.text.trim_ascii().is_empty() {
-                break;
+            if let Some(event) = self.take(text)? {
+                events.push(event);
+                self.places.push(self.number);
             }
         }
-        Ok(Some(Line::new(self.number, self.text.trim_ascii_end())))
+        Ok(())
+    }
+
+    /// Takes one line; its event, if it has one.
+    fn take(&mut self, text: &[u8]) -> Result<Option<Event>, Stop> {
+        self.number += 1;
+        let line = Line::new(self.number, text.trim_ascii_end());
+        if line.text.trim_ascii_start().is_empty() {
+            return Ok(None);
+        }
+        if let Some(comment) = line.comment() {
+            let about = About::parse(&comment).map_err(|fault| line.stop(0, fault))?;
+            if about.is_some() {
+                if self.about.is_some() || self.begun {
+                    let why = "comes twice, or after the first event".into();
+                    return Err(line.stop(0, Fault::About { why }));
+                }
+                self.about = about;
+            }
+            return Ok(None);
+        }
+        let Some(raw) = self.rows.row(&line)? else {
+            return Ok(None);
+        };
+        self.begun = true;
+        raw.event().map(Some).map_err(|fault| line.stop(0, fault))
+    }
+}
+
+impl<R: Rows> Source for Text<R> {
+    fn about(&self) -> About {
+        self.about.unwrap_or_default()
+    }
+
+    fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
+        self.places.clear();
+        // The lines of one chunk, out of the reader's hands.
+        let here = self.chunks.ahead(LONGEST)?;
+        let Some(end) = here.iter().rposition(|b| *b == b'\n') else {
+            // The last line may lack its end.
+            if here.is_empty() {
+                self.rows.end()?;
+                return Ok(false);
+            }
+            if here.len() >= LONGEST {
+                let fault = Fault::LongLine { limit: LONGEST };
+                return Err(Line::new(self.number + 1, here).stop(0, fault));
+            }
+            let last = here.to_vec();
+            self.chunks.eat(last.len());
+            if let Some(event) = self.take(&last)? {
+                events.push(event);
+                self.places.push(self.number);
+            }
+            return Ok(true);
+        };
+        let mut part = std::mem::take(&mut self.lines);
+        part.clear();
+        part.extend_from_slice(&here[..=end]);
+        self.chunks.eat(part.len());
+        let read = self.lines_of(&part, events);
+        self.lines = part;
+        read.map(|()| true)
+    }
+
+    fn place(&self, event: usize) -> Place {
+        let line = self.places.get(event).copied().unwrap_or(self.number);
+        Place::Line { line, column: 1 }
     }
 }
 
@@ -105,6 +186,21 @@ pub fn integer(text: &[u8]) -> Option<i128> {
     } else {
         value.into()
     })
+}
+
+/// Writes a whole number.
+pub fn decimal(text: &mut Vec<u8>, mut value: u64) {
+    let mut digits = [0; 20];
+    let mut first = digits.len();
+    loop {
+        first -= 1;
+        digits[first] = b'0' + (value % 10) as u8;
+        value /= 10;
+        if value == 0 {
+            break;
+        }
+    }
+    text.extend_from_slice(&digits[first..]);
 }
 
 /// A field for an error message: short, and text.

@@ -1,78 +1,54 @@
-//! Event files that the field's tools open, chosen by extension.
+//! Event files that the field's tools open, one file a format.
 //!
-//! | extension | what | the line of Python that opens it |
-//! |---|---|---|
-//! | `.csv` | header `t,x,y,p` (and `channel` when there are several), integer microseconds, p 0 or 1 | `pandas.read_csv(path)` or `numpy.genfromtxt(path, delimiter=',', names=True, dtype=int)` |
-//! | `.npy` | structured array, fields `t x y p` (and `channel`) | `numpy.load(path)` |
-//! | `.txt` | `t x y p`, seconds with nine decimals, one channel | `numpy.loadtxt(path)` |
+//! `docs/formats.md` has the table: what each format holds, who reads it, and the line of
+//! Python that opens it ([`Format::python`]). [`read`] and [`write`] move whole packets;
+//! [`Reader`] and [`Writer`] go block by block in memory that does not grow.
 //!
-//! Time is absolute, y runs down. `.npy` carries the whole packet (see [`npy`]); `.csv` and
-//! `.txt` are written bare, so that the plainest reader can open them. A file that does not
-//! say its size gets the smallest that holds its events, and [`Loaded`] tells so.
+//! Time is absolute, y runs down. What a format cannot hold is refused, never clipped or
+//! flattened. A file that does not say its size gets the smallest that holds its events, and
+//! [`Loaded`] tells so.
 //!
-//! A new format is a variant of [`Format`], a file beside these, and the arms that the
-//! compiler then asks for.
+//! A new format is a variant of [`Format`], a file beside these with a `source` and a `sink`,
+//! and the arms that the compiler then asks for.
 
 mod about;
-pub mod csv;
+mod aedat2;
+mod aedat3;
+mod aedat4;
+mod chunks;
+mod csv;
+mod dat;
+mod es;
+mod evt2;
+mod evt21;
+mod evt3;
 mod fault;
-mod intake;
+mod flat;
+mod format;
+mod gate;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+mod header;
 mod line;
-pub mod npy;
-pub mod txt;
+mod npy;
+mod npz;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod reader;
+mod source;
+mod txt;
+mod writer;
 
-use std::{
-    fs::File,
-    io::BufReader,
-    path::{Path, PathBuf},
-};
+use std::path::Path;
 
-use fault::Stop;
+pub use about::About;
 pub use fault::{Fault, FileError, Place};
+pub use format::{Format, FormatError, Limits};
+pub use reader::{Opening, Reader};
+pub use writer::{Compression, Head, Writer};
 
-use super::Packet;
-use crate::save::save;
-
-/// A kind of event file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Format {
-    /// Comma-separated text.
-    Csv,
-    /// numpy's structured array.
-    Npy,
-    /// Text with seconds, one event a line.
-    Txt,
-}
-
-impl Format {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Csv, Self::Npy, Self::Txt];
-
-    /// Its extension, without the dot.
-    #[must_use]
-    pub const fn extension(self) -> &'static str {
-        match self {
-            Self::Csv => "csv",
-            Self::Npy => "npy",
-            Self::Txt => "txt",
-        }
-    }
-
-    /// The format that a file name asks for.
-    ///
-    /// # Errors
-    /// When the extension is missing or unknown; the message lists the known ones.
-    pub fn of(path: &Path) -> Result<Self, FileError> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        Self::ALL
-            .into_iter()
-            .find(|f| f.extension().eq_ignore_ascii_case(extension))
-            .ok_or_else(|| FileError::Extension {
-                path: path.to_owned(),
-                extension: extension.to_owned(),
-            })
-    }
-}
+use super::{Event, Packet};
+use source::BLOCK;
 
 /// A packet from a file, and how much of it the file said itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -83,6 +59,8 @@ pub struct Loaded {
     pub size_known: bool,
     /// The file gave the number of channels; otherwise it is the smallest that holds the events.
     pub channels_known: bool,
+    /// Records that are no events of a pixel and were left out, see [`Reader::skipped`].
+    pub skipped: u64,
 }
 
 impl Loaded {
@@ -103,46 +81,88 @@ impl Loaded {
 /// Writes a packet, whole or not at all, in the format that the extension names.
 ///
 /// # Errors
-/// When the extension is unknown, the format cannot hold the packet (nothing is flattened or
-/// clipped), or the file cannot be written.
+/// When the extension is unknown or shared by several formats, the format cannot hold the
+/// packet (nothing is flattened or clipped), or the file cannot be written.
 pub fn write(path: &Path, packet: &Packet) -> Result<(), FileError> {
-    let format = Format::of(path)?;
-    intake::check(packet, format).map_err(|(event, fault)| FileError::Unwritable {
-        path: path.to_owned(),
-        event,
-        fault,
-    })?;
-    save(path, |out| match format {
-        Format::Csv => csv::write(out, packet),
-        Format::Npy => npy::write(out, packet),
-        Format::Txt => txt::write(out, packet),
-    })?;
+    write_as(path, Format::of(path)?, Compression::default(), packet)
+}
+
+/// Writes a packet in this format, whatever the file is called.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_as(
+    path: &Path,
+    format: Format,
+    compression: Compression,
+    packet: &Packet,
+) -> Result<(), FileError> {
+    let mut writer = Writer::create(path, format, compression, &Head::of(packet))?;
+    for events in packet.events.chunks(BLOCK) {
+        writer.put(events)?;
+    }
+    writer.finish()?;
     Ok(())
 }
 
-/// Reads an event file in the format that its extension names.
+/// Reads an event file in the format that its extension names, or its first bytes where
+/// several formats share the extension.
 ///
 /// # Errors
-/// When the extension is unknown, the file cannot be opened, or anything in it is not as the
+/// When the format cannot be told, the file cannot be opened, or anything in it is not as the
 /// format says; the message names the line and column, or the byte.
 pub fn read(path: &Path) -> Result<Loaded, FileError> {
-    let format = Format::of(path)?;
-    let unreadable = |cause| FileError::Unreadable {
-        path: PathBuf::from(path),
-        cause,
+    read_as(path, &Opening::default())
+}
+
+/// Reads an event file as it is told.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_as(path: &Path, how: &Opening) -> Result<Loaded, FileError> {
+    match salvage(path, how)? {
+        (loaded, None) => Ok(loaded),
+        (_, Some(error)) => Err(error),
+    }
+}
+
+/// Reads all events before the first damage, and says what the damage is.
+///
+/// # Errors
+/// When there is nothing to read: the file cannot be opened, or its header is not as the
+/// format says.
+pub fn salvage(path: &Path, how: &Opening) -> Result<(Loaded, Option<FileError>), FileError> {
+    Reader::open(path, how).map(all)
+}
+
+/// Reads the events that are left, up to the first damage, and says what the damage is.
+#[must_use]
+pub fn all(mut reader: Reader) -> (Loaded, Option<FileError>) {
+    let mut block: Vec<Event> = Vec::new();
+    let mut events = Vec::new();
+    let damage = loop {
+        match reader.next_block(&mut block) {
+            Ok(true) => events.append(&mut block),
+            Ok(false) => break None,
+            Err(error) => break Some(error),
+        }
     };
-    let mut input = BufReader::with_capacity(1 << 16, File::open(path).map_err(unreadable)?);
-    let loaded = match format {
-        Format::Csv => csv::read(&mut input),
-        Format::Npy => npy::read(&mut input),
-        Format::Txt => txt::read(&mut input),
+    let (gate, about) = (reader.gate(), reader.about());
+    let packet = Packet {
+        size: about.size.unwrap_or(gate.reach),
+        channels: about.channels.unwrap_or(gate.channels),
+        span: about
+            .span
+            .or(gate.first.map(|first| (first, gate.last)))
+            .unwrap_or_default(),
+        dropped: about.dropped.unwrap_or_default(),
+        events,
     };
-    loaded.map_err(|stop| match stop {
-        Stop::Io(cause) => unreadable(cause),
-        Stop::Fault(place, fault) => FileError::Bad {
-            path: path.to_owned(),
-            place,
-            fault,
-        },
-    })
+    let loaded = Loaded {
+        packet,
+        size_known: about.size.is_some(),
+        channels_known: about.channels.is_some(),
+        skipped: reader.skipped(),
+    };
+    (loaded, damage)
 }

@@ -10,18 +10,18 @@
 //! booleans for `p`; versions 1 to 3. Layout: numpy's NEP 1,
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use std::io::{self, BufRead, ErrorKind, Write};
+use std::io::{self, SeekFrom};
 
 use super::{
-    Fault, Loaded, Place,
+    Fault, Place,
     about::About,
+    chunks::Chunks,
     fault::Stop,
-    intake::{Intake, Raw},
+    gate::Raw,
+    source::{BLOCK, Out, Sink, Source},
+    writer::Head,
 };
-use crate::event::Packet;
-
-/// The largest coordinate that `<i2` holds.
-pub(super) const LARGEST: u16 = i16::MAX.unsigned_abs();
+use crate::event::Event;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -38,99 +38,216 @@ const LONGEST_HEADER: usize = 1 << 16;
 const LONGEST_RECORD: usize = 1 << 16;
 
 /// Writes the events.
-pub(super) fn write(out: &mut dyn Write, packet: &Packet) -> io::Result<()> {
-    let channels = packet.channels > 1;
-    let more = if channels { ", ('channel', '|u1')" } else { "" };
+pub(super) const fn sink(head: &Head) -> Writing {
+    Writing {
+        head: *head,
+        events: 0,
+        bytes: Vec::new(),
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Writing {
+    head: Head,
+    events: u64,
+    bytes: Vec<u8>,
+}
+
+impl Writing {
+    /// The header, whatever the number of events always of one length.
+    fn header(&self) -> io::Result<Vec<u8>> {
+        let more = if self.head.channels > 1 {
+            ", ('channel', '|u1')"
+        } else {
+            ""
+        };
+        let record = format!("[('t', '<i8'), ('x', '<i2'), ('y', '<i2'), ('p', '|i1'){more}]");
+        let comment = format!(" # {}", self.head.about());
+        written_header(&record, self.events, &comment)
+    }
+}
+
+/// The bytes of a header (version 1); its length does not depend on `events`.
+pub(super) fn written_header(record: &str, events: u64, comment: &str) -> io::Result<Vec<u8>> {
+    // As many digits as there are, so that the header can be written again at the end.
+    let digits = u64::MAX.to_string().len() - events.to_string().len();
     let mut header = format!(
-        "{{'descr': [('t', '<i8'), ('x', '<i2'), ('y', '<i2'), ('p', '|i1'){more}], \
-         'fortran_order': False, 'shape': ({},), }} # {}",
-        packet.events.len(),
-        About::of(packet)
+        "{{'descr': {record}, 'fortran_order': False, 'shape': ({events},), }}{:digits$}{comment}",
+        ""
     );
     while !(PREFIX + header.len() + 1).is_multiple_of(ALIGN) {
         header.push(' ');
     }
     header.push('\n');
-    out.write_all(MAGIC)?;
-    out.write_all(&[1, 0])?;
     let length = u16::try_from(header.len()).map_err(io::Error::other)?;
-    out.write_all(&length.to_le_bytes())?;
-    out.write_all(header.as_bytes())?;
-    for e in &packet.events {
-        out.write_all(&e.t.0.to_le_bytes())?;
-        out.write_all(&e.x.to_le_bytes())?;
-        out.write_all(&e.y.to_le_bytes())?;
-        out.write_all(&[e.polarity.bit()])?;
-        if channels {
-            out.write_all(&[e.channel])?;
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend([1, 0]);
+    bytes.extend(length.to_le_bytes());
+    bytes.extend(header.into_bytes());
+    Ok(bytes)
+}
+
+impl Sink for Writing {
+    fn start(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        out.write_all(&self.header()?)
+    }
+
+    fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
+        let channels = self.head.channels > 1;
+        self.events += events.len() as u64;
+        self.bytes.clear();
+        for e in events {
+            let mut record = [0; 14];
+            record[..8].copy_from_slice(&e.t.0.to_le_bytes());
+            record[8..10].copy_from_slice(&e.x.to_le_bytes());
+            record[10..12].copy_from_slice(&e.y.to_le_bytes());
+            record[12] = e.polarity.bit();
+            record[13] = e.channel;
+            self.bytes
+                .extend_from_slice(if channels { &record } else { &record[..13] });
         }
+        out.write_all(&self.bytes)
     }
-    Ok(())
-}
 
-/// Reads the events.
-pub(super) fn read(input: &mut dyn BufRead) -> Result<Loaded, Stop> {
-    let mut bytes = Bytes { input, at: 0 };
-    let header = header(&mut bytes)?;
-    let mut intake = Intake::new();
-    if let Some(about) = header.about {
-        intake
-            .declare(about)
-            .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
-    }
-    let mut record = vec![0; header.record.width];
-    for event in 0..header.events {
-        let place = Place::Byte(bytes.at);
-        bytes.fill(&mut record, || format!("event {event}"))?;
-        intake
-            .take(header.record.read(&record))
-            .map_err(|fault| Stop::Fault(place, fault))?;
-    }
-    if !bytes.input.fill_buf()?.is_empty() {
-        return Err(Stop::Fault(Place::Byte(bytes.at), Fault::Trailing));
-    }
-    Ok(intake.finish())
-}
-
-/// A stream that knows where it is.
-struct Bytes<'a> {
-    input: &'a mut dyn BufRead,
-    at: u64,
-}
-
-impl Bytes<'_> {
-    /// Fills `part`, or says in the middle of what the file ends.
-    fn fill(&mut self, part: &mut [u8], inside: impl Fn() -> String) -> Result<(), Stop> {
-        let mut got = 0;
-        while got < part.len() {
-            match self.input.read(&mut part[got..]) {
-                Ok(0) => {
-                    let inside = inside();
-                    return Err(Stop::Fault(
-                        Place::Byte(self.at),
-                        Fault::Truncated { inside },
-                    ));
-                }
-                Ok(n) => {
-                    got += n;
-                    self.at += n as u64;
-                }
-                Err(e) if e.kind() == ErrorKind::Interrupted => (),
-                Err(e) => return Err(e.into()),
-            }
-        }
+    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        out.seek(SeekFrom::Start(0))?;
+        out.write_all(&self.header()?)?;
+        out.seek(SeekFrom::End(0))?;
         Ok(())
     }
 }
 
+/// The events being read.
+pub(super) struct Reading {
+    chunks: Chunks,
+    record: Record,
+    events: u64,
+    about: About,
+    /// Events read, and where the last block starts.
+    read: u64,
+    from: u64,
+}
+
+/// Reads the events.
+pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
+    let header = header(&mut chunks, true)?;
+    let Shape::Record(record) = header.shape else {
+        return Err(Stop::Fault(Place::Byte(0), Fault::Magic));
+    };
+    Ok(Reading {
+        from: chunks.at(),
+        chunks,
+        record,
+        events: header.events,
+        about: header.about.unwrap_or_default(),
+        read: 0,
+    })
+}
+
+impl Source for Reading {
+    fn about(&self) -> About {
+        self.about
+    }
+
+    fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
+        let width = self.record.width;
+        let left = self.events - self.read;
+        self.from = self.chunks.at();
+        if left == 0 {
+            if self.chunks.ahead(1)?.is_empty() {
+                return Ok(false);
+            }
+            return Err(self.chunks.stop(Fault::Trailing));
+        }
+        let here = self.chunks.ahead(width)?;
+        if here.len() < width {
+            return Err(self.chunks.truncated(format!("event {}", self.read)));
+        }
+        let room = usize::try_from(left).unwrap_or(BLOCK).min(BLOCK);
+        let (from, mut read) = (self.from, 0);
+        let plain = self.record.plain;
+        for record in here.chunks_exact(width).take(room) {
+            let raw = match (plain, record.first_chunk()) {
+                (true, Some(own)) => Raw::plain(*own),
+                _ => self.record.read(record),
+            };
+            let event = raw.event().map_err(|fault| {
+                let at = from + (read * width) as u64;
+                Stop::Fault(Place::Byte(at), fault)
+            })?;
+            events.push(event);
+            read += 1;
+        }
+        self.read += read as u64;
+        self.chunks.eat(read * width);
+        Ok(true)
+    }
+
+    fn place(&self, event: usize) -> Place {
+        Place::Byte(self.from + (event * self.record.width) as u64)
+    }
+}
+
+/// One number an event, of an array of its own.
+pub(super) struct Column {
+    chunks: Chunks,
+    field: Field,
+    /// How many there are.
+    pub events: u64,
+}
+
+/// Reads an array of integers.
+pub(super) fn column(mut chunks: Chunks) -> Result<Column, Stop> {
+    let Header { shape, events, .. } = header(&mut chunks, false)?;
+    let Shape::Number(Some(field)) = shape else {
+        let why = "should describe one integer an event".into();
+        return Err(Stop::Fault(Place::Byte(0), Fault::Npy { why }));
+    };
+    Ok(Column {
+        chunks,
+        field,
+        events,
+    })
+}
+
+impl Column {
+    /// The next number.
+    pub(super) fn next(&mut self) -> Result<i128, Stop> {
+        let width = self.field.width;
+        let here = self.chunks.ahead(width)?;
+        let Some(bytes) = here.get(..width) else {
+            return Err(self.chunks.truncated("an array".into()));
+        };
+        let value = self.field.read(bytes);
+        self.chunks.eat(width);
+        Ok(value)
+    }
+
+    /// Holds the file to its end.
+    pub(super) fn end(&mut self) -> Result<(), Stop> {
+        if self.chunks.ahead(1)?.is_empty() {
+            return Ok(());
+        }
+        Err(self.chunks.stop(Fault::Trailing))
+    }
+}
+
+/// What an array holds.
+enum Shape {
+    Record(Record),
+    /// `None` when it is no integer.
+    Number(Option<Field>),
+}
+
 /// What the header says.
 struct Header {
-    record: Record,
+    shape: Shape,
     events: u64,
     about: Option<About>,
 }
 
-fn header(bytes: &mut Bytes<'_>) -> Result<Header, Stop> {
+/// The header of an array of records, or of one number an event.
+fn header(bytes: &mut Chunks, records: bool) -> Result<Header, Stop> {
     let mut start = [0; 8];
     bytes
         .fill(&mut start, || "the first eight bytes".into())
@@ -142,7 +259,7 @@ fn header(bytes: &mut Bytes<'_>) -> Result<Header, Stop> {
     let digits = if start[6] == 1 { 2 } else { 4 };
     bytes.fill(&mut length[..digits], || "the length of the header".into())?;
     let length = u32::from_le_bytes(length) as usize;
-    let from = bytes.at;
+    let from = bytes.at();
     let wrong =
         |at: usize, why: String| Stop::Fault(Place::Byte(from + at as u64), Fault::Npy { why });
     if length > LONGEST_HEADER {
@@ -157,12 +274,13 @@ fn header(bytes: &mut Bytes<'_>) -> Result<Header, Stop> {
     let mut literal = Literal {
         text: &text,
         at: 0,
+        records,
         comment: None,
     };
-    let (record, events) = literal.header().map_err(|why| wrong(literal.at, why))?;
+    let (shape, events) = literal.header().map_err(|why| wrong(literal.at, why))?;
     let about = literal.comment.map_or(Ok(None), About::parse);
     Ok(Header {
-        record,
+        shape,
         events,
         about: about.map_err(|fault| Stop::Fault(Place::Byte(from), fault))?,
     })
@@ -178,6 +296,22 @@ struct Record {
     y: Field,
     p: Field,
     channel: Option<Field>,
+    /// As this writes it, without channels.
+    plain: bool,
+}
+
+impl Raw {
+    /// A record as this writes it.
+    fn plain(record: [u8; 13]) -> Self {
+        let [t0, t1, t2, t3, t4, t5, t6, t7, x0, x1, y0, y1, p] = record;
+        Self {
+            t: i64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]).into(),
+            x: i16::from_le_bytes([x0, x1]).into(),
+            y: i16::from_le_bytes([y0, y1]).into(),
+            p: i128::from(p as i8),
+            channel: 0,
+        }
+    }
 }
 
 impl Record {
@@ -247,19 +381,27 @@ impl Field {
 struct Literal<'a> {
     text: &'a str,
     at: usize,
+    /// Whether they are records that are described.
+    records: bool,
     comment: Option<&'a str>,
 }
 
 impl<'a> Literal<'a> {
     /// The whole header: the record and the number of events.
-    fn header(&mut self) -> Result<(Record, u64), String> {
-        let (mut record, mut order, mut events) = (None, None, None);
+    fn header(&mut self) -> Result<(Shape, u64), String> {
+        let (mut shape, mut order, mut events) = (None, None, None);
         self.expect("{")?;
         while !self.take("}") {
             let key = self.string()?;
             self.expect(":")?;
             match key {
-                "descr" => record = Some(self.record()?),
+                "descr" => {
+                    shape = Some(if self.records {
+                        Shape::Record(self.record()?)
+                    } else {
+                        Shape::Number(Field::parse(self.string()?, 0))
+                    });
+                }
                 "fortran_order" => {
                     // The same for one dimension.
                     order = Some(self.take("True") || self.take("False"));
@@ -283,8 +425,8 @@ impl<'a> Literal<'a> {
         if self.at < self.text.len() {
             return Err("goes on after its dictionary".into());
         }
-        match (record, order, events) {
-            (Some(record), Some(true), Some(events)) => Ok((record, events)),
+        match (shape, order, events) {
+            (Some(shape), Some(true), Some(events)) => Ok((shape, events)),
             _ => Err("should have `descr`, `fortran_order` (True or False) and `shape`".into()),
         }
     }
@@ -296,6 +438,7 @@ impl<'a> Literal<'a> {
         }
         let [mut t, mut x, mut y, mut p, mut channel] = [None; 5];
         let mut width = 0_usize;
+        let mut codes = Vec::new();
         while !self.take("]") {
             self.expect("(")?;
             let name = self.string()?;
@@ -306,6 +449,7 @@ impl<'a> Literal<'a> {
                     "should have one number for `{name}` in each record"
                 ));
             }
+            codes.extend([name, code]);
             let padding = code
                 .strip_prefix("|V")
                 .filter(|_| name.is_empty())
@@ -337,7 +481,9 @@ impl<'a> Literal<'a> {
             }
         }
         let missing = |name| move || format!("has no field `{name}`");
+        let code: String = codes.concat();
         Ok(Record {
+            plain: code == "t<i8x<i2y<i2p|i1" || code == "t<i8x<i2y<i2pi1",
             width,
             t: t.ok_or_else(missing("t"))?,
             x: x.ok_or_else(missing("x"))?,

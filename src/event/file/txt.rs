@@ -4,48 +4,70 @@
 //! Written with nine decimals, because readers that truncate (evlib) would otherwise lose a
 //! microsecond. Read to the nearest microsecond. There is no place for a channel.
 
-use std::io::{self, BufRead, Write};
+use std::io;
 
 use super::{
-    Fault, Loaded,
-    about::About,
+    Fault,
+    chunks::Chunks,
     fault::Stop,
-    intake::{Intake, Raw},
-    line::{Line, Lines, integer, shown},
+    gate::Raw,
+    line::{Line, Rows, Text, decimal, integer, shown},
+    source::{Out, Sink},
 };
-use crate::event::Packet;
+use crate::event::Event;
 
 /// Writes the events.
-pub(super) fn write(out: &mut dyn Write, packet: &Packet) -> io::Result<()> {
-    for e in &packet.events {
-        let (seconds, micros) = (e.t.0 / 1_000_000, e.t.0 % 1_000_000);
-        writeln!(
-            out,
-            "{seconds}.{micros:06}000 {} {} {}",
-            e.x,
-            e.y,
-            e.polarity.bit()
-        )?;
+pub(super) fn sink() -> Writing {
+    Writing::default()
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Writing {
+    text: Vec<u8>,
+}
+
+impl Sink for Writing {
+    fn start(&mut self, _: &mut dyn Out) -> io::Result<()> {
+        Ok(())
     }
-    Ok(())
+
+    fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
+        self.text.clear();
+        for e in events {
+            let (seconds, micros) = (e.t.0 / 1_000_000, e.t.0 % 1_000_000);
+            decimal(&mut self.text, seconds);
+            self.text.push(b'.');
+            // Six digits with their zeros: those of a number that has seven, without its first.
+            let point = self.text.len();
+            decimal(&mut self.text, 1_000_000 + micros);
+            self.text.remove(point);
+            self.text.extend(b"000 ");
+            decimal(&mut self.text, e.x.into());
+            self.text.push(b' ');
+            decimal(&mut self.text, e.y.into());
+            self.text.extend([b' ', b'0' + e.polarity.bit(), b'\n']);
+        }
+        out.write_all(&self.text)
+    }
+
+    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// Reads the events.
-pub(super) fn read(input: &mut dyn BufRead) -> Result<Loaded, Stop> {
-    let mut lines = Lines::new(input);
-    let mut intake = Intake::new();
-    while let Some(line) = lines.next()? {
-        if let Some(comment) = line.comment() {
-            let about = About::parse(&comment).map_err(|fault| line.stop(0, fault))?;
-            if let Some(about) = about {
-                intake.declare(about).map_err(|fault| line.stop(0, fault))?;
-            }
-            continue;
-        }
-        let raw = event(&line)?;
-        intake.take(raw).map_err(|fault| line.stop(0, fault))?;
+pub(super) fn source(chunks: Chunks) -> Text<Txt> {
+    Text::new(chunks, Txt)
+}
+
+/// Nothing to remember.
+#[derive(Debug)]
+pub(super) struct Txt;
+
+impl Rows for Txt {
+    fn row(&mut self, line: &Line<'_>) -> Result<Option<Raw>, Stop> {
+        event(line).map(Some)
     }
-    Ok(intake.finish())
 }
 
 fn event(line: &Line<'_>) -> Result<Raw, Stop> {

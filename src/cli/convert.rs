@@ -1,0 +1,354 @@
+//! `amacrine convert`: an event file into another format, a slice of it, one kind of cell.
+
+use std::path::{Path, PathBuf};
+
+use miette::miette;
+use serde_json::json;
+
+use super::progress::Progress;
+use crate::{
+    event::{
+        Event,
+        file::{Compression, FileError, Format, Head, Opening, Reader, Writer},
+    },
+    plane::Size,
+    unit::Micros,
+};
+
+/// What `convert` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine convert out/reference.npy out/reference.evt3\n  amacrine convert recording.raw part.aedat4 --slice 1s..2.5s\n  amacrine convert rgc.npy rgc.evt2 --each-kind\n\ndocs/formats.md has what each format holds and who reads it."
+)]
+pub struct Arguments {
+    /// The event file to read
+    a: PathBuf,
+    /// The event file to write
+    b: PathBuf,
+    /// The format of A, where its name and first bytes do not say it
+    #[arg(long, value_name = "NAME")]
+    from: Option<Format>,
+    /// The format of B, where its extension does not say it: csv txt npy npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet
+    #[arg(long, value_name = "NAME")]
+    format: Option<Format>,
+    /// How packets of aedat4 are compressed
+    #[arg(long, default_value = "lz4", value_name = "lz4|zstd|none", value_parser = compression)]
+    compression: Compression,
+    /// The size of the sensor, where A does not say it
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<Size>,
+    /// Only the events from FROM on and before TO, each with its unit; either may be left out
+    #[arg(long, value_name = "FROM..TO", value_parser = slice)]
+    slice: Option<(Micros, Micros)>,
+    /// Only this kind of cell, from 0
+    #[arg(long, value_name = "N", conflicts_with = "each_kind")]
+    kind: Option<u8>,
+    /// One file for each kind of cell: B.kind0.EXT, B.kind1.EXT, …
+    #[arg(long)]
+    each_kind: bool,
+    /// Keep the events before the first damage, and say what the damage is
+    #[arg(long)]
+    salvage: bool,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+fn compression(text: &str) -> Result<Compression, String> {
+    [Compression::Lz4, Compression::Zstd, Compression::None]
+        .into_iter()
+        .find(|c| c.name() == text)
+        .ok_or_else(|| "give lz4, zstd or none".into())
+}
+
+fn size(text: &str) -> Result<Size, String> {
+    let read = || {
+        let (width, height) = text.split_once('x')?;
+        Some(Size::new(height.parse().ok()?, width.parse().ok()?))
+    };
+    read()
+        .filter(|size| size.width.min(size.height) > 0 && size.width.max(size.height) <= 1 << 16)
+        .ok_or_else(|| "give width x height in pixels, such as 346x260".into())
+}
+
+fn slice(text: &str) -> Result<(Micros, Micros), String> {
+    let (from, to) = text
+        .split_once("..")
+        .ok_or("give FROM..TO, such as 1s..2.5s or ..500ms")?;
+    let time = |text: &str, absent| match text {
+        "" => Ok(absent),
+        text => text.parse().map_err(|e| format!("{e}")),
+    };
+    let (from, to) = (time(from, Micros(0))?, time(to, Micros(u64::MAX))?);
+    if from > to {
+        return Err("FROM is after TO".into());
+    }
+    Ok((from, to))
+}
+
+/// What was found out about A.
+struct Seen {
+    format: Format,
+    size: Size,
+    size_known: bool,
+    channels: u8,
+    skipped: u64,
+    damage: Option<FileError>,
+}
+
+/// A file that was written.
+struct Written {
+    path: PathBuf,
+    events: u64,
+    ends: Option<(Micros, Micros)>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When A cannot be read or is damaged, or B cannot hold its events or cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let format = match arguments.format {
+        Some(format) => format,
+        None => Format::of(&arguments.b)?,
+    };
+    let mut seen = look(arguments)?;
+    if let Some(kind) = arguments.kind.filter(|kind| *kind >= seen.channels) {
+        return Err(miette!(
+            help = "kinds count from 0",
+            "{}: there is no kind {kind}, only {}",
+            arguments.a.display(),
+            seen.channels
+        ));
+    }
+    let targets = targets(arguments, &seen);
+    let written = pass(arguments, format, &targets, &mut seen)?;
+    if arguments.json {
+        let files: Vec<_> = written.iter().map(|w| file_json(format, w)).collect();
+        let json = json!({
+            "read": {
+                "file": arguments.a,
+                "format": seen.format.name(),
+                "size": [seen.size.width, seen.size.height],
+                "size_known": seen.size_known,
+                "kinds": seen.channels,
+                "left_out": seen.skipped,
+                "damage": seen.damage.as_ref().map(ToString::to_string),
+            },
+            "written": files,
+        });
+        super::say(&format!("{json}\n"));
+    } else {
+        super::say(&table(arguments, format, &seen, &written));
+    }
+    Ok(())
+}
+
+fn file_json(format: Format, written: &Written) -> serde_json::Value {
+    json!({
+        "file": written.path,
+        "format": format.name(),
+        "events": written.events,
+        "first_us": written.ends.map(|(first, _)| first),
+        "last_us": written.ends.map(|(_, last)| last),
+        "python": format.opened_by(&written.path),
+    })
+}
+
+fn open(arguments: &Arguments) -> Result<Reader, FileError> {
+    let opening = Opening {
+        format: arguments.from,
+        size: arguments.size,
+    };
+    Reader::open(&arguments.a, &opening)
+}
+
+/// The size and the kinds: from the file, else from all of its events.
+fn look(arguments: &Arguments) -> miette::Result<Seen> {
+    let mut reader = open(arguments)?;
+    let format = reader.format();
+    let mut seen = Seen {
+        format,
+        size: Size::new(0, 0),
+        size_known: true,
+        channels: 1,
+        skipped: 0,
+        damage: None,
+    };
+    let mut events = Vec::new();
+    // Text says what it is with its first events.
+    let progress = Progress::new("looking", None);
+    loop {
+        let about = reader.about();
+        let channels = about.channels.or((!format.limits().channels).then_some(1));
+        if let (Some(size), Some(channels)) = (about.size, channels) {
+            (seen.size, seen.channels) = (size, channels);
+            seen.size_known = true;
+            break;
+        }
+        match reader.next_block(&mut events) {
+            Ok(true) => (),
+            Ok(false) => break,
+            Err(_) if arguments.salvage => break,
+            Err(error) => return Err(error.into()),
+        }
+        seen.size_known = about.size.is_some();
+        (seen.size, seen.channels) = (
+            about.size.unwrap_or(reader.reach()),
+            channels.unwrap_or(reader.kinds()),
+        );
+        progress.tick();
+    }
+    progress.finish();
+    Ok(seen)
+}
+
+/// Which kinds go to which file.
+fn targets(arguments: &Arguments, seen: &Seen) -> Vec<(PathBuf, Option<u8>)> {
+    if !arguments.each_kind {
+        return vec![(arguments.b.clone(), arguments.kind)];
+    }
+    let name = |kind: u8| {
+        let extension = arguments.b.extension().unwrap_or_default();
+        let extension = extension.to_string_lossy();
+        arguments
+            .b
+            .with_extension(format!("kind{kind}.{extension}"))
+    };
+    (0..seen.channels)
+        .map(|kind| (name(kind), Some(kind)))
+        .collect()
+}
+
+/// Goes through A once and writes every file.
+fn pass(
+    arguments: &Arguments,
+    format: Format,
+    targets: &[(PathBuf, Option<u8>)],
+    seen: &mut Seen,
+) -> miette::Result<Vec<Written>> {
+    let mut reader = open(arguments)?;
+    let about = reader.about();
+    let (from, to) = arguments.slice.unwrap_or((Micros(0), Micros(u64::MAX)));
+    let mut writers = Vec::new();
+    for (path, kind) in targets {
+        let head = Head {
+            size: seen.size,
+            channels: if kind.is_some() { 1 } else { seen.channels },
+            span: about
+                .span
+                .map(|(first, last)| (first.clamp(from, to), last.clamp(from, to))),
+            // What is missing is missing of all kinds and all times together.
+            dropped: about
+                .dropped
+                .filter(|_| kind.is_none() && arguments.slice.is_none()),
+        };
+        let writer = Writer::create(path, format, arguments.compression, &head)?;
+        writers.push((writer, *kind, None::<(Micros, Micros)>));
+    }
+    let progress = Progress::new("converting", None);
+    let (mut events, mut chosen) = (Vec::new(), Vec::new());
+    loop {
+        match reader.next_block(&mut events) {
+            Ok(true) => (),
+            Ok(false) => break,
+            Err(error) if arguments.salvage => {
+                seen.damage = Some(error);
+                break;
+            }
+            Err(error) => return Err(error.into()),
+        }
+        for (writer, kind, ends) in &mut writers {
+            let part = choose(&events, &mut chosen, from, to, *kind);
+            writer.put(part)?;
+            if let (Some(first), Some(last)) = (part.first(), part.last()) {
+                *ends = Some((ends.map_or(first.t, |(first, _)| first), last.t));
+            }
+        }
+        progress.tick();
+        if events.last().is_some_and(|e| e.t >= to) {
+            break;
+        }
+    }
+    progress.finish();
+    seen.skipped = reader.skipped();
+    let mut written = Vec::new();
+    for ((writer, _, ends), (path, _)) in writers.into_iter().zip(targets) {
+        written.push(Written {
+            path: path.clone(),
+            events: writer.finish()?,
+            ends,
+        });
+    }
+    Ok(written)
+}
+
+/// The events of a slice and a kind; a kind of its own is kind 0.
+fn choose<'a>(
+    events: &'a [Event],
+    chosen: &'a mut Vec<Event>,
+    from: Micros,
+    to: Micros,
+    kind: Option<u8>,
+) -> &'a [Event] {
+    let start = events.partition_point(|e| e.t < from);
+    let end = events.partition_point(|e| e.t < to);
+    let part = &events[start..end];
+    let Some(kind) = kind else {
+        return part;
+    };
+    chosen.clear();
+    let of_kind = part.iter().filter(|e| e.channel == kind);
+    chosen.extend(of_kind.map(|e| Event { channel: 0, ..*e }));
+    chosen
+}
+
+/// The table for people, ending with how to open what was written.
+fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]) -> String {
+    let kinds = match seen.channels {
+        1 => String::new(),
+        n => format!(", {n} kinds"),
+    };
+    let mut lines = vec![format!(
+        "read     {}, {}, {}{kinds}",
+        arguments.a.display(),
+        seen.format,
+        seen.size
+    )];
+    if !seen.size_known {
+        lines.push(
+            "note     the file does not say its size: the smallest that holds all events is taken (give --size WxH)"
+                .into(),
+        );
+    }
+    if seen.skipped > 0 {
+        lines.push(format!(
+            "note     {} records that are no events of a pixel were left out (triggers, frames, motion, or before the first time)",
+            seen.skipped
+        ));
+    }
+    if let Some(damage) = &seen.damage {
+        lines.push(format!("damage   {damage}"));
+        lines.push("         the events before it were kept".into());
+    }
+    for Written { path, events, ends } in written {
+        let when = ends.map_or(String::new(), |(first, last)| {
+            format!(", {:.6} to {:.6} s", first.seconds(), last.seconds())
+        });
+        lines.push(format!(
+            "wrote    {}, {format}, {events} events{when}",
+            path.display()
+        ));
+    }
+    for Written { path, .. } in written {
+        lines.push(format!("open     {}", format.opened_by(path)));
+    }
+    lines.join("\n") + "\n"
+}
+
+/// How to open an event file that a verb has written, as the last line of its table.
+#[must_use]
+pub fn opened(path: &Path) -> String {
+    let line = Format::of(path).map(|format| format.opened_by(path));
+    line.map_or(String::new(), |line| format!("open     {line}\n"))
+}

@@ -1,0 +1,123 @@
+//! AEDAT 2.0 as jAER writes it for DAVIS sensors: 64 bits an event, big-endian,
+//! `dv.LegacyAedatFile(path)`.
+//!
+//! `#!AER-DAT2.0` and comments, then for each event an address (bit 31 set for frames and
+//! motion; y in 30 to 22, x in 21 to 12, the sign in 11, bit 10 set for what comes from
+//! outside) and the time in 32 bits, which readers take with a sign: 35 minutes. Coordinates
+//! are written as they are; jAER itself shows rows from the bottom and mirrors columns.
+//! Readers take every line that starts with `#` for a comment, so a first event whose bytes
+//! start like that is led by an empty frame sample. Source:
+//! <https://docs.inivation.com/software/software-advanced-usage/file-formats/aedat-2.0.html>.
+
+use std::io;
+
+use super::{
+    Fault,
+    chunks::Chunks,
+    evt2::polarity,
+    fault::Stop,
+    header::Header,
+    source::{Out, Sink, Stream, Words},
+    writer::Head,
+};
+use crate::{event::Event, unit::Micros};
+
+/// Frames and motion.
+const OTHER: u32 = 1 << 31;
+
+/// From outside of the sensor.
+const SPECIAL: u32 = 1 << 10;
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct Aedat2 {
+    /// Something has been read.
+    begun: bool,
+    skipped: u64,
+}
+
+/// Reads the events.
+pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Aedat2>, Stop> {
+    super::aedat3::magic(&mut chunks, b"#!AER-DAT2.0", super::Format::Aedat2)?;
+    let header = Header::read(&mut chunks, b'#', "")?;
+    Ok(Stream::new(chunks, Aedat2::default(), header.about))
+}
+
+impl Words for Aedat2 {
+    const STEP: usize = 8;
+
+    fn read(&mut self, bytes: &[u8], events: &mut Vec<Event>) -> Result<usize, (usize, Fault)> {
+        let (words, _) = bytes.as_chunks();
+        events.reserve(words.len());
+        for word in words {
+            let word = u64::from_be_bytes(*word);
+            let (address, t) = ((word >> 32) as u32, word as u32);
+            // The empty sample at the start is ours, and says nothing.
+            let leader = address == OTHER && !self.begun;
+            self.begun = true;
+            if address & (OTHER | SPECIAL) != 0 {
+                self.skipped += u64::from(!leader);
+                continue;
+            }
+            events.push(Event {
+                t: Micros(t.into()),
+                x: (address >> 12 & 0x3FF) as u16,
+                y: (address >> 22 & 0x1FF) as u16,
+                polarity: polarity(address >> 11 & 1 == 1),
+                channel: 0,
+            });
+        }
+        Ok(words.len() * 8)
+    }
+
+    fn skipped(&self) -> u64 {
+        self.skipped
+    }
+}
+
+/// Writes the events.
+pub(super) fn sink(head: &Head) -> Writing {
+    Writing {
+        header: format!(
+            "#!AER-DAT2.0\r\n# This is a raw AE data file - do not edit\r\n\
+             # Data format is int32 address, int32 timestamp (8 bytes total), repeated for each event\r\n\
+             # Timestamps tick is 1 us\r\n# {}\r\n",
+            head.about()
+        ),
+        begun: false,
+        bytes: Vec::new(),
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Writing {
+    header: String,
+    begun: bool,
+    bytes: Vec<u8>,
+}
+
+impl Sink for Writing {
+    fn start(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        out.write_all(self.header.as_bytes())
+    }
+
+    fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
+        self.bytes.clear();
+        for e in events {
+            let sign = u32::from(e.polarity.bit()) << 11;
+            let address = u32::from(e.y) << 22 | u32::from(e.x) << 12 | sign;
+            let t = e.t.0 as u32;
+            if !self.begun && address >> 24 == u32::from(b'#') {
+                self.bytes.extend_from_slice(&OTHER.to_be_bytes());
+                self.bytes.extend_from_slice(&t.to_be_bytes());
+            }
+            self.begun = true;
+            self.bytes.extend_from_slice(&address.to_be_bytes());
+            self.bytes.extend_from_slice(&t.to_be_bytes());
+        }
+        out.write_all(&self.bytes)
+    }
+
+    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,230 @@
+//! AEDAT 3.1 as cAER writes it: packets of 64-bit events, `dv.LegacyAedatFile(path)`.
+//!
+//! A header of lines up to `#!END-HEADER`, then packets, each with 28 bytes of header (kind,
+//! source, bytes of an event, place of the time in it, turns of the time, room, events, valid
+//! events) and its events: a word with x (31 to 17), y (16 to 2), the sign (1) and whether it
+//! is valid (0), then the time in 31 bits. Little-endian. Source:
+//! <https://docs.inivation.com/software/software-advanced-usage/file-formats/aedat-3.1.html>.
+
+use std::io;
+
+use super::{
+    Fault, Format, Place,
+    about::About,
+    chunks::Chunks,
+    evt2::polarity,
+    fault::Stop,
+    header::Header,
+    source::{BLOCK, Out, Sink, Source},
+    writer::Head,
+};
+use crate::{event::Event, plane::Size, unit::Micros};
+
+/// Packets of pixels' events.
+const POLARITY: u16 = 1;
+
+/// Bytes of an event.
+const EVENT: usize = 8;
+
+/// Bits of the time in an event.
+const LOW: u32 = 31;
+
+/// Holds a file to its first line.
+pub fn magic(chunks: &mut Chunks, line: &[u8], format: Format) -> Result<(), Stop> {
+    if chunks.ahead(line.len())?.starts_with(line) {
+        return Ok(());
+    }
+    let why = format!("does not start with `{}`", String::from_utf8_lossy(line));
+    Err(chunks.stop(Fault::Layout { format, why }))
+}
+
+/// The packet being read.
+#[derive(Clone, Copy, Debug, Default)]
+struct Packet {
+    /// Events of pixels, and not something else.
+    events: bool,
+    /// Turns of the time.
+    turns: u64,
+    /// Bytes of a record.
+    record: usize,
+    /// Records left.
+    left: u32,
+}
+
+pub(super) struct Reading {
+    chunks: Chunks,
+    about: About,
+    packet: Packet,
+    /// Where each event of the last block is.
+    places: Vec<u64>,
+    skipped: u64,
+}
+
+/// Reads the events.
+pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
+    magic(&mut chunks, b"#!AER-DAT3.1", Format::Aedat3)?;
+    let header = Header::read(&mut chunks, b'#', "!END-HEADER")?;
+    Ok(Reading {
+        chunks,
+        about: header.about,
+        packet: Packet::default(),
+        places: Vec::new(),
+        skipped: 0,
+    })
+}
+
+impl Reading {
+    /// The header of the next packet; false at the end of the file.
+    fn next_packet(&mut self) -> Result<bool, Stop> {
+        if self.chunks.ahead(1)?.is_empty() {
+            return Ok(false);
+        }
+        let at = self.chunks.at();
+        let header: [u8; 28] = self.chunks.take("the header of a packet")?;
+        let (fields, _) = header[4..].as_chunks();
+        let [size, offset, turns, _, number, valid] =
+            std::array::from_fn(|i| fields.get(i).map_or(0, |f| u32::from_le_bytes(*f)));
+        let wrong = |why| {
+            let format = Format::Aedat3;
+            Err(Stop::Fault(Place::Byte(at), Fault::Layout { format, why }))
+        };
+        let events = u16::from_le_bytes([header[0], header[1]]) == POLARITY;
+        if events && (size as usize != EVENT || offset != 4) {
+            return wrong(format!(
+                "has a packet of events of {size} bytes, the time at byte {offset}; they have 8, the time at byte 4"
+            ));
+        }
+        if size == 0 || size > 1 << 26 || valid > number || turns > i32::MAX as u32 {
+            return wrong(format!(
+                "has a packet with {valid} of {number} records valid, {size} bytes each, after {turns} turns of the clock"
+            ));
+        }
+        self.packet = Packet {
+            events,
+            turns: turns.into(),
+            record: size as usize,
+            left: number,
+        };
+        Ok(true)
+    }
+}
+
+impl Source for Reading {
+    fn about(&self) -> About {
+        self.about
+    }
+
+    fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
+        self.places.clear();
+        while events.len() < BLOCK {
+            if self.packet.left == 0 {
+                if !self.next_packet()? {
+                    return Ok(!events.is_empty());
+                }
+                continue;
+            }
+            let Packet { record, turns, .. } = self.packet;
+            if !self.packet.events {
+                // A frame may be large: in parts.
+                let mut rest = record;
+                while rest > 0 {
+                    let here = self.chunks.ahead(1)?.len().min(rest);
+                    if here == 0 {
+                        return Err(self.chunks.truncated("a packet".into()));
+                    }
+                    self.chunks.eat(here);
+                    rest -= here;
+                }
+                self.skipped += 1;
+                self.packet.left -= 1;
+                continue;
+            }
+            let want = EVENT * (self.packet.left as usize).min(BLOCK - events.len());
+            let from = self.chunks.at();
+            let here = self.chunks.ahead(EVENT)?;
+            let (words, _) = here[..here.len().min(want)].as_chunks();
+            for (i, word) in words.iter().enumerate() {
+                let word = u64::from_le_bytes(*word);
+                let (address, low) = (word as u32, (word >> 32) as u32);
+                if address & 1 == 0 {
+                    self.skipped += 1;
+                    continue;
+                }
+                events.push(Event {
+                    t: Micros(turns << LOW | u64::from(low & i32::MAX as u32)),
+                    x: (address >> 17) as u16,
+                    y: (address >> 2 & 0x7FFF) as u16,
+                    polarity: polarity(address >> 1 & 1 == 1),
+                    channel: 0,
+                });
+                self.places.push(from + (i * EVENT) as u64);
+            }
+            let read = words.len();
+            if read == 0 {
+                return Err(self.chunks.truncated("an event".into()));
+            }
+            self.chunks.eat(read * EVENT);
+            self.packet.left -= read as u32;
+        }
+        Ok(true)
+    }
+
+    fn place(&self, event: usize) -> Place {
+        Place::Byte(self.places.get(event).copied().unwrap_or(self.chunks.at()))
+    }
+
+    fn skipped(&self) -> u64 {
+        self.skipped
+    }
+}
+
+/// Writes the events.
+pub(super) fn sink(head: &Head) -> Writing {
+    let Size { height, width } = head.size;
+    Writing {
+        header: format!(
+            "#!AER-DAT3.1\r\n#Format: RAW\r\n#Source 1: amacrine {width}x{height}\r\n\
+             #Start-Time: 1970-01-01 00:00:00 (TZ+0000)\r\n# {}\r\n#!END-HEADER\r\n",
+            head.about()
+        ),
+        bytes: Vec::new(),
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Writing {
+    header: String,
+    bytes: Vec<u8>,
+}
+
+impl Sink for Writing {
+    fn start(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        out.write_all(self.header.as_bytes())
+    }
+
+    fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
+        self.bytes.clear();
+        // A packet has one number of turns.
+        for part in events.chunk_by(|a, b| a.t.0 >> LOW == b.t.0 >> LOW) {
+            let number = part.len() as u32;
+            let turns = part.first().map_or(0, |e| (e.t.0 >> LOW) as u32);
+            self.bytes.extend_from_slice(&POLARITY.to_le_bytes());
+            self.bytes.extend_from_slice(&1_u16.to_le_bytes());
+            for field in [EVENT as u32, 4, turns, number, number, number] {
+                self.bytes.extend_from_slice(&field.to_le_bytes());
+            }
+            for e in part {
+                let sign = u32::from(e.polarity.bit()) << 1;
+                let address = u32::from(e.x) << 17 | u32::from(e.y) << 2 | sign | 1;
+                let low = e.t.0 as u32 & i32::MAX as u32;
+                let word = u64::from(low) << 32 | u64::from(address);
+                self.bytes.extend_from_slice(&word.to_le_bytes());
+            }
+        }
+        out.write_all(&self.bytes)
+    }
+
+    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,121 @@
+//! Prophesee DAT, version 2: 64 bits an event, `faery.events_stream_from_file(path).to_array()`.
+//!
+//! A header of `%` lines, two bytes (kind of event 12 or 0, eight bytes an event), then for
+//! each event the time in 32 bits and a word with x (13 to 0), y (27 to 14) and the sign (31
+//! to 28). Version 1, read too, has x in 8 to 0, y in 16 to 9, the sign in 20 to 17. No turn
+//! of the clock: what comes after 2^32 us (71 min) is refused. Source:
+//! <https://docs.prophesee.ai/stable/data/file_formats/dat.html>.
+
+use std::io;
+
+use super::{
+    Fault, Format,
+    chunks::Chunks,
+    evt2::polarity,
+    fault::Stop,
+    header::Header,
+    source::{Out, Sink, Stream, Words},
+    writer::Head,
+};
+use crate::{event::Event, unit::Micros};
+
+#[derive(Clone, Debug)]
+pub(super) struct Dat {
+    /// Bits of column and row.
+    address: (u32, u32),
+}
+
+/// Reads the events.
+pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Dat>, Stop> {
+    let mut header = Header::read(&mut chunks, b'%', "end")?;
+    let wrong = |why| Fault::Layout {
+        format: Format::Dat,
+        why,
+    };
+    let address = match header.get("version") {
+        Some("2") => (14, 14),
+        Some("1") | None => (9, 8),
+        Some(other) => {
+            let why = format!("is of version {other}; 1 and 2 are known");
+            return Err(chunks.stop(wrong(why)));
+        }
+    };
+    let here = chunks.at();
+    let [kind, bytes] = chunks.take("the kind of its events")?;
+    if !matches!(kind, 0 | 12) || bytes != 8 {
+        let why = format!(
+            "holds records of kind {kind} and {bytes} bytes; those of pixels are of kind 12 or 0 and 8 bytes"
+        );
+        return Err(Stop::Fault(super::Place::Byte(here), wrong(why)));
+    }
+    header.about.size = header.about.size.or(header.prophesee_size());
+    Ok(Stream::new(chunks, Dat { address }, header.about))
+}
+
+impl Words for Dat {
+    const STEP: usize = 8;
+
+    fn read(&mut self, bytes: &[u8], events: &mut Vec<Event>) -> Result<usize, (usize, Fault)> {
+        let (words, _) = bytes.as_chunks();
+        let (columns, rows) = self.address;
+        events.reserve(words.len());
+        for (i, word) in words.iter().enumerate() {
+            let word = u64::from_le_bytes(*word);
+            let place = word >> 32;
+            let sign = place >> (columns + rows) & 0xF;
+            if sign > 1 {
+                let found = sign.into();
+                return Err((i * 8, Fault::Polarity { found }));
+            }
+            events.push(Event {
+                t: Micros(word & u64::from(u32::MAX)),
+                x: (place & ((1 << columns) - 1)) as u16,
+                y: (place >> columns & ((1 << rows) - 1)) as u16,
+                polarity: polarity(sign == 1),
+                channel: 0,
+            });
+        }
+        Ok(words.len() * 8)
+    }
+}
+
+/// Writes the events.
+pub(super) fn sink(head: &Head) -> Writing {
+    Writing {
+        header: format!(
+            "% Data file containing CD events.\n% Version 2\n% Height {}\n% Width {}\n% {}\n",
+            head.size.height,
+            head.size.width,
+            head.about()
+        ),
+        bytes: Vec::new(),
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Writing {
+    header: String,
+    bytes: Vec<u8>,
+}
+
+impl Sink for Writing {
+    fn start(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        out.write_all(self.header.as_bytes())?;
+        out.write_all(&[12, 8])
+    }
+
+    fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
+        self.bytes.clear();
+        for e in events {
+            let sign = u64::from(e.polarity.bit()) << 28;
+            let place = sign | u64::from(e.y) << 14 | u64::from(e.x);
+            self.bytes
+                .extend_from_slice(&(place << 32 | e.t.0).to_le_bytes());
+        }
+        out.write_all(&self.bytes)
+    }
+
+    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
+        Ok(())
+    }
+}

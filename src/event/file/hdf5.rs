@@ -1,0 +1,285 @@
+//! HDF5 laid out as the DSEC data set (Gehrig et al. 2021): `h5py.File(path)['events']`.
+//!
+//! `events/{t,x,y,p}` (and `channel`), `t_offset`, and `ms_to_idx`, the first event at or
+//! after each millisecond. `t` counts from `t_offset`, the whole millisecond of the first
+//! event, so `t + t_offset` is absolute. t is `<i8`, where DSEC has 32 bits without a sign;
+//! columns are deflated in chunks. Size, channels, time watched and drops are an attribute.
+//! Read with integers of any width; what is compressed by other filters (blosc) is refused.
+//! While a file is written it waits as a temporary file. Source:
+//! <https://dsec.ifi.uzh.ch/data-format/>.
+
+use std::io::{self, Read, Seek, SeekFrom};
+
+use hdf5_pure::{
+    AttrValue, Dataset, Error, File, FileAccessProperties, FileBuilder, MaxExtent, SyncPolicy,
+};
+use tempfile::NamedTempFile;
+
+use super::{
+    Fault, Format, Place,
+    about::About,
+    fault::Stop,
+    gate::Raw,
+    reader::Origin,
+    source::{BLOCK, Out, Sink, Source},
+    writer::Head,
+};
+use crate::event::Event;
+
+/// Values of a chunk; at 2^16 the C library refuses how hdf5-pure 0.47 writes the number.
+const CHUNK: u64 = 1 << 15;
+
+/// The columns.
+const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
+
+fn wrong(why: impl Into<String>) -> Stop {
+    let (format, why) = (Format::Hdf5, why.into());
+    Stop::Fault(Place::Byte(0), Fault::Layout { format, why })
+}
+
+/// Reads the events.
+pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
+    let unreadable = |e: Error| wrong(format!("cannot be read: {e}"));
+    let file = match origin {
+        Origin::File(path) => File::open_streaming(path).map_err(unreadable)?,
+        Origin::Memory(bytes) => File::from_bytes(bytes.to_vec()).map_err(unreadable)?,
+    };
+    let mut columns = Vec::new();
+    let mut events = None;
+    for name in COLUMNS {
+        let column = match file.dataset(&format!("events/{name}")) {
+            Ok(column) => column,
+            Err(_) if name == "channel" => continue,
+            Err(e) => return Err(wrong(format!("has no column `events/{name}`: {e}"))),
+        };
+        let shape = column.shape().map_err(unreadable)?;
+        let [length] = shape[..] else {
+            return Err(wrong(format!("has `{name}` of {} dimensions", shape.len())));
+        };
+        if *events.get_or_insert(length) != length {
+            return Err(wrong("has columns of different lengths"));
+        }
+        columns.push(column);
+    }
+    let offset = match file.dataset("t_offset") {
+        Ok(offset) => offset.read_i64().map_err(unreadable)?.first().copied(),
+        Err(_) => None,
+    };
+    let comment = match file.root().attrs().map_err(unreadable)?.get("amacrine") {
+        Some(AttrValue::String(text) | AttrValue::AsciiString(text)) => Some(text.clone()),
+        _ => None,
+    };
+    let about = comment.map_or(Ok(None), |text| About::parse(&text));
+    let about = about.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    Ok(Reading {
+        columns,
+        offset: offset.unwrap_or(0),
+        about: about.unwrap_or_default(),
+        events: events.unwrap_or(0),
+        read: 0,
+        first: 0,
+    })
+}
+
+/// The columns side by side.
+pub(super) struct Reading {
+    columns: Vec<Dataset>,
+    offset: i64,
+    about: About,
+    events: u64,
+    read: u64,
+    first: u64,
+}
+
+impl Source for Reading {
+    fn about(&self) -> About {
+        self.about
+    }
+
+    fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
+        self.first = self.read;
+        let count = (self.events - self.read).min(BLOCK as u64);
+        if count == 0 {
+            return Ok(false);
+        }
+        let mut columns = Vec::new();
+        for (column, name) in self.columns.iter().zip(COLUMNS) {
+            let values = column.read_i64_rows(self.read, count);
+            let values = values
+                .map_err(|e| wrong(format!("has a column `{name}` that cannot be read: {e}")))?;
+            if values.len() as u64 != count {
+                return Err(wrong(format!("has a column `{name}` that ends early")));
+            }
+            columns.push(values);
+        }
+        for i in 0..count as usize {
+            let value = |n: usize| columns.get(n).map_or(0, |c| i128::from(c[i]));
+            let raw = Raw {
+                t: value(0) + i128::from(self.offset),
+                x: value(1),
+                y: value(2),
+                p: value(3),
+                channel: value(4),
+            };
+            let event = raw
+                .event()
+                .map_err(|fault| Stop::Fault(self.place(i), fault))?;
+            events.push(event);
+        }
+        self.read += count;
+        Ok(true)
+    }
+
+    fn place(&self, event: usize) -> Place {
+        Place::Event(self.first + event as u64)
+    }
+}
+
+/// Writes the events.
+pub(super) const fn sink(head: &Head) -> Writing {
+    Writing {
+        head: *head,
+        open: None,
+        offset: None,
+        events: 0,
+        index: Vec::new(),
+        indexed: 0,
+        rest: Vec::new(),
+    }
+}
+
+/// A file in the making.
+struct Open {
+    place: NamedTempFile,
+    file: File,
+}
+
+pub(super) struct Writing {
+    head: Head,
+    open: Option<Open>,
+    offset: Option<u64>,
+    events: u64,
+    /// Entries of `ms_to_idx` to be written, and those that were.
+    index: Vec<u64>,
+    indexed: u64,
+    /// Events that do not fill a chunk yet.
+    rest: Vec<Event>,
+}
+
+impl Writing {
+    /// The empty file, once the first time is known.
+    fn begin(&mut self) -> io::Result<()> {
+        let mut builder = FileBuilder::new();
+        let about = self.head.about().to_string();
+        builder.set_attr("amacrine", AttrValue::String(about));
+        let mut group = builder.create_group("events");
+        let count = if self.head.channels > 1 { 5 } else { 4 };
+        for name in &COLUMNS[..count] {
+            let column = group.create_dataset(name);
+            match *name {
+                "t" => column.with_i64_data(&[]),
+                "x" | "y" => column.with_u16_data(&[]),
+                _ => column.with_u8_data(&[]),
+            }
+            .with_shape(&[0])
+            .with_maxshape(&[MaxExtent::Unlimited])
+            .with_chunks(&[CHUNK])
+            .with_deflate(1);
+        }
+        builder.add_group(group.finish());
+        let offset = self.offset.unwrap_or(0);
+        builder
+            .create_dataset("t_offset")
+            .with_i64_data(&[offset as i64])
+            .with_shape(&[]);
+        builder
+            .create_dataset("ms_to_idx")
+            .with_u64_data(&[])
+            .with_shape(&[0])
+            .with_maxshape(&[MaxExtent::Unlimited])
+            .with_chunks(&[CHUNK])
+            .with_deflate(1);
+        let place = NamedTempFile::new()?;
+        builder.write(place.path()).map_err(io::Error::other)?;
+        let access = FileAccessProperties::new().with_sync_policy(SyncPolicy::OnClose);
+        let file = File::open_rw_with_options(place.path(), access).map_err(io::Error::other)?;
+        self.open = Some(Open { place, file });
+        Ok(())
+    }
+
+    /// Writes what waits.
+    fn write(&mut self) -> Result<(), Error> {
+        let Some(Open { file, .. }) = &self.open else {
+            return Ok(());
+        };
+        let offset = self.offset.unwrap_or(0);
+        let events = &self.rest;
+        let column = |name: &str| file.dataset(&format!("events/{name}"));
+        let t: Vec<i64> = events.iter().map(|e| (e.t.0 - offset) as i64).collect();
+        column("t")?.append(&t)?;
+        let x: Vec<u16> = events.iter().map(|e| e.x).collect();
+        column("x")?.append(&x)?;
+        let y: Vec<u16> = events.iter().map(|e| e.y).collect();
+        column("y")?.append(&y)?;
+        let p: Vec<u8> = events.iter().map(|e| e.polarity.bit()).collect();
+        column("p")?.append(&p)?;
+        if self.head.channels > 1 {
+            let channel: Vec<u8> = events.iter().map(|e| e.channel).collect();
+            column("channel")?.append(&channel)?;
+        }
+        file.dataset("ms_to_idx")?.append(&self.index)?;
+        self.indexed += self.index.len() as u64;
+        self.index.clear();
+        self.rest.clear();
+        Ok(())
+    }
+}
+
+impl Sink for Writing {
+    fn start(&mut self, _: &mut dyn Out) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn put(&mut self, _: &mut dyn Out, events: &[Event]) -> io::Result<()> {
+        let Some(first) = events.first() else {
+            return Ok(());
+        };
+        if self.open.is_none() {
+            self.offset = Some(first.t.0 / 1000 * 1000);
+            self.begin()?;
+        }
+        let offset = self.offset.unwrap_or(0);
+        for e in events {
+            // Every millisecond up to this event starts with it at the earliest.
+            let millisecond = (e.t.0 - offset).div_ceil(1000);
+            let next = self.indexed + self.index.len() as u64;
+            let last = if (e.t.0 - offset).is_multiple_of(1000) {
+                millisecond
+            } else {
+                millisecond.saturating_sub(1)
+            };
+            for _ in next..=last {
+                self.index.push(self.events);
+            }
+            self.events += 1;
+            self.rest.push(*e);
+            if self.rest.len() as u64 == CHUNK || self.index.len() > 1 << 20 {
+                self.write().map_err(io::Error::other)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        if self.open.is_none() {
+            self.begin()?;
+        }
+        self.write().map_err(io::Error::other)?;
+        if let Some(Open { mut place, file }) = self.open.take() {
+            file.close().map_err(io::Error::other)?;
+            place.as_file_mut().seek(SeekFrom::Start(0))?;
+            io::copy(&mut place.as_file_mut().by_ref(), out)?;
+        }
+        Ok(())
+    }
+}

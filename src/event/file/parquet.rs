@@ -1,0 +1,324 @@
+//! Parquet, a column each for t, x, y, p (and channel): `pyarrow.parquet.read_table(path)`.
+//!
+//! t is a 64-bit integer, x and y 16 and p and channel 8 bits without a sign; a million
+//! events a row group, pages compressed by Zstandard. Size, channels, time watched and drops
+//! are a key of the file, `amacrine`. Read with columns of 32 or 64 bits or booleans, in any
+//! order, beside others; a row group at a time. While a file is written it waits as a
+//! temporary file. Source: <https://parquet.apache.org/docs/file-format/>.
+
+use std::{
+    fs::File,
+    io::{self, Seek, SeekFrom},
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::Arc,
+};
+
+use bytes::Bytes;
+use parquet::{
+    basic::{Compression, ZstdLevel},
+    column::{reader::ColumnReader, writer::ColumnWriter},
+    errors::{ParquetError, Result as ParquetResult},
+    file::{
+        metadata::KeyValue,
+        properties::WriterProperties,
+        reader::{FileReader, SerializedFileReader},
+        writer::SerializedFileWriter,
+    },
+    schema::parser::parse_message_type,
+};
+
+use super::{
+    Fault, Format, Place,
+    about::About,
+    fault::Stop,
+    gate::Raw,
+    reader::Origin,
+    source::{BLOCK, Out, Sink, Source},
+    writer::Head,
+};
+use crate::event::Event;
+
+/// Events of a row group.
+const GROUP: usize = 1 << 20;
+
+/// The columns.
+const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
+
+fn wrong(why: impl Into<String>) -> Stop {
+    let (format, why) = (Format::Parquet, why.into());
+    Stop::Fault(Place::Byte(0), Fault::Layout { format, why })
+}
+
+/// Does what the crate may also answer with a panic, as it does for some damaged files.
+fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, Stop> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(done)) => Ok(done),
+        Ok(Err(e)) => Err(wrong(format!("cannot be read: {e}"))),
+        Err(_) => Err(wrong("cannot be read: it contradicts itself")),
+    }
+}
+
+/// The columns of a row group whose places make sense.
+fn opened(
+    file: &dyn FileReader,
+    group: usize,
+    columns: &[usize],
+) -> ParquetResult<(u64, Vec<ColumnReader>)> {
+    let group = file.get_row_group(group)?;
+    let mut open = Vec::new();
+    for number in columns {
+        let column = group.metadata().column(*number);
+        let places = [
+            column.compressed_size(),
+            column.data_page_offset(),
+            column.dictionary_page_offset().unwrap_or(0),
+        ];
+        if places.iter().any(|place| *place < 0) {
+            let why = "a column lies before the start of the file";
+            return Err(ParquetError::General(why.into()));
+        }
+        open.push(group.get_column_reader(*number)?);
+    }
+    let rows = u64::try_from(group.metadata().num_rows()).unwrap_or(0);
+    Ok((rows, open))
+}
+
+/// Reads the events.
+pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
+    let file: Box<dyn FileReader> = match origin {
+        Origin::File(path) => {
+            let file = File::open(path)?;
+            Box::new(guarded(|| SerializedFileReader::new(file))?)
+        }
+        Origin::Memory(bytes) => {
+            let bytes = Bytes::copy_from_slice(bytes);
+            Box::new(guarded(|| SerializedFileReader::new(bytes))?)
+        }
+    };
+    let schema = file.metadata().file_metadata().schema_descr_ptr();
+    let place = |name: &str| {
+        let mut columns = schema.columns().iter();
+        columns.position(|column| column.path().string() == name)
+    };
+    let mut columns = Vec::new();
+    for name in COLUMNS {
+        match place(name) {
+            Some(column) => columns.push(column),
+            None if name == "channel" => (),
+            None => return Err(wrong(format!("has no column `{name}`"))),
+        }
+    }
+    let keys = file.metadata().file_metadata().key_value_metadata();
+    let comment = keys.and_then(|keys| {
+        let key = keys.iter().find(|key| key.key == "amacrine")?;
+        key.value.clone()
+    });
+    let about = comment.map_or(Ok(None), |text| About::parse(&text));
+    let about = about.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    Ok(Reading {
+        file,
+        columns,
+        about: about.unwrap_or_default(),
+        group: 0,
+        left: 0,
+        open: Vec::new(),
+        read: 0,
+        first: 0,
+    })
+}
+
+/// The columns side by side.
+pub(super) struct Reading {
+    file: Box<dyn FileReader>,
+    /// Which columns of the file they are.
+    columns: Vec<usize>,
+    about: About,
+    /// The next row group, rows left of this one, and its columns.
+    group: usize,
+    left: u64,
+    open: Vec<ColumnReader>,
+    read: u64,
+    first: u64,
+}
+
+/// `count` integers of a column.
+fn integers(column: &mut ColumnReader, count: usize) -> ParquetResult<Vec<i128>> {
+    /// What a column of one type gives.
+    macro_rules! read {
+        ($column:expr) => {{
+            let mut values = Vec::with_capacity(count);
+            let mut levels = Vec::new();
+            while values.len() < count {
+                let want = count - values.len();
+                let (rows, _, _) =
+                    $column.read_records(want, Some(&mut levels), None, &mut values)?;
+                if rows == 0 {
+                    break;
+                }
+            }
+            values.into_iter().map(i128::from).collect()
+        }};
+    }
+    Ok(match column {
+        ColumnReader::BoolColumnReader(column) => read!(column),
+        ColumnReader::Int32ColumnReader(column) => read!(column),
+        ColumnReader::Int64ColumnReader(column) => read!(column),
+        _ => return Err(ParquetError::General("a column is not of integers".into())),
+    })
+}
+
+impl Source for Reading {
+    fn about(&self) -> About {
+        self.about
+    }
+
+    fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
+        self.first = self.read;
+        while self.left == 0 {
+            if self.group == self.file.num_row_groups() {
+                return Ok(false);
+            }
+            let opened = guarded(|| opened(&*self.file, self.group, &self.columns))?;
+            (self.left, self.open) = opened;
+            self.group += 1;
+        }
+        let count = self.left.min(BLOCK as u64) as usize;
+        let mut columns = Vec::new();
+        for (column, name) in self.open.iter_mut().zip(COLUMNS) {
+            let values = guarded(|| integers(column, count))?;
+            if values.len() != count {
+                return Err(wrong(format!(
+                    "has a column `{name}` with missing values, or that ends early"
+                )));
+            }
+            columns.push(values);
+        }
+        for i in 0..count {
+            let value = |n: usize| columns.get(n).map_or(0, |c: &Vec<i128>| c[i]);
+            let raw = Raw {
+                t: value(0),
+                x: value(1),
+                y: value(2),
+                p: value(3),
+                channel: value(4),
+            };
+            let event = raw
+                .event()
+                .map_err(|fault| Stop::Fault(self.place(i), fault))?;
+            events.push(event);
+        }
+        self.read += count as u64;
+        self.left -= count as u64;
+        Ok(true)
+    }
+
+    fn place(&self, event: usize) -> Place {
+        Place::Event(self.first + event as u64)
+    }
+}
+
+/// Writes the events.
+pub(super) const fn sink(head: &Head) -> Writing {
+    Writing {
+        head: *head,
+        writer: None,
+        rest: Vec::new(),
+    }
+}
+
+pub(super) struct Writing {
+    head: Head,
+    writer: Option<SerializedFileWriter<File>>,
+    /// Events that do not fill a row group yet.
+    rest: Vec<Event>,
+}
+
+impl Writing {
+    fn begin(&mut self) -> ParquetResult<()> {
+        let channel = if self.head.channels > 1 {
+            "REQUIRED INT32 channel (INTEGER(8,false));"
+        } else {
+            ""
+        };
+        let schema = parse_message_type(&format!(
+            "message events {{ REQUIRED INT64 t; REQUIRED INT32 x (INTEGER(16,false)); \
+             REQUIRED INT32 y (INTEGER(16,false)); REQUIRED INT32 p (INTEGER(8,false)); {channel} }}"
+        ))?;
+        let about = KeyValue::new("amacrine".into(), self.head.about().to_string());
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::ZSTD(ZstdLevel::default()))
+            .set_key_value_metadata(Some(vec![about]))
+            .build();
+        let file = tempfile::tempfile()?;
+        let writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
+        self.writer = Some(writer);
+        Ok(())
+    }
+
+    /// Writes what waits as a row group.
+    fn write(&mut self) -> ParquetResult<()> {
+        if self.rest.is_empty() {
+            return Ok(());
+        }
+        let Some(writer) = &mut self.writer else {
+            return Ok(());
+        };
+        let mut group = writer.next_row_group()?;
+        for number in 0.. {
+            let Some(mut column) = group.next_column()? else {
+                break;
+            };
+            let events = self.rest.iter();
+            match column.untyped() {
+                ColumnWriter::Int64ColumnWriter(column) => {
+                    let values: Vec<i64> = events.map(|e| e.t.0 as i64).collect();
+                    column.write_batch(&values, None, None)?;
+                }
+                ColumnWriter::Int32ColumnWriter(column) => {
+                    let value = |e: &Event| match number {
+                        1 => i32::from(e.x),
+                        2 => i32::from(e.y),
+                        3 => i32::from(e.polarity.bit()),
+                        _ => i32::from(e.channel),
+                    };
+                    let values: Vec<i32> = events.map(value).collect();
+                    column.write_batch(&values, None, None)?;
+                }
+                _ => return Err(ParquetError::General("a column of another type".into())),
+            }
+            column.close()?;
+        }
+        group.close()?;
+        self.rest.clear();
+        Ok(())
+    }
+}
+
+impl Sink for Writing {
+    fn start(&mut self, _: &mut dyn Out) -> io::Result<()> {
+        self.begin().map_err(io::Error::other)
+    }
+
+    fn put(&mut self, _: &mut dyn Out, mut events: &[Event]) -> io::Result<()> {
+        while !events.is_empty() {
+            let room = GROUP - self.rest.len();
+            let (now, later) = events.split_at(room.min(events.len()));
+            self.rest.extend_from_slice(now);
+            events = later;
+            if self.rest.len() == GROUP {
+                self.write().map_err(io::Error::other)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        self.write().map_err(io::Error::other)?;
+        if let Some(writer) = self.writer.take() {
+            let mut file = writer.into_inner().map_err(io::Error::other)?;
+            file.seek(SeekFrom::Start(0))?;
+            io::copy(&mut file, out)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,230 @@
+//! An event file, read a block at a time.
+
+use std::{
+    fs::File,
+    io::{self, Cursor, Read, Seek},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use super::{
+    FileError, Format, about::About, aedat2, aedat3, aedat4, chunks::Chunks, csv, dat, es, evt2,
+    evt3, evt21, fault::Stop, gate::Gate, npy, npz, source::Source, txt,
+};
+use crate::{event::Event, plane::Size};
+
+/// How to read a file that does not say all itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Opening {
+    /// Its format, whatever its name and first bytes say.
+    pub format: Option<Format>,
+    /// The size of its sensor, where the file does not give one.
+    pub size: Option<Size>,
+}
+
+/// Where the bytes are; several readers may go through them at once.
+#[derive(Clone, Debug)]
+pub(super) enum Origin {
+    File(PathBuf),
+    Memory(Arc<[u8]>),
+}
+
+/// A place to read from and to go to and fro in.
+pub(super) trait Input: Read + Seek + Send {}
+
+impl<T: Read + Seek + Send> Input for T {}
+
+impl Origin {
+    /// From the first byte.
+    pub fn open(&self) -> io::Result<Box<dyn Input>> {
+        Ok(match self {
+            Self::File(path) => Box::new(File::open(path)?),
+            Self::Memory(bytes) => Box::new(Cursor::new(Arc::clone(bytes))),
+        })
+    }
+
+    /// From the first byte, in chunks.
+    pub fn chunks(&self) -> io::Result<Chunks> {
+        Ok(Chunks::new(match self {
+            Self::File(path) => Box::new(File::open(path)?),
+            Self::Memory(bytes) => Box::new(Cursor::new(Arc::clone(bytes))),
+        }))
+    }
+}
+
+/// An event file being read: memory does not grow with its length.
+///
+/// ```
+/// use amacrine::event::file::{Opening, Reader};
+///
+/// let csv = b"t,x,y,p\n5,1,0,1\n7,0,2,0\n".to_vec();
+/// let mut reader = Reader::of_bytes("a.csv".as_ref(), csv, &Opening::default())?;
+/// let (mut events, mut sum) = (Vec::new(), 0);
+/// while reader.next_block(&mut events)? {
+///     sum += events.len();
+/// }
+/// assert_eq!(sum, 2);
+/// assert_eq!(reader.about().size, None);
+/// # Ok::<(), amacrine::event::file::FileError>(())
+/// ```
+pub struct Reader {
+    path: PathBuf,
+    format: Format,
+    size: Option<Size>,
+    source: Box<dyn Source>,
+    gate: Gate,
+    /// What is wrong behind the events of the last block.
+    stopped: Option<FileError>,
+    ended: bool,
+}
+
+impl Reader {
+    /// Opens a file and reads what stands before its events.
+    ///
+    /// # Errors
+    /// When the format cannot be told, the file cannot be opened, or its header is not as the
+    /// format says.
+    pub fn open(path: &Path, how: &Opening) -> Result<Self, FileError> {
+        Self::new(path, &Origin::File(path.to_owned()), how)
+    }
+
+    /// Reads the bytes of a file called `name`.
+    ///
+    /// # Errors
+    /// As [`Reader::open`].
+    pub fn of_bytes(name: &Path, bytes: Vec<u8>, how: &Opening) -> Result<Self, FileError> {
+        Self::new(name, &Origin::Memory(bytes.into()), how)
+    }
+
+    fn new(path: &Path, origin: &Origin, how: &Opening) -> Result<Self, FileError> {
+        let at_fault = |stop| named(path, stop);
+        let mut chunks = origin.chunks().map_err(|e| at_fault(e.into()))?;
+        let format = if let Some(format) = how.format {
+            format
+        } else {
+            let start = chunks.ahead(4096).map_err(|e| at_fault(e.into()))?;
+            Format::of_content(path, start)?
+        };
+        let source: Result<Box<dyn Source>, Stop> = match format {
+            Format::Csv => Ok(Box::new(csv::source(chunks))),
+            Format::Txt => Ok(Box::new(txt::source(chunks))),
+            Format::Npy => boxed(npy::source(chunks)),
+            Format::Npz => npz::source(origin),
+            Format::Evt2 => boxed(evt2::source(chunks)),
+            Format::Evt21 => boxed(evt21::source(chunks)),
+            Format::Evt3 => boxed(evt3::source(chunks)),
+            Format::Dat => boxed(dat::source(chunks)),
+            Format::Aedat2 => boxed(aedat2::source(chunks)),
+            Format::Aedat3 => boxed(aedat3::source(chunks)),
+            Format::Aedat4 => boxed(aedat4::source(chunks)),
+            Format::Es => boxed(es::source(chunks)),
+            #[cfg(feature = "hdf5")]
+            Format::Hdf5 => boxed(super::hdf5::source(origin)),
+            #[cfg(feature = "parquet")]
+            Format::Parquet => boxed(super::parquet::source(origin)),
+            #[allow(unreachable_patterns, reason = "unless both features are left out")]
+            Format::Hdf5 | Format::Parquet => {
+                let path = path.to_owned();
+                return Err(FileError::NotBuilt { path, format });
+            }
+        };
+        let mut reader = Self {
+            source: source.map_err(at_fault)?,
+            path: path.to_owned(),
+            format,
+            size: how.size,
+            gate: Gate::reading(),
+            stopped: None,
+            ended: false,
+        };
+        reader.listen();
+        Ok(reader)
+    }
+
+    /// The format it is read as.
+    #[must_use]
+    pub const fn format(&self) -> Format {
+        self.format
+    }
+
+    /// What the file has said of itself so far, and the size from [`Opening`] where it says
+    /// none. Text files may say it with the first block.
+    #[must_use]
+    pub const fn about(&self) -> About {
+        self.gate.about
+    }
+
+    /// Records so far that are no events of a pixel and were left out: triggers, frames,
+    /// motion, and events before the first time.
+    #[must_use]
+    pub fn skipped(&self) -> u64 {
+        self.source.skipped()
+    }
+
+    /// The smallest sensor that holds the events so far.
+    #[must_use]
+    pub const fn reach(&self) -> Size {
+        self.gate.reach
+    }
+
+    /// One more than the largest channel so far.
+    #[must_use]
+    pub const fn kinds(&self) -> u8 {
+        self.gate.channels
+    }
+
+    /// How far the events reached so far.
+    pub(super) const fn gate(&self) -> &Gate {
+        &self.gate
+    }
+
+    fn listen(&mut self) {
+        self.gate.about = self.source.about();
+        self.gate.about.size = self.gate.about.size.or(self.size);
+    }
+
+    /// Puts the next events into `events`, in place of what was there; false at the end.
+    ///
+    /// # Errors
+    /// When the file is damaged: after the last good event, with the place of the damage.
+    pub fn next_block(&mut self, events: &mut Vec<Event>) -> Result<bool, FileError> {
+        events.clear();
+        while events.is_empty() && !self.ended {
+            if let Some(error) = self.stopped.take() {
+                self.ended = true;
+                return Err(error);
+            }
+            match self.source.fill(events) {
+                Ok(true) => (),
+                Ok(false) => self.ended = true,
+                Err(stop) => self.stopped = Some(named(&self.path, stop)),
+            }
+            self.listen();
+            if let Err((at, fault)) = self.gate.admit(events) {
+                let place = self.source.place(at);
+                let stop = Stop::Fault(place, fault);
+                self.stopped = Some(named(&self.path, stop));
+                self.ended = false;
+                events.truncate(at);
+                // The good ones pass alone.
+                if let Err((at, _)) = self.gate.admit(events) {
+                    events.truncate(at);
+                }
+            }
+        }
+        Ok(!events.is_empty())
+    }
+}
+
+fn boxed<S: Source + 'static>(source: Result<S, Stop>) -> Result<Box<dyn Source>, Stop> {
+    source.map(|source| Box::new(source) as Box<dyn Source>)
+}
+
+/// What stopped a reader, with the name of the file.
+fn named(path: &Path, stop: Stop) -> FileError {
+    let path = path.to_owned();
+    match stop {
+        Stop::Io(cause) => FileError::Unreadable { path, cause },
+        Stop::Fault(place, fault) => FileError::Bad { path, place, fault },
+    }
+}

@@ -1,0 +1,137 @@
+//! What all readers and all writers have in common.
+
+use std::io::{self, Seek, Write};
+
+use super::{Fault, Place, about::About, chunks::Chunks, fault::Stop};
+use crate::event::Event;
+
+/// About so many events at a time: their memory stays in the second cache.
+pub const BLOCK: usize = 1 << 13;
+
+/// A file being read.
+pub trait Source: Send {
+    /// What the file has said of itself so far.
+    fn about(&self) -> About;
+
+    /// Adds the next events; false at the end of the file.
+    ///
+    /// What came before damage is added before the damage is reported.
+    fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop>;
+
+    /// Where the event is that the last [`Source::fill`] added with this number.
+    fn place(&self, event: usize) -> Place;
+
+    /// Records so far that are no events of a pixel: triggers, frames, motion, and events
+    /// before the first time.
+    fn skipped(&self) -> u64 {
+        0
+    }
+}
+
+/// A file being written.
+pub trait Sink: Send {
+    /// Writes what stands before the events.
+    fn start(&mut self, out: &mut dyn Out) -> io::Result<()>;
+
+    /// Writes events; they have been checked.
+    fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()>;
+
+    /// Writes what comes last, or what the start could not know.
+    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()>;
+}
+
+/// Where a file goes.
+pub trait Out: Write + Seek {}
+
+impl<T: Write + Seek> Out for T {}
+
+/// A stream of words, each of which is read knowing only those before it.
+pub trait Words: Clone + Send {
+    /// Bytes of the shortest word.
+    const STEP: usize;
+
+    /// Reads the whole words at the front of `bytes` and returns how many bytes they had;
+    /// what is wrong, and how far from the front.
+    fn read(&mut self, bytes: &[u8], events: &mut Vec<Event>) -> Result<usize, (usize, Fault)>;
+
+    /// See [`Source::skipped`].
+    fn skipped(&self) -> u64 {
+        0
+    }
+}
+
+/// A file of words behind a header.
+pub struct Stream<W> {
+    chunks: Chunks,
+    words: W,
+    about: About,
+    /// The words before the last chunk, that chunk, and where it is: to find an event again.
+    before: W,
+    chunk: Vec<u8>,
+    from: u64,
+}
+
+impl<W: Words> Stream<W> {
+    /// The words from here on.
+    pub fn new(chunks: Chunks, words: W, about: About) -> Self {
+        Self {
+            from: chunks.at(),
+            before: words.clone(),
+            chunk: Vec::new(),
+            chunks,
+            words,
+            about,
+        }
+    }
+}
+
+impl<W: Words> Source for Stream<W> {
+    fn about(&self) -> About {
+        self.about
+    }
+
+    fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
+        let longest = 16 * W::STEP;
+        self.chunks.ahead(longest)?;
+        self.before.clone_from(&self.words);
+        self.from = self.chunks.at();
+        let here = self.chunks.here();
+        if here.is_empty() {
+            return Ok(false);
+        }
+        // Not more at a time than its events have room in the cache.
+        let here = &here[..here.len().min(longest.max(BLOCK * 4))];
+        self.chunk.clear();
+        self.chunk.extend_from_slice(here);
+        match self.words.read(here, events) {
+            Ok(0) => Err(self.chunks.truncated("an event".into())),
+            Ok(used) => {
+                self.chunks.eat(used);
+                Ok(true)
+            }
+            Err((at, fault)) => Err(Stop::Fault(Place::Byte(self.from + at as u64), fault)),
+        }
+    }
+
+    fn place(&self, event: usize) -> Place {
+        // Again, word by word.
+        let mut words = self.before.clone();
+        let mut events = Vec::new();
+        let (mut at, mut end) = (0, W::STEP);
+        while let Some(word) = self.chunk.get(at..end) {
+            match words.read(word, &mut events) {
+                Ok(0) => end += W::STEP,
+                Ok(used) if events.len() <= event => {
+                    at += used;
+                    end = at + W::STEP;
+                }
+                _ => break,
+            }
+        }
+        Place::Byte(self.from + at as u64)
+    }
+
+    fn skipped(&self) -> u64 {
+        self.words.skipped()
+    }
+}

@@ -1,0 +1,229 @@
+//! The verb `convert`: formats, slices, kinds, sizes, salvage; what it says and what it
+//! refuses, with exit code 2 and nothing left behind.
+
+use std::fs;
+
+use amacrine::{
+    event::{Event, Packet, Polarity, file},
+    plane::Size,
+    unit::Micros,
+};
+use assert_cmd::Command;
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        let mut packet = Packet::new(Size::new(260, 346), 3);
+        packet.span = (Micros(0), Micros(3_000_000));
+        packet.events = (0..3000_u64)
+            .map(|i| Event {
+                t: Micros(i * 1000),
+                x: (i % 346) as u16,
+                y: (i % 260) as u16,
+                polarity: if i % 2 == 0 {
+                    Polarity::On
+                } else {
+                    Polarity::Off
+                },
+                channel: (i % 3) as u8,
+            })
+            .collect();
+        file::write(&folder.path("kinds.npy"), &packet).unwrap();
+        packet.channels = 1;
+        for e in &mut packet.events {
+            e.channel = 0;
+        }
+        file::write(&folder.path("one.npy"), &packet).unwrap();
+        file::write(&folder.path("one.csv"), &packet).unwrap();
+        folder
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn convert(&self, arguments: &[&str]) -> assert_cmd::assert::Assert {
+        Command::cargo_bin("amacrine")
+            .unwrap()
+            .current_dir(self.0.path())
+            .arg("convert")
+            .args(arguments)
+            .assert()
+    }
+
+    fn said(&self, arguments: &[&str]) -> String {
+        let output = self
+            .convert(arguments)
+            .success()
+            .get_output()
+            .stdout
+            .clone();
+        String::from_utf8(output).unwrap()
+    }
+
+    fn refused(&self, arguments: &[&str], says: &str) {
+        let before = fs::read_dir(self.0.path()).unwrap().count();
+        let output = self.convert(arguments).code(2).get_output().clone();
+        assert!(output.stdout.is_empty());
+        let said = String::from_utf8(output.stderr).unwrap();
+        // The message is wrapped to the width of the terminal.
+        let said: String = said
+            .split_whitespace()
+            .filter(|w| *w != "│")
+            .collect::<Vec<_>>()
+            .join(" ");
+        assert!(said.contains(says), "{said}");
+        assert_eq!(fs::read_dir(self.0.path()).unwrap().count(), before);
+    }
+}
+
+#[test]
+fn round_and_round() {
+    let folder = Folder::new();
+    let names = [
+        "a.evt3", "b.dat", "c.aedat4", "d.evt2.1", "e.es", "f.npz", "g.aedat3", "h.evt2",
+        "i.aedat2",
+    ];
+    let mut from = "one.npy";
+    for to in names {
+        let said = folder.said(&[from, to]);
+        let last = said.lines().last().unwrap();
+        assert!(
+            last.starts_with("open     import ") && last.contains(&format!("'{to}'")),
+            "{said}"
+        );
+        from = to;
+    }
+    let last = file::read(&folder.path(from)).unwrap();
+    let first = file::read(&folder.path("one.npy")).unwrap();
+    assert_eq!(last.packet.events, first.packet.events);
+    assert_eq!(last.packet.size, first.packet.size);
+}
+
+#[test]
+fn slices_kinds_and_json() {
+    let folder = Folder::new();
+    let said = folder.said(&["one.npy", "part.npy", "--slice", "1s..1.5s", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let written = &json["written"][0];
+    assert_eq!(written["events"], 500);
+    assert_eq!(
+        (written["first_us"].as_u64(), written["last_us"].as_u64()),
+        (Some(1_000_000), Some(1_499_000))
+    );
+    assert_eq!(
+        written["python"],
+        "import numpy; events = numpy.load('part.npy')"
+    );
+    let part = file::read(&folder.path("part.npy")).unwrap().packet;
+    assert_eq!(part.span, (Micros(1_000_000), Micros(1_500_000)));
+
+    folder.said(&["kinds.npy", "k.evt3", "--kind", "2", "--slice", "..500ms"]);
+    let kind = file::read(&folder.path("k.evt3")).unwrap().packet;
+    let times: Vec<u64> = kind.events.iter().map(|e| e.t.0).collect();
+    assert_eq!(
+        times,
+        (0..500)
+            .filter(|i| i % 3 == 2)
+            .map(|i| i * 1000)
+            .collect::<Vec<u64>>()
+    );
+
+    let said = folder.said(&["kinds.npy", "each.evt2", "--each-kind"]);
+    let mut sum = 0;
+    for kind in 0..3 {
+        let name = format!("each.kind{kind}.evt2");
+        assert!(said.contains(&name), "{said}");
+        sum += file::read(&folder.path(&name)).unwrap().packet.events.len();
+    }
+    assert_eq!(sum, 3000);
+    assert!(!folder.path("each.evt2").exists());
+}
+
+#[test]
+fn the_size_and_where_it_comes_from() {
+    let folder = Folder::new();
+    let said = folder.said(&["one.csv", "a.dat"]);
+    assert!(
+        said.contains("one.csv, csv, 346x260") && said.contains("does not say its size"),
+        "{said}"
+    );
+    let said = folder.said(&["one.csv", "b.raw", "--format", "evt3", "--size", "640x480"]);
+    assert!(
+        said.contains("640x480") && !said.contains("does not say"),
+        "{said}"
+    );
+    assert_eq!(
+        file::read(&folder.path("b.raw")).unwrap().packet.size,
+        Size::new(480, 640)
+    );
+    // The file's own word goes first.
+    let said = folder.said(&["b.raw", "c.es", "--size", "1000x1000"]);
+    assert!(said.contains("640x480"), "{said}");
+}
+
+#[test]
+fn damage_and_what_is_kept() {
+    let folder = Folder::new();
+    folder.said(&["one.npy", "a.dat"]);
+    let mut bytes = fs::read(folder.path("a.dat")).unwrap();
+    bytes.truncate(bytes.len() - 8 * 1000 - 3);
+    fs::write(folder.path("cut.dat"), &bytes).unwrap();
+    folder.refused(&["cut.dat", "b.evt3"], "in the middle of an event");
+    let said = folder.said(&["cut.dat", "b.evt3", "--salvage"]);
+    assert!(
+        said.contains("damage   cut.dat: byte ") && said.contains("1999 events"),
+        "{said}"
+    );
+    assert_eq!(
+        file::read(&folder.path("b.evt3"))
+            .unwrap()
+            .packet
+            .events
+            .len(),
+        1999
+    );
+}
+
+#[test]
+fn refusals() {
+    let folder = Folder::new();
+    folder.refused(
+        &["one.npy", "a.raw"],
+        "`.raw` files come in several formats: evt2, evt2.1, evt3",
+    );
+    folder.refused(
+        &["one.npy", "a.jpg"],
+        "`jpg` is not a known kind of event file",
+    );
+    folder.refused(&["kinds.npy", "a.evt3"], ".evt3 has no place for them");
+    folder.refused(
+        &["kinds.npy", "a.evt3", "--kind", "3"],
+        "there is no kind 3, only 3",
+    );
+    folder.refused(
+        &["one.npy", "a.evt3", "--format", "evt4"],
+        "`evt4` is no format",
+    );
+    folder.refused(
+        &["one.npy", "a.evt3", "--slice", "2s..1s"],
+        "FROM is after TO",
+    );
+    folder.refused(
+        &["one.npy", "a.evt3", "--slice", "1..2"],
+        "is not a duration",
+    );
+    folder.refused(&["one.csv", "a.evt3", "--size", "0x5"], "such as 346x260");
+    folder.refused(
+        &["one.csv", "a.evt3", "--size", "100x260"],
+        "is off the sensor, which is 100x260",
+    );
+    folder.refused(&["nothing.npy", "a.evt3"], "nothing.npy: ");
+    fs::write(folder.path("noise.raw"), [7; 64]).unwrap();
+    folder.refused(
+        &["noise.raw", "a.evt3"],
+        "neither the extension nor the first bytes say",
+    );
+}
