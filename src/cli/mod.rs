@@ -9,8 +9,10 @@ pub mod disasm;
 pub mod exec;
 mod kernels;
 mod opened;
+pub mod packets;
 mod progress;
 pub mod quantise;
+mod readout;
 mod registers;
 pub mod run;
 mod statistics;
@@ -30,7 +32,8 @@ Examples:
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
-  amacrine compare out/reference.npy out/silicon.npy --within 1ms";
+  amacrine compare out/reference.npy out/silicon.npy --within 1ms
+  amacrine packets out/silicon.npy --readout arbiter";
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
@@ -58,6 +61,8 @@ enum Verb {
     Compile(compile::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
+    /// What a packet costs on a link, and what a readout makes of it
+    Packets(packets::Arguments),
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -75,6 +80,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
+        Some(Verb::Packets(arguments)) => packets::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -15,10 +15,12 @@
 
 mod book;
 mod fault;
+mod rate;
 mod wire;
 
 pub use book::{CodeBook, entropy};
 pub use fault::{BookFault, CodecError};
+pub use rate::Rate;
 
 use self::wire::{Reader, Writer};
 use super::{Event, Packet, Polarity, address::AddressWord};
