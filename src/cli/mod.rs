@@ -15,6 +15,7 @@ pub mod quantise;
 mod readout;
 mod registers;
 pub mod run;
+pub mod show;
 mod statistics;
 mod strip;
 mod timed;
@@ -33,7 +34,8 @@ Examples:
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
-  amacrine packets out/silicon.npy --readout arbiter";
+  amacrine packets out/silicon.npy --readout arbiter
+  amacrine show out/silicon.npy -o picture.png";
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
@@ -63,6 +65,8 @@ enum Verb {
     Compare(compare::Arguments),
     /// What a packet costs on a link, and what a readout makes of it
     Packets(packets::Arguments),
+    /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
+    Show(show::Arguments),
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -81,6 +85,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Packets(arguments)) => packets::run(&arguments),
+        Some(Verb::Show(arguments)) => show::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,17 +1,21 @@
-//! Pictures of packets: what the scene showed, what both sensors said, where they differ.
+//! Pictures of packets: what the scene showed, what both sensors said, where they differ; and
+//! of one packet alone, in [`view`].
 //!
 //! [`contact_sheet`] puts several moments below each other, [`write_animation`] one after the
 //! other; both show the same four panels. Single panels are in [`panel`], colours in [`ink`].
 //! An event belongs to a moment when `from < t <= to`, so moments that touch share no event.
 
 mod animation;
+mod chart;
 pub mod ink;
 pub mod panel;
 mod sheet;
 mod strip;
 mod text;
+pub mod view;
 
-pub use animation::write_animation;
+pub use animation::{write_animation, write_frames};
+pub use chart::{Drawing, raster, svg};
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
 
@@ -50,6 +54,33 @@ pub enum PictureError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Save(#[from] SaveError),
+}
+
+/// A side of a picture that files can hold.
+fn side(size: Size) -> Result<(), PictureError> {
+    let most = usize::from(u16::MAX);
+    if size.height.max(size.width) > most {
+        return Err(PictureError::TooLarge(size));
+    }
+    if size.height.min(size.width) == 0 {
+        return Err(PictureError::Nothing);
+    }
+    Ok(())
+}
+
+/// Writes a drawing, whole or not at all: as SVG when the name ends in `.svg`, else as PNG.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), SaveError> {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    {
+        let text = svg(drawing);
+        return save(path, |out| out.write_all(text.as_bytes()));
+    }
+    write_png(path, &raster(drawing, 2))
 }
 
 /// Writes a picture as PNG, whole or not at all.
