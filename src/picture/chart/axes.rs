@@ -13,8 +13,18 @@ pub struct Axis<'a> {
     pub label: &'a str,
     pub from: f64,
     pub to: f64,
-    /// Whether equal factors are equally far apart; then values are their logarithms to base 10.
-    pub decades: bool,
+    pub scale: Scale,
+}
+
+/// What the numbers on an axis are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// The values themselves.
+    Plain,
+    /// Their sizes: up and down from 0 are two directions, not two signs.
+    Mirrored,
+    /// Microseconds, of which the values are the logarithms to base 10.
+    Decades,
 }
 
 impl Axis<'_> {
@@ -33,7 +43,7 @@ impl Axis<'_> {
             return Vec::new();
         }
         let mut step = step((self.to - self.from) / most.max(1) as f64);
-        if self.decades {
+        if self.scale == Scale::Decades {
             step = step.max(1.0).round();
         }
         let decimals = (-step.log10().floor()).max(0.0) as usize;
@@ -43,10 +53,10 @@ impl Axis<'_> {
         (first..=last.min(first + 100))
             .map(|i| {
                 let value = i as f64 * step;
-                let text = if self.decades {
-                    decade(value)
-                } else {
-                    format!("{value:.decimals$}")
+                let text = match self.scale {
+                    Scale::Plain => format!("{value:.decimals$}"),
+                    Scale::Mirrored => format!("{:.decimals$}", value.abs()),
+                    Scale::Decades => decade(value),
                 };
                 (value, text)
             })
@@ -113,25 +123,38 @@ pub fn axes(drawing: &mut Drawing, area: Area, x: Axis<'_>, y: Axis<'_>) {
 mod tests {
     use super::*;
 
-    fn texts(from: f64, to: f64, most: usize, decades: bool) -> Vec<String> {
+    fn texts(from: f64, to: f64, most: usize, scale: Scale) -> Vec<String> {
         let axis = Axis {
             label: "",
             from,
             to,
-            decades,
+            scale,
         };
         axis.ticks(most).into_iter().map(|(_, text)| text).collect()
     }
 
     #[test]
     fn ticks_are_round_numbers_within() {
-        assert_eq!(texts(0.0, 10.0, 5, false), ["0", "2", "4", "6", "8", "10"]);
-        assert_eq!(texts(0.13, 0.52, 4, false), ["0.2", "0.3", "0.4", "0.5"]);
-        assert_eq!(texts(0.0, 1.9, 4, false), ["0.0", "0.5", "1.0", "1.5"]);
-        assert_eq!(texts(0.0, 123_456.0, 3, false), ["0", "50000", "100000"]);
-        assert_eq!(texts(-3.0, 3.0, 3, false), ["-2", "0", "2"]);
         assert_eq!(
-            texts(2.0, 6.3, 9, true),
+            texts(0.0, 10.0, 5, Scale::Plain),
+            ["0", "2", "4", "6", "8", "10"]
+        );
+        assert_eq!(
+            texts(0.13, 0.52, 4, Scale::Plain),
+            ["0.2", "0.3", "0.4", "0.5"]
+        );
+        assert_eq!(
+            texts(0.0, 1.9, 4, Scale::Plain),
+            ["0.0", "0.5", "1.0", "1.5"]
+        );
+        assert_eq!(
+            texts(0.0, 123_456.0, 3, Scale::Plain),
+            ["0", "50000", "100000"]
+        );
+        assert_eq!(texts(-3.0, 3.0, 3, Scale::Plain), ["-2", "0", "2"]);
+        assert_eq!(texts(-3.0, 3.0, 3, Scale::Mirrored), ["2", "0", "2"]);
+        assert_eq!(
+            texts(2.0, 6.3, 9, Scale::Decades),
             ["100 us", "1 ms", "10 ms", "100 ms", "1 s"]
         );
     }
@@ -144,7 +167,7 @@ mod tests {
             (f64::NAN, 1.0),
             (0.0, f64::INFINITY),
         ] {
-            assert!(texts(from, to, 5, false).is_empty());
+            assert!(texts(from, to, 5, Scale::Plain).is_empty());
         }
     }
 }

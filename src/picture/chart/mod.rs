@@ -102,11 +102,6 @@ impl Drawing {
         self.marks.push(Mark::Pixels(area, picture));
     }
 
-    /// A cloud of dots: pixels whose ground lets through what is below.
-    pub(super) fn cloud(&mut self, area: Area, picture: RgbImage) {
-        self.marks.push(Mark::Pixels(area, picture));
-    }
-
     pub(super) fn text(
         &mut self,
         at: Point,

@@ -50,13 +50,15 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
     let line = f64::from(LINE);
     // Room for the labels of time, below, and of y, at the left.
     let area = Area {
-        x: area.x + 22.0,
+        x: area.x + 28.0,
         y: area.y,
         width: area.width - 34.0,
         height: panel.height - 2.0 * line,
     };
     let space = Box3 { area };
     let corner = |t: u8, x: u8, y: u8| space.at(t.into(), x.into(), y.into());
+    let every = packet.events.len().div_ceil(DOTS).max(1);
+    drawing.pixels(area, dots(packet, &space, every));
     for (from, to) in [
         ((0, 1, 1), (1, 1, 1)),
         ((0, 1, 0), (0, 1, 1)),
@@ -65,9 +67,6 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         let ends = [from, to].map(|(t, x, y)| corner(t, x, y));
         drawing.line(ends[0], ends[1], 1.0, ink::MATCHED);
     }
-    let every = packet.events.len().div_ceil(DOTS).max(1);
-    let behind = dots(packet, &space, every);
-    drawing.cloud(area, behind);
     for (from, to) in [
         ((0, 0, 0), (1, 0, 0)),
         ((0, 0, 1), (1, 0, 1)),
@@ -113,6 +112,22 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
     word((beside, top.1 - 6.0), Anchor::End, ink::CAPTION, "0".into());
     let half = f64::midpoint(top.1, left.1) - line / 2.0;
     word((beside, half), Anchor::End, ink::TEXT, "y".into());
+    let lowest = (packet.size.height - 1).to_string();
+    word(
+        (beside, left.1 - line + 4.0),
+        Anchor::End,
+        ink::CAPTION,
+        lowest,
+    );
+    let near = (right.0 + 15.0, right.1 - 5.0);
+    word(near, Anchor::Start, ink::CAPTION, "0".into());
+    let farthest = (packet.size.width - 1).to_string();
+    word(
+        (far.0 + 5.0, far.1 - 9.0),
+        Anchor::Start,
+        ink::CAPTION,
+        farthest,
+    );
     let note = if every > 1 {
         format!("every {every}th event; blue ON, vermilion OFF")
     } else {

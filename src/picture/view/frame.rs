@@ -151,7 +151,7 @@ fn animated(
 ) -> RgbImage {
     let Size { height, width } = packet.size;
     // A whole number of pixels for each of the sensor's.
-    let times = (480 / width.max(height).max(1)).max(1) as f64;
+    let times = (600 / width.max(height).max(1)).max(1) as f64;
     let area = Area {
         x: 12.0,
         y: 32.0,
@@ -239,10 +239,10 @@ mod tests {
             .unwrap()
             .collect();
         assert_eq!(pages.len(), 3);
-        // 80 pixels for each of the sensor's.
+        // 100 pixels for each of the sensor's.
         let shown = |page: &RgbImage| {
             (0..6)
-                .filter(|x| *page.get_pixel(12 + 80 * x + 40, 32 + 40) != ink::EMPTY)
+                .filter(|x| *page.get_pixel(12 + 100 * x + 50, 32 + 50) != ink::EMPTY)
                 .collect::<Vec<_>>()
         };
         let all: Vec<_> = pages.iter().map(shown).collect();

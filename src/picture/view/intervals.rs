@@ -7,7 +7,7 @@ use crate::{
     picture::{
         chart::{
             Anchor, Area, Drawing,
-            axes::{Axis, axes},
+            axes::{Axis, Scale, axes},
         },
         ink,
         text::{LINE, Weight},
@@ -56,13 +56,13 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         label: "time between a cell's events",
         from: low,
         to: high,
-        decades: true,
+        scale: Scale::Decades,
     };
     let y = Axis {
         label: "% of intervals, 10 bins a decade",
         from: 0.0,
         to: if most == 0 { 1.0 } else { part(most) * 1.08 },
-        decades: false,
+        scale: Scale::Plain,
     };
     axes(drawing, area, x, y);
     let width = area.width / bins.len() as f64;

@@ -72,7 +72,7 @@ const MARGIN: f64 = 24.0;
 const LEFT: f64 = 56.0;
 const BELOW: f64 = 46.0;
 /// The longer side of a panel.
-const PANEL: f64 = 340.0;
+const PANEL: f64 = 360.0;
 
 /// Draws a packet.
 ///
@@ -88,7 +88,7 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
         head(&mut drawing, packet, look.title);
         drawing
     };
-    let column = |n: f64| MARGIN + n * (PANEL + LEFT + GAP);
+    let column = |n: f64| MARGIN + n * (PANEL + GAP);
     let panel = |n: f64, top: f64| Area {
         x: column(n),
         y: top + line + 4.0,
@@ -148,7 +148,7 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
                 0.0
             };
             let bottom = second + low + BELOW + 2.0 * line + 12.0 - top;
-            let width = 3.0 * PANEL + 2.0 * (LEFT + GAP);
+            let width = 3.0 * PANEL + 2.0 * GAP;
             let mut d = page(width, bottom + kinds);
             frame::draw(&mut d, panel(0.0, top), packet, &moment, None);
             surface::draw(&mut d, panel(1.0, top), packet, &moment);

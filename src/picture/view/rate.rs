@@ -5,7 +5,7 @@ use crate::{
     picture::{
         chart::{
             Anchor, Area, Drawing,
-            axes::{Axis, axes},
+            axes::{Axis, Scale, axes},
         },
         ink,
         text::{LINE, Weight},
@@ -73,13 +73,13 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         label: "t (s)",
         from,
         to,
-        decades: false,
+        scale: Scale::Plain,
     };
     let y = Axis {
         label: &label,
         from: if most == 0 { 0.0 } else { -top },
         to: if most == 0 { 1.0 } else { top },
-        decades: false,
+        scale: Scale::Mirrored,
     };
     axes(drawing, area, x, y);
     let zero = area.bottom() - y.part(0.0) * area.height;
