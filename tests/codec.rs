@@ -128,7 +128,7 @@ proptest! {
             let whole = coding.encode(&packet).unwrap();
             let bits = cut.index(whole.bits as usize) as u64;
             let mut bytes = whole.bytes[..bits.div_ceil(8) as usize].to_vec();
-            if bits % 8 > 0 {
+            if !bits.is_multiple_of(8) {
                 *bytes.last_mut().unwrap() &= 0xFF << (8 - bits % 8);
             }
             let short = Coded { bytes, bits, ..whole };

@@ -168,7 +168,7 @@ impl Shown<'_> {
                 "channel": kind,
                 "events": events,
                 "bits": word.map(|(bits, _)| bits),
-                "word": word.map(|w| text(w)),
+                "word": word.map(text),
             }));
         }
         let codings: Vec<_> = c
@@ -366,5 +366,7 @@ fn text((bits, word): (u32, u128)) -> String {
 }
 
 fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
+    let digit = |d: u8| char::from_digit(d.into(), 16).unwrap_or('?');
+    let two = |b: &u8| [digit(b >> 4), digit(b & 15)];
+    bytes.iter().flat_map(two).collect()
 }

@@ -176,8 +176,10 @@ mod tests {
             .iter()
             .map(|e| (e.t.0, e.polarity))
             .collect();
-        use Polarity::{Off, On};
-        assert_eq!(seen, [(10, Off), (10, On), (20, On)]);
+        assert_eq!(
+            seen,
+            [(10, Polarity::Off), (10, Polarity::On), (20, Polarity::On)]
+        );
         assert_eq!(read.packet.dropped.merged, 1);
         assert_eq!(read.packet.span, (Micros(1), Micros(20)));
         // Four bits of 0.5 us: 2 us behind the frame's end; two frames in 1 to 22 us.

@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 
-use super::{caption, fitted};
+use super::caption;
 use crate::{
     event::{Event, Packet, Polarity},
     picture::{
@@ -40,13 +40,7 @@ impl Box3 {
 
 /// The cloud with its box, labels and caption.
 pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
-    let panel = fitted(
-        Area {
-            width: area.height,
-            ..area
-        },
-        packet,
-    );
+    let panel = area;
     let line = f64::from(LINE);
     // Room for the labels of time, below, and of y, at the left.
     let area = Area {

@@ -89,13 +89,21 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
         drawing
     };
     let column = |n: f64| MARGIN + n * (PANEL + GAP);
-    let panel = |n: f64, top: f64| Area {
-        x: column(n),
-        y: top + line + 4.0,
+    let square = Area {
+        x: 0.0,
+        y: 0.0,
         width: PANEL,
         height: PANEL,
     };
-    let high = PANEL + 3.0 * line + 4.0;
+    // As high as the sensor's shape asks; but a cloud needs some room.
+    let tall = fitted(square, packet).height.max(PANEL / 2.0);
+    let panel = |n: f64, top: f64| Area {
+        x: column(n),
+        y: top + line + 4.0,
+        height: tall,
+        ..square
+    };
+    let high = tall + 3.0 * line + 4.0;
     // Beside the panels, plots have their ticks at the left.
     let plot = |n: f64, top: f64, width: f64, height: f64| Area {
         x: column(n) + LEFT,

@@ -32,15 +32,12 @@ impl Bins {
         let (from, to) = packet.span;
         let whole = to.0.saturating_sub(from.0);
         let mut length = 1_u64;
-        for factor in [2, 5, 10].into_iter().cycle() {
+        // 1, 2, 5, 10, 20, …
+        for (times, over) in [(2, 1), (5, 2), (2, 1)].into_iter().cycle() {
             if whole.div_ceil(length) <= most {
                 break;
             }
-            length = match factor {
-                2 => length.saturating_mul(2),
-                5 => (length / 2).saturating_mul(5),
-                _ => length.saturating_mul(2),
-            };
+            length = (length / over).saturating_mul(times);
         }
         let mut counts = vec![[0; 2]; whole.div_ceil(length).max(1) as usize];
         for e in &packet.events {
