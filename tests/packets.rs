@@ -340,3 +340,42 @@ fn the_scan_has_the_slots_of_the_chip() {
     };
     assert_eq!(scan.slot.seconds(), slot.value * 1e-6);
 }
+
+/// What `docs/packets.md` shows of the bundled clip is what the commands above it print.
+#[test]
+fn the_table_of_the_documentation_is_printed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let doc = fs::read_to_string(root.join("docs/packets.md")).unwrap();
+    let block = doc
+        .split("```console\n")
+        .nth(1)
+        .unwrap()
+        .split("```")
+        .next()
+        .unwrap();
+    let commands: Vec<_> = block
+        .lines()
+        .filter_map(|l| l.strip_prefix("$ amacrine "))
+        .collect();
+    let folder = TempDir::new().unwrap();
+    fs::create_dir(folder.path().join("out")).unwrap();
+    let mut printed = String::new();
+    for command in &commands {
+        let arguments: Vec<_> = command
+            .split(' ')
+            .map(|word| {
+                if word.starts_with("clips/") || word.starts_with("sensors/") {
+                    root.join(word).to_str().unwrap().to_owned()
+                } else {
+                    word.to_owned()
+                }
+            })
+            .collect();
+        let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
+        printed = good(folder.path(), &arguments);
+    }
+    assert_eq!(commands.len(), 2);
+    let shown: Vec<_> = block.lines().filter(|l| !l.starts_with("$ ")).collect();
+    let printed: Vec<_> = printed.lines().map(str::trim_end).collect();
+    assert_eq!(printed, shown);
+}
