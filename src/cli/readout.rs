@@ -99,6 +99,12 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
             100.0 * stage.busy,
             stage.most
         ));
+        if stage.busy > 0.99 {
+            lines.push(format!(
+                "note     the {} cannot keep up: what comes waits longer and longer",
+                stage.name
+            ));
+        }
     }
     if statistics.ambiguous > 0 {
         lines.push(format!(

@@ -199,14 +199,17 @@ mod tests {
             times in prop::collection::btree_set(1..400_u64, 1..8),
             period in 1..20_u64,
             bit in 0..12_u64,
+            before in 0..90_u64,
         ) {
             let events: Vec<_> = times.iter().map(|t| event(*t, 0, 0)).collect();
-            let packet = packet(1, 1, &events);
+            let mut packet = packet(1, 1, &events);
+            let start = times.first().unwrap().saturating_sub(before);
+            packet.span.0 = Micros(start);
             let frame = Frame { period: Micros(period), bit: Picos(bit * 1_000_000) };
             let read = frame.read(&packet);
             let (mut free, mut worst, mut sent) = (0, 0, 0);
             let last = times.last().unwrap().div_ceil(period);
-            for number in times.first().unwrap().div_ceil(period)..=last {
+            for number in start.div_ceil(period)..=last {
                 free = free.max(number * period) + 2 * bit;
                 sent += 1;
                 let inside = |t: &&u64| t.div_ceil(period) == number;
@@ -215,7 +218,7 @@ mod tests {
                 }
             }
             prop_assert_eq!(read.statistics.latency.unwrap().max.0, worst * 1_000_000);
-            let whole = free.max(*times.last().unwrap()) - times.first().unwrap();
+            let whole = free.max(*times.last().unwrap()) - start;
             if whole > 0 {
                 let busy = (2 * bit * sent) as f64 / whole as f64;
                 prop_assert!((read.statistics.stages[0].busy - busy).abs() < 1e-12);

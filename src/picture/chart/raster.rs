@@ -71,8 +71,9 @@ fn fill(page: &mut RgbImage, area: Area, ink: Ink) {
         (high.min(pixel + 1.0) - low.max(pixel)).clamp(0.0, 1.0)
     };
     let (x, y) = (area.x.max(0.0), area.y.max(0.0));
-    for py in y.floor() as u32..area.bottom().ceil().max(0.0) as u32 {
-        for px in x.floor() as u32..area.right().ceil().max(0.0) as u32 {
+    let (width, height) = page.dimensions();
+    for py in y.floor() as u32..(area.bottom().ceil().max(0.0) as u32).min(height) {
+        for px in x.floor() as u32..(area.right().ceil().max(0.0) as u32).min(width) {
             let part = inside(x, area.right(), px) * inside(y, area.bottom(), py);
             cover(page, px, py, part, ink);
         }
@@ -86,8 +87,9 @@ fn line(page: &mut RgbImage, from: Point, to: Point, width: f64, ink: Ink) {
     let high = |a: f64, b: f64| (a.max(b) + reach).max(0.0).ceil() as u32;
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy);
-    for py in low(from.1, to.1)..high(from.1, to.1) {
-        for px in low(from.0, to.0)..high(from.0, to.0) {
+    let (across, down) = page.dimensions();
+    for py in low(from.1, to.1)..high(from.1, to.1).min(down) {
+        for px in low(from.0, to.0)..high(from.0, to.0).min(across) {
             let (x, y) = (f64::from(px) + 0.5 - from.0, f64::from(py) + 0.5 - from.1);
             let along = if length > 0.0 {
                 ((x * dx + y * dy) / length).clamp(0.0, length)
