@@ -324,7 +324,12 @@ fn pictures_are_of_what_was_asked_for() {
         show(&["d.apng", "--from", "1ms"]),
         "wrote    d.apng: 2 events in 1 frames\n"
     );
-    show(&["e.svg", "--title", "a title"]);
+    let said = show(&["e.svg", "--title", "a title", "--json"]);
+    let said: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(
+        (said["events"].as_u64(), said["frames"].as_u64()),
+        (Some(5), None)
+    );
     let text = fs::read_to_string(folder.path().join("e.svg")).unwrap();
     assert!(text.contains(">a title</text>") && text.contains(">kind 3</text>"));
 }

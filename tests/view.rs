@@ -188,7 +188,7 @@ proptest! {
 fn a_sensor_without_pixels_or_with_too_many_is_refused() {
     for view in VIEWS {
         let nothing = view::draw(&Packet::new(Size::new(0, 5), 1), &look(view));
-        assert!(matches!(nothing, Err(PictureError::Nothing)));
+        assert!(matches!(nothing, Err(PictureError::NoPixels(_))));
         let wide = view::draw(&Packet::new(Size::new(1, 1 << 17), 1), &look(view));
         assert!(matches!(wide, Err(PictureError::TooLarge(_))));
     }

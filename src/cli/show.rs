@@ -46,6 +46,9 @@ pub struct Arguments {
     /// How long each frame of an animation is shown
     #[arg(long, default_value = "100ms", value_name = "TIME")]
     hold: Micros,
+    /// Print one JSON object instead of the line
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -107,8 +110,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     cut(&mut packet, arguments)?;
     let name = arguments.file.display().to_string();
     let title = arguments.title.as_ref().unwrap_or(&name);
-    let what = if moving {
-        animate(&packet, title, arguments)?
+    let frames = if moving {
+        Some(animate(&packet, title, arguments)?)
     } else {
         let look = Look {
             title,
@@ -117,13 +120,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             at: arguments.at,
         };
         write_drawing(&arguments.output, &view::draw(&packet, &look)?)?;
-        String::new()
+        None
     };
-    super::say(&format!(
-        "wrote    {}: {} events{what}\n",
-        arguments.output.display(),
-        packet.events.len()
-    ));
+    let events = packet.events.len();
+    if arguments.json {
+        let said = serde_json::json!({
+            "file": arguments.file,
+            "output": arguments.output,
+            "events": events,
+            "frames": frames,
+        });
+        super::say(&format!("{said}\n"));
+    } else {
+        let frames = frames.map_or(String::new(), |n| format!(" in {n} frames"));
+        let output = arguments.output.display();
+        super::say(&format!("wrote    {output}: {events} events{frames}\n"));
+    }
     Ok(())
 }
 
@@ -162,8 +174,8 @@ fn cut(packet: &mut Packet, arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// Writes an animation; what it is like.
-fn animate(packet: &Packet, title: &str, arguments: &Arguments) -> miette::Result<String> {
+/// Writes an animation; of how many frames.
+fn animate(packet: &Packet, title: &str, arguments: &Arguments) -> miette::Result<u64> {
     let (from, to) = packet.span;
     let window = arguments.window;
     let pages = to.0.saturating_sub(from.0).div_ceil(window.0);
@@ -181,5 +193,5 @@ fn animate(packet: &Packet, title: &str, arguments: &Arguments) -> miette::Resul
     }
     let frames = view::frames(packet, title, from, to, window)?;
     write_frames(&arguments.output, frames, arguments.hold.seconds())?;
-    Ok(format!(" in {pages} frames"))
+    Ok(pages)
 }

@@ -46,6 +46,12 @@ pub enum PictureError {
         /// Size of the reference's sensor.
         want: Size,
     },
+    /// A sensor without pixels.
+    #[error("a sensor of {0} pixels cannot be shown")]
+    #[diagnostic(help(
+        "the file has no events and does not say how large its sensor is: give one that does"
+    ))]
+    NoPixels(Size),
     /// Larger than the file can be.
     #[error("the picture would be {0}; a side is at most 65535")]
     #[diagnostic(help("show fewer moments, or a part of the sensor"))]
@@ -56,14 +62,14 @@ pub enum PictureError {
     Save(#[from] SaveError),
 }
 
-/// A side of a picture that files can hold.
-fn side(size: Size) -> Result<(), PictureError> {
+/// Whether a sensor has pixels, and not more than files can hold.
+fn check(size: Size) -> Result<(), PictureError> {
     let most = usize::from(u16::MAX);
     if size.height.max(size.width) > most {
         return Err(PictureError::TooLarge(size));
     }
     if size.height.min(size.width) == 0 {
-        return Err(PictureError::Nothing);
+        return Err(PictureError::NoPixels(size));
     }
     Ok(())
 }

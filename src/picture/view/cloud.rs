@@ -144,6 +144,8 @@ fn dots(packet: &Packet, space: &Box3, every: usize) -> RgbImage {
     let whole = to.0.saturating_sub(from.0).max(1) as f64;
     let mut shown: Vec<&Event> = packet.events.iter().step_by(every).collect();
     shown.sort_by_key(|e| (std::cmp::Reverse(e.x), e.t));
+    // Where dots lie on each other all should show; where they are few each should.
+    let strength = if shown.len() > DOTS / 4 { 0.5 } else { 0.85 };
     for e in shown {
         let t = e.t.0.saturating_sub(from.0) as f64 / whole;
         let x = (f64::from(e.x) + 0.5) / packet.size.width as f64;
@@ -156,7 +158,7 @@ fn dots(packet: &Packet, space: &Box3, every: usize) -> RgbImage {
         let (px, py) = ((at.0 - area.x) * FINE, (at.1 - area.y) * FINE);
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             if let Some(pixel) = picture.get_pixel_mut_checked(px as u32 + dx, py as u32 + dy) {
-                *pixel = mixed(*pixel, ink, 0.5);
+                *pixel = mixed(*pixel, ink, strength);
             }
         }
     }

@@ -124,7 +124,7 @@ pub fn frames<'a>(
     to: Micros,
     window: Micros,
 ) -> Result<impl Iterator<Item = RgbImage> + Clone + 'a, PictureError> {
-    crate::picture::side(packet.size)?;
+    crate::picture::check(packet.size)?;
     let window = window.0.max(1);
     let number = to.0.saturating_sub(from.0).div_ceil(window);
     let page = move |i: u64| {

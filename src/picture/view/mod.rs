@@ -79,7 +79,7 @@ const PANEL: f64 = 360.0;
 /// # Errors
 /// When the packet's sensor has no pixels, or too many for a picture.
 pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
-    super::side(packet.size)?;
+    super::check(packet.size)?;
     let moment = Moment::of(packet, look);
     let line = f64::from(LINE);
     let top = MARGIN + 2.0 * line + 16.0;
