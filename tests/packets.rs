@@ -102,13 +102,13 @@ fn sizes_and_rates_are_the_definitions() {
         ]
     );
     let fixed = &seen["codings"][0]["rate"];
-    assert_eq!(fixed["mean"].as_f64(), Some(2500.0));
+    assert_eq!(fixed["mean_bits_per_s"].as_f64(), Some(2500.0));
     // Four of ten bits within 10 ms.
-    assert_eq!(fixed["peak"].as_f64(), Some(4000.0));
-    assert_eq!(fixed["peak_from"].as_u64(), Some(1000));
+    assert_eq!(fixed["peak_bits_per_s"].as_f64(), Some(4000.0));
+    assert_eq!(fixed["peak_from_us"].as_u64(), Some(1000));
     // Two bits for each of 8 x 16 x 4 cells, over ten.
     assert_eq!(seen["bit_map_bits"].as_u64(), Some(1024));
-    assert_eq!(fixed["crossover"].as_f64(), Some(102.4));
+    assert_eq!(fixed["crossover_events_per_window"].as_f64(), Some(102.4));
     let words: Vec<_> = seen["kinds"]
         .as_array()
         .unwrap()
@@ -117,8 +117,8 @@ fn sizes_and_rates_are_the_definitions() {
         .collect();
     assert_eq!(words, [Some("0"), Some("10"), None, Some("11")]);
     let entropy = 0.6 * (5.0_f64 / 3.0).log2() + 0.4 * 5.0_f64.log2();
-    assert!((seen["entropy"].as_f64().unwrap() - entropy).abs() < 1e-12);
-    assert_eq!(seen["mean_word"].as_f64(), Some(1.4));
+    assert!((seen["entropy_bits"].as_f64().unwrap() - entropy).abs() < 1e-12);
+    assert_eq!(seen["mean_word_bits"].as_f64(), Some(1.4));
     assert!(seen["readout"].is_null());
 
     let table = good(folder.path(), &["packets", "e.csv"]);

@@ -70,7 +70,10 @@ impl Dropped {
     /// All drops together.
     #[must_use]
     pub const fn total(self) -> u64 {
-        self.no_slot + self.over_limit + self.queue_full + self.merged
+        self.no_slot
+            .saturating_add(self.over_limit)
+            .saturating_add(self.queue_full)
+            .saturating_add(self.merged)
     }
 
     /// Each reason with its count, in words.
@@ -87,10 +90,11 @@ impl Dropped {
 
 impl ops::AddAssign for Dropped {
     fn add_assign(&mut self, other: Self) {
-        self.no_slot += other.no_slot;
-        self.over_limit += other.over_limit;
-        self.queue_full += other.queue_full;
-        self.merged += other.merged;
+        // Counts may come from a file.
+        self.no_slot = self.no_slot.saturating_add(other.no_slot);
+        self.over_limit = self.over_limit.saturating_add(other.over_limit);
+        self.queue_full = self.queue_full.saturating_add(other.queue_full);
+        self.merged = self.merged.saturating_add(other.merged);
     }
 }
 

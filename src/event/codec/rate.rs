@@ -13,14 +13,19 @@ pub struct Rate {
     /// Bits an event; `None` without events.
     pub bits_per_event: Option<f64>,
     /// Bits a second over the time watched; `None` when no time was.
+    #[serde(rename = "mean_bits_per_s")]
     pub mean: Option<f64>,
     /// Bits a second in the busiest window.
+    #[serde(rename = "peak_bits_per_s")]
     pub peak: f64,
     /// When that window begins.
+    #[serde(rename = "peak_from_us")]
     pub peak_from: Option<Micros>,
     /// Events a window at which a bit map costs as much: above, address events do not pay.
+    #[serde(rename = "crossover_events_per_window")]
     pub crossover: Option<f64>,
     /// Windows in which these events cost more than a bit map.
+    #[serde(rename = "windows_above")]
     pub above: u64,
 }
 
