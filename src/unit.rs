@@ -56,22 +56,102 @@ impl FromStr for Micros {
 
     /// Reads `100us`, `1ms`, `0.5s`: a decimal number and a unit, exact to the microsecond.
     fn from_str(text: &str) -> Result<Self, DurationError> {
-        let read = || {
-            // The longer units first: `s` ends all of them.
-            let (number, decimals) = [("us", 0), ("µs", 0), ("ms", 3), ("s", 6)]
-                .into_iter()
-                .find_map(|(unit, decimals)| Some((text.strip_suffix(unit)?, decimals)))?;
-            let (whole, fraction) = number.trim().split_once('.').unwrap_or((number.trim(), ""));
-            let fraction = fraction.trim_end_matches('0');
-            let digits = format!("{whole}{fraction:0<decimals$}");
-            let plain = digits.bytes().all(|b| b.is_ascii_digit());
-            (plain && fraction.len() <= decimals && !whole.is_empty())
-                .then(|| digits.parse().ok().map(Self))?
-        };
-        read().ok_or_else(|| DurationError {
-            text: text.to_owned(),
-        })
+        // The longer units first: `s` ends all of them.
+        decimal(text, &[("us", 0), ("µs", 0), ("ms", 3), ("s", 6)])
+            .map(Self)
+            .ok_or_else(|| DurationError {
+                text: text.to_owned(),
+            })
     }
+}
+
+/// Time in whole picoseconds: what one address word takes on a link.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(transparent)]
+pub struct Picos(pub u64);
+
+impl Picos {
+    /// The units, and the decimals by which each is more than a picosecond; longer names first,
+    /// since `s` ends all of them.
+    const UNITS: [(&str, usize); 6] = [
+        ("ps", 0),
+        ("ns", 3),
+        ("us", 6),
+        ("µs", 6),
+        ("ms", 9),
+        ("s", 12),
+    ];
+
+    /// This time in seconds.
+    #[must_use]
+    pub fn seconds(self) -> f64 {
+        self.0 as f64 * 1e-12
+    }
+}
+
+impl fmt::Display for Picos {
+    /// In the largest of ps, ns, us, ms and s that leaves at least 1, exactly.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let fits = |(_, decimals): &&(&str, usize)| self.0 >= 10_u64.pow(*decimals as u32);
+        let units = || Self::UNITS.iter().filter(|(name, _)| *name != "µs");
+        let (name, decimals) = units().rfind(fits).unwrap_or(&("ns", 0));
+        let one = 10_u64.pow(*decimals as u32);
+        let fraction = format!("{:0>decimals$}", self.0 % one);
+        match fraction.trim_end_matches('0') {
+            "" => write!(f, "{} {name}", self.0 / one),
+            fraction => write!(f, "{}.{fraction} {name}", self.0 / one),
+        }
+    }
+}
+
+impl FromStr for Picos {
+    type Err = ShortTimeError;
+
+    /// Reads `36ns`, `0.91 us`, `0ns`: a decimal number and a unit, exact to the picosecond.
+    fn from_str(text: &str) -> Result<Self, ShortTimeError> {
+        decimal(text.trim(), &Self::UNITS)
+            .map(Self)
+            .ok_or_else(|| ShortTimeError {
+                text: text.to_owned(),
+            })
+    }
+}
+
+/// A text that is no short time.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("`{text}` is not a time in whole picoseconds, such as 36ns, 0.91us or 1ms")]
+#[diagnostic(help("write a number and one of the units ps, ns, us, ms, s"))]
+pub struct ShortTimeError {
+    /// What was given.
+    pub text: String,
+}
+
+/// A decimal number with one of `units`, as a whole number of the smallest.
+fn decimal(text: &str, units: &[(&str, usize)]) -> Option<u64> {
+    let (number, decimals) = units
+        .iter()
+        .find_map(|(unit, decimals)| Some((text.strip_suffix(unit)?, *decimals)))?;
+    let (whole, fraction) = number.trim().split_once('.').unwrap_or((number.trim(), ""));
+    let fraction = fraction.trim_end_matches('0');
+    let digits = format!("{whole}{fraction:0<decimals$}");
+    let plain = digits.bytes().all(|b| b.is_ascii_digit());
+    (plain && fraction.len() <= decimals && !whole.is_empty())
+        .then(|| digits.parse().ok())
+        .flatten()
+}
+
+/// How well a number is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Evidence {
+    /// Measured, on the chip or from its published data.
+    Measured,
+    /// Stated by whoever made the chip or a tool for it.
+    Quoted,
+    /// Derived from a model that explains what is known.
+    Modelled,
+    /// Nobody says; a reasonable value.
+    Guess,
 }
 
 /// Instruction words: what a program costs on the chip, one clock of the array each.
@@ -164,6 +244,25 @@ mod tests {
             "nans",
         ] {
             assert!(text.parse::<Micros>().is_err(), "{text}");
+        }
+    }
+    #[test]
+    fn short_times_are_read_and_written_to_the_picosecond() {
+        for (text, picos, shown) in [
+            ("36ns", 36_000, "36 ns"),
+            ("35.97 ns", 35_970, "35.97 ns"),
+            ("0.91us", 910_000, "910 ns"),
+            ("1.5ms", 1_500_000_000, "1.5 ms"),
+            ("2s", 2_000_000_000_000, "2 s"),
+            ("7ps", 7, "7 ps"),
+            ("0ns", 0, "0 ns"),
+        ] {
+            assert_eq!(text.parse(), Ok(Picos(picos)), "{text}");
+            assert_eq!(Picos(picos).to_string(), shown);
+            assert_eq!(shown.parse(), Ok(Picos(picos)), "{shown}");
+        }
+        for text in ["", "1", "ns", "-1ns", "0.1ps", "1e3ns", "999999999s"] {
+            assert!(text.parse::<Picos>().is_err(), "{text}");
         }
     }
 }

@@ -28,6 +28,7 @@ fn packets(channels: impl Strategy<Value = u8>) -> impl Strategy<Value = Packet>
         packet.dropped = Dropped {
             no_slot: more[2],
             over_limit: more[3],
+            ..Dropped::default()
         };
         packet.events = events
             .into_iter()

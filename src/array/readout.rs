@@ -1,53 +1,12 @@
-//! The chip's own addresses, and the order in which it reads out set pixels.
-//!
-//! ```text
-//!   image            chip
-//!   (0,0)──► x       column ◄──(0,0)
-//!     │                          │
-//!     ▼ y                        ▼ row
-//! ```
-//!
-//! The scan finds the first column that holds a set pixel, then the first row in it, clears
-//! that pixel and goes on: columns outside, rows inside, from the top right. An unused slot
-//! reads as (0,0), so a true event at (0,0) cannot be told from the end of the list.
+//! One readout of the chip: the set pixels of a register, in the order of
+//! [`event::readout::scan`](crate::event::readout::scan).
 
 use super::BitPlane;
-use crate::plane::{At, Size};
-
-/// A pixel as the chip counts: from the top right corner, columns leftwards.
-///
-/// This is the one place where the chip's count and image coordinates are converted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Address {
-    /// Counted leftwards from the right.
-    pub column: usize,
-    /// Counted down from the top.
-    pub row: usize,
-}
-
-impl Address {
-    /// Of a pixel of an array of this size.
-    #[must_use]
-    pub const fn of(at: At, size: Size) -> Self {
-        Self {
-            column: size.width - 1 - at.x,
-            row: at.y,
-        }
-    }
-
-    /// Where it lies in the image; `None` off the array.
-    #[must_use]
-    pub const fn at(self, size: Size) -> Option<At> {
-        if self.column < size.width && self.row < size.height {
-            Some(At {
-                y: self.row,
-                x: size.width - 1 - self.column,
-            })
-        } else {
-            None
-        }
-    }
-}
+pub use crate::event::readout::scan::Address;
+use crate::{
+    event::readout::scan::Order,
+    plane::{At, Size},
+};
 
 /// One readout of set pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,28 +37,16 @@ impl Scan {
             ambiguous: false,
         };
         let set = bits.columns();
-        for column in 0..size.width {
-            let column = if from_left {
-                size.width - 1 - column
-            } else {
-                column
-            };
-            if !set[size.width - 1 - column] {
-                continue;
-            }
-            for row in 0..size.height {
-                let row = if from_bottom {
-                    size.height - 1 - row
-                } else {
-                    row
-                };
-                let address = Address { column, row };
-                let Some(at) = address.at(size).filter(|at| bits.get(at.y, at.x)) else {
-                    continue;
-                };
+        let order = Order {
+            from_left,
+            from_bottom,
+        };
+        for x in order.columns(size).filter(|x| set[*x]) {
+            for y in order.rows(size).filter(|y| bits.get(*y, x)) {
+                let at = At { y, x };
                 if scan.found.len() < slots as usize {
                     scan.found.push(at);
-                    scan.ambiguous |= address == Address { column: 0, row: 0 };
+                    scan.ambiguous |= Address::of(at, size) == Address::ORIGIN;
                 } else {
                     scan.missed += 1;
                 }

@@ -10,10 +10,13 @@ pub mod disasm;
 pub mod exec;
 mod kernels;
 mod opened;
+pub mod packets;
 mod progress;
 pub mod quantise;
+mod readout;
 mod registers;
 pub mod run;
+pub mod show;
 mod statistics;
 mod strip;
 mod timed;
@@ -32,7 +35,9 @@ Examples:
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
-  amacrine convert recording.raw part.aedat4 --slice 1s..2.5s";
+  amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
+  amacrine packets out/silicon.npy --readout arbiter
+  amacrine show out/silicon.npy -o picture.png";
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
@@ -62,6 +67,10 @@ enum Verb {
     Compare(compare::Arguments),
     /// An event file into another format
     Convert(convert::Arguments),
+    /// What a packet costs on a link, and what a readout makes of it
+    Packets(packets::Arguments),
+    /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
+    Show(show::Arguments),
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -80,6 +89,8 @@ pub fn main() -> ExitCode {
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
+        Some(Verb::Packets(arguments)) => packets::run(&arguments),
+        Some(Verb::Show(arguments)) => show::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

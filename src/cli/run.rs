@@ -9,7 +9,12 @@ use miette::{WrapErr, miette};
 use serde_json::json;
 
 use crate::{
-    event::{Packet, address::AddressWord, file},
+    event::{
+        Packet,
+        address::AddressWord,
+        file,
+        readout::{Statistics, settings::Description as ReadoutDescription},
+    },
     number::{Format, Number, Visitor},
     plane::Size,
     reference::{
@@ -24,7 +29,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::progress::Progress;
+use super::{progress::Progress, readout};
 
 /// What `run` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -53,6 +58,8 @@ pub struct Arguments {
     /// Write the events; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
     #[arg(long)]
     events: Option<PathBuf>,
+    #[command(flatten)]
+    readout: readout::Choice,
     /// Write signed event counts, int32 (P,K,H,W)
     #[arg(long, value_name = "C.npy")]
     counts: Option<PathBuf>,
@@ -85,6 +92,13 @@ enum Full {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let description = read_sensor(&arguments.sensor)?;
     check_outputs(arguments)?;
+    let chosen = arguments.readout.open()?;
+    if chosen.map(|d| d.readout()).transpose()?.is_some() && arguments.events.is_none() {
+        return Err(miette!(
+            help = "add --events FILE, or leave --readout out",
+            "--readout without --events: counts and voxels are of what the cells fired"
+        ));
+    }
     let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
     let sensor = description.clone();
     let watched = match arguments.upsample {
@@ -199,6 +213,7 @@ struct Watched {
     /// Frame pairs in which the authors' refractory rule lets no cell fire.
     too_short: u64,
     dropped: u64,
+    read_out: Option<(ReadoutDescription, Statistics)>,
     paper_metric: Option<f64>,
 }
 
@@ -293,6 +308,12 @@ fn watch<N: Number, S: Scene>(
     progress.finish();
     let first = first.unwrap_or(0.0);
     packet.span = (Micros::from_seconds(first), Micros::from_seconds(last));
+    let dropped = packet.dropped.total();
+    let mut read_out = None;
+    if let Some((chosen, read)) = arguments.readout.apply(&packet)? {
+        packet = read.packet;
+        read_out = Some((chosen, read.statistics));
+    }
     if let Some(path) = &arguments.events {
         file::write(path, &packet)?;
     }
@@ -307,7 +328,8 @@ fn watch<N: Number, S: Scene>(
         tally,
         report: reference.report(),
         too_short,
-        dropped: packet.dropped.total(),
+        dropped,
+        read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
     })
 }
@@ -394,6 +416,7 @@ impl Watched {
             "livelocked": self.report.livelocked,
             "without_sign": self.report.without_sign,
             "dropped": self.dropped,
+            "readout": self.read_out.as_ref().map(|(settings, statistics)| json!({"settings": settings, "statistics": statistics})),
         })
     }
 
@@ -468,6 +491,9 @@ impl Watched {
                 .filter(|(count, _)| *count > 0)
                 .map(|(count, what)| format!("note     {count} {what}")),
         );
+        if let Some((chosen, statistics)) = &self.read_out {
+            lines.extend(readout::lines(chosen, statistics));
+        }
         let written = [&arguments.events, &arguments.counts, &arguments.voxels];
         lines.extend(
             written

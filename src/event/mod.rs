@@ -1,7 +1,11 @@
 //! Events and packets: all that a sensor says, and all that is compared.
 
 pub mod address;
+pub mod codec;
 pub mod file;
+pub mod readout;
+
+use std::ops;
 
 use crate::{plane::Size, unit::Micros};
 
@@ -56,13 +60,41 @@ pub struct Dropped {
     pub no_slot: u64,
     /// The bound on the length of the event list was reached.
     pub over_limit: u64,
+    /// The queue behind the arbiter was full.
+    pub queue_full: u64,
+    /// The cell's event before it had not left yet: one request, or one bit, stands for both.
+    pub merged: u64,
 }
 
 impl Dropped {
     /// All drops together.
     #[must_use]
     pub const fn total(self) -> u64 {
-        self.no_slot + self.over_limit
+        self.no_slot
+            .saturating_add(self.over_limit)
+            .saturating_add(self.queue_full)
+            .saturating_add(self.merged)
+    }
+
+    /// Each reason with its count, in words.
+    #[must_use]
+    pub const fn reasons(self) -> [(&'static str, u64); 4] {
+        [
+            ("no slot", self.no_slot),
+            ("event list full", self.over_limit),
+            ("queue full", self.queue_full),
+            ("merged with the cell's event before", self.merged),
+        ]
+    }
+}
+
+impl ops::AddAssign for Dropped {
+    fn add_assign(&mut self, other: Self) {
+        // Counts may come from a file.
+        self.no_slot = self.no_slot.saturating_add(other.no_slot);
+        self.over_limit = self.over_limit.saturating_add(other.over_limit);
+        self.queue_full = self.queue_full.saturating_add(other.queue_full);
+        self.merged = self.merged.saturating_add(other.merged);
     }
 }
 
@@ -95,6 +127,8 @@ impl Packet {
             dropped: Dropped {
                 no_slot: 0,
                 over_limit: 0,
+                queue_full: 0,
+                merged: 0,
             },
         }
     }

@@ -2,19 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How well a number is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Evidence {
-    /// Measured, on the chip or from its published data.
-    Measured,
-    /// Stated by whoever made the chip or a tool for it.
-    Quoted,
-    /// Derived from a model that explains what is known.
-    Modelled,
-    /// Nobody says; a reasonable value.
-    Guess,
-}
+pub use crate::unit::Evidence;
 
 /// A number as it stands in `device.toml`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

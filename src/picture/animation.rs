@@ -1,6 +1,6 @@
-//! The panels of a contact sheet one moment after the other, as a GIF that loops.
+//! Pages one after the other, as a GIF or an APNG that loops.
 //!
-//! Small, because all colours are known beforehand (grays and a few inks, one palette), and
+//! A GIF is small, because all colours are known beforehand (grays and a few inks, one palette), and
 //! because a pixel whose gray hardly changes is left as it was.
 
 use std::{io, path::Path};
@@ -34,18 +34,77 @@ pub fn write_animation(
     hold: f64,
 ) -> Result<(), PictureError> {
     let layout = Layout::of(show, moments)?;
+    // All pages have the size of the first, so whether they can be made is known here.
     let Some(first) = moments.first() else {
         return Err(PictureError::Nothing);
     };
-    let (width, height) = layout.page(show, &[first])?.dimensions();
+    layout.page(show, &[first])?;
+    let pages = moments
+        .iter()
+        .filter_map(|moment| layout.page(show, &[moment]).ok());
+    write_gif(path, pages, hold)
+}
+
+/// Writes pages of one size one after the other, each shown for `hold` seconds: as APNG when
+/// the name ends in `.apng` or `.png`, else as GIF, which knows the inks and grays only.
+///
+/// # Errors
+/// When there is no page, or the file cannot be written.
+pub fn write_frames(
+    path: &Path,
+    pages: impl Iterator<Item = RgbImage> + Clone,
+    hold: f64,
+) -> Result<(), PictureError> {
+    let png = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("apng") || e.eq_ignore_ascii_case("png");
+    if path.extension().is_some_and(png) {
+        write_apng(path, pages, hold)
+    } else {
+        write_gif(path, pages, hold)
+    }
+}
+
+fn write_apng(
+    path: &Path,
+    pages: impl Iterator<Item = RgbImage> + Clone,
+    hold: f64,
+) -> Result<(), PictureError> {
+    let number = pages.clone().count() as u32;
+    let mut pages = pages.peekable();
+    let (width, height) = pages.peek().ok_or(PictureError::Nothing)?.dimensions();
+    save(path, |out| {
+        let mut encoder = png::Encoder::new(out, width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_animated(number, 0).map_err(io::Error::other)?;
+        // `as` saturates.
+        let hold = (hold * 1000.0).round() as u16;
+        encoder
+            .set_frame_delay(hold, 1000)
+            .map_err(io::Error::other)?;
+        let mut writer = encoder.write_header().map_err(io::Error::other)?;
+        for page in pages {
+            let written = writer.write_image_data(page.as_raw());
+            written.map_err(io::Error::other)?;
+        }
+        writer.finish().map_err(io::Error::other)
+    })?;
+    Ok(())
+}
+
+fn write_gif(
+    path: &Path,
+    pages: impl Iterator<Item = RgbImage>,
+    hold: f64,
+) -> Result<(), PictureError> {
+    let mut pages = pages.peekable();
+    let (width, height) = pages.peek().ok_or(PictureError::Nothing)?.dimensions();
     save(path, |out| {
         // A page has at most 65535 pixels a side.
         let (width, height) = (width as u16, height as u16);
         let mut gif = Encoder::new(out, width, height, &palette()).map_err(io::Error::other)?;
         gif.set_repeat(Repeat::Infinite).map_err(io::Error::other)?;
         let mut screen: Option<RgbImage> = None;
-        for moment in moments {
-            let page = layout.page(show, &[moment]).map_err(io::Error::other)?;
+        for page in pages {
             let buffer = match &mut screen {
                 None => {
                     let all = page.pixels().map(|ink| entry(*ink)).collect::<Vec<_>>();

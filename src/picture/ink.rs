@@ -29,6 +29,10 @@ pub const COLOURED: [Ink; 4] = [ON, OFF, MISSING, EXTRA];
 pub const PAGE: Ink = Rgb([255, 255, 255]);
 /// Empty panels.
 pub const EMPTY: Ink = Rgb([243, 243, 243]);
+/// Bars that are neither ON nor OFF.
+pub const BARS: Ink = Rgb([120, 120, 120]);
+/// Lines behind a plot.
+pub const GRID: Ink = Rgb([228, 228, 228]);
 /// Headings.
 pub const TEXT: Ink = Rgb([34, 34, 34]);
 /// Captions.

@@ -1,17 +1,21 @@
-//! Pictures of packets: what the scene showed, what both sensors said, where they differ.
+//! Pictures of packets: what the scene showed, what both sensors said, where they differ; and
+//! of one packet alone, in [`view`].
 //!
 //! [`contact_sheet`] puts several moments below each other, [`write_animation`] one after the
 //! other; both show the same four panels. Single panels are in [`panel`], colours in [`ink`].
 //! An event belongs to a moment when `from < t <= to`, so moments that touch share no event.
 
 mod animation;
+mod chart;
 pub mod ink;
 pub mod panel;
 mod sheet;
 mod strip;
 mod text;
+pub mod view;
 
-pub use animation::write_animation;
+pub use animation::{write_animation, write_frames};
+pub use chart::{Drawing, raster, svg};
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
 
@@ -42,6 +46,12 @@ pub enum PictureError {
         /// Size of the reference's sensor.
         want: Size,
     },
+    /// A sensor without pixels.
+    #[error("a sensor of {0} pixels cannot be shown")]
+    #[diagnostic(help(
+        "the file has no events and does not say how large its sensor is: give one that does"
+    ))]
+    NoPixels(Size),
     /// Larger than the file can be.
     #[error("the picture would be {0}; a side is at most 65535")]
     #[diagnostic(help("show fewer moments, or a part of the sensor"))]
@@ -50,6 +60,33 @@ pub enum PictureError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Save(#[from] SaveError),
+}
+
+/// Whether a sensor has pixels, and not more than files can hold.
+fn check(size: Size) -> Result<(), PictureError> {
+    let most = usize::from(u16::MAX);
+    if size.height.max(size.width) > most {
+        return Err(PictureError::TooLarge(size));
+    }
+    if size.height.min(size.width) == 0 {
+        return Err(PictureError::NoPixels(size));
+    }
+    Ok(())
+}
+
+/// Writes a drawing, whole or not at all: as SVG when the name ends in `.svg`, else as PNG.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), SaveError> {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    {
+        let text = svg(drawing);
+        return save(path, |out| out.write_all(text.as_bytes()));
+    }
+    write_png(path, &raster(drawing, 2))
 }
 
 /// Writes a picture as PNG, whole or not at all.

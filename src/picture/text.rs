@@ -5,7 +5,31 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 
 use super::ink::Ink;
 
-const HEIGHT: RasterHeight = RasterHeight::Size16;
+/// A weight at a size.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    font: FontWeight,
+    height: RasterHeight,
+}
+
+impl Face {
+    /// For pages with `scale` pixels a point, 1 or 2.
+    pub const fn of(weight: Weight, scale: u32) -> Self {
+        Self {
+            font: weight.font(),
+            height: if scale > 1 {
+                RasterHeight::Size32
+            } else {
+                RasterHeight::Size16
+            },
+        }
+    }
+
+    /// Width of a text, in pixels.
+    pub fn width(self, text: &str) -> u32 {
+        (text.chars().count() * get_raster_width(self.font, self.height)) as u32
+    }
+}
 
 /// Height of a line, in pixels.
 pub const LINE: u32 = 20;
@@ -28,15 +52,20 @@ impl Weight {
 
 /// Characters that fit into `width` pixels.
 pub const fn fits(width: u32, weight: Weight) -> usize {
-    width as usize / get_raster_width(weight.font(), HEIGHT)
+    width as usize / get_raster_width(weight.font(), RasterHeight::Size16)
 }
 
 /// Writes a line with its upper left corner at `at`; returns where it ends.
 pub fn write(page: &mut RgbImage, at: (u32, u32), text: &str, weight: Weight, ink: Ink) -> u32 {
+    write_in(page, at, text, Face::of(weight, 1), ink)
+}
+
+/// The same in any face.
+pub fn write_in(page: &mut RgbImage, at: (u32, u32), text: &str, face: Face, ink: Ink) -> u32 {
     let (mut x, y) = at;
     for c in text.chars() {
         // The typeface has the letters of ASCII.
-        let known = |c| get_raster(c, weight.font(), HEIGHT);
+        let known = |c| get_raster(c, face.font, face.height);
         let Some(letter) = known(c).or_else(|| known('?')) else {
             continue;
         };

@@ -1,7 +1,8 @@
 //! What a file says about its packet beside the events: one comment.
 //!
 //! `amacrine size=346x260 channels=2 span=0..2000000 dropped=0,0` (time in microseconds;
-//! dropped for want of a slot, then over the limit). Each part may be left out.
+//! dropped for want of a slot, then over the limit, then, where any were, for a full queue and
+//! merged). Each part may be left out.
 
 use std::{fmt, str::FromStr};
 
@@ -82,17 +83,27 @@ impl About {
                 let (from, to) = two(value, "..")?;
                 self.span = Some((Micros(from), Micros(to)));
             }
-            "dropped" if self.dropped.is_none() => {
-                let (no_slot, over_limit) = two(value, ",")?;
-                self.dropped = Some(Dropped {
-                    no_slot,
-                    over_limit,
-                });
-            }
+            "dropped" if self.dropped.is_none() => self.dropped = Some(dropped(value)?),
             _ => return None,
         }
         Some(())
     }
+}
+
+/// Two or four numbers: what only a readout drops may be left out.
+fn dropped(text: &str) -> Option<Dropped> {
+    let counts: Result<Vec<u64>, _> = text.split(',').map(str::parse).collect();
+    let (no_slot, over_limit, queue_full, merged) = match counts.ok()?[..] {
+        [a, b] => (a, b, 0, 0),
+        [a, b, c, d] => (a, b, c, d),
+        _ => return None,
+    };
+    Some(Dropped {
+        no_slot,
+        over_limit,
+        queue_full,
+        merged,
+    })
 }
 
 /// Two numbers with something between.
@@ -123,6 +134,9 @@ impl fmt::Display for About {
         }
         if let Some(d) = self.dropped {
             write!(f, " dropped={},{}", d.no_slot, d.over_limit)?;
+            if (d.queue_full, d.merged) != (0, 0) {
+                write!(f, ",{},{}", d.queue_full, d.merged)?;
+            }
         }
         Ok(())
     }

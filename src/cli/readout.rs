@@ -1,0 +1,144 @@
+//! `--readout`: what stands between the cells and the packet, chosen on the command line.
+
+use std::{fs, path::Path};
+
+use miette::miette;
+
+use crate::event::{
+    Packet,
+    readout::{ReadOut, Statistics, settings::Description},
+};
+
+/// Which readout, and with which settings.
+#[derive(Debug, Default, clap::Args)]
+pub struct Choice {
+    /// Read the packet out: ideal, scan, arbiter, frame, or a file like those in readouts/
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    readout: Option<String>,
+    /// Change a setting of the readout, such as fifo=64 or link=1us; can be given more than once
+    #[arg(long = "with", value_name = "KEY=VALUE", value_parser = setting, requires = "readout")]
+    settings: Vec<(String, String)>,
+}
+
+/// `key=value`, for the command line.
+fn setting(text: &str) -> Result<(String, String), String> {
+    text.split_once('=')
+        .map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()))
+        .ok_or_else(|| format!("`{text}` is not KEY=VALUE"))
+}
+
+impl Choice {
+    /// The readout that was chosen, if any.
+    pub fn open(&self) -> miette::Result<Option<Description>> {
+        let Some(name) = &self.readout else {
+            return Ok(None);
+        };
+        let mut description = if Path::new(name).extension().is_some_and(|e| e == "toml") {
+            let text = fs::read_to_string(name).map_err(|e| {
+                miette!(
+                    help = "give a file like those in readouts/, or the name of a readout",
+                    "cannot read {name}: {e}"
+                )
+            })?;
+            Description::parse(name, &text)?
+        } else {
+            Description::shipped(name)?
+        };
+        for (key, value) in &self.settings {
+            description.set(key, value)?;
+        }
+        Ok(Some(description))
+    }
+
+    /// Reads a packet out, if that was asked for.
+    pub fn apply(&self, packet: &Packet) -> miette::Result<Option<(Description, ReadOut)>> {
+        let Some(description) = self.open()? else {
+            return Ok(None);
+        };
+        let read = description.readout()?.read(packet);
+        Ok(Some((description, read)))
+    }
+}
+
+/// What a readout did, for people.
+pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> {
+    let [before, behind] = statistics.events;
+    let mut lines = vec![format!(
+        "readout  {}: {before} events fired, {behind} arrived",
+        description.name()
+    )];
+    for (key, setting) in description.settings() {
+        let evidence = setting.evidence.map_or(String::new(), |e| {
+            format!(" ({})", format!("{e:?}").to_lowercase())
+        });
+        lines.push(format!(
+            "  {key:<9} {}   {}{evidence}",
+            setting.value, setting.source
+        ));
+    }
+    for (reason, count) in statistics.dropped.reasons() {
+        if count > 0 {
+            let part = 100.0 * count as f64 / before as f64;
+            lines.push(format!("lost     {count} ({part:.2} %) {reason}"));
+        }
+    }
+    if let Some(l) = &statistics.latency {
+        lines.push(format!(
+            "latency  mean {}   half {}   90 % {}   99 % {}   longest {}",
+            short(l.mean_s * 1e12),
+            short(l.p50.0 as f64),
+            short(l.p90.0 as f64),
+            short(l.p99.0 as f64),
+            short(l.max.0 as f64),
+        ));
+    }
+    for stage in &statistics.stages {
+        lines.push(format!(
+            "busy     {:<8} {:.3} % of the time, at most {} waiting",
+            stage.name,
+            100.0 * stage.busy,
+            stage.most
+        ));
+        if stage.busy > 0.99 {
+            lines.push(format!(
+                "note     the {} cannot keep up: what comes waits longer and longer",
+                stage.name
+            ));
+        }
+    }
+    if statistics.ambiguous > 0 {
+        lines.push(format!(
+            "note     {} events at the chip's (0,0): a host that takes (0,0) for the end of the list loses them, and what follows",
+            statistics.ambiguous
+        ));
+    }
+    lines
+}
+
+/// A time of so many picoseconds, with three figures.
+fn short(picos: f64) -> String {
+    let scaled = [("s", 1e12), ("ms", 1e9), ("us", 1e6), ("ns", 1e3)]
+        .into_iter()
+        .find(|(_, one)| picos >= *one);
+    let (unit, one) = scaled.unwrap_or(("ns", 1e3));
+    let value = picos / one;
+    let decimals = if value < 10.0 {
+        2
+    } else {
+        usize::from(value < 100.0)
+    };
+    format!("{value:.decimals$} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_three_figures() {
+        assert_eq!(short(1_234_567.0), "1.23 us");
+        assert_eq!(short(36_000.0), "36.0 ns");
+        assert_eq!(short(123.4e9), "123 ms");
+        assert_eq!(short(0.0), "0.00 ns");
+    }
+}

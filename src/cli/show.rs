@@ -1,0 +1,197 @@
+//! `amacrine show`: pictures of a packet.
+
+use std::path::{Path, PathBuf};
+
+use miette::miette;
+
+use crate::{
+    event::{Packet, file},
+    picture::{
+        view::{self, Look, View},
+        write_drawing, write_frames,
+    },
+    unit::Micros,
+};
+
+/// What `show` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  amacrine show out/events.npy -o picture.png
+  amacrine show out/events.npy -o rate.svg --view rate
+  amacrine show out/events.npy -o events.gif --window 20ms")]
+pub struct Arguments {
+    /// An event file
+    file: PathBuf,
+    /// The picture: .png or .svg; .gif or .apng for an animation, window by window
+    #[arg(short, long, value_name = "PICTURE")]
+    output: PathBuf,
+    /// What of it
+    #[arg(long, value_enum, default_value = "overview")]
+    view: Shown,
+    /// Leave out what is not later than this
+    #[arg(long, value_name = "TIME")]
+    from: Option<Micros>,
+    /// Leave out what is later than this
+    #[arg(long, value_name = "TIME")]
+    to: Option<Micros>,
+    /// Length of a frame, and time constant of a time surface
+    #[arg(long, default_value = "20ms", value_name = "TIME")]
+    window: Micros,
+    /// When the frame ends and the surface is taken; else at the end of the busiest window
+    #[arg(long, value_name = "TIME")]
+    at: Option<Micros>,
+    /// What the picture is called; else the name of the file
+    #[arg(long)]
+    title: Option<String>,
+    /// How long each frame of an animation is shown
+    #[arg(long, default_value = "100ms", value_name = "TIME")]
+    hold: Micros,
+    /// Print one JSON object instead of the line
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Shown {
+    /// All that follows on one page
+    Overview,
+    /// The events of a window, pixel by pixel
+    Frame,
+    /// How long ago each pixel spoke last
+    Surface,
+    /// Events in x, y and time
+    Cloud,
+    /// ON and OFF events a second
+    Rate,
+    /// Times between successive events of a cell
+    Intervals,
+    /// A frame for each kind
+    Kinds,
+}
+
+impl Shown {
+    const fn view(self) -> View {
+        match self {
+            Self::Overview => View::Overview,
+            Self::Frame => View::Frame,
+            Self::Surface => View::Surface,
+            Self::Cloud => View::Cloud,
+            Self::Rate => View::Rate,
+            Self::Intervals => View::Intervals,
+            Self::Kinds => View::Kinds,
+        }
+    }
+}
+
+/// The most pages that an animation has.
+const PAGES: u64 = 2000;
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the file cannot be read, the picture's name says no kind of picture, or it cannot be
+/// written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let moving = moves(&arguments.output)?;
+    if arguments.window.0 == 0 {
+        return Err(miette!(
+            help = "give a time such as 20ms",
+            "--window 0: a frame needs some time"
+        ));
+    }
+    if moving && arguments.view != Shown::Overview && arguments.view != Shown::Frame {
+        return Err(miette!(
+            help = "give a name that ends in .png or .svg, or leave --view out",
+            "{}: animations show frames only",
+            arguments.output.display()
+        ));
+    }
+    let mut packet = file::read(&arguments.file)?.packet;
+    cut(&mut packet, arguments)?;
+    let name = arguments.file.display().to_string();
+    let title = arguments.title.as_ref().unwrap_or(&name);
+    let frames = if moving {
+        Some(animate(&packet, title, arguments)?)
+    } else {
+        let look = Look {
+            title,
+            view: arguments.view.view(),
+            window: arguments.window,
+            at: arguments.at,
+        };
+        write_drawing(&arguments.output, &view::draw(&packet, &look)?)?;
+        None
+    };
+    let events = packet.events.len();
+    if arguments.json {
+        let said = serde_json::json!({
+            "file": arguments.file,
+            "output": arguments.output,
+            "events": events,
+            "frames": frames,
+        });
+        super::say(&format!("{said}\n"));
+    } else {
+        let frames = frames.map_or(String::new(), |n| format!(" in {n} frames"));
+        let output = arguments.output.display();
+        super::say(&format!("wrote    {output}: {events} events{frames}\n"));
+    }
+    Ok(())
+}
+
+/// Whether the picture moves, by its name.
+fn moves(path: &Path) -> miette::Result<bool> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    match extension.to_ascii_lowercase().as_str() {
+        "png" | "svg" => Ok(false),
+        "gif" | "apng" => Ok(true),
+        _ => Err(miette!(
+            help = "give a name that ends in .png, .svg, .gif or .apng",
+            "{}: `{extension}` is not a kind of picture that is written",
+            path.display()
+        )),
+    }
+}
+
+/// Leaves only what was asked for.
+fn cut(packet: &mut Packet, arguments: &Arguments) -> miette::Result<()> {
+    let (first, last) = packet.span;
+    let from = arguments.from.unwrap_or(first);
+    let to = arguments.to.unwrap_or(last);
+    if from > to {
+        return Err(miette!(
+            help = "give times within the packet, the first before the last",
+            "from {from} to {to}: nothing is in between; the packet was watched from {first} to {last}"
+        ));
+    }
+    if arguments.from.is_some() {
+        packet.events.retain(|e| e.t > from);
+    }
+    if arguments.to.is_some() {
+        packet.events.retain(|e| e.t <= to);
+    }
+    packet.span = (from, to);
+    Ok(())
+}
+
+/// Writes an animation; of how many frames.
+fn animate(packet: &Packet, title: &str, arguments: &Arguments) -> miette::Result<u64> {
+    let (from, to) = packet.span;
+    let window = arguments.window;
+    let pages = to.0.saturating_sub(from.0).div_ceil(window.0);
+    if pages > PAGES {
+        return Err(miette!(
+            help = "make --window longer, or show a part with --from and --to",
+            "{pages} frames of {window}: at most {PAGES} are written"
+        ));
+    }
+    if pages == 0 {
+        return Err(miette!(
+            help = "give a packet that was watched for some time, or --from and --to",
+            "the packet was watched for no time: there is no frame to show"
+        ));
+    }
+    let frames = view::frames(packet, title, from, to, window)?;
+    write_frames(&arguments.output, frames, arguments.hold.seconds())?;
+    Ok(pages)
+}

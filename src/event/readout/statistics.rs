@@ -1,0 +1,143 @@
+//! What a readout did to a packet.
+
+use crate::{
+    event::{Dropped, Packet},
+    unit::Picos,
+};
+
+/// What a readout did to a packet.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Statistics {
+    /// Its name.
+    pub readout: &'static str,
+    /// Events before and behind it.
+    pub events: [u64; 2],
+    /// What it dropped; the packet may have lost others before.
+    pub dropped: Dropped,
+    /// Time from firing to arrival, of the events that arrived; `None` when none did.
+    pub latency: Option<Latency>,
+    /// What was busy, and how many waited for it.
+    pub stages: Vec<Stage>,
+    /// Events at SCAMP-5's address (0,0), which a host may take for the end of its list.
+    pub ambiguous: u64,
+}
+
+/// Times from firing to arrival. A quantile is the smallest latency that this part of the
+/// events does not exceed.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Latency {
+    /// Mean, in seconds.
+    pub mean_s: f64,
+    /// Half of the events.
+    #[serde(rename = "p50_ps")]
+    pub p50: Picos,
+    /// Nine of ten.
+    #[serde(rename = "p90_ps")]
+    pub p90: Picos,
+    /// All but one of a hundred.
+    #[serde(rename = "p99_ps")]
+    pub p99: Picos,
+    /// The longest.
+    #[serde(rename = "max_ps")]
+    pub max: Picos,
+}
+
+impl Latency {
+    /// Of latencies in picoseconds, in any order.
+    #[must_use]
+    pub fn of(latencies: &[u64]) -> Option<Self> {
+        let mut sorted = latencies.to_vec();
+        sorted.sort_unstable();
+        let max = *sorted.last()?;
+        let quantile = |percent: usize| {
+            let rank = (sorted.len() * percent).div_ceil(100).max(1);
+            Picos(sorted.get(rank - 1).copied().unwrap_or(max))
+        };
+        let sum: u128 = sorted.iter().map(|l| u128::from(*l)).sum();
+        Some(Self {
+            mean_s: sum as f64 / sorted.len() as f64 * 1e-12,
+            p50: quantile(50),
+            p90: quantile(90),
+            p99: quantile(99),
+            max: Picos(max),
+        })
+    }
+}
+
+/// A part of a readout that serves one at a time.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Stage {
+    /// Its name.
+    pub name: &'static str,
+    /// Part of the time that it was busy, from 0 to 1: its utilisation.
+    pub busy: f64,
+    /// The most that waited for it, or were with it, at once.
+    pub most: u64,
+    /// Busy time in picoseconds, until the whole time is known.
+    #[serde(skip)]
+    time: u128,
+}
+
+impl Stage {
+    pub(super) const fn new(name: &'static str, time: u128, most: u64) -> Self {
+        Self {
+            name,
+            busy: 0.0,
+            most,
+            time,
+        }
+    }
+}
+
+impl Statistics {
+    /// Of a readout of `packet` that dropped `dropped`, delivered the others with `latencies`,
+    /// and was done at `end` (picoseconds). Utilisation is over the time that was watched, and
+    /// on to `end`.
+    pub(super) fn new(
+        readout: &'static str,
+        packet: &Packet,
+        dropped: Dropped,
+        latencies: &[u64],
+        mut stages: Vec<Stage>,
+        end: u128,
+    ) -> Self {
+        let first = packet.events.first().map(|e| e.t);
+        let start = first.map_or(packet.span.0, |t| t.min(packet.span.0));
+        let end = end.max(super::picos(packet.span.1));
+        let whole = end.saturating_sub(super::picos(start));
+        for stage in &mut stages {
+            stage.busy = if whole > 0 {
+                stage.time as f64 / whole as f64
+            } else {
+                0.0
+            };
+        }
+        Self {
+            readout,
+            events: [packet.events.len() as u64, latencies.len() as u64],
+            dropped,
+            latency: Latency::of(latencies),
+            stages,
+            ambiguous: 0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_ranks() {
+        let latencies: Vec<u64> = (1..=200).rev().collect();
+        let l = Latency::of(&latencies).unwrap();
+        assert_eq!(
+            [l.p50, l.p90, l.p99, l.max].map(|p| p.0),
+            [100, 180, 198, 200]
+        );
+        assert!((l.mean_s - 100.5e-12).abs() < 1e-24);
+        let one = Latency::of(&[7]).unwrap();
+        assert_eq!((one.p50.0, one.p99.0), (7, 7));
+        assert!(Latency::of(&[]).is_none());
+    }
+}

@@ -1,0 +1,61 @@
+//! A small event frame for each kind.
+
+use super::{GAP, MARGIN, Moment, fitted, frame, head};
+use crate::{
+    event::Packet,
+    picture::{
+        chart::{Area, Drawing},
+        text::LINE,
+    },
+};
+
+/// The longer side of a small panel.
+const SMALL: f64 = 170.0;
+const APART: f64 = 14.0;
+/// Kinds side by side.
+const ROW: usize = 6;
+
+/// The area of a kind's panel, of a row that begins at `(left, top)`.
+fn area(packet: &Packet, left: f64, top: f64, kind: usize) -> Area {
+    let line = f64::from(LINE);
+    let whole = Area {
+        x: 0.0,
+        y: 0.0,
+        width: SMALL,
+        height: SMALL,
+    };
+    let panel = fitted(whole, packet);
+    let (row, column) = ((kind / ROW) as f64, (kind % ROW) as f64);
+    Area {
+        x: left + column * (SMALL + APART),
+        y: top + line + row * (panel.height + 2.0 * line + APART),
+        ..panel
+    }
+}
+
+/// Height of all of them.
+pub(super) fn height(packet: &Packet) -> f64 {
+    let last = usize::from(packet.channels.max(1)) - 1;
+    area(packet, 0.0, 0.0, last).bottom() + f64::from(LINE) + 4.0
+}
+
+/// All of them, from a corner on.
+pub(super) fn draw(drawing: &mut Drawing, left: f64, top: f64, packet: &Packet, moment: &Moment) {
+    for kind in 0..packet.channels {
+        let area = area(packet, left, top, kind.into());
+        frame::draw(drawing, area, packet, moment, Some(kind));
+    }
+}
+
+/// All of them, on a page of their own.
+pub(super) fn page(packet: &Packet, moment: &Moment, title: &str) -> Drawing {
+    let columns = usize::from(packet.channels).clamp(2, ROW) as f64;
+    let width = columns * (SMALL + APART) - APART;
+    let top = MARGIN + 2.0 * f64::from(LINE) + 16.0;
+    let height = height(packet);
+    let mut drawing = Drawing::new(width + 2.0 * MARGIN, top + height + GAP + MARGIN);
+    head(&mut drawing, packet, title);
+    draw(&mut drawing, MARGIN, top, packet, moment);
+    frame::legend(&mut drawing, (MARGIN, top + height + 8.0));
+    drawing
+}

@@ -1,0 +1,386 @@
+//! The verbs `packets` and `show`, and `run --readout`, from outside: what they count is what
+//! the definitions say, what is lost travels in the file, bad input gets one message.
+#![cfg(feature = "cli")]
+
+use std::{fs, path::Path, process::Output};
+
+use amacrine::{
+    event::{
+        file,
+        readout::{Readout, settings::Description},
+    },
+    isa::{Device, HostKind},
+};
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// Eight rows of four kinds: three events of kind 0 in row 5 at once, one of kind 3 and one of
+/// kind 1 later.
+const EVENTS: &str = "# amacrine size=16x8 channels=4 span=0..20000 dropped=0,0
+t,x,y,p,channel
+1000,3,5,1,0
+1000,4,5,1,0
+1000,9,5,0,0
+1500,9,5,0,3
+12000,0,0,1,1
+";
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("e.csv"), EVENTS).unwrap();
+    folder
+}
+
+fn amacrine(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("amacrine").unwrap();
+    command.current_dir(folder).env("NO_COLOR", "1");
+    command.args(arguments).output().unwrap()
+}
+
+#[track_caller]
+fn good(folder: &Path, arguments: &[&str]) -> String {
+    let said = amacrine(folder, arguments);
+    let message = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert!(said.status.success(), "{message}");
+    String::from_utf8(said.stdout).unwrap()
+}
+
+#[track_caller]
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    let arguments = [arguments, &["--json"]].concat();
+    serde_json::from_str(&good(folder, &arguments)).unwrap()
+}
+
+#[track_caller]
+fn refused(arguments: &[&str], words: &[&str]) {
+    let folder = folder();
+    let said = amacrine(folder.path(), arguments);
+    let message = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert_eq!(said.status.code(), Some(2), "{message}");
+    assert!(said.stdout.is_empty() && !message.contains("panicked"));
+    assert_eq!(
+        folder.path().read_dir().unwrap().count(),
+        1,
+        "files were left"
+    );
+    let message = message.replace('│', " ");
+    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+    for word in words {
+        assert!(message.contains(word), "no {word:?} in: {message}");
+    }
+}
+
+#[test]
+fn sizes_and_rates_are_the_definitions() {
+    let folder = folder();
+    let seen = json(folder.path(), &["packets", "e.csv", "--window", "10ms"]);
+    assert_eq!(
+        (seen["events"].as_u64(), seen["seconds"].as_f64()),
+        (Some(5), Some(0.02))
+    );
+    let rates: Vec<(&str, u64)> = seen["codings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|c| {
+            (
+                c["coding"].as_str().unwrap(),
+                c["rate"]["bits"].as_u64().unwrap(),
+            )
+        })
+        .collect();
+    // y 3, x 4, kind 2, sign 1. Bursts: three rows of 1 + 3, five times 1 + 4 + 2 + 1.
+    // Kinds 3, 1, 0, 1 of 5: words of 1, 2, none, 2 bits.
+    assert_eq!(
+        rates,
+        [
+            ("fixed words", 50),
+            ("bursts of a row", 12 + 40),
+            ("Huffman kinds", 40 + 7),
+            ("bursts, Huffman kinds", 12 + 30 + 7),
+        ]
+    );
+    let fixed = &seen["codings"][0]["rate"];
+    assert_eq!(fixed["mean_bits_per_s"].as_f64(), Some(2500.0));
+    // Four of ten bits within 10 ms.
+    assert_eq!(fixed["peak_bits_per_s"].as_f64(), Some(4000.0));
+    assert_eq!(fixed["peak_from_us"].as_u64(), Some(1000));
+    // Two bits for each of 8 x 16 x 4 cells, over ten.
+    assert_eq!(seen["bit_map_bits"].as_u64(), Some(1024));
+    assert_eq!(fixed["crossover_events_per_window"].as_f64(), Some(102.4));
+    let words: Vec<_> = seen["kinds"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|k| k["word"].as_str())
+        .collect();
+    assert_eq!(words, [Some("0"), Some("10"), None, Some("11")]);
+    let entropy = 0.6 * (5.0_f64 / 3.0).log2() + 0.4 * 5.0_f64.log2();
+    assert!((seen["entropy_bits"].as_f64().unwrap() - entropy).abs() < 1e-12);
+    assert_eq!(seen["mean_word_bits"].as_f64(), Some(1.4));
+    assert!(seen["readout"].is_null());
+
+    let table = good(folder.path(), &["packets", "e.csv"]);
+    for line in [
+        "fixed words",
+        "bit map",
+        "entropy 1.371 bits a kind, mean word 1.400 bits",
+    ] {
+        assert!(table.contains(line), "{table}");
+    }
+}
+
+#[test]
+fn given_frequencies_make_the_book() {
+    let folder = folder();
+    let with = ["packets", "e.csv", "--frequencies", "1,1,1,1"];
+    let seen = json(folder.path(), &with);
+    assert_eq!(seen["codings"][2]["rate"]["bits"].as_u64(), Some(50));
+    refused(
+        &["packets", "e.csv", "--frequencies", "1,1"],
+        &[
+            "--frequencies has 2 numbers",
+            "4 kinds",
+            "one number for each kind",
+        ],
+    );
+    refused(
+        &["packets", "e.csv", "--frequencies", "1,1,1,0"],
+        &["event 3", "no word for channel 3", "not 0"],
+    );
+}
+
+#[test]
+fn what_a_readout_drops_travels_in_the_file() {
+    let folder = folder();
+    // One event may be sent, none may wait: the two others of the burst are lost.
+    let with = [
+        "packets",
+        "e.csv",
+        "--readout",
+        "arbiter",
+        "--with",
+        "fifo=0",
+        "--with",
+        "when-full=drop-newest",
+        "--with",
+        "link=1ms",
+        "-o",
+        "out.npy",
+    ];
+    let seen = json(folder.path(), &with);
+    let dropped = &seen["readout"]["statistics"]["dropped"];
+    // At 1000 three fire, one is sent until 2000; at 1500 the fourth finds no room either.
+    assert_eq!(dropped["queue_full"].as_u64(), Some(3));
+    assert_eq!(seen["dropped"]["queue_full"].as_u64(), Some(3));
+    assert_eq!(seen["events"].as_u64(), Some(2));
+    assert_eq!(
+        seen["readout"]["settings"]["settings"]["fifo"]["source"],
+        "set by hand"
+    );
+    let packet = file::read(&folder.path().join("out.npy")).unwrap().packet;
+    assert_eq!((packet.events.len(), packet.dropped.queue_full), (2, 3));
+    // 36 ns to choose the row, 36 ns to read column 3, 1 ms to send it.
+    assert_eq!((packet.events[0].t.0, packet.events[0].x), (2000, 3));
+    let latency = &seen["readout"]["statistics"]["latency"]["max_ps"];
+    assert_eq!(latency.as_u64(), Some(1_000_072_000));
+    let table = good(folder.path(), &with);
+    assert!(table.contains("lost     3 (60.00 %) queue full"), "{table}");
+    let again = good(folder.path(), &["packets", "out.npy"]);
+    assert!(again.contains("dropped  3 queue full"), "{again}");
+}
+
+#[test]
+fn run_offers_the_same_readout() {
+    let folder = TempDir::new().unwrap();
+    let sensor = Path::new(env!("CARGO_MANIFEST_DIR")).join("sensors/dvs.toml");
+    let sensor = sensor.to_str().unwrap();
+    let scene = "pattern:disc?width=24&height=20&frames=6&radius=6";
+    let run = ["run", "--scene", scene, "--sensor", sensor, "--events"];
+    good(folder.path(), &[&run[..], &["plain.npy"]].concat());
+    let slow = ["--readout", "arbiter", "--with", "link=5us"];
+    let seen = json(folder.path(), &[&run[..], &["read.npy"], &slow].concat());
+    good(
+        folder.path(),
+        &[&["packets", "plain.npy", "-o", "again.npy"][..], &slow].concat(),
+    );
+    let read = |name| file::read(&folder.path().join(name)).unwrap().packet;
+    assert_eq!(read("read.npy"), read("again.npy"));
+    assert_ne!(read("read.npy"), read("plain.npy"));
+    assert!(
+        seen["readout"]["statistics"]["latency"]["mean_s"]
+            .as_f64()
+            .unwrap()
+            > 0.0
+    );
+    let alone = amacrine(
+        folder.path(),
+        &[
+            "run",
+            "--scene",
+            scene,
+            "--sensor",
+            sensor,
+            "--readout",
+            "ideal",
+        ],
+    );
+    assert_eq!(alone.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&alone.stderr).contains("--readout without --events"));
+}
+
+#[test]
+fn a_readout_of_ones_own() {
+    let folder = folder();
+    let file = "readout = \"frame\"\n[settings]\nperiod = { value = \"10ms\", source = \"mine\", evidence = \"guess\" }\nbit = { value = \"0ns\", source = \"mine\", evidence = \"guess\" }\n";
+    fs::write(folder.path().join("my.toml"), file).unwrap();
+    let seen = json(
+        folder.path(),
+        &["packets", "e.csv", "--readout", "my.toml", "-o", "f.csv"],
+    );
+    assert_eq!(seen["readout"]["statistics"]["readout"], "frame");
+    let text = fs::read_to_string(folder.path().join("f.csv")).unwrap();
+    let times: Vec<_> = text
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').next().unwrap())
+        .collect();
+    assert_eq!(times, ["10000", "10000", "10000", "10000", "20000"]);
+}
+
+#[test]
+fn bad_input_gets_one_message() {
+    let packets =
+        |more: &[&str], words: &[&str]| refused(&[&["packets", "e.csv"], more].concat(), words);
+    packets(
+        &["--readout", "x"],
+        &["no readout `x`", "ideal, scan, arbiter, frame"],
+    );
+    packets(&["--readout", "no.toml"], &["cannot read no.toml"]);
+    packets(
+        &["--readout", "scan", "--with", "fifo=1"],
+        &["scan has no setting `fifo`", "slots"],
+    );
+    packets(
+        &["--readout", "scan", "--with", "slots=4001"],
+        &["scan: `slots` cannot be `4001`", "1 to 4000"],
+    );
+    packets(
+        &["--readout", "scan", "--with", "slots"],
+        &["`slots` is not KEY=VALUE"],
+    );
+    packets(&["--with", "slots=3"], &["--readout"]);
+    packets(&["-o", "x.npy"], &["--readout"]);
+    packets(&["--readout", "ideal", "-o", "x.zzz"], &["zzz"]);
+    packets(&["--window", "0us"], &["--window 0"]);
+    refused(&["packets", "none.csv"], &["none.csv"]);
+
+    let show = |more: &[&str], words: &[&str]| refused(&[&["show", "e.csv"], more].concat(), words);
+    show(
+        &["-o", "x.jpg"],
+        &[
+            "`jpg` is not a kind of picture",
+            ".png, .svg, .gif or .apng",
+        ],
+    );
+    show(
+        &["-o", "x.gif", "--view", "rate"],
+        &["animations show frames only"],
+    );
+    show(
+        &["-o", "x.gif", "--window", "1us"],
+        &["20000 frames", "at most 2000"],
+    );
+    show(
+        &["-o", "x.png", "--from", "2s"],
+        &["nothing is in between", "0 us to 20000 us"],
+    );
+    show(&["-o", "no/x.png"], &["cannot write no/x.png"]);
+    show(&[], &["--output"]);
+}
+
+#[test]
+fn pictures_are_of_what_was_asked_for() {
+    let folder = folder();
+    let size = |name: &str| {
+        image::open(folder.path().join(name))
+            .unwrap()
+            .into_rgb8()
+            .dimensions()
+    };
+    let show = |more: &[&str]| good(folder.path(), &[&["show", "e.csv", "-o"], more].concat());
+    assert_eq!(show(&["a.png"]), "wrote    a.png: 5 events\n");
+    assert_eq!(
+        show(&["b.png", "--view", "frame", "--to", "1ms"]),
+        "wrote    b.png: 3 events\n"
+    );
+    assert!(size("a.png") > size("b.png"));
+    assert_eq!(
+        show(&["c.gif", "--window", "1ms"]),
+        "wrote    c.gif: 5 events in 20 frames\n"
+    );
+    assert_eq!(
+        show(&["d.apng", "--from", "1ms"]),
+        "wrote    d.apng: 2 events in 1 frames\n"
+    );
+    let said = show(&["e.svg", "--title", "a title", "--json"]);
+    let said: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(
+        (said["events"].as_u64(), said["frames"].as_u64()),
+        (Some(5), None)
+    );
+    let text = fs::read_to_string(folder.path().join("e.svg")).unwrap();
+    assert!(text.contains(">a title</text>") && text.contains(">kind 3</text>"));
+}
+
+/// The slot's time is stated once for programs, in `isa/`, and once for packets, in `readouts/`.
+#[test]
+fn the_scan_has_the_slots_of_the_chip() {
+    let device = Device::find("scamp5").unwrap();
+    let slot = device.host(HostKind::ScanEvents).item.as_ref().unwrap();
+    assert_eq!(slot.unit, "us");
+    let Readout::Scan(scan) = Description::shipped("scan").unwrap().readout().unwrap() else {
+        panic!("not a scan");
+    };
+    assert_eq!(scan.slot.seconds(), slot.value * 1e-6);
+}
+
+/// What `docs/packets.md` shows of the bundled clip is what the commands above it print.
+#[test]
+fn the_table_of_the_documentation_is_printed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let doc = fs::read_to_string(root.join("docs/packets.md")).unwrap();
+    let block = doc
+        .split("```console\n")
+        .nth(1)
+        .unwrap()
+        .split("```")
+        .next()
+        .unwrap();
+    let commands: Vec<_> = block
+        .lines()
+        .filter_map(|l| l.strip_prefix("$ amacrine "))
+        .collect();
+    let folder = TempDir::new().unwrap();
+    fs::create_dir(folder.path().join("out")).unwrap();
+    let mut printed = String::new();
+    for command in &commands {
+        let arguments: Vec<_> = command
+            .split(' ')
+            .map(|word| {
+                if word.starts_with("clips/") || word.starts_with("sensors/") {
+                    root.join(word).to_str().unwrap().to_owned()
+                } else {
+                    word.to_owned()
+                }
+            })
+            .collect();
+        let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
+        printed = good(folder.path(), &arguments);
+    }
+    assert_eq!(commands.len(), 2);
+    let shown: Vec<_> = block.lines().filter(|l| !l.starts_with("$ ")).collect();
+    let printed: Vec<_> = printed.lines().map(str::trim_end).collect();
+    assert_eq!(printed, shown);
+}
