@@ -8,6 +8,7 @@ pub mod demo;
 pub mod disasm;
 pub mod exec;
 mod kernels;
+pub mod mesh;
 mod opened;
 mod progress;
 pub mod quantise;
@@ -30,6 +31,7 @@ Examples:
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
+  amacrine mesh solve --lambda 10 --input P.npy --output H.npy
   amacrine compare out/reference.npy out/silicon.npy --within 1ms";
 
 /// What real silicon does to the retina's computation.
@@ -56,6 +58,8 @@ enum Verb {
     Quantise(quantise::Arguments),
     /// Kernels to a program: shift, add, halve, with the proof
     Compile(compile::Arguments),
+    /// The resistor mesh: solve it, step it, fit a kernel to it, draw it
+    Mesh(mesh::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
 }
@@ -74,6 +78,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Disasm(arguments)) => disasm::run(&arguments),
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
+        Some(Verb::Mesh(arguments)) => mesh::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
     };
     match result {
