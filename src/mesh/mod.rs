@@ -42,12 +42,15 @@ mod cosine;
 mod draw;
 mod euler;
 mod flow;
+mod krylov;
+mod network;
 mod steady;
 
 use crate::plane::{Plane, Size};
 
 pub use euler::Euler;
 pub use flow::{Between, Flow};
+pub use network::{Laterals, Mismatch, Network, Settled};
 pub use steady::Steady;
 
 /// Space constants of a sheet of equal parts, in pixels.
@@ -114,6 +117,41 @@ pub enum MeshError {
     #[error("the sheet has two space constants, and v2e's has one")]
     #[diagnostic(help("give one space constant, or use the exact solution"))]
     Anisotropic,
+    /// A part of a network that is none.
+    #[error("the {what} at x = {x}, y = {y} is {value}")]
+    #[diagnostic(help(
+        "conductances to the signals and capacitances are above 0, laterals 0 (open) or above"
+    ))]
+    Part {
+        /// Which kind of part.
+        what: &'static str,
+        /// Row.
+        y: usize,
+        /// Column.
+        x: usize,
+        /// What it is.
+        value: f64,
+    },
+    /// The scale of a lateral that is none.
+    #[error("the laterals bend at {value}")]
+    #[diagnostic(help("give the difference at which they bend, above 0, in the signal's unit"))]
+    Scale {
+        /// What was given.
+        value: f64,
+    },
+    /// Laterals that are not resistors, where only resistors can be moved on.
+    #[error("the laterals are not resistors, and only a linear network is moved on in time")]
+    #[diagnostic(help("settle it for each signal, or use linear laterals"))]
+    Laterals,
+    /// No answer that is right.
+    #[error("the network does not settle: what was found may be off by {error:e}")]
+    #[diagnostic(help(
+        "the parts are too far apart for double precision: bring their conductances closer together"
+    ))]
+    Unsettled {
+        /// How far it may be off.
+        error: f64,
+    },
     /// No pixels.
     #[error("a sheet of {size} pixels has no node")]
     #[diagnostic(help("give at least one row and one column"))]
