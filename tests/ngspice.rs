@@ -33,23 +33,39 @@ fn chip(side: usize, seed: u64) -> Network {
 }
 
 /// The parts as a netlist. Signals go from `earlier` to `later` in one second.
-fn netlist(network: &Network, laterals: Laterals, earlier: &Plane<f64>, later: &Plane<f64>) -> String {
-    let mut text = String::from("* a resistor sheet\n.options gmin=1e-18 abstol=1e-18 vntol=1e-16 itl1=1000\n");
+fn netlist(
+    network: &Network,
+    laterals: Laterals,
+    earlier: &Plane<f64>,
+    later: &Plane<f64>,
+) -> String {
+    let mut text = String::from(
+        "* a resistor sheet\n.options gmin=1e-18 abstol=1e-18 vntol=1e-16 itl1=1000\n",
+    );
     let own = network.transverse();
     let capacitance = network.capacitance();
     let (down, across) = network.lateral();
-    let lateral = |text: &mut String, name: &str, (y, x): (usize, usize), to: (usize, usize), g: f64| {
-        let (a, b) = (format!("h{y}_{x}"), format!("h{}_{}", to.0, to.1));
-        let _ = match laterals {
-            Laterals::Linear => writeln!(text, "R{name}{y}_{x} {a} {b} {:e}", 1.0 / g),
-            Laterals::Saturating { scale } => {
-                writeln!(text, "B{name}{y}_{x} {a} {b} I={:e}*tanh(V({a},{b})/{scale:e})", g * scale)
-            }
-            Laterals::Opening { scale } => {
-                writeln!(text, "B{name}{y}_{x} {a} {b} I={:e}*sinh(V({a},{b})/{scale:e})", g * scale)
-            }
+    let lateral =
+        |text: &mut String, name: &str, (y, x): (usize, usize), to: (usize, usize), g: f64| {
+            let (a, b) = (format!("h{y}_{x}"), format!("h{}_{}", to.0, to.1));
+            let _ = match laterals {
+                Laterals::Linear => writeln!(text, "R{name}{y}_{x} {a} {b} {:e}", 1.0 / g),
+                Laterals::Saturating { scale } => {
+                    writeln!(
+                        text,
+                        "B{name}{y}_{x} {a} {b} I={:e}*tanh(V({a},{b})/{scale:e})",
+                        g * scale
+                    )
+                }
+                Laterals::Opening { scale } => {
+                    writeln!(
+                        text,
+                        "B{name}{y}_{x} {a} {b} I={:e}*sinh(V({a},{b})/{scale:e})",
+                        g * scale
+                    )
+                }
+            };
         };
-    };
     for ((y, x), g) in own.indexed_iter() {
         let (from, to) = (earlier[[y, x]], later[[y, x]]);
         let _ = writeln!(text, "V{y}_{x} p{y}_{x} 0 PWL(0 {from:e} 1 {to:e})");
@@ -79,7 +95,11 @@ fn ngspice(netlist: &str, size: Size, run: &str) -> Plane<f64> {
     let control = format!(
         ".options reltol={tolerance}\n.control\nset filetype=ascii\nset numdgt=17\nsave {saved}\n{run}\nwrite out.raw\nquit\n.endc\n.end\n"
     );
-    fs::write(folder.path().join("sheet.cir"), format!("{netlist}{control}")).unwrap();
+    fs::write(
+        folder.path().join("sheet.cir"),
+        format!("{netlist}{control}"),
+    )
+    .unwrap();
     let out = Command::new("ngspice")
         .args(["-b", "sheet.cir"])
         .current_dir(folder.path())
@@ -96,7 +116,10 @@ fn ngspice(netlist: &str, size: Size, run: &str) -> Plane<f64> {
         .lines()
         .filter_map(|line| line.split_whitespace().nth(1))
         .collect();
-    let numbers: Vec<f64> = values.split_whitespace().map(|v| v.parse().unwrap()).collect();
+    let numbers: Vec<f64> = values
+        .split_whitespace()
+        .map(|v| v.parse().unwrap())
+        .collect();
     // Each point begins with its number.
     let last = &numbers[numbers.len() - names.len()..];
     let value = |name: String| {
@@ -108,7 +131,10 @@ fn ngspice(netlist: &str, size: Size, run: &str) -> Plane<f64> {
 }
 
 fn furthest(a: &Plane<f64>, b: &Plane<f64>) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }
 
 #[test]

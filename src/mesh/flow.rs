@@ -383,39 +383,3 @@ fn add<T: Real>(state: &mut [T], signal: &[T], share: &[T]) {
         *h = *h + *share * *p;
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::time::Instant;
-    #[test]
-    fn speed() {
-        let scene = |n: usize, k: u64| {
-            Plane::from_shape_fn((n, n), |(y, x)| {
-                crate::chance::uniform(crate::chance::mix((y * 7919 + x + 1) as u64 + (k << 40)))
-            })
-        };
-        for n in [64, 256, 512, 1024] {
-            let (p0, p1) = (scene(n, 1), scene(n, 2));
-            let s = Sheet::new(10.0).unwrap();
-            let mut f = Flow::<f64>::settled(s, 1e-3, &p0).unwrap();
-            let mut f32 = Flow::<f32>::settled(s, 1e-3, &p0.mapv(|v| v as f32)).unwrap();
-            let q1 = p1.mapv(|v| v as f32);
-            let (mut best, mut best32) = (f64::MAX, f64::MAX);
-            for _ in 0..(10_000_000 / (n * n)).clamp(5, 300) {
-                let t = Instant::now();
-                f.advance(&p1, 1e-3, Between::Ramp).unwrap();
-                best = best.min(t.elapsed().as_secs_f64());
-                let t = Instant::now();
-                f32.advance(&q1, 1e-3, Between::Ramp).unwrap();
-                best32 = best32.min(t.elapsed().as_secs_f64());
-            }
-            let h = super::super::Steady::new(s, Size::of(&p0))
-                .unwrap()
-                .solve(&p1)
-                .unwrap();
-            let e = (&h - f.surround()).iter().fold(0f64, |a, b| a.max(b.abs()));
-            println!("{n}: {:.3} ms {:.3} ms  {e:e}", best * 1e3, best32 * 1e3);
-        }
-    }
-}

@@ -38,9 +38,11 @@
 //! camera*, ICIP 2022, arXiv 2202.13076; Mead, *Analog VLSI and Neural Systems*, 1989, appendix C.
 //! `docs/mesh.md` has all of it with pictures.
 
+pub mod circuit;
 mod cosine;
 mod draw;
 mod euler;
+mod fit;
 mod flow;
 mod krylov;
 mod network;
@@ -48,7 +50,9 @@ mod steady;
 
 use crate::plane::{Plane, Size};
 
+pub use circuit::{Circuit, Layer};
 pub use euler::Euler;
+pub use fit::{Fit, FittedSheet, Fitting, fit};
 pub use flow::{Between, Flow};
 pub use network::{Laterals, Mismatch, Network, Settled};
 pub use steady::Steady;
@@ -151,6 +155,13 @@ pub enum MeshError {
     Unsettled {
         /// How far it may be off.
         error: f64,
+    },
+    /// A kernel that cannot be fitted.
+    #[error("a kernel of zeros, or one that is to be fitted by {sheets} sheets")]
+    #[diagnostic(help("give a kernel with a weight that is not 0, and 1 to 3 sheets"))]
+    Fit {
+        /// How many sheets were asked for.
+        sheets: usize,
     },
     /// No pixels.
     #[error("a sheet of {size} pixels has no node")]

@@ -9,11 +9,13 @@ pub mod ink;
 pub mod panel;
 mod sheet;
 mod strip;
+mod surround;
 mod text;
 
 pub use animation::write_animation;
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
+pub use surround::{SurroundShow, relief, surround};
 
 use std::{io, path::Path};
 

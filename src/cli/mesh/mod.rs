@@ -1,5 +1,7 @@
 //! `amacrine mesh`: the resistor sheet, solved, stepped, fitted to kernels, and drawn.
 
+mod fit;
+mod show;
 mod solve;
 mod step;
 
@@ -17,7 +19,7 @@ use crate::{
 /// What `mesh` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine mesh solve --lambda 10 --input P.npy --output H.npy\n  amacrine mesh step --lambda 10 --tau 1ms --scene clip.mp4 --output H.npy\n\nλ is the space constant in pixels: λ² is transverse over lateral resistance (docs/mesh.md)."
+    after_help = "Examples:\n  amacrine mesh solve --lambda 10 --input P.npy --output H.npy\n  amacrine mesh step --lambda 10 --tau 1ms --scene clip.mp4 --output H.npy\n  amacrine mesh fit dvs csdvs-5 laplacian dog sobel-x\n  amacrine mesh show --lambda 3 --output mesh.png\n\nλ is the space constant in pixels: λ² is transverse over lateral resistance (docs/mesh.md)."
 )]
 pub struct Arguments {
     #[command(subcommand)]
@@ -30,6 +32,10 @@ enum Verb {
     Solve(solve::Arguments),
     /// The surround of a scene over time
     Step(step::Arguments),
+    /// What a mesh makes of kernels: the unreachable part, the best fit
+    Fit(fit::Arguments),
+    /// The surround, its frequency response, its voltages, in one picture
+    Show(show::Arguments),
 }
 
 /// Runs the verb.
@@ -40,6 +46,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     match &arguments.verb {
         Verb::Solve(arguments) => solve::run(arguments),
         Verb::Step(arguments) => step::run(arguments),
+        Verb::Fit(arguments) => fit::run(arguments),
+        Verb::Show(arguments) => show::run(arguments),
     }
 }
 

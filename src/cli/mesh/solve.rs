@@ -89,7 +89,7 @@ fn say_json<T: serde::Serialize>(json: &T) -> miette::Result<()> {
 }
 
 /// A plane of numbers, or the light of one picture.
-fn read(path: &Path) -> miette::Result<Plane<f64>> {
+pub(super) fn read(path: &Path) -> miette::Result<Plane<f64>> {
     if path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
