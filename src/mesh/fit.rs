@@ -47,6 +47,8 @@ pub struct Fit {
     pub centre: f64,
     /// The sheets.
     pub sheets: Vec<FittedSheet>,
+    /// The answer to uniform light, the sum of all gains; the kernel's own is its sum.
+    pub uniform: f64,
     /// What is not reached, over the kernel, on the whole plane.
     pub error: f64,
     /// The sum of all gains in size over the root of the kernel's sum of squares: what noise and
@@ -81,7 +83,8 @@ const MOST_SHEETS: usize = 3;
 /// When the kernel is 0 everywhere, or is to be fitted by no sheet or by more than three.
 pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
     let norm = kernel.weights().iter().map(|w| w * w).sum::<f64>().sqrt();
-    if !(norm > 0.0 && norm.is_finite()) || !(1..=MOST_SHEETS).contains(&how.sheets) {
+    let known = (1..=MOST_SHEETS).contains(&how.sheets);
+    if !(known && norm > 0.0 && norm.is_finite()) {
         return Err(MeshError::Fit { sheets: how.sheets });
     }
     let square = squared(kernel);
@@ -104,6 +107,7 @@ pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
         mirrored: rest(&parts.mirrored),
         turned: rest(&parts.turned),
         centre: best.gains[0] * norm,
+        uniform: best.gains.iter().sum::<f64>() * norm,
         gain: sizes.sum(),
         error: (floor * floor + best.left).max(0.0).sqrt(),
         tail,
@@ -131,6 +135,9 @@ fn squared(kernel: &Kernel) -> Plane<f64> {
     square
 }
 
+/// Where a weight at `(y, x)` goes in a window whose last row and column have this number.
+type Turn = fn(usize, usize, usize) -> (usize, usize);
+
 /// A kernel's parts, each the mean over the symmetries that it has.
 struct Parts {
     even: Plane<f64>,
@@ -141,7 +148,7 @@ struct Parts {
 impl Parts {
     fn of(square: &Plane<f64>) -> Self {
         let last = square.nrows() - 1;
-        let mean = |of: &[fn(usize, usize, usize) -> (usize, usize)]| {
+        let mean = |of: &[Turn]| {
             Plane::from_shape_fn(square.dim(), |(y, x)| {
                 let sum: f64 = of.iter().map(|at| square[at(y, x, last)]).sum();
                 sum / of.len() as f64

@@ -227,7 +227,7 @@ impl Network {
         surround: &Plane<f64>,
     ) -> Result<Plane<f64>, MeshError> {
         let (signal, surround) = (self.values(signal)?, self.values(surround)?);
-        Ok(self.plane(&self.into_nodes(&signal, &surround)))
+        Ok(self.plane(&self.at_nodes(&signal, &surround)))
     }
 
     /// A plane of this size, row after row.
@@ -240,7 +240,7 @@ impl Network {
         Ok(plane.iter().copied().collect())
     }
 
-    fn into_nodes(&self, signal: &[f64], surround: &[f64]) -> Vec<f64> {
+    fn at_nodes(&self, signal: &[f64], surround: &[f64]) -> Vec<f64> {
         let own = signal.iter().zip(surround).zip(&self.transverse);
         let mut currents: Vec<f64> = own.map(|((p, h), g)| g * (p - h)).collect();
         each_lateral(self.size, |i, j, way| {
@@ -294,7 +294,7 @@ impl Network {
         let mut error = f64::INFINITY;
         // What conjugate gradients lose to rounding, a second round on what is left brings back.
         for _ in 0..6 {
-            let left = self.into_nodes(signal, &surround);
+            let left = self.at_nodes(signal, &surround);
             error = largest(&nearest.solve(&left)?);
             if error <= 1e-16 * span {
                 break;
@@ -325,7 +325,7 @@ impl Network {
             let slopes = self.slopes(&surround);
             let (down, across) = &slopes;
             let mut nearest = Nearest::of(self.size, &self.transverse, down, across)?;
-            let left = self.into_nodes(signal, &surround);
+            let left = self.at_nodes(signal, &surround);
             let (change, steps) = self.gradients(&mut nearest, Some(&slopes), &left, 1e-12)?;
             iterations += steps;
             error = largest(&change);

@@ -14,7 +14,8 @@ use crate::plane::Plane;
 pub struct SurroundShow {
     /// The line on top.
     pub title: String,
-    /// Fields side by side, each with its caption: `[y, x]`, odd sides.
+    /// Fields side by side, each with its caption: `[y, x]`. Their colours go with the root of
+    /// the weight, or the surround would not be seen beside the centre.
     pub fields: Vec<(String, Plane<f64>)>,
     /// Frequency responses, each with its name: gains at equal steps from 0 to half a cycle.
     pub responses: Vec<(String, Vec<f64>)>,
@@ -48,8 +49,9 @@ pub fn surround(show: &SurroundShow) -> RgbImage {
     let left = |i: usize| MARGIN + i as u32 * (PANEL + GAP);
     for (i, (caption, field)) in show.fields.iter().enumerate() {
         write_caption(&mut page, (left(i), top), caption);
-        let most = field.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
-        let picture = panel::weights(field, most);
+        let roots = field.mapv(|w| w.signum() * w.abs().sqrt());
+        let most = roots.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        let picture = panel::weights(&roots, most);
         let times = (PANEL / picture.width().max(picture.height()).max(1)).max(1);
         let picture = panel::enlarged(&picture, times);
         imageops::replace(&mut page, &picture, left(i).into(), (top + LINE).into());
@@ -77,7 +79,7 @@ fn responses(page: &mut RgbImage, (x, y): (u32, u32), room: u32, curves: &[(Stri
     // The scale and the names stand beside the curves.
     let (scale, names) = (64, 240);
     let (left, width) = (x + scale, room.saturating_sub(scale + names));
-    let (top, height) = (y + LINE, PANEL);
+    let (top, height) = (y + LINE + LINE / 2, PANEL);
     let to_y = |gain: f64| f64::from(top) + f64::from(height) * (high - gain) / (high - low);
     let to_x = |part: f64| f64::from(left) + f64::from(width) * part;
     for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
@@ -229,7 +231,7 @@ mod tests {
         assert_eq!((0..PANEL).filter(|y| inked(&flat, *y)).count(), 10);
         // A single pixel, a single row, a single column.
         for shape in [(1, 1), (1, 9), (9, 1)] {
-            relief(&Plane::zeros(shape));
+            assert_eq!(relief(&Plane::zeros(shape)).dimensions(), (PANEL, PANEL));
         }
     }
 }

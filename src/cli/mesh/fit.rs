@@ -91,8 +91,8 @@ fn fitted(arguments: &Arguments, kernel: &Kernel, sheets: usize) -> miette::Resu
 
 fn table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<20} {:>6} {:>8} {:>6}  {:>6} {:>6} {:>6} {:>6}  {}\n",
-        "", "odd", "mirrored", "turned", "sheets", "error", "gain", "tail", "the sensor"
+        "{:<20} {:>6} {:>8} {:>6}  {:>6} {:>6} {:>6} {:>6} {:>7}  {}\n",
+        "", "odd", "mirrored", "turned", "sheets", "error", "gain", "tail", "uniform", "the sensor"
     );
     let mut before = "";
     for Row { kernel, fit } in rows {
@@ -110,17 +110,18 @@ fn table(rows: &[Row]) -> String {
         };
         let _ = writeln!(
             text,
-            "  {:>6} {:>6.3} {:>6.2} {:>6.3}  {}",
+            "  {:>6} {:>6.3} {:>6.2} {:>6.3} {:>7.3}  {}",
             fit.sheets.len(),
             fit.error,
             fit.gain,
             fit.tail,
+            fit.uniform,
             formula(fit)
         );
     }
     text + "\nodd, mirrored, turned: parts of the kernel that no resistors, no sheet, no sheet of equal resistors can have.\n\
         error: what is not reached, on the whole plane, over the kernel. gain: sum of the gains in size over the kernel's norm.\n\
-        tail: what of the field lies outside the kernel's window, over the field.\n"
+        tail: what of the field lies outside the kernel's window, over the field. uniform: the answer to uniform light.\n"
 }
 
 /// `1.15 P - 1.45 H(1.89)`.

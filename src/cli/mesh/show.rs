@@ -55,8 +55,9 @@ struct Shown {
 
 /// Points of a curve, less one.
 const POINTS: usize = 256;
-/// Half the side of a field and of a landscape, in pixels.
-const REACH: usize = 16;
+/// Half the side of a field, and of a landscape, in pixels.
+const FIELD: usize = 8;
+const LAND: usize = 16;
 
 /// Runs the verb.
 ///
@@ -67,7 +68,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let lights: Vec<(&str, Plane<f64>)> = match &arguments.input {
         Some(path) => vec![("the input", solve::read(path)?)],
         None => vec![
-            ("a spot", spot(2 * REACH + 1)),
+            ("a spot", spot(2 * LAND + 1)),
             (
                 "an edge",
                 Plane::from_shape_fn((33, 33), |(_, x)| if x > 16 { 1.0 } else { 0.0 }),
@@ -158,16 +159,22 @@ impl Shown {
 
     /// The field of the first sheet, that of the sensor, and the one that was wanted.
     fn fields(&self) -> miette::Result<Vec<(String, Plane<f64>)>> {
-        let wide = 16 * REACH + 1;
+        let wide = 32 * FIELD + 1;
         let (drive, first) = self.answer(&spot(wide))?;
-        let (from, to) = (wide / 2 - REACH, wide / 2 + REACH + 1);
+        let (from, to) = (wide / 2 - FIELD, wide / 2 + FIELD + 1);
         let window = |plane: &Plane<f64>| plane.slice(s![from..to, from..to]).to_owned();
         let mut fields = vec![
             ("surround of a point, H".to_owned(), window(&first)),
             ("field of the sensor".to_owned(), window(&drive)),
         ];
         if let Some(target) = &self.target {
-            fields.push(("the kernel itself".to_owned(), target.weights().clone()));
+            let (ry, rx) = target.reach();
+            let reach = FIELD.max(ry).max(rx);
+            let mut field = Plane::zeros((2 * reach + 1, 2 * reach + 1));
+            for ((y, x), weight) in target.weights().indexed_iter() {
+                field[[y + reach - ry, x + reach - rx]] = *weight;
+            }
+            fields.push(("the kernel itself".to_owned(), field));
         }
         Ok(fields)
     }
