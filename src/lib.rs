@@ -24,6 +24,7 @@ pub mod number;
 pub mod event;
 pub mod isa;
 pub mod kernel;
+pub mod mesh;
 pub mod photoreceptor;
 pub mod scene;
 

@@ -59,7 +59,7 @@ const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("thresholds_without_pattern", 6, 13, "several thresholds in one channel", "add pattern = \"2x2\" for four thresholds, or give one"),
     ("two_responses", 1, 12, "one response, not none or several: expected \"identity\", { linear = 255 }, { log = { white", "docs/reference.md lists every key of a sensor file"),
     ("unknown_border", 3, 10, "unknown value `wrap`, expected `replicate` or `zero`", "docs/reference.md lists every key of a sensor file"),
-    ("unknown_channel_key", 6, 1, "unknown key `weight`, expected one of `name`, `kernel`, `threshold`, `pattern`, `gain`,", "docs/reference.md lists every key of a sensor file"),
+    ("unknown_channel_key", 6, 1, "unknown key `weight`, expected one of `name`, `kernel`, `mesh`, `threshold`, `pattern`,", "docs/reference.md lists every key of a sensor file"),
     ("unknown_kernel", 5, 10, "kernel \"mexican-hat\" is neither built in nor a file that can be read (No such file or", "give a file beside the sensor file, rows of numbers, or one"),
     ("unknown_key", 3, 1, "unknown key `colour`, expected one of `name`, `source`, `response`, `memory`, `polarity`,", "docs/reference.md lists every key of a sensor file"),
     ("unknown_memory", 2, 10, "unknown value `snap`, expected one of `raw-snap`, `filtered-snap`, `filtered-step`,", "docs/reference.md lists every key of a sensor file"),

@@ -232,6 +232,12 @@ impl Asked {
                     "{shown}: a channel has a pattern of kernels"
                 ));
             };
+            if channel.surrounds.is_some() {
+                return Err(miette!(
+                    help = "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
+                    "{shown}: a channel sees through a resistor mesh, which is no program"
+                ));
+            }
             kernels.push(kernel.clone());
             thresholds.push((threshold.on * linear, threshold.off * linear));
         }

@@ -443,7 +443,7 @@ impl Set {
 }
 
 /// Reads a plane of any numbers.
-fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
+pub(super) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
     fn of<T: ReadableElement + Copy>(
         bytes: &[u8],
         number: impl Fn(T) -> f64,
@@ -606,7 +606,7 @@ fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
     Ok(())
 }
 
-fn write_npy<T: WritableElement>(path: &Path, plane: &Plane<T>) -> miette::Result<()> {
+pub(super) fn write_npy<T: WritableElement>(path: &Path, plane: &Plane<T>) -> miette::Result<()> {
     save(path, |out| {
         plane
             .write_npy(out)

@@ -9,6 +9,7 @@ pub mod demo;
 pub mod disasm;
 pub mod exec;
 mod kernels;
+pub mod mesh;
 mod opened;
 pub mod packets;
 mod progress;
@@ -34,6 +35,7 @@ Examples:
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
+  amacrine mesh solve --lambda 10 --input P.npy --output H.npy
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
   amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
   amacrine packets out/silicon.npy --readout arbiter
@@ -63,6 +65,8 @@ enum Verb {
     Quantise(quantise::Arguments),
     /// Kernels to a program: shift, add, halve, with the proof
     Compile(compile::Arguments),
+    /// The resistor mesh: solve it, step it, fit a kernel to it, draw it
+    Mesh(mesh::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
     /// An event file into another format
@@ -87,6 +91,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Disasm(arguments)) => disasm::run(&arguments),
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
+        Some(Verb::Mesh(arguments)) => mesh::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
         Some(Verb::Packets(arguments)) => packets::run(&arguments),

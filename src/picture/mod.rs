@@ -11,6 +11,7 @@ pub mod ink;
 pub mod panel;
 mod sheet;
 mod strip;
+mod surround;
 mod text;
 pub mod view;
 
@@ -18,6 +19,7 @@ pub use animation::{write_animation, write_frames};
 pub use chart::{Drawing, raster, svg};
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
+pub use surround::{SurroundShow, relief, surround};
 
 use std::{io, path::Path};
 

@@ -20,6 +20,7 @@ use super::{
     refractory::{self, awake},
     signal::{Light, Padded},
     step::Seen,
+    surround::{self, Sheets},
     train::{BandSink, Pair, Train, TrainRow},
 };
 
@@ -78,6 +79,8 @@ pub(super) struct Sight<'a, N: Number> {
     /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
     /// distance from it if it snaps.
     pub(super) pixels: &'a [Padded<N::Held>],
+    /// Resistor sheets, where channels see through them.
+    pub(super) sheets: Option<&'a Sheets>,
     pub(super) pair: Pair,
     /// Seconds since the first frame.
     pub(super) elapsed: f64,
@@ -141,6 +144,7 @@ impl<N: Number> Band<N> {
         mut signal: Padded<N::Held>,
         rows: Range<usize>,
         light: Light<'_, N>,
+        sheets: Option<&Sheets>,
     ) -> Result<Self, SensorError> {
         see(plan, &mut signal, light)?;
         let width = signal.inner(rows.start).len();
@@ -153,7 +157,7 @@ impl<N: Number> Band<N> {
             rested: vec![f64::NEG_INFINITY; width],
         };
         let channels = (0..plan.weights.len())
-            .map(|channel| Cells::settle(plan, channel, &rows, &signal, &mut scratch))
+            .map(|channel| Cells::settle(plan, channel, &rows, (&signal, sheets), &mut scratch))
             .collect();
         Ok(Self {
             rows,
@@ -230,6 +234,7 @@ impl<N: Number> Band<N> {
     ) -> Result<(), SensorError> {
         let Sight {
             pixels,
+            sheets,
             pair,
             elapsed,
             times,
@@ -270,7 +275,9 @@ impl<N: Number> Band<N> {
             Memory::RawSnap { .. } => &pixels[channel],
             _ => signal,
         };
-        plan.weights[channel].row(number, seen, y, drive, other);
+        surround::row(number, sheets, (channel, y), drive, |drive| {
+            plan.weights[channel].row(number, seen, y, drive, other);
+        });
         if description.channels[channel].log_temporal {
             log_temporal(number, drive, 1e-8);
         }
@@ -480,7 +487,7 @@ impl<N: Number> Cells<N> {
         plan: &Plan<N>,
         channel: usize,
         rows: &Range<usize>,
-        signal: &Padded<N::Held>,
+        (signal, sheets): (&Padded<N::Held>, Option<&Sheets>),
         scratch: &mut Scratch<N>,
     ) -> Self {
         let (number, description) = (&plan.number, &plan.description);
@@ -489,7 +496,10 @@ impl<N: Number> Cells<N> {
         let mut filtered = Vec::with_capacity(cells);
         let mut pixels = Vec::with_capacity(cells);
         for y in rows.clone() {
-            plan.weights[channel].row(number, signal, y, &mut scratch.drive, &mut scratch.other);
+            let Scratch { drive, other, .. } = scratch;
+            surround::row(number, sheets, (channel, y), drive, |drive| {
+                plan.weights[channel].row(number, signal, y, drive, other);
+            });
             if description.channels[channel].log_temporal {
                 log_temporal(number, &mut scratch.drive, 0.0);
             }

@@ -11,6 +11,8 @@
 //! [noise]                                    # without it: none
 //! [[channel]]                                # one for each kind of cell
 //! kernel = [[0, -1, 0], [-1, 4, -1], [0, -1, 0]]   # or the name of a built-in or of a file
+//! # or, in place of the kernel, a resistor mesh:
+//! # mesh = { lambda = 10, tau-us = 500 }
 //! gain = -1                                  # optional: scales the weights, here centre-OFF
 //! threshold = { on = 0.2, off = 0.2, sigma = 0.03 }
 //! ```
@@ -34,7 +36,10 @@ use crate::{
     photoreceptor::Response,
 };
 
-use super::noise::{Fault, Noise};
+use super::{
+    noise::{Fault, Noise},
+    surround::{self, Surrounds},
+};
 
 /// Everything that makes one sensor different from another.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,8 +127,10 @@ pub enum RefractoryRule {
 pub struct Channel {
     /// What it is called.
     pub name: Option<String>,
-    /// One kernel, or four for a 2x2 pattern.
+    /// One kernel, or four for a 2x2 pattern; with sheets, the pixel alone.
     pub kernels: Vec<Kernel>,
+    /// The resistor sheets that it sees through in place of a kernel.
+    pub surrounds: Option<Surrounds>,
     /// As many thresholds as kernels.
     pub thresholds: Vec<Threshold>,
     /// The kernel that the memory is seen through; only for [`MemoryRule::AuthorsPixelStep`].
@@ -212,7 +219,8 @@ struct Written {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct WrittenChannel {
     name: Option<String>,
-    kernel: Spanned<WrittenKernels>,
+    kernel: Option<Spanned<WrittenKernels>>,
+    mesh: Option<Spanned<surround::Written>>,
     threshold: Spanned<WrittenThresholds>,
     pattern: Option<Spanned<String>>,
     gain: Option<Spanned<f64>>,
@@ -275,10 +283,9 @@ impl<'de> Deserialize<'de> for WrittenThresholds {
 const MOST_CHANNELS: usize = 16;
 
 /// What is missing, and how it might read.
-const EXAMPLES: [(&str, &str); 7] = [
+const EXAMPLES: [(&str, &str); 6] = [
     ("response", "response = { linear = 255 }"),
     ("memory", "memory = \"filtered-step\""),
-    ("kernel", "kernel = \"csdvs-5\""),
     ("threshold", "threshold = { on = 0.2, off = 0.2 }"),
     ("on", "on = 0.2"),
     ("off", "off = 0.2, a positive magnitude"),
@@ -420,9 +427,33 @@ impl Door<'_> {
                 ));
             }
         };
-        let kernel_span = written.kernel.span();
         let gain = self.gain(written.gain)?;
-        let kernels: Vec<_> = match (written.kernel.into_inner(), four) {
+        let mesh = written.mesh.map(|mesh| (mesh.span(), mesh.into_inner()));
+        let surrounds = match mesh {
+            None => None,
+            Some((span, mesh)) => {
+                let alone = written.kernel.is_none()
+                    && !four
+                    && !written.log_temporal
+                    && matches!(memory, MemoryRule::FilteredSnap | MemoryRule::FilteredStep);
+                Some(self.surrounds(mesh, alone, gain, span)?)
+            }
+        };
+        let (kernel_span, kernel) = match (written.kernel, &surrounds) {
+            (Some(kernel), _) => (kernel.span(), kernel.into_inner()),
+            (None, Some(_)) => (
+                whole.clone(),
+                WrittenKernels::One(WrittenKernel::Rows(vec![vec![1.0]])),
+            ),
+            (None, None) => {
+                return Err(self.wrong(
+                    whole.start..whole.start,
+                    "missing key `kernel`",
+                    "add it, such as kernel = \"csdvs-5\", or in its place mesh = { lambda = 10 }",
+                ));
+            }
+        };
+        let kernels: Vec<_> = match (kernel, four) {
             (WrittenKernels::One(one), false) => vec![self.kernel(one, &kernel_span)?],
             (WrittenKernels::Several(four), true) if four.len() == 4 => four
                 .into_iter()
@@ -471,9 +502,34 @@ impl Door<'_> {
         Ok(Channel {
             name: written.name,
             kernels,
+            surrounds,
             thresholds,
             memory_kernel,
             log_temporal: written.log_temporal,
+        })
+    }
+
+    fn surrounds(
+        &self,
+        written: surround::Written,
+        alone: bool,
+        gain: f64,
+        span: Range<usize>,
+    ) -> Checked<Surrounds> {
+        if !alone {
+            return Err(self.wrong(
+                span,
+                "a mesh stands in place of a kernel, before a memory of the filtered signal",
+                "use memory = \"filtered-step\" or \"filtered-snap\", and no kernel, pattern or log-temporal in this channel",
+            ));
+        }
+        written.checked(gain).map_err(|fault| {
+            let Fault {
+                key,
+                message,
+                advice,
+            } = fault;
+            self.wrong(self.place_of(key, span.start), &message, &advice)
         })
     }
 

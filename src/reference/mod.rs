@@ -24,6 +24,7 @@ mod refractory;
 mod signal;
 mod sinks;
 mod step;
+mod surround;
 mod tally;
 mod train;
 mod voxel;
@@ -35,6 +36,7 @@ pub use description::{
 };
 pub use list::{EventList, Limit, ListBand, WhenFull};
 pub use noise::Noise;
+pub use surround::{SheetRule, Surround, Surrounds};
 pub use tally::{Tally, TallyBand};
 pub use train::{BandSink, Pair, Sink, Train, TrainRow};
 pub use voxel::{VoxelBand, VoxelGrid, bins};
@@ -57,6 +59,7 @@ use self::{
     band::{Band, Plan, Sight},
     noise::LowPass,
     signal::{Light, Padded, Photoreceptors},
+    surround::Sheets,
 };
 
 /// 2^52: the first double after which there are no fractions. Added to it, a whole number
@@ -78,6 +81,7 @@ pub struct Reference<N: Number = F64> {
     limit: Limit,
     photoreceptors: Photoreceptors<N>,
     low_pass: Option<LowPass>,
+    sheets: Option<Sheets>,
     /// Rows and columns that the kernels reach.
     reach: (usize, usize),
     /// For each channel a pixel memory, or the signal's distance from it; none otherwise.
@@ -162,6 +166,12 @@ impl<N: Number> Reference<N> {
             limit: Limit::default(),
             photoreceptors: Photoreceptors::new(number, description.response),
             low_pass: (description.noise.cutoff_hz > 0.0).then(|| LowPass::new(size)),
+            sheets: Sheets::new(
+                &description.name,
+                description.channels.iter().map(|c| c.surrounds.as_ref()),
+                size,
+                seed,
+            ),
             pixels: if held_pixels {
                 let whole = Padded::new(size, 0..size.height, reach, N::ZERO);
                 vec![whole; description.channels.len()]
@@ -249,6 +259,14 @@ impl<N: Number> Reference<N> {
             let dt = self.seen.map_or(f64::INFINITY, |(_, last)| seconds - last);
             low_pass.see(&self.plan.description, frame, dt)?;
         }
+        if let Some(sheets) = &mut self.sheets {
+            let light = Light {
+                photoreceptors: &self.photoreceptors,
+                frame,
+                low_pass: self.low_pass.as_ref(),
+            };
+            sheets.see(&self.plan.number, light)?;
+        }
         let Some((start, from)) = self.seen else {
             self.seen = Some((seconds, seconds));
             return self.settle(frame);
@@ -275,7 +293,7 @@ impl<N: Number> Reference<N> {
         };
         let settle = |rows: &Range<usize>| {
             let signal = Padded::new(*size, rows.clone(), *reach, N::ZERO);
-            Band::settle(plan, signal, rows.clone(), light)
+            Band::settle(plan, signal, rows.clone(), light, self.sheets.as_ref())
         };
         let bands: Result<_, _> = self.cut.par_iter().map(settle).collect();
         self.bands = bands.map_err(|error| first_fault(light, *size).unwrap_or(error))?;
@@ -306,6 +324,7 @@ impl<N: Number> Reference<N> {
         let sight = Sight {
             light: (!holds_pixels).then_some(light),
             pixels: &self.pixels,
+            sheets: self.sheets.as_ref(),
             pair,
             elapsed,
             times: sink.wants_times(),

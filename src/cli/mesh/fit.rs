@@ -1,0 +1,147 @@
+//! `amacrine mesh fit`: what a mesh makes of kernels.
+
+use std::fmt::Write;
+
+use miette::{IntoDiagnostic, WrapErr};
+
+use crate::{
+    cli::{kernels, say},
+    kernel::Kernel,
+    mesh::{Fit, Fitting, fit},
+};
+
+/// What `mesh fit` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: amacrine mesh fit dvs csdvs-5 laplacian dog sobel-x --sheets 2\n\nodd: no resistors have it; mirrored: no sheet; turned: no sheet of equal resistors. The error is that of the whole plane, not of the window. Gain: what noise and offsets of the parts are multiplied by."
+)]
+pub struct Arguments {
+    /// Kernel files (.toml or .npy), or names of built-in kernels
+    #[arg(required = true)]
+    kernels: Vec<String>,
+    /// Sheets at most, 1 to 3; each number up to it has a row
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
+    sheets: u8,
+    /// Resistors down and across may differ
+    #[arg(long)]
+    anisotropic: bool,
+    /// What holds the gains down: added to the squared relative error for each squared gain
+    #[arg(long, default_value_t = 1e-4)]
+    ridge: f64,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(serde::Serialize)]
+struct Row {
+    kernel: String,
+    #[serde(flatten)]
+    fit: Fit,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When a kernel cannot be read or fitted.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    if !(arguments.ridge >= 0.0 && arguments.ridge.is_finite()) {
+        return Err(miette::miette!(
+            help = "give 0 or a small positive number, such as 1e-4",
+            "--ridge is {}",
+            arguments.ridge
+        ));
+    }
+    let mut rows = Vec::new();
+    for name in &arguments.kernels {
+        let (found, _) = kernels::read(name)?;
+        let many = found.len() > 1;
+        for (i, kernel) in found.iter().enumerate() {
+            let shown = if many {
+                format!("{name}[{i}]")
+            } else {
+                name.clone()
+            };
+            for sheets in 1..=usize::from(arguments.sheets) {
+                let fit = fitted(arguments, kernel, sheets).wrap_err_with(|| shown.clone())?;
+                rows.push(Row {
+                    kernel: shown.clone(),
+                    fit,
+                });
+            }
+        }
+    }
+    if arguments.json {
+        let json = serde_json::to_string(&rows).into_diagnostic()?;
+        say(&format!("{json}\n"));
+    } else {
+        say(&table(&rows));
+    }
+    Ok(())
+}
+
+fn fitted(arguments: &Arguments, kernel: &Kernel, sheets: usize) -> miette::Result<Fit> {
+    let how = Fitting {
+        sheets,
+        anisotropic: arguments.anisotropic,
+        ridge: arguments.ridge,
+    };
+    Ok(fit(kernel, how)?)
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut text = format!(
+        "{:<20} {:>6} {:>8} {:>6}  {:>6} {:>6} {:>6} {:>6} {:>7}  {}\n",
+        "", "odd", "mirrored", "turned", "sheets", "error", "gain", "tail", "uniform", "the sensor"
+    );
+    let mut before = "";
+    for Row { kernel, fit } in rows {
+        // What cannot be reached stands first, once for each kernel.
+        let same = before == kernel;
+        before = kernel;
+        let _ = if same {
+            write!(text, "{:<20} {:>6} {:>8} {:>6}", "", "", "", "")
+        } else {
+            write!(
+                text,
+                "{kernel:<20} {:>6.3} {:>8.3} {:>6.3}",
+                fit.odd, fit.mirrored, fit.turned
+            )
+        };
+        let _ = writeln!(
+            text,
+            "  {:>6} {:>6.3} {:>6.2} {:>6.3} {:>7.3}  {}",
+            fit.sheets.len(),
+            fit.error,
+            fit.gain,
+            fit.tail,
+            fit.uniform,
+            formula(fit)
+        );
+    }
+    text + "\nodd, mirrored, turned: parts of the kernel that no resistors, no sheet, no sheet of equal resistors can have.\n\
+        error: what is not reached, on the whole plane, over the kernel. gain: sum of the gains in size over the kernel's norm.\n\
+        tail: what of the field lies outside the kernel's window, over the field. uniform: the answer to uniform light.\n"
+}
+
+/// `1.15 P - 1.45 H(1.89)`.
+fn formula(fit: &Fit) -> String {
+    if fit.gain == 0.0 {
+        return "nothing: it is all unreachable".into();
+    }
+    let mut text = format!("{:.3} P", fit.centre);
+    for sheet in &fit.sheets {
+        let sign = if sheet.gain < 0.0 { '-' } else { '+' };
+        let _ = write!(
+            text,
+            " {sign} {:.3} H({:.2}",
+            sheet.gain.abs(),
+            sheet.lambda_y
+        );
+        if sheet.lambda_y != sheet.lambda_x {
+            let _ = write!(text, " down, {:.2} across", sheet.lambda_x);
+        }
+        text.push(')');
+    }
+    text
+}

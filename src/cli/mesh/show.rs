@@ -1,0 +1,226 @@
+//! `amacrine mesh show`: a sheet in pictures.
+
+use std::path::PathBuf;
+
+use miette::miette;
+use ndarray::s;
+
+use super::{Constants, solve};
+use crate::{
+    cli::{kernels, say},
+    kernel::Kernel,
+    mesh::{Fitting, Sheet, Steady, fit},
+    picture::{SurroundShow, surround, write_png},
+    plane::{Plane, Size},
+};
+
+/// What `mesh show` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine mesh show --lambda 3 --output mesh.png\n  amacrine mesh show --kernel csdvs-5 --output fit.png\n\nWith --kernel the sheets are those that fit it best."
+)]
+pub struct Arguments {
+    /// Space constant in pixels
+    #[arg(
+        long,
+        value_name = "L",
+        required_unless_present = "kernel",
+        conflicts_with = "kernel"
+    )]
+    lambda: Option<f64>,
+    /// Another space constant down the columns
+    #[arg(long, value_name = "L", requires = "lambda")]
+    lambda_y: Option<f64>,
+    /// A kernel to be fitted: a file (.toml or .npy), or the name of a built-in
+    #[arg(long)]
+    kernel: Option<String>,
+    /// Sheets that may fit the kernel, 1 to 3
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
+    sheets: u8,
+    /// A picture or .npy (H,W) whose voltages are drawn, in place of a spot and an edge
+    #[arg(short, long, value_name = "FILE")]
+    input: Option<PathBuf>,
+    /// Where to
+    #[arg(short, long, value_name = "FILE.png")]
+    output: PathBuf,
+}
+
+/// A sensor of resistors: the pixel's gain, and the sheets with theirs.
+struct Shown {
+    title: String,
+    centre: f64,
+    sheets: Vec<(f64, Sheet)>,
+    target: Option<Kernel>,
+}
+
+/// Points of a curve, less one.
+const POINTS: usize = 256;
+/// Half the side of a field, and of a landscape, in pixels.
+const FIELD: usize = 8;
+const LAND: usize = 16;
+
+/// Runs the verb.
+///
+/// # Errors
+/// When an input cannot be read or solved for, or the picture not be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let shown = Shown::of(arguments)?;
+    let lights: Vec<(&str, Plane<f64>)> = match &arguments.input {
+        Some(path) => vec![("the input", solve::read(path)?)],
+        None => vec![
+            ("a spot", spot(2 * LAND + 1)),
+            (
+                "an edge",
+                Plane::from_shape_fn((33, 33), |(_, x)| if x > 16 { 1.0 } else { 0.0 }),
+            ),
+        ],
+    };
+    let mut reliefs = Vec::new();
+    for (name, light) in &lights {
+        let (drive, surround) = shown.answer(light)?;
+        reliefs.push((format!("{name}: voltages H"), surround));
+        reliefs.push((format!("{name}: drive"), drive));
+    }
+    let page = surround(&SurroundShow {
+        title: shown.title.clone(),
+        fields: shown.fields()?,
+        responses: shown.responses(),
+        reliefs,
+    });
+    write_png(&arguments.output, &page)?;
+    say(&format!(
+        "{}  {}\n",
+        arguments.output.display(),
+        shown.title
+    ));
+    Ok(())
+}
+
+impl Shown {
+    fn of(arguments: &Arguments) -> miette::Result<Self> {
+        let Some(name) = &arguments.kernel else {
+            let lambda = arguments.lambda.unwrap_or(1.0);
+            let lambda_y = arguments.lambda_y;
+            let sheet = Constants { lambda, lambda_y }.sheet()?;
+            let (down, across) = sheet.lambdas();
+            return Ok(Self {
+                title: if down == across {
+                    format!("P - H, space constant {across} pixels")
+                } else {
+                    format!("P - H, space constants {across} across and {down} down")
+                },
+                centre: 1.0,
+                sheets: vec![(-1.0, sheet)],
+                target: None,
+            });
+        };
+        let (found, _) = kernels::read(name)?;
+        let [kernel] = &found[..] else {
+            return Err(miette!(
+                help = "give an array of shape (k,k)",
+                "{name} holds {} kernels",
+                found.len()
+            ));
+        };
+        let how = Fitting {
+            sheets: arguments.sheets.into(),
+            anisotropic: false,
+            ridge: 1e-4,
+        };
+        let fitted = fit(kernel, how)?;
+        let sheets = fitted.sheets.iter().map(|sheet| {
+            let constants = Sheet::anisotropic(sheet.lambda_y, sheet.lambda_x)?;
+            Ok((sheet.gain, constants))
+        });
+        Ok(Self {
+            title: format!(
+                "{name} by {} sheets: error {:.3}, of which {:.3} no equal resistors can have",
+                fitted.sheets.len(),
+                fitted.error,
+                fitted.turned
+            ),
+            centre: fitted.centre,
+            sheets: sheets.collect::<Result<_, crate::mesh::MeshError>>()?,
+            target: Some(kernel.clone()),
+        })
+    }
+
+    /// What the sensor makes of light: its drive, and the voltages on its first sheet.
+    fn answer(&self, light: &Plane<f64>) -> miette::Result<(Plane<f64>, Plane<f64>)> {
+        let mut drive = light * self.centre;
+        let mut first = None;
+        for (gain, sheet) in &self.sheets {
+            let surround = Steady::new(*sheet, Size::of(light))?.solve(light)?;
+            drive.scaled_add(*gain, &surround);
+            first.get_or_insert(surround);
+        }
+        Ok((drive, first.unwrap_or_else(|| light.clone())))
+    }
+
+    /// The field of the first sheet, that of the sensor, and the one that was wanted.
+    fn fields(&self) -> miette::Result<Vec<(String, Plane<f64>)>> {
+        let wide = 32 * FIELD + 1;
+        let (drive, first) = self.answer(&spot(wide))?;
+        let (from, to) = (wide / 2 - FIELD, wide / 2 + FIELD + 1);
+        let window = |plane: &Plane<f64>| plane.slice(s![from..to, from..to]).to_owned();
+        let mut fields = vec![
+            ("surround of a point, H".to_owned(), window(&first)),
+            ("field of the sensor".to_owned(), window(&drive)),
+        ];
+        if let Some(target) = &self.target {
+            let (ry, rx) = target.reach();
+            let reach = FIELD.max(ry).max(rx);
+            let mut field = Plane::zeros((2 * reach + 1, 2 * reach + 1));
+            for ((y, x), weight) in target.weights().indexed_iter() {
+                field[[y + reach - ry, x + reach - rx]] = *weight;
+            }
+            fields.push(("the kernel itself".to_owned(), field));
+        }
+        Ok(fields)
+    }
+
+    /// Along the rows and along the diagonal, the kernel's beside them.
+    fn responses(&self) -> Vec<(String, Vec<f64>)> {
+        let curve = |gain: &dyn Fn(f64, f64) -> f64, diagonal: bool| -> Vec<f64> {
+            (0..=POINTS)
+                .map(|k| {
+                    let f = 0.5 * k as f64 / POINTS as f64;
+                    gain(if diagonal { f } else { 0.0 }, f)
+                })
+                .collect()
+        };
+        let own = |fy: f64, fx: f64| {
+            let sheets = self
+                .sheets
+                .iter()
+                .map(|(gain, sheet)| gain * sheet.gain(fy, fx));
+            self.centre + sheets.sum::<f64>()
+        };
+        let mut curves = vec![
+            ("sensor, along a row".to_owned(), curve(&own, false)),
+            ("sensor, on a diagonal".to_owned(), curve(&own, true)),
+        ];
+        if let Some(target) = &self.target {
+            let wanted = |fy: f64, fx: f64| {
+                let (ry, rx) = target.reach();
+                let weights = target.weights().indexed_iter();
+                weights
+                    .map(|((y, x), w)| {
+                        let turns = fy * (y as f64 - ry as f64) + fx * (x as f64 - rx as f64);
+                        w * (std::f64::consts::TAU * turns).cos()
+                    })
+                    .sum()
+            };
+            curves.push(("kernel, along a row".to_owned(), curve(&wanted, false)));
+            curves.push(("kernel, on a diagonal".to_owned(), curve(&wanted, true)));
+        }
+        curves
+    }
+}
+
+/// A point of light in the middle of the dark.
+fn spot(side: usize) -> Plane<f64> {
+    let mut plane = Plane::zeros((side, side));
+    plane[[side / 2, side / 2]] = 1.0;
+    plane
+}

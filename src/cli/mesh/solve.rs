@@ -1,0 +1,103 @@
+//! `amacrine mesh solve`: the settled surround of one signal.
+
+use std::path::{Path, PathBuf};
+
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+use super::{Constants, Show, extremes, write};
+use crate::{
+    cli::{exec::read_plane, say},
+    mesh::Steady,
+    plane::{Plane, Size},
+    scene::{OpenOptions, open},
+};
+
+/// What `mesh solve` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine mesh solve --lambda 10 --input P.npy --output H.npy\n  amacrine mesh solve --lambda 3 --input photo.png --show difference --output edges.png"
+)]
+pub struct Arguments {
+    #[command(flatten)]
+    constants: Constants,
+    /// The signal P: a .npy of shape (H,W), or a picture
+    #[arg(short, long, value_name = "FILE")]
+    input: PathBuf,
+    /// Where to: .npy (float64, of P's shape), or .png (gray from least to most)
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// What to write
+    #[arg(long, value_enum, default_value = "surround")]
+    show: Show,
+    /// Print one JSON object instead of a line
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(serde::Serialize)]
+struct Json {
+    lambda_y: f64,
+    lambda_x: f64,
+    size: Size,
+    mean: f64,
+    least: f64,
+    most: f64,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the signal cannot be read or solved for, or the output not be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let sheet = arguments.constants.sheet()?;
+    let signal = read(&arguments.input)?;
+    let size = Size::of(&signal);
+    let surround = Steady::new(sheet, size)
+        .and_then(|mut steady| steady.solve(&signal))
+        .map_err(miette::Report::new)
+        .wrap_err_with(|| format!("cannot solve {}", arguments.input.display()))?;
+    let shown = match arguments.show {
+        Show::Surround => surround,
+        Show::Difference => signal - surround,
+    };
+    write(&arguments.output, &shown)?;
+    let (least, most) = extremes(&shown);
+    let (lambda_y, lambda_x) = sheet.lambdas();
+    let mean = shown.sum() / shown.len() as f64;
+    if arguments.json {
+        let json = Json {
+            lambda_y,
+            lambda_x,
+            size,
+            mean,
+            least,
+            most,
+        };
+        return say_json(&json);
+    }
+    say(&format!(
+        "{}  {size}, mean {mean}, from {least} to {most}\n",
+        arguments.output.display()
+    ));
+    Ok(())
+}
+
+fn say_json<T: serde::Serialize>(json: &T) -> miette::Result<()> {
+    let json = serde_json::to_string(json).into_diagnostic()?;
+    say(&format!("{json}\n"));
+    Ok(())
+}
+
+/// A plane of numbers, or the light of one picture.
+pub(super) fn read(path: &Path) -> miette::Result<Plane<f64>> {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
+    {
+        return read_plane(path);
+    }
+    let mut scene = open(&path.to_string_lossy(), &OpenOptions::default())?;
+    let frame = scene.next_frame()?;
+    let frame = frame.ok_or_else(|| miette!("{} holds no picture", path.display()))?;
+    Ok(frame.light)
+}

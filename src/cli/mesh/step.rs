@@ -1,0 +1,167 @@
+//! `amacrine mesh step`: the surround of a scene over time.
+
+use std::{io, path::PathBuf};
+
+use miette::{WrapErr, miette};
+use ndarray::Array3;
+use ndarray_npy::WriteNpyExt;
+
+use super::{Constants, Show};
+use crate::{
+    cli::say,
+    mesh::{Between, Euler, Flow, MeshError, Sheet},
+    photoreceptor::Response,
+    plane::{Plane, Size},
+    save::save,
+    scene::{Frame, OpenOptions, open},
+    unit::Micros,
+};
+
+/// What `mesh step` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: amacrine mesh step --lambda 10 --tau 1ms --scene clip.mp4 --output H.npy\n\nThe sheet starts settled to the first frame. With --rule v2e it is stepped as v2e does it, for comparison."
+)]
+pub struct Arguments {
+    #[command(flatten)]
+    constants: Constants,
+    /// Time constant C/g; 0us settles at once
+    #[arg(long, value_name = "TIME")]
+    tau: Micros,
+    /// A clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
+    #[arg(short, long)]
+    scene: String,
+    /// Frames a second, instead of what the scene says
+    #[arg(long)]
+    fps: Option<f64>,
+    /// From light to signal, as in a sensor file
+    #[arg(long, default_value = "\"identity\"", value_parser = response)]
+    response: Response,
+    /// What the signal does between two frames
+    #[arg(long, value_enum, default_value = "ramp")]
+    rule: Rule,
+    /// What to write
+    #[arg(long, value_enum, default_value = "surround")]
+    show: Show,
+    /// At most so many frames
+    #[arg(long)]
+    frames: Option<u64>,
+    /// Where to: a .npy of shape (T,H,W), float64
+    #[arg(short, long, value_name = "FILE.npy")]
+    output: PathBuf,
+}
+
+/// How a sheet is moved on.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Rule {
+    /// Exact; a straight line between frames
+    Ramp,
+    /// Exact; the later frame right after the earlier
+    Step,
+    /// v2e's Euler steps, for comparison
+    V2e,
+}
+
+/// A response as it stands in a sensor file.
+fn response(text: &str) -> Result<Response, String> {
+    #[derive(serde::Deserialize)]
+    struct Line {
+        response: Response,
+    }
+    let line: Line =
+        toml::from_str(&format!("response = {text}")).map_err(|e| e.message().to_owned())?;
+    Ok(line.response)
+}
+
+/// A sheet that is moved on by one of the rules.
+enum Moved {
+    Exact(Box<Flow>, Between),
+    V2e(Euler),
+}
+
+impl Moved {
+    fn begin(sheet: Sheet, tau: f64, rule: Rule, signal: &Plane<f64>) -> Result<Self, MeshError> {
+        let exact = |between| {
+            let flow = Flow::settled(sheet, tau, signal)?;
+            Ok(Self::Exact(Box::new(flow), between))
+        };
+        match rule {
+            Rule::Ramp => exact(Between::Ramp),
+            Rule::Step => exact(Between::Step),
+            Rule::V2e => Ok(Self::V2e(Euler::begin(sheet, tau, signal)?)),
+        }
+    }
+
+    fn advance(&mut self, signal: &Plane<f64>, seconds: f64) -> Result<(), MeshError> {
+        match self {
+            Self::Exact(flow, between) => flow.advance(signal, seconds, *between),
+            Self::V2e(euler) => euler.advance(signal, seconds),
+        }
+    }
+
+    fn surround(&self) -> &Plane<f64> {
+        match self {
+            Self::Exact(flow, _) => flow.surround(),
+            Self::V2e(euler) => euler.surround(),
+        }
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the scene cannot be read or solved for, or the output not be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let sheet = arguments.constants.sheet()?;
+    let options = OpenOptions { fps: arguments.fps };
+    let mut scene = open(&arguments.scene, &options)?;
+    let size = scene.size();
+    let mut sheet_now: Option<(f64, Moved)> = None;
+    let mut written: Vec<f64> = Vec::new();
+    let mut frames = 0;
+    while arguments.frames.is_none_or(|most| frames < most as usize) {
+        let Some(frame) = scene.next_frame()? else {
+            break;
+        };
+        let in_frame = || format!("frame {} of {}", frame.index, arguments.scene);
+        let signal = signal(arguments.response, &frame).wrap_err_with(in_frame)?;
+        let moved = match sheet_now.take() {
+            None => Moved::begin(sheet, arguments.tau.seconds(), arguments.rule, &signal),
+            Some((before, mut moved)) => moved
+                .advance(&signal, frame.seconds - before)
+                .map(|()| moved),
+        };
+        let moved = moved.map_err(miette::Report::new).wrap_err_with(in_frame)?;
+        match arguments.show {
+            Show::Surround => written.extend(moved.surround()),
+            Show::Difference => written.extend(&(&signal - moved.surround())),
+        }
+        sheet_now = Some((frame.seconds, moved));
+        frames += 1;
+    }
+    let shape = (frames, size.height, size.width);
+    let stack = Array3::from_shape_vec(shape, written).map_err(|e| miette!("{e}"))?;
+    save(&arguments.output, |out| {
+        let written = stack.write_npy(out);
+        written.map_err(|e| io::Error::other(e.to_string()))
+    })?;
+    let steps = match &sheet_now {
+        Some((_, Moved::V2e(euler))) => format!(", {} Euler steps", euler.steps()),
+        _ => String::new(),
+    };
+    say(&format!(
+        "{}  {frames} frames of {size}{steps}\n",
+        arguments.output.display()
+    ));
+    Ok(())
+}
+
+/// A frame as the photoreceptors give it.
+fn signal(response: Response, frame: &Frame) -> miette::Result<Plane<f64>> {
+    let mut signal = Plane::zeros(Size::of(&frame.light).shape());
+    for (((y, x), light), to) in frame.light.indexed_iter().zip(&mut signal) {
+        let value = response.apply(*light);
+        *to = value.map_err(|cause| miette!("the pixel at x = {x}, y = {y}: {cause}"))?;
+    }
+    Ok(signal)
+}

@@ -1,0 +1,385 @@
+//! How a sheet moves, exactly: each cosine mode relaxes on its own.
+//!
+//! A mode of eigenvalue `μ` obeys `dH/dt = a (s P - H)` with `s = 1 / (1 + λ² μ)` and
+//! `a = 1 / (τ s)`. Over a time `t` in which its `P` is a straight line from `P0` to `P1`,
+//! with `z = a t`, `E = exp(-z)` and `φ = (1 - E) / z`,
+//!
+//! ```text
+//! H1 = E H0 + s (φ - E) P0 + s (1 - φ) P1            (a ramp)
+//! H1 = E H0 + s (1 - E) P1                           (a step to P1 at the beginning)
+//! ```
+//!
+//! No step is too long, none is too stiff, and two half steps are one whole step. A sheet starts
+//! settled, so that a still scene is still from the first frame on.
+//!
+//! Noise of the resistors is exact too. In equilibrium every node has the variance `kT/C` and
+//! knows nothing of its neighbours, whatever the resistors are (equipartition); the modes are
+//! orthogonal, so each has that variance as well, and forgets as fast as it relaxes:
+//! `n1 = E n0 + sqrt(1 - E²) sqrt(kT/C) ξ`.
+
+use multiversion::multiversion;
+
+use super::{
+    MeshError, Real, Sheet,
+    cosine::Cosine,
+    draw::{Why, normal},
+    eigenvalues, range,
+};
+use crate::plane::{Plane, Size};
+
+/// What the signal does between two frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Between {
+    /// A straight line from the earlier frame to the later.
+    #[default]
+    Ramp,
+    /// A step to the later frame, right after the earlier.
+    Step,
+}
+
+/// A sheet in time.
+#[derive(Clone, Debug)]
+pub struct Flow<T: Real = f64> {
+    sheet: Sheet,
+    tau: f64,
+    modes: Modes<T>,
+    /// The level that is taken off all signals.
+    off: T,
+    /// Modes of the last signal, and of the surround.
+    signal: Vec<T>,
+    state: Vec<T>,
+    surround: Plane<T>,
+    step: Option<Step<T>>,
+    noise: Option<Noise>,
+}
+
+/// What a time does to each mode.
+#[derive(Clone, Debug)]
+struct Step<T> {
+    seconds: f64,
+    between: Between,
+    /// For each mode: what is left of it, and what the earlier and the later signal give.
+    left: Vec<T>,
+    earlier: Vec<T>,
+    later: Vec<T>,
+}
+
+/// Noise of the resistors.
+#[derive(Clone, Copy, Debug)]
+struct Noise {
+    /// `sqrt(kT/C)`, in the signal's unit.
+    sigma: f64,
+    seed: u64,
+    step: u64,
+}
+
+/// Frames whose distance differs by less than this part are equally far apart: times that are
+/// computed from the number of a frame differ in their last digits.
+const SAME: f64 = 1e-9;
+
+impl<T: Real> Flow<T> {
+    /// A sheet with time constant `tau` (in seconds; 0 settles at once), settled to `signal`.
+    ///
+    /// # Errors
+    /// When `tau` is not a time, or the signal cannot be solved for.
+    pub fn settled(sheet: Sheet, tau: f64, signal: &Plane<T>) -> Result<Self, MeshError> {
+        if !(tau >= 0.0 && tau.is_finite()) {
+            return Err(MeshError::Time {
+                what: "time constant",
+                value: tau,
+            });
+        }
+        let size = Size::of(signal);
+        if size.pixels() == 0 {
+            return Err(MeshError::Empty { size });
+        }
+        let (lambda_y, lambda_x) = sheet.lambdas();
+        let value = lambda_y.max(lambda_x);
+        if value > T::MOST_LAMBDA {
+            let most = T::MOST_LAMBDA;
+            return Err(MeshError::Lambda { value, most });
+        }
+        let (low, high) = range(signal)?;
+        let off = low + (high - low) * T::of(0.5);
+        let mut modes = Modes::new(size);
+        let mut of_signal = vec![T::of(0.0); size.pixels()];
+        modes.there(signal, off, &mut of_signal);
+        let gains = gains(sheet, size);
+        let state = of_signal.iter().zip(gains).map(|(p, s)| *p * T::of(s));
+        let mut flow = Self {
+            sheet,
+            tau,
+            modes,
+            off,
+            state: state.collect(),
+            signal: of_signal,
+            surround: Plane::from_elem(size.shape(), off),
+            step: None,
+            noise: None,
+        };
+        flow.show();
+        Ok(flow)
+    }
+
+    /// The same sheet with the noise of its resistors: `sigma` is `sqrt(kT/C)` in the signal's
+    /// unit. The noise starts in equilibrium.
+    #[must_use]
+    pub fn with_noise(mut self, sigma: f64, seed: u64) -> Self {
+        let noise = Noise {
+            sigma,
+            seed,
+            step: 0,
+        };
+        self.noise = Some(noise);
+        let size = Size::of(&self.surround);
+        for (place, (state, norm)) in self.state.iter_mut().zip(norms(size)).enumerate() {
+            let drawn = sigma * norm * normal(seed, Why::Thermal, place, 0);
+            *state = *state + T::of(drawn);
+        }
+        self.show();
+        self
+    }
+
+    /// The surround `H`, `[y, x]`, in the signal's unit.
+    #[must_use]
+    pub const fn surround(&self) -> &Plane<T> {
+        &self.surround
+    }
+
+    /// The time constant, in seconds.
+    #[must_use]
+    pub const fn tau(&self) -> f64 {
+        self.tau
+    }
+
+    /// Moves on by `seconds`, at the end of which there is `signal`.
+    ///
+    /// # Errors
+    /// When the time is none, or the signal has another size or a pixel that is no number; the
+    /// sheet is then as it was.
+    pub fn advance(
+        &mut self,
+        signal: &Plane<T>,
+        seconds: f64,
+        between: Between,
+    ) -> Result<(), MeshError> {
+        if !(seconds >= 0.0 && seconds.is_finite()) {
+            return Err(MeshError::Time {
+                what: "time between two frames",
+                value: seconds,
+            });
+        }
+        let (got, want) = (Size::of(signal), Size::of(&self.surround));
+        if got != want {
+            return Err(MeshError::Size { got, want });
+        }
+        range(signal)?;
+        let same = |step: &Step<T>| {
+            step.between == between && (step.seconds - seconds).abs() <= SAME * seconds
+        };
+        let step = match self.step.take() {
+            Some(step) if same(&step) => step,
+            _ => Step::new(self.sheet, self.tau, want, seconds, between),
+        };
+        relax(&mut self.state, &self.signal, &step.left, &step.earlier);
+        self.modes.there(signal, self.off, &mut self.signal);
+        add(&mut self.state, &self.signal, &step.later);
+        if let Some(noise) = &mut self.noise {
+            noise.step += 1;
+            let each = self.state.iter_mut().zip(&step.left).zip(norms(want));
+            for (place, ((state, left), norm)) in each.enumerate() {
+                let left = left.double();
+                let fresh = ((1.0 - left) * (1.0 + left)).sqrt();
+                let drawn = normal(noise.seed, Why::Thermal, place, noise.step);
+                *state = *state + T::of(noise.sigma * norm * fresh * drawn);
+            }
+        }
+        self.step = Some(step);
+        self.show();
+        Ok(())
+    }
+
+    /// The surround from its modes.
+    fn show(&mut self) {
+        self.modes.back(&self.state, self.off, &mut self.surround);
+    }
+}
+
+impl<T: Real> Step<T> {
+    fn new(sheet: Sheet, tau: f64, size: Size, seconds: f64, between: Between) -> Self {
+        let count = size.pixels();
+        let mut step = Self {
+            seconds,
+            between,
+            left: Vec::with_capacity(count),
+            earlier: Vec::with_capacity(count),
+            later: Vec::with_capacity(count),
+        };
+        for s in gains(sheet, size) {
+            let z = if tau > 0.0 {
+                seconds / (tau * s)
+            } else {
+                f64::INFINITY
+            };
+            let (left, earlier, later) = parts(z, between);
+            step.left.push(T::of(left));
+            step.earlier.push(T::of(s * earlier));
+            step.later.push(T::of(s * later));
+        }
+        step
+    }
+}
+
+/// `E`, and the shares of the earlier and the later signal.
+fn parts(z: f64, between: Between) -> (f64, f64, f64) {
+    let left = (-z).exp();
+    match between {
+        Between::Step => (left, 0.0, -(-z).exp_m1()),
+        Between::Ramp if z > 0.5 => {
+            let mean = -(-z).exp_m1() / z;
+            (left, mean - left, 1.0 - mean)
+        }
+        // The differences would cancel: their series in z.
+        Between::Ramp => {
+            let (mut earlier, mut later, mut term) = (0.0, 0.0, 1.0);
+            for n in 1..18 {
+                let n = f64::from(n);
+                // (-1)^(n+1) z^n / (n+1)!
+                term *= if n > 1.0 { -z } else { z } / (n + 1.0);
+                later += term;
+                earlier += n * term;
+            }
+            (left, earlier, later)
+        }
+    }
+}
+
+/// `1 / (1 + λ² μ)` of each mode, in the order of [`Modes`].
+fn gains(sheet: Sheet, size: Size) -> impl Iterator<Item = f64> {
+    let (lambda_y, lambda_x) = sheet.lambdas();
+    let down: Vec<f64> = eigenvalues(size.height)
+        .map(|mu| lambda_y * lambda_y * mu)
+        .collect();
+    eigenvalues(size.width).flat_map(move |mu| {
+        let across = 1.0 + lambda_x * lambda_x * mu;
+        down.clone()
+            .into_iter()
+            .map(move |down| 1.0 / (across + down))
+    })
+}
+
+/// The size of a mode whose orthonormal size is 1, in the order of [`Modes`].
+fn norms(size: Size) -> impl Iterator<Item = f64> {
+    let norm = |k: usize, n: usize| (n as f64 / if k == 0 { 1.0 } else { 2.0 }).sqrt();
+    let Size { height, width } = size;
+    (0..width).flat_map(move |kx| (0..height).map(move |ky| norm(kx, width) * norm(ky, height)))
+}
+
+/// The cosine transform of planes. Modes lie column by column: those of one `kx` together.
+#[derive(Clone, Debug)]
+struct Modes<T: Real> {
+    size: Size,
+    across: Cosine<T>,
+    down: Cosine<T>,
+    plane: Vec<T>,
+    other: Vec<T>,
+    spare: Vec<T>,
+}
+
+impl<T: Real> Modes<T> {
+    fn new(size: Size) -> Self {
+        let zero = T::of(0.0);
+        Self {
+            size,
+            across: Cosine::new(size.width),
+            down: Cosine::new(size.height),
+            plane: vec![zero; size.pixels()],
+            other: vec![zero; size.pixels()],
+            spare: vec![zero; size.width.max(size.height)],
+        }
+    }
+
+    fn there(&mut self, plane: &Plane<T>, off: T, modes: &mut [T]) {
+        let Size { height, width } = self.size;
+        match plane.as_slice() {
+            Some(values) => self.plane.copy_from_slice(values),
+            None => {
+                for (to, from) in self.plane.iter_mut().zip(plane) {
+                    *to = *from;
+                }
+            }
+        }
+        for rows in self.plane.chunks_mut(2 * width) {
+            let (a, b) = rows.split_at_mut(width);
+            let spare = &mut self.spare[..width];
+            spare.fill(off);
+            self.across
+                .there(a, if b.is_empty() { spare } else { b }, off);
+        }
+        transpose(&self.plane, width, modes);
+        for rows in modes.chunks_mut(2 * height) {
+            let (a, b) = rows.split_at_mut(height);
+            let spare = &mut self.spare[..height];
+            spare.fill(T::of(0.0));
+            self.down
+                .there(a, if b.is_empty() { spare } else { b }, T::of(0.0));
+        }
+    }
+
+    fn back(&mut self, modes: &[T], off: T, plane: &mut Plane<T>) {
+        let Size { height, width } = self.size;
+        self.other.copy_from_slice(modes);
+        for rows in self.other.chunks_mut(2 * height) {
+            let (a, b) = rows.split_at_mut(height);
+            let spare = &mut self.spare[..height];
+            spare.fill(T::of(0.0));
+            self.down.back(a, if b.is_empty() { spare } else { b });
+        }
+        let Some(values) = plane.as_slice_mut() else {
+            return;
+        };
+        transpose(&self.other, height, values);
+        for rows in values.chunks_mut(2 * width) {
+            let (a, b) = rows.split_at_mut(width);
+            let spare = &mut self.spare[..width];
+            spare.fill(T::of(0.0));
+            self.across.back(a, if b.is_empty() { spare } else { b });
+            for value in rows {
+                *value = *value + off;
+            }
+        }
+    }
+}
+
+/// Rows of `width` become columns, in blocks that stay in cache.
+fn transpose<T: Copy>(from: &[T], width: usize, to: &mut [T]) {
+    const BLOCK: usize = 16;
+    let height = from.len() / width;
+    for y in (0..height).step_by(BLOCK) {
+        for x in (0..width).step_by(BLOCK) {
+            for x in x..(x + BLOCK).min(width) {
+                let column = &mut to[x * height..][..height];
+                for y in y..(y + BLOCK).min(height) {
+                    column[y] = from[y * width + x];
+                }
+            }
+        }
+    }
+}
+
+/// `H := E H + c P`.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn relax<T: Real>(state: &mut [T], signal: &[T], left: &[T], share: &[T]) {
+    for (((h, p), left), share) in state.iter_mut().zip(signal).zip(left).zip(share) {
+        *h = *left * *h + *share * *p;
+    }
+}
+
+/// `H := H + c P`.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn add<T: Real>(state: &mut [T], signal: &[T], share: &[T]) {
+    for ((h, p), share) in state.iter_mut().zip(signal).zip(share) {
+        *h = *h + *share * *p;
+    }
+}

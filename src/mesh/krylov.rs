@@ -1,0 +1,156 @@
+//! How a network of unequal parts moves, to all digits.
+//!
+//! Over a time in which the signal is a straight line, the state is the line that it would
+//! follow for ever, and a rest that dies away: `exp(-t C⁻¹ K)` of what it is at first. That is
+//! found in the space of Lanczos (Saad, SIAM J. Numer. Anal. 29(1):209-228, 1992), which grows
+//! until its last direction holds nothing.
+
+use super::{MeshError, Network, network::dot};
+use crate::plane::Plane;
+
+/// Directions kept at most; a time that needs more is cut in two.
+const MOST: usize = 96;
+/// What may be left in the last direction.
+const NOTHING: f64 = 1e-16;
+
+impl Network {
+    /// The state after `seconds` in which the signal went from `earlier` to `later` in a
+    /// straight line; in the unit of capacitance over conductance.
+    ///
+    /// # Errors
+    /// When a plane has another size or a pixel that is no number, the time is none, or the
+    /// laterals are not resistors.
+    pub fn advance(
+        &self,
+        surround: &Plane<f64>,
+        (earlier, later): (&Plane<f64>, &Plane<f64>),
+        seconds: f64,
+    ) -> Result<Plane<f64>, MeshError> {
+        if !self.is_linear() {
+            return Err(MeshError::Laterals);
+        }
+        if !(seconds >= 0.0 && seconds.is_finite()) {
+            return Err(MeshError::Time {
+                what: "time",
+                value: seconds,
+            });
+        }
+        let state = self.values(surround)?;
+        let (p0, p1) = (self.values(earlier)?, self.values(later)?);
+        if seconds == 0.0 {
+            return Ok(surround.clone());
+        }
+        let weighed = |p: &[f64]| -> Vec<f64> {
+            p.iter().zip(&self.transverse).map(|(p, g)| p * g).collect()
+        };
+        let (settled, rise) = (
+            self.taken_up(&weighed(&p0))?,
+            self.taken_up(&weighed(&minus(&p1, &p0)))?,
+        );
+        // How far the state hangs behind a signal that rises for ever.
+        let charge: Vec<f64> = rise
+            .iter()
+            .zip(&self.capacitance)
+            .map(|(h, c)| h * c / seconds)
+            .collect();
+        let behind = self.taken_up(&charge)?;
+        let roots: Vec<f64> = self.capacitance.iter().map(|c| c.sqrt()).collect();
+        let rest = state.iter().zip(&settled).zip(&behind).zip(&roots);
+        let mut rest: Vec<f64> = rest.map(|(((h, s), b), root)| (h - s + b) * root).collect();
+        let mut left = seconds;
+        let mut piece = seconds;
+        while left > 0.0 {
+            piece = piece.min(left);
+            match self.faded(&rest, &roots, piece) {
+                Some(after) => {
+                    rest = after;
+                    left -= piece;
+                }
+                None => piece *= 0.5,
+            }
+        }
+        let moved: Vec<f64> = (0..rest.len())
+            .map(|i| settled[i] + rise[i] - behind[i] + rest[i] / roots[i])
+            .collect();
+        Ok(self.plane(&moved))
+    }
+
+    /// `exp(-t C^-1/2 K C^-1/2)` of a vector; `None` if the time is too long for the space.
+    fn faded(&self, from: &[f64], roots: &[f64], time: f64) -> Option<Vec<f64>> {
+        let length = dot(from, from).sqrt();
+        if length == 0.0 {
+            return Some(from.to_vec());
+        }
+        let mut basis = vec![from.iter().map(|v| v / length).collect::<Vec<f64>>()];
+        let (mut own, mut next) = (Vec::new(), Vec::new());
+        while let Some(last) = basis.last() {
+            let voltages: Vec<f64> = last.iter().zip(roots).map(|(v, root)| v / root).collect();
+            let pushed = self.pushed(&self.down, &self.across, &voltages);
+            let mut new: Vec<f64> = pushed.iter().zip(roots).map(|(i, root)| i / root).collect();
+            own.push(dot(&new, last));
+            // Twice, so that nothing of the other directions is left.
+            for _ in 0..2 {
+                for other in &basis {
+                    let part = dot(&new, other);
+                    for (new, other) in new.iter_mut().zip(other) {
+                        *new -= part * other;
+                    }
+                }
+            }
+            let norm = dot(&new, &new).sqrt();
+            let count = basis.len();
+            let all = norm <= 1e-14 * own[0].abs() || count == from.len();
+            if all || count.is_multiple_of(8) || count == MOST {
+                let shares = exponential(&own, &next, time);
+                let end = shares.last().map_or(0.0, |share| share.abs());
+                if all || end <= NOTHING {
+                    let mut sum = vec![0.0; from.len()];
+                    for (direction, share) in basis.iter().zip(&shares) {
+                        for (sum, v) in sum.iter_mut().zip(direction) {
+                            *sum += length * share * v;
+                        }
+                    }
+                    return Some(sum);
+                }
+                if count == MOST {
+                    return None;
+                }
+            }
+            next.push(norm);
+            basis.push(new.iter().map(|v| v / norm).collect());
+        }
+        None
+    }
+}
+
+fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// The first column of `exp(-t T)`, `T` tridiagonal and symmetric: its series for a time so
+/// short that it converges at once, doubled again and again.
+fn exponential(own: &[f64], next: &[f64], time: f64) -> Vec<f64> {
+    let n = own.len();
+    let norm: f64 = (0..n)
+        .map(|i| own[i].abs() + 2.0 * next.get(i).copied().unwrap_or(0.0))
+        .fold(0.0, f64::max);
+    let doublings = (norm * time).max(0.25).log2().ceil() as i32 + 2;
+    let short = time / 2f64.powi(doublings);
+    let entry = |i: usize, j: usize| match i.abs_diff(j) {
+        0 => -short * own[i],
+        1 => -short * next.get(i.min(j)).copied().unwrap_or(0.0),
+        _ => 0.0,
+    };
+    let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+    let mut term = Plane::from_shape_fn((n, n), |(i, j)| unit(i, j));
+    let mut sum = term.clone();
+    let short_t = Plane::from_shape_fn((n, n), |(i, j)| entry(i, j));
+    for k in 1..14 {
+        term = term.dot(&short_t) / f64::from(k);
+        sum += &term;
+    }
+    for _ in 0..doublings {
+        sum = sum.dot(&sum);
+    }
+    sum.column(0).to_vec()
+}

@@ -1,0 +1,583 @@
+//! A sheet as silicon has it: every resistor another, and laterals that may be transistors.
+//!
+//! ```text
+//! C(i) dH(i)/dt = g(i) (P(i) - H(i)) + sum over neighbours j of G(ij) f(H(j) - H(i))
+//!
+//! f(v) = v                 polysilicon
+//! f(v) = V tanh(v / V)     a resistor that saturates (Mead's horizontal resistor)
+//! f(v) = V sinh(v / V)     a pseudo-resistor, which opens up
+//! ```
+//!
+//! The settled state of a linear network is found by conjugate gradients. Each step is made
+//! ready by the exact solution of the sheet of equal parts that is nearest ([`Steady`]), so that
+//! the number of steps depends on how far the parts are spread, not on size or space constant.
+//! With other laterals the settled state is where the content
+//! `sum g (P - H)² / 2 + sum G F(v)`, `F' = f`, is least (Millar 1951); it is convex, and damped
+//! Newton steps go there. Both say how far they may be off, and give no answer if that is too far.
+
+use super::{
+    MeshError, Sheet, Steady,
+    draw::{Why, normal},
+    range,
+};
+use crate::plane::{Plane, Size};
+
+/// A sheet of parts that differ. Conductances and capacitances in any units that fit together:
+/// siemens, farads and seconds, or parts of the nominal ones and of τ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Network {
+    pub(super) size: Size,
+    /// From each node to its signal.
+    pub(super) transverse: Vec<f64>,
+    /// From each node to the one below; 0 in the last row.
+    pub(super) down: Vec<f64>,
+    /// From each node to the one on the right; 0 in the last column.
+    pub(super) across: Vec<f64>,
+    /// From each node to ground.
+    pub(super) capacitance: Vec<f64>,
+    laterals: Laterals,
+}
+
+/// What a lateral resistor does, in the signal's unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Laterals {
+    /// A resistor.
+    #[default]
+    Linear,
+    /// `V tanh(v / V)`: the current stops growing at differences beyond `V`.
+    Saturating {
+        /// `V`.
+        scale: f64,
+    },
+    /// `V sinh(v / V)`: the current runs away at differences beyond `V`.
+    Opening {
+        /// `V`.
+        scale: f64,
+    },
+}
+
+/// How far parts are spread: standard deviations of the logarithm of each kind of part. The
+/// nominal value is the median.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Mismatch {
+    /// Lateral resistors.
+    pub lateral: f64,
+    /// Transverse conductances.
+    pub transverse: f64,
+    /// Capacitors.
+    pub capacitance: f64,
+}
+
+/// A settled state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settled {
+    /// `H`, in the signal's unit.
+    pub surround: Plane<f64>,
+    /// Steps of conjugate gradients, all together.
+    pub iterations: usize,
+    /// Newton steps; 0 with linear laterals.
+    pub newton: usize,
+    /// How far a node may be off, estimated from the currents that are left.
+    pub error: f64,
+}
+
+/// A state that is off by more than this part of the signal's range is no answer.
+const MOST_ERROR: f64 = 1e-10;
+const MOST_NEWTON: usize = 300;
+const MOST_STEPS: usize = 4000;
+
+impl Network {
+    /// A network from its parts: conductances to the signals `(H, W)`, to the neighbours below
+    /// `(H-1, W)` and on the right `(H, W-1)`, and capacitances `(H, W)`.
+    ///
+    /// # Errors
+    /// When the shapes do not fit, a lateral is below 0 (0 is an open resistor), another part
+    /// is not above 0, or one is no number.
+    pub fn new(
+        transverse: &Plane<f64>,
+        down: &Plane<f64>,
+        across: &Plane<f64>,
+        capacitance: &Plane<f64>,
+    ) -> Result<Self, MeshError> {
+        let size = Size::of(transverse);
+        if size.pixels() == 0 {
+            return Err(MeshError::Empty { size });
+        }
+        let Size { height, width } = size;
+        for (got, want) in [
+            (Size::of(down), Size::new(height - 1, width)),
+            (Size::of(across), Size::new(height, width - 1)),
+            (Size::of(capacitance), size),
+        ] {
+            // An empty side has no shape of its own.
+            if got != want && got.pixels() + want.pixels() > 0 {
+                return Err(MeshError::Size { got, want });
+            }
+        }
+        let kinds = [
+            ("transverse conductance", transverse, f64::MIN_POSITIVE),
+            ("lateral conductance downwards", down, 0.0),
+            ("lateral conductance to the right", across, 0.0),
+            ("capacitance", capacitance, f64::MIN_POSITIVE),
+        ];
+        for (what, plane, least) in kinds {
+            let mut parts = plane.indexed_iter();
+            let wrong = parts.find(|(_, value)| !(**value >= least && **value < f64::INFINITY));
+            if let Some(((y, x), &value)) = wrong {
+                return Err(MeshError::Part { what, y, x, value });
+            }
+        }
+        let padded = |plane: &Plane<f64>| {
+            let mut padded = Plane::zeros(size.shape());
+            for (at, value) in plane.indexed_iter() {
+                padded[at] = *value;
+            }
+            padded.into_raw_vec_and_offset().0
+        };
+        Ok(Self {
+            size,
+            transverse: padded(transverse),
+            down: padded(down),
+            across: padded(across),
+            capacitance: padded(capacitance),
+            laterals: Laterals::Linear,
+        })
+    }
+
+    /// A sheet of equal parts: conductances over the transverse one, times over τ.
+    ///
+    /// # Errors
+    /// When the size is empty.
+    pub fn of(sheet: Sheet, size: Size) -> Result<Self, MeshError> {
+        let (lambda_y, lambda_x) = sheet.lambdas();
+        let Size { height, width } = size;
+        let one = Plane::ones(size.shape());
+        let down = Plane::from_elem((height.saturating_sub(1), width), lambda_y * lambda_y);
+        let across = Plane::from_elem((height, width.saturating_sub(1)), lambda_x * lambda_x);
+        Self::new(&one, &down, &across, &one)
+    }
+
+    /// The same with parts spread by chance; `seed` is the chip.
+    #[must_use]
+    pub fn with_mismatch(mut self, mismatch: Mismatch, seed: u64) -> Self {
+        let kinds = [
+            (&mut self.transverse, Why::Transverse, mismatch.transverse),
+            (&mut self.down, Why::LateralDown, mismatch.lateral),
+            (&mut self.across, Why::LateralAcross, mismatch.lateral),
+            (&mut self.capacitance, Why::Capacitor, mismatch.capacitance),
+        ];
+        for (parts, why, sigma) in kinds {
+            for (place, part) in parts.iter_mut().enumerate() {
+                *part *= (sigma * normal(seed, why, place, 0)).exp();
+            }
+        }
+        self
+    }
+
+    /// The same with other laterals.
+    ///
+    /// # Errors
+    /// When the scale is not a number above 0.
+    pub fn with_laterals(mut self, laterals: Laterals) -> Result<Self, MeshError> {
+        if let Laterals::Saturating { scale } | Laterals::Opening { scale } = laterals
+            && !(scale > 0.0 && scale.is_finite())
+        {
+            return Err(MeshError::Scale { value: scale });
+        }
+        self.laterals = laterals;
+        Ok(self)
+    }
+
+    /// Conductances from each node to its signal, `[y, x]`.
+    #[must_use]
+    pub fn transverse(&self) -> Plane<f64> {
+        self.plane(&self.transverse)
+    }
+
+    /// Conductances from each node to the one below (0 in the last row) and to the one on the
+    /// right (0 in the last column), `[y, x]`.
+    #[must_use]
+    pub fn lateral(&self) -> (Plane<f64>, Plane<f64>) {
+        (self.plane(&self.down), self.plane(&self.across))
+    }
+
+    /// Capacitances, `[y, x]`.
+    #[must_use]
+    pub fn capacitance(&self) -> Plane<f64> {
+        self.plane(&self.capacitance)
+    }
+
+    /// Whether the laterals are resistors.
+    pub(super) fn is_linear(&self) -> bool {
+        self.laterals == Laterals::Linear
+    }
+
+    pub(super) fn plane(&self, values: &[f64]) -> Plane<f64> {
+        let Size { width, .. } = self.size;
+        Plane::from_shape_fn(self.size.shape(), |(y, x)| values[y * width + x])
+    }
+
+    /// The current into each node, `[y, x]`: 0 where the network has settled.
+    ///
+    /// # Errors
+    /// When a plane has another size, or a pixel that is no number.
+    pub fn currents(
+        &self,
+        signal: &Plane<f64>,
+        surround: &Plane<f64>,
+    ) -> Result<Plane<f64>, MeshError> {
+        let (signal, surround) = (self.values(signal)?, self.values(surround)?);
+        Ok(self.plane(&self.at_nodes(&signal, &surround)))
+    }
+
+    /// A plane of this size, row after row.
+    pub(super) fn values(&self, plane: &Plane<f64>) -> Result<Vec<f64>, MeshError> {
+        let (got, want) = (Size::of(plane), self.size);
+        if got != want {
+            return Err(MeshError::Size { got, want });
+        }
+        range(plane)?;
+        Ok(plane.iter().copied().collect())
+    }
+
+    fn at_nodes(&self, signal: &[f64], surround: &[f64]) -> Vec<f64> {
+        let own = signal.iter().zip(surround).zip(&self.transverse);
+        let mut currents: Vec<f64> = own.map(|((p, h), g)| g * (p - h)).collect();
+        each_lateral(self.size, |i, j, way| {
+            let conductance = self.conductances(way)[i];
+            let current = conductance * self.laterals.current(surround[j] - surround[i]);
+            currents[i] += current;
+            currents[j] -= current;
+        });
+        currents
+    }
+
+    fn conductances(&self, way: Way) -> &[f64] {
+        match way {
+            Way::Down => &self.down,
+            Way::Across => &self.across,
+        }
+    }
+
+    /// The settled state for `signal`, `[y, x]`.
+    ///
+    /// # Errors
+    /// When the signal has another size, a pixel is no number, or no answer is found that is
+    /// right to 1e-10 of the signal's range.
+    pub fn settle(&self, signal: &Plane<f64>) -> Result<Settled, MeshError> {
+        let values = self.values(signal)?;
+        let (low, high) = range(signal)?;
+        let mut settled = if self.is_linear() {
+            self.linear(&values, high - low)?
+        } else {
+            self.newton(&values, (low, high))?
+        };
+        if settled.error.is_nan() || settled.error > MOST_ERROR * (high - low) {
+            return Err(MeshError::Unsettled {
+                error: settled.error,
+            });
+        }
+        // Where the exact one is.
+        settled.surround.mapv_inplace(|h| h.clamp(low, high));
+        Ok(settled)
+    }
+
+    fn linear(&self, signal: &[f64], span: f64) -> Result<Settled, MeshError> {
+        let mut nearest = Nearest::of(self.size, &self.transverse, &self.down, &self.across)?;
+        let weighed: Vec<f64> = signal
+            .iter()
+            .zip(&self.transverse)
+            .map(|(p, g)| p * g)
+            .collect();
+        let mut surround = nearest.solve(&weighed)?;
+        let mut iterations = 0;
+        let mut error = f64::INFINITY;
+        // What conjugate gradients lose to rounding, a second round on what is left brings back.
+        for _ in 0..6 {
+            let left = self.at_nodes(signal, &surround);
+            error = largest(&nearest.solve(&left)?);
+            if error <= 1e-16 * span {
+                break;
+            }
+            let (change, steps) = self.gradients(&mut nearest, None, &left, 1e-13)?;
+            iterations += steps;
+            for (h, change) in surround.iter_mut().zip(&change) {
+                *h += change;
+            }
+            if largest(&change) <= 4e-15 * span {
+                break;
+            }
+        }
+        Ok(Settled {
+            surround: self.plane(&surround),
+            iterations,
+            newton: 0,
+            error,
+        })
+    }
+
+    fn newton(&self, signal: &[f64], (low, high): (f64, f64)) -> Result<Settled, MeshError> {
+        // No lateral carries anything at first.
+        let mut surround = vec![low + (high - low) * 0.5; signal.len()];
+        let (mut iterations, mut error) = (0, f64::INFINITY);
+        let mut content = self.content(signal, &surround);
+        for newton in 1..=MOST_NEWTON {
+            let slopes = self.slopes(&surround);
+            let (down, across) = &slopes;
+            let mut nearest = Nearest::of(self.size, &self.transverse, down, across)?;
+            let left = self.at_nodes(signal, &surround);
+            let (change, steps) = self.gradients(&mut nearest, Some(&slopes), &left, 1e-12)?;
+            iterations += steps;
+            error = largest(&change);
+            let done = error <= 1e-13 * (high - low);
+            let fall = dot(&left, &change);
+            let (mut part, mut next, mut lower) = (1.0, Vec::new(), 0.0);
+            for _ in 0..60 {
+                let moved = surround.iter().zip(&change).map(|(h, d)| h + part * d);
+                next = moved.collect();
+                lower = self.content(signal, &next);
+                // Near the end the fall is below the content's last digits.
+                let enough = lower <= content - 1e-4 * part * fall;
+                if done || enough || fall <= 1e-12 * content {
+                    break;
+                }
+                part *= 0.5;
+            }
+            (surround, content) = (next, lower);
+            if done {
+                return Ok(Settled {
+                    surround: self.plane(&surround),
+                    iterations,
+                    newton,
+                    error,
+                });
+            }
+        }
+        Err(MeshError::Unsettled { error })
+    }
+
+    /// What is least in the settled state.
+    fn content(&self, signal: &[f64], surround: &[f64]) -> f64 {
+        let own = signal.iter().zip(surround).zip(&self.transverse);
+        let mut content: f64 = own.map(|((p, h), g)| 0.5 * g * (p - h) * (p - h)).sum();
+        each_lateral(self.size, |i, j, way| {
+            let conductance = self.conductances(way)[i];
+            if conductance > 0.0 {
+                content += conductance * self.laterals.content(surround[j] - surround[i]);
+            }
+        });
+        content
+    }
+
+    /// The conductances for small changes, down and across.
+    fn slopes(&self, surround: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let zero = vec![0.0; surround.len()];
+        let (mut down, mut across) = (zero.clone(), zero);
+        each_lateral(self.size, |i, j, way| {
+            let slope = self.conductances(way)[i] * self.laterals.slope(surround[j] - surround[i]);
+            match way {
+                Way::Down => down[i] = slope,
+                Way::Across => across[i] = slope,
+            }
+        });
+        (down, across)
+    }
+
+    /// Conjugate gradients for the change that takes up `currents`, until the energy that is
+    /// left is `part²` of that at the beginning.
+    fn gradients(
+        &self,
+        nearest: &mut Nearest,
+        slopes: Option<&(Vec<f64>, Vec<f64>)>,
+        currents: &[f64],
+        part: f64,
+    ) -> Result<(Vec<f64>, usize), MeshError> {
+        let (down, across) = slopes.map_or((&self.down, &self.across), |(d, a)| (d, a));
+        let mut change = vec![0.0; currents.len()];
+        let mut left = currents.to_vec();
+        let mut ready = nearest.solve(&left)?;
+        let mut way = ready.clone();
+        let mut energy = dot(&left, &ready);
+        let enough = energy * part * part;
+        for step in 0..MOST_STEPS {
+            if energy.is_nan() || energy <= enough || energy <= 0.0 {
+                return Ok((change, step));
+            }
+            let pushed = self.pushed(down, across, &way);
+            let length = energy / dot(&way, &pushed);
+            for i in 0..change.len() {
+                change[i] += length * way[i];
+                left[i] -= length * pushed[i];
+            }
+            ready = nearest.solve(&left)?;
+            let next = dot(&left, &ready);
+            let kept = next / energy;
+            energy = next;
+            for (way, ready) in way.iter_mut().zip(&ready) {
+                *way = ready + kept * *way;
+            }
+        }
+        Ok((change, MOST_STEPS))
+    }
+
+    /// The currents that voltages push out of the nodes.
+    pub(super) fn pushed(&self, down: &[f64], across: &[f64], voltages: &[f64]) -> Vec<f64> {
+        let own = voltages.iter().zip(&self.transverse);
+        let mut currents: Vec<f64> = own.map(|(v, g)| v * g).collect();
+        each_lateral(self.size, |i, j, way| {
+            let conductance = match way {
+                Way::Down => down[i],
+                Way::Across => across[i],
+            };
+            let current = conductance * (voltages[i] - voltages[j]);
+            currents[i] += current;
+            currents[j] -= current;
+        });
+        currents
+    }
+
+    /// The change that takes up `currents` in a linear network, to all digits.
+    pub(super) fn taken_up(&self, currents: &[f64]) -> Result<Vec<f64>, MeshError> {
+        let mut nearest = Nearest::of(self.size, &self.transverse, &self.down, &self.across)?;
+        let mut sum = vec![0.0; currents.len()];
+        for _ in 0..3 {
+            let pushed = self.pushed(&self.down, &self.across, &sum);
+            let left: Vec<f64> = currents.iter().zip(&pushed).map(|(a, b)| a - b).collect();
+            let (change, _) = self.gradients(&mut nearest, None, &left, 1e-13)?;
+            for (sum, change) in sum.iter_mut().zip(&change) {
+                *sum += change;
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Noise of the resistors at one moment: every node has the variance `kt / C` and knows
+    /// nothing of its neighbours. `kt` in the unit of capacitance times signal squared.
+    #[must_use]
+    pub fn noise(&self, kt: f64, seed: u64, moment: u64) -> Plane<f64> {
+        let parts = self.capacitance.iter().enumerate();
+        let drawn: Vec<f64> = parts
+            .map(|(i, c)| (kt / c).sqrt() * normal(seed, Why::Thermal, i, moment))
+            .collect();
+        self.plane(&drawn)
+    }
+}
+
+impl Laterals {
+    fn current(self, v: f64) -> f64 {
+        match self {
+            Self::Linear => v,
+            Self::Saturating { scale } => scale * (v / scale).tanh(),
+            Self::Opening { scale } => scale * (v / scale).sinh(),
+        }
+    }
+
+    fn slope(self, v: f64) -> f64 {
+        match self {
+            Self::Linear => 1.0,
+            Self::Saturating { scale } => (v / scale).cosh().powi(-2),
+            Self::Opening { scale } => (v / scale).cosh(),
+        }
+    }
+
+    /// The integral of the current.
+    fn content(self, v: f64) -> f64 {
+        match self {
+            Self::Linear => 0.5 * v * v,
+            Self::Saturating { scale } => {
+                let u = (v / scale).abs();
+                // ln cosh u; for small u its series, or nothing would be left of it.
+                let log = if u < 1e-3 {
+                    u * u * (0.5 - u * u / 12.0)
+                } else {
+                    u + (-2.0 * u).exp().ln_1p() - std::f64::consts::LN_2
+                };
+                scale * scale * log
+            }
+            Self::Opening { scale } => {
+                let half = (0.5 * v / scale).sinh();
+                2.0 * scale * scale * half * half
+            }
+        }
+    }
+}
+
+/// Which neighbour.
+#[derive(Clone, Copy)]
+enum Way {
+    Down,
+    Across,
+}
+
+/// Every lateral once: from node `i` to node `j`.
+fn each_lateral(size: Size, mut of: impl FnMut(usize, usize, Way)) {
+    let Size { height, width } = size;
+    for y in 0..height {
+        for i in y * width..(y + 1) * width {
+            if i + 1 < (y + 1) * width {
+                of(i, i + 1, Way::Across);
+            }
+            if y + 1 < height {
+                of(i, i + width, Way::Down);
+            }
+        }
+    }
+}
+
+/// The sheet of equal parts that is nearest to a network.
+struct Nearest {
+    steady: Steady,
+    transverse: f64,
+    size: Size,
+}
+
+impl Nearest {
+    fn of(size: Size, own: &[f64], down: &[f64], across: &[f64]) -> Result<Self, MeshError> {
+        let middle = |values: &[f64]| {
+            let logs = values.iter().filter(|v| **v > 0.0).map(|v| v.ln());
+            let (count, sum) = logs.fold((0u32, 0.0), |(n, s), log| (n + 1, s + log));
+            if count == 0 {
+                0.0
+            } else {
+                (sum / f64::from(count)).exp()
+            }
+        };
+        let transverse = middle(own);
+        let lambda = |values: &[f64]| (middle(values) / transverse).sqrt();
+        let sheet = Sheet::anisotropic(lambda(down), lambda(across))?;
+        Ok(Self {
+            steady: Steady::new(sheet, size)?,
+            transverse,
+            size,
+        })
+    }
+
+    /// The voltages that take up `currents`.
+    fn solve(&mut self, currents: &[f64]) -> Result<Vec<f64>, MeshError> {
+        let Size { width, .. } = self.size;
+        let plane = Plane::from_shape_fn(self.size.shape(), |(y, x)| {
+            currents[y * width + x] / self.transverse
+        });
+        let solved = self
+            .steady
+            .solve(&plane)
+            .map_err(|_| MeshError::Unsettled {
+                error: f64::INFINITY,
+            })?;
+        Ok(solved.into_raw_vec_and_offset().0)
+    }
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, v| {
+        if v.is_nan() {
+            f64::NAN
+        } else {
+            most.max(v.abs())
+        }
+    })
+}

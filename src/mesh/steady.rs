@@ -1,0 +1,205 @@
+//! The settled state, exactly, in `O(N log N)`: cosine modes along the rows, and for each of
+//! them the ladder of resistors down the columns.
+//!
+//! The modes of the rows part the sheet into ladders that do not know each other, one for each
+//! mode `k`:
+//!
+//! ```text
+//! (s + λy² n) h[y] - λy² (h[y-1] + h[y+1]) = p[y]        s = 1 + λx² μ(k), n = 1 or 2 neighbours
+//! ```
+//!
+//! A ladder is solved from one end to the other and back. What is eliminated is not `s + λy² n`,
+//! in which a large `λ` swallows the 1, but the node's conductance to its signal, `e`, with which
+//! the pivot is `e + λy²` and the next node's `s + λy² e / (e + λy²)`. Nothing is subtracted
+//! anywhere, so every pivot is right to its last digits whatever the `λ` (the argument of
+//! Grassmann, Taksar and Heyman, Operations Research 33(5):1107-1116, 1985), and the error does
+//! not grow with the condition number `1 + 8 λ²`.
+//!
+//! The middle of the light's range is taken off at first and put back at the end, and the result
+//! is held between the least and the most of the light, where the exact one is: uniform light
+//! comes back to the bit.
+
+use multiversion::multiversion;
+
+use super::{MeshError, Real, Sheet, cosine::Cosine, eigenvalues, range};
+use crate::plane::{Plane, Size};
+
+/// Solves sheets of one size and space constant, one signal after the other.
+#[derive(Clone, Debug)]
+pub struct Steady<T: Real = f64> {
+    sheet: Sheet,
+    size: Size,
+    cosine: Cosine<T>,
+    /// `λy²`.
+    lateral: T,
+    /// Row by row, for each mode: one over the pivot.
+    pivots: Vec<T>,
+    /// A row that is not there, next to the last of an odd number.
+    spare: Vec<T>,
+}
+
+impl<T: Real> Steady<T> {
+    /// Gets ready for signals of `size`.
+    ///
+    /// # Errors
+    /// When the size is empty, or the space constant beyond what the number can hold.
+    pub fn new(sheet: Sheet, size: Size) -> Result<Self, MeshError> {
+        if size.pixels() == 0 {
+            return Err(MeshError::Empty { size });
+        }
+        let (lambda_y, lambda_x) = sheet.lambdas();
+        let value = lambda_y.max(lambda_x);
+        if value > T::MOST_LAMBDA {
+            let most = T::MOST_LAMBDA;
+            return Err(MeshError::Lambda { value, most });
+        }
+        let lateral = lambda_y * lambda_y;
+        let own: Vec<f64> = eigenvalues(size.width)
+            .map(|mu| 1.0 + lambda_x * lambda_x * mu)
+            .collect();
+        let mut pivots = Vec::with_capacity(size.pixels());
+        let mut to_signal = own.clone();
+        for y in 0..size.height {
+            let on = if y + 1 < size.height { lateral } else { 0.0 };
+            for (e, s) in to_signal.iter_mut().zip(&own) {
+                let pivot = *e + on;
+                pivots.push(T::of(1.0 / pivot));
+                *e = s + lateral * (*e / pivot);
+            }
+        }
+        Ok(Self {
+            sheet,
+            size,
+            cosine: Cosine::new(size.width),
+            lateral: T::of(lateral),
+            pivots,
+            spare: vec![T::of(0.0); size.width],
+        })
+    }
+
+    /// The sheet.
+    #[must_use]
+    pub const fn sheet(&self) -> Sheet {
+        self.sheet
+    }
+
+    /// The settled `H` of `signal`, `[y, x]`, in the signal's unit.
+    ///
+    /// # Errors
+    /// When the signal has another size than the sheet, or a pixel that is no number.
+    pub fn solve(&mut self, signal: &Plane<T>) -> Result<Plane<T>, MeshError> {
+        let mut surround = Plane::from_elem(self.size.shape(), T::of(0.0));
+        self.solve_into(signal, &mut surround)?;
+        Ok(surround)
+    }
+
+    /// The same into a plane that is there already.
+    ///
+    /// # Errors
+    /// As [`Steady::solve`]; the plane is then as it was.
+    pub fn solve_into(
+        &mut self,
+        signal: &Plane<T>,
+        surround: &mut Plane<T>,
+    ) -> Result<(), MeshError> {
+        for got in [Size::of(signal), Size::of(surround)] {
+            if got != self.size {
+                let want = self.size;
+                return Err(MeshError::Size { got, want });
+            }
+        }
+        let (low, high) = range(signal)?;
+        if self.sheet.lambdas() == (0.0, 0.0) || low == high {
+            surround.assign(signal);
+            return Ok(());
+        }
+        if !surround.is_standard_layout() {
+            *surround = Plane::from_elem(self.size.shape(), T::of(0.0));
+        }
+        surround.assign(signal);
+        let off = low + (high - low) * T::of(0.5);
+        if let Some(values) = surround.as_slice_mut() {
+            self.down(values, off);
+            self.up(values, (low, off, high));
+        }
+        Ok(())
+    }
+
+    /// Modes of the rows, and the ladders from the top to the bottom.
+    fn down(&mut self, values: &mut [T], off: T) {
+        let width = self.size.width;
+        let mut above: Option<&[T]> = None;
+        let rows = values.chunks_mut(2 * width);
+        for (rows, pivots) in rows.zip(self.pivots.chunks(2 * width)) {
+            let (a, b) = rows.split_at_mut(width);
+            let (pivots_a, pivots_b) = pivots.split_at(width);
+            if b.is_empty() {
+                self.spare.fill(off);
+                self.cosine.there(a, &mut self.spare, off);
+            } else {
+                self.cosine.there(a, b, off);
+            }
+            eliminate(a, above, pivots_a, self.lateral);
+            eliminate(b, Some(a), pivots_b, self.lateral);
+            above = Some(if b.is_empty() { a } else { b });
+        }
+    }
+
+    /// The ladders from the bottom to the top, and rows from their modes.
+    fn up(&mut self, values: &mut [T], range: (T, T, T)) {
+        let width = self.size.width;
+        let mut below = vec![T::of(0.0); width];
+        let rows = values.chunks_mut(2 * width).rev();
+        for (rows, pivots) in rows.zip(self.pivots.chunks(2 * width).rev()) {
+            let (a, b) = rows.split_at_mut(width);
+            let (pivots_a, pivots_b) = pivots.split_at(width);
+            if b.is_empty() {
+                substitute(a, &below, pivots_a, self.lateral);
+                below.copy_from_slice(a);
+                self.spare.fill(T::of(0.0));
+                self.cosine.back(a, &mut self.spare);
+            } else {
+                substitute(b, &below, pivots_b, self.lateral);
+                substitute(a, b, pivots_a, self.lateral);
+                below.copy_from_slice(a);
+                self.cosine.back(a, b);
+            }
+            put_back(rows, range);
+        }
+    }
+}
+
+/// `u[y] = (p[y] + l u[y-1]) / pivot`.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn eliminate<T: Real>(row: &mut [T], above: Option<&[T]>, pivots: &[T], lateral: T) {
+    match above {
+        None => {
+            for (u, pivot) in row.iter_mut().zip(pivots) {
+                *u = *u * *pivot;
+            }
+        }
+        Some(above) => {
+            for ((u, above), pivot) in row.iter_mut().zip(above).zip(pivots) {
+                *u = (*u + lateral * *above) * *pivot;
+            }
+        }
+    }
+}
+
+/// `h[y] = u[y] + l h[y+1] / pivot`.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn substitute<T: Real>(row: &mut [T], below: &[T], pivots: &[T], lateral: T) {
+    for ((u, below), pivot) in row.iter_mut().zip(below).zip(pivots) {
+        *u = *u + lateral * *below * *pivot;
+    }
+}
+
+/// Puts the middle back, and keeps to the range of the light.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn put_back<T: Real>(values: &mut [T], (low, off, high): (T, T, T)) {
+    for value in values {
+        let whole = *value + off;
+        let whole = if whole < low { low } else { whole };
+        *value = if whole > high { high } else { whole };
+    }
+}

@@ -1,0 +1,270 @@
+//! The verb `mesh`: its contract (float64 planes in and out, settled to the last digits), what
+//! it refuses and how, and that nothing is left behind by a refusal.
+
+use std::{fs, path::Path};
+
+use amacrine::{
+    mesh::{Between, Flow, Sheet, Steady},
+    plane::{Plane, Size},
+};
+use assert_cmd::Command;
+use ndarray::Array3;
+use ndarray_npy::{read_npy, write_npy};
+
+fn mesh(arguments: &[&str], folder: &Path) -> std::process::Output {
+    let mut command = Command::cargo_bin("amacrine").unwrap();
+    command
+        .arg("mesh")
+        .args(arguments)
+        .current_dir(folder)
+        .env("NO_COLOR", "1");
+    command.output().unwrap()
+}
+
+fn refused(arguments: &[&str], folder: &Path) -> String {
+    let out = mesh(arguments, folder);
+    assert_eq!(out.status.code(), Some(2), "{arguments:?}");
+    String::from_utf8(out.stderr)
+        .unwrap()
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+fn scene(height: usize, width: usize) -> Plane<f64> {
+    Plane::from_shape_fn((height, width), |(y, x)| {
+        ((3 * y + 5 * x) % 17) as f64 + 0.1 * x as f64
+    })
+}
+
+#[test]
+fn solve_keeps_its_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let signal = scene(13, 29);
+    write_npy(folder.path().join("P.npy"), &signal).unwrap();
+    for lambda in ["0", "1e-6", "0.5", "10", "1e4", "1e6"] {
+        let out = mesh(
+            &[
+                "solve", "--lambda", lambda, "--input", "P.npy", "--output", "H.npy",
+            ],
+            folder.path(),
+        );
+        assert!(
+            out.status.success(),
+            "{}",
+            String::from_utf8_lossy(&out.stderr)
+        );
+        let got: Plane<f64> = read_npy(folder.path().join("H.npy")).unwrap();
+        let sheet = Sheet::new(lambda.parse().unwrap()).unwrap();
+        let want = Steady::new(sheet, Size::of(&signal))
+            .unwrap()
+            .solve(&signal)
+            .unwrap();
+        assert_eq!(got, want, "{lambda}");
+    }
+    // Other numbers, other outputs.
+    write_npy(folder.path().join("bytes.npy"), &signal.mapv(|v| v as u8)).unwrap();
+    let out = mesh(
+        &[
+            "solve",
+            "--lambda",
+            "3",
+            "--lambda-y",
+            "1",
+            "--input",
+            "bytes.npy",
+            "--output",
+            "D.npy",
+            "--show",
+            "difference",
+            "--json",
+        ],
+        folder.path(),
+    );
+    let said: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(
+        (&said["lambda_x"], &said["lambda_y"]),
+        (&3.0.into(), &1.0.into())
+    );
+    let got: Plane<f64> = read_npy(folder.path().join("D.npy")).unwrap();
+    assert!(got.sum().abs() < 1e-9);
+    // A picture in, a picture out.
+    let out = mesh(
+        &[
+            "solve", "--lambda", "3", "--input", "P.npy", "--output", "H.png",
+        ],
+        folder.path(),
+    );
+    assert!(out.status.success());
+    let out = mesh(
+        &[
+            "solve", "--lambda", "0", "--input", "H.png", "--output", "P.npy",
+        ],
+        folder.path(),
+    );
+    assert!(out.status.success());
+    let gray: Plane<f64> = read_npy(folder.path().join("P.npy")).unwrap();
+    assert!(gray.iter().any(|v| *v == 255.0) && gray.iter().any(|v| *v == 0.0));
+}
+
+#[test]
+fn solve_refuses_what_it_cannot_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for (bad, name) in [(f64::NAN, "NaN"), (f64::INFINITY, "inf"), (-1e300, "-1000")] {
+        let mut signal = scene(7, 9);
+        signal[[4, 6]] = bad;
+        write_npy(here.join("P.npy"), &signal).unwrap();
+        let said = refused(
+            &[
+                "solve", "--lambda", "2", "--input", "P.npy", "--output", "H.npy",
+            ],
+            here,
+        );
+        assert!(
+            said.contains("P.npy")
+                && said.contains("the pixel at x = 6, y = 4 is")
+                && said.contains(name),
+            "{said}"
+        );
+    }
+    write_npy(here.join("P.npy"), &scene(7, 9)).unwrap();
+    for lambda in ["-1", "nan", "inf", "1e200"] {
+        let said = refused(
+            &[
+                "solve", "--lambda", lambda, "--input", "P.npy", "--output", "H.npy",
+            ],
+            here,
+        );
+        assert!(said.contains("the space constant is"), "{said}");
+    }
+    refused(
+        &[
+            "solve", "--lambda", "ten", "--input", "P.npy", "--output", "H.npy",
+        ],
+        here,
+    );
+    refused(
+        &[
+            "solve", "--lambda", "1", "--input", "none.npy", "--output", "H.npy",
+        ],
+        here,
+    );
+    write_npy(here.join("cube.npy"), &Array3::<f64>::zeros((2, 3, 4))).unwrap();
+    refused(
+        &[
+            "solve", "--lambda", "1", "--input", "cube.npy", "--output", "H.npy",
+        ],
+        here,
+    );
+    fs::write(
+        here.join("half.npy"),
+        &fs::read(here.join("P.npy")).unwrap()[..200],
+    )
+    .unwrap();
+    refused(
+        &[
+            "solve", "--lambda", "1", "--input", "half.npy", "--output", "H.npy",
+        ],
+        here,
+    );
+    assert!(!here.join("H.npy").exists());
+}
+
+#[test]
+fn step_is_the_exact_flow() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let frames: Vec<_> = (0..4)
+        .map(|n| scene(6, 8).mapv(|v| v * f64::from(n) + 1.0))
+        .collect();
+    let stack = Array3::from_shape_fn((4, 6, 8), |(t, y, x)| frames[t][[y, x]]);
+    write_npy(here.join("scene.npy"), &stack).unwrap();
+    let run = |rule: &str| -> Array3<f64> {
+        let out = mesh(
+            &[
+                "step",
+                "--lambda",
+                "2",
+                "--tau",
+                "1ms",
+                "--scene",
+                "scene.npy",
+                "--fps",
+                "500",
+                "--rule",
+                rule,
+                "--output",
+                "H.npy",
+            ],
+            here,
+        );
+        assert!(
+            out.status.success(),
+            "{}",
+            String::from_utf8_lossy(&out.stderr)
+        );
+        read_npy(here.join("H.npy")).unwrap()
+    };
+    for (rule, between) in [("ramp", Between::Ramp), ("step", Between::Step)] {
+        let got = run(rule);
+        let mut flow = Flow::settled(Sheet::new(2.0).unwrap(), 1e-3, &frames[0]).unwrap();
+        for (n, frame) in frames.iter().enumerate() {
+            if n > 0 {
+                flow.advance(frame, 1.0 / 500.0, between).unwrap();
+            }
+            let layer = got.index_axis(ndarray::Axis(0), n);
+            let error = layer
+                .iter()
+                .zip(flow.surround())
+                .map(|(a, b)| (a - b).abs());
+            assert!(error.fold(0.0, f64::max) < 1e-12, "{rule} {n}");
+        }
+    }
+    // v2e's own start: the first frame itself.
+    assert_eq!(run("v2e").index_axis(ndarray::Axis(0), 0), frames[0]);
+    let mut bad = stack.clone();
+    bad[[2, 5, 7]] = f64::NAN;
+    write_npy(here.join("bad.npy"), &bad).unwrap();
+    let said = refused(
+        &[
+            "step", "--lambda", "2", "--tau", "1ms", "--scene", "bad.npy", "--output", "no.npy",
+        ],
+        here,
+    );
+    assert!(said.contains("x = 7") && said.contains("y = 5"), "{said}");
+    assert!(!here.join("no.npy").exists());
+}
+
+#[test]
+fn fit_and_show_say_what_a_mesh_can_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let out = mesh(&["fit", "csdvs-5", "sobel-x", "--json"], here);
+    let rows: Vec<serde_json::Value> = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(rows.len(), 4);
+    assert!(
+        (rows[0]["error"].as_f64().unwrap() - 0.109).abs() < 0.002,
+        "{}",
+        rows[0]
+    );
+    assert_eq!(rows[2]["odd"], 1.0);
+    let out = mesh(&["fit", "csdvs-5", "sobel-x"], here);
+    let text = String::from_utf8(out.stdout).unwrap();
+    assert!(
+        text.contains("nothing: it is all unreachable") && text.contains("H(1.8"),
+        "{text}"
+    );
+    refused(&["fit", "no-such-kernel"], here);
+    refused(&["fit", "dvs", "--sheets", "4"], here);
+    refused(&["fit", "dvs", "--ridge", "-1"], here);
+    for arguments in [
+        &["show", "--lambda", "3", "--output", "a.png"][..],
+        &["show", "--kernel", "dog", "--output", "b.png"][..],
+    ] {
+        assert!(mesh(arguments, here).status.success(), "{arguments:?}");
+    }
+    assert!(here.join("a.png").exists() && here.join("b.png").exists());
+    refused(&["show", "--lambda", "-3", "--output", "c.png"], here);
+    assert!(!here.join("c.png").exists());
+}
