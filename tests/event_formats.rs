@@ -80,6 +80,7 @@ fn packet(
     packet.dropped = Dropped {
         no_slot: start % 1000,
         over_limit: start % 7,
+        ..Dropped::default()
     };
     // Silence that is written out is slow: not the longest at every try.
     let longest = if limits.silence < u64::MAX {
