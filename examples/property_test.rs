@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let none = |name: &str| Err(std::io::Error::other(format!("{name} is not needed")));
     let float = |threshold: f64| {
         let text = format!(
-            "name = \"DVS\"\nresponse = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = [[1]]\nthreshold = {threshold:?}\n"
+            "name = \"DVS\"\nresponse = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = [[1]]\nthreshold = {{ on = {threshold:?}, off = {threshold:?} }}\n"
         );
         Description::parse("dvs", &text, &none)
     };

@@ -26,7 +26,7 @@ fn float(kernel: &Kernel, threshold: f64) -> Description {
         .collect();
     let text = format!(
         "name = \"float\"\nresponse = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n\
-         [[channel]]\nkernel = {rows:?}\nthreshold = {threshold:?}\n"
+         [[channel]]\nkernel = {rows:?}\nthreshold = {{ on = {threshold:?}, off = {threshold:?} }}\n"
     );
     Description::parse("float", &text, &|_| unreachable!()).unwrap()
 }
@@ -122,7 +122,7 @@ proptest! {
     #[test]
     fn strategies_keep_their_word(
         kernel in kernels(&[3, 5], -3..=3, 2),
-        clip in clips(Size::new(5, 4), 1..=3),
+        clip in clips(Size::new(4, 5), 1..=3),
         arithmetic in formats(),
         device in devices(),
         text in programs(0..=12),

@@ -35,6 +35,9 @@ pub enum Memory {
 /// program.
 const MEMORY: [&str; 8] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
 
+/// What the host can set with either sign, LSB.
+const LARGEST: f64 = 127.0;
+
 /// A drive in bits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steps {
@@ -173,13 +176,16 @@ impl Steps {
         let (low, high) = (sum(-1.0), sum(1.0));
         let step = (high - low) / 2f64.powi(registers.len() as i32);
         let step = if step > 1.0 {
+            // The largest that is added must be a constant of the chip.
             step.ceil()
+                .min(LARGEST / 2f64.powi(registers.len() as i32 - 1))
         } else {
             // The next power of two; of a kernel of zeros, any.
             2f64.powi(step.log2().ceil().max(-16.0) as i32)
         };
         Self {
-            low: low.floor(),
+            // As far as the host can set it.
+            low: low.floor().max(-LARGEST),
             step,
             registers: registers.to_vec(),
         }

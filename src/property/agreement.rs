@@ -48,7 +48,7 @@ impl Default for Tolerance {
             arithmetic: Arithmetic::Number(Format::F64),
             device: Device::scamp5(),
             constants: Overrides::default(),
-            size: Size::new(12, 9),
+            size: Size::new(9, 12),
             cases: 64,
         }
     }

@@ -8,7 +8,7 @@
 //! use amacrine::{isa::Device, program::Program, property::{Tolerance, assert_agrees}, reference::Description};
 //!
 //! let program = Program::parse("dvs", include_str!("../../programs/dvs/snap.scamp"))?;
-//! let float = "memory = \"filtered-snap\"\nresponse = \"identity\"\n[[channel]]\nkernel = [[1]]\nthreshold = 20\n";
+//! let float = "memory = \"filtered-snap\"\nresponse = \"identity\"\n[[channel]]\nkernel = [[1]]\nthreshold = { on = 20, off = 20 }\n";
 //! let float = Description::parse("float", float, &|name| Err(std::io::Error::other(name.to_owned())))?;
 //! assert_agrees(&program, &float, &Tolerance::default());
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -222,8 +222,8 @@ impl Question<'_> {
         let rows = self.kernel.weights().rows();
         let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| row.to_vec()).collect();
         let text = format!(
-            "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n[[channel]]\nkernel = {rows:?}\nthreshold = {:?}\n",
-            self.threshold
+            "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n[[channel]]\nkernel = {rows:?}\nthreshold = {{ on = {t:?}, off = {t:?} }}\n",
+            t = self.threshold
         );
         let none = |name: &str| Err(std::io::Error::other(format!("{name} is not needed")));
         let description = Description::parse("float", &text, &none);
