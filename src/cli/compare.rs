@@ -87,7 +87,11 @@ fn head(arguments: &Arguments, reference: &Loaded, judged: &Loaded) -> String {
             " (the file does not say; the smallest that holds all events)"
         };
         let size = loaded.packet.size;
-        format!("{role:<10} {}, {size}{note}\n", path.display())
+        let skipped = match loaded.skipped {
+            0 => String::new(),
+            n => format!("; {n} records that are no events of a pixel were left out"),
+        };
+        format!("{role:<10} {}, {size}{note}{skipped}\n", path.display())
     };
     line("reference", &arguments.a, reference) + &line("judged", &arguments.b, judged) + "\n"
 }

@@ -206,7 +206,7 @@ mod tests {
             (-r / 30.0).exp()
         });
         let show = SurroundShow {
-            title: "a sheet".into(),
+            title: "a sheet of equal resistors".into(),
             fields: vec![("H".into(), bump.clone()), ("P - H".into(), -&bump)],
             responses: vec![
                 ("a".into(), vec![0.0, 0.5, 1.0]),

@@ -12,7 +12,7 @@
 use std::io;
 
 use super::{
-    Fault,
+    Fault, Format,
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
@@ -37,8 +37,8 @@ pub(super) struct Aedat2 {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Aedat2>, Stop> {
-    super::aedat3::magic(&mut chunks, b"#!AER-DAT2.0", super::Format::Aedat2)?;
-    let header = Header::read(&mut chunks, b'#', "")?;
+    super::aedat3::magic(&mut chunks, b"#!AER-DAT2.0", Format::Aedat2)?;
+    let header = Header::read(&mut chunks, Format::Aedat2, b'#', "")?;
     Ok(Stream::new(chunks, Aedat2::default(), header.about))
 }
 

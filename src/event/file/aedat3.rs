@@ -63,7 +63,7 @@ pub(super) struct Reading {
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
     magic(&mut chunks, b"#!AER-DAT3.1", Format::Aedat3)?;
-    let header = Header::read(&mut chunks, b'#', "!END-HEADER")?;
+    let header = Header::read(&mut chunks, Format::Aedat3, b'#', "!END-HEADER")?;
     Ok(Reading {
         chunks,
         about: header.about,

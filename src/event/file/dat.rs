@@ -27,7 +27,7 @@ pub(super) struct Dat {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Dat>, Stop> {
-    let mut header = Header::read(&mut chunks, b'%', "end")?;
+    let mut header = Header::read(&mut chunks, Format::Dat, b'%', "end")?;
     let wrong = |why| Fault::Layout {
         format: Format::Dat,
         why,

@@ -95,7 +95,7 @@ pub(super) struct Evt2 {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt2>, Stop> {
-    let mut header = Header::read(&mut chunks, b'%', "end")?;
+    let mut header = Header::read(&mut chunks, Format::Evt2, b'%', "end")?;
     little_endian(&header, &chunks, Format::Evt2)?;
     header.about.size = header.about.size.or(header.prophesee_size());
     Ok(Stream::new(chunks, Evt2::default(), header.about))

@@ -30,7 +30,7 @@ pub(super) struct Evt21 {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt21>, Stop> {
-    let mut header = Header::read(&mut chunks, b'%', "end")?;
+    let mut header = Header::read(&mut chunks, Format::Evt21, b'%', "end")?;
     little_endian(&header, &chunks, Format::Evt21)?;
     header.about.size = header.about.size.or(header.prophesee_size());
     let words = Evt21 {

@@ -48,7 +48,7 @@ pub(super) struct Evt3 {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt3>, Stop> {
-    let mut header = Header::read(&mut chunks, b'%', "end")?;
+    let mut header = Header::read(&mut chunks, Format::Evt3, b'%', "end")?;
     little_endian(&header, &chunks, Format::Evt3)?;
     header.about.size = header.about.size.or(header.prophesee_size());
     let words = Evt3 {

@@ -17,7 +17,7 @@ pub struct Header {
 impl Header {
     /// Reads lines that start with `mark`, up to and with `last`, or to the first line that
     /// does not.
-    pub fn read(chunks: &mut Chunks, mark: u8, last: &str) -> Result<Self, Stop> {
+    pub fn read(chunks: &mut Chunks, format: Format, mark: u8, last: &str) -> Result<Self, Stop> {
         let mut header = Self::default();
         loop {
             let at = chunks.at();
@@ -37,7 +37,6 @@ impl Header {
             header.lines.push(pair);
             if header.lines.len() > 4096 {
                 let why = "has a header of more than 4096 lines".into();
-                let format = Format::Txt;
                 return Err(here(Fault::Layout { format, why }));
             }
         }

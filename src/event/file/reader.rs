@@ -98,7 +98,15 @@ impl Reader {
 
     fn new(path: &Path, origin: &Origin, how: &Opening) -> Result<Self, FileError> {
         let at_fault = |stop| named(path, stop);
-        let mut chunks = origin.chunks().map_err(|e| at_fault(e.into()))?;
+        let mut chunks = match (origin.chunks(), how.format) {
+            (Ok(chunks), _) => chunks,
+            // A name that says nothing is the first mistake.
+            (Err(e), None) => match Format::of(path) {
+                Err(error @ FileError::Extension { .. }) => return Err(error),
+                _ => return Err(at_fault(e.into())),
+            },
+            (Err(e), Some(_)) => return Err(at_fault(e.into())),
+        };
         let format = if let Some(format) = how.format {
             format
         } else {
