@@ -8,7 +8,7 @@ demo:
 
 # All tests
 test:
-    cargo test --release
+    cargo test --release --all-features
 
 # What CI runs
 ci:
