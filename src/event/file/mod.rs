@@ -1,7 +1,7 @@
 //! Event files that the field's tools open, one file a format.
 //!
 //! `docs/formats.md` has the table: what each format holds, who reads it, and the line of
-//! Python that opens it ([`Format::python`]). [`read`] and [`write`] move whole packets;
+//! Python that opens it ([`Format::python`]). [`read`] and [`write()`] move whole packets;
 //! [`Reader`] and [`Writer`] go block by block in memory that does not grow.
 //!
 //! Time is absolute, y runs down. What a format cannot hold is refused, never clipped or
@@ -90,7 +90,7 @@ pub fn write(path: &Path, packet: &Packet) -> Result<(), FileError> {
 /// Writes a packet in this format, whatever the file is called.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_as(
     path: &Path,
     format: Format,
