@@ -14,10 +14,16 @@ test:
 ci:
     bash .ci/run
 
-# Speed of the float reference, against a plain version and the machine's limits
+# Speed, against plain versions, peers and the machine's limits
 bench:
     cargo bench --bench reference
     cargo bench --bench array
+    cargo bench --bench mesh
+    cargo bench --bench files
+
+# The field's own readers of event files against ours
+interop:
+    .ci/interop
 
 # The bundled clip, from OpenCV's vtest.avi as y4m (see clips/README.md)
 clip Y4M:
