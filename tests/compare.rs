@@ -465,10 +465,8 @@ mod scales {
                 prop_assert!(close(got.l1, l1 / events));
                 // Two points lie on a line: up, down, or level on one side.
                 let slope = (a[0] - a[1]) * (b[0] - b[1]);
-                match got.pearson {
-                    Some(r) => prop_assert!(close(r, slope.signum())),
-                    None => prop_assert_eq!(slope, 0.0),
-                }
+                prop_assert_eq!(got.pearson.is_none(), slope == 0.0);
+                prop_assert!(got.pearson.is_none_or(|r| close(r, slope.signum())));
             }
         }
 
@@ -672,6 +670,16 @@ mod scales {
             let pair = pair(&a, &b);
             let all = measure(&pair, &Scales::default(), Bins::over(&pair, 8));
             let value = |metric| all.iter().find(|(m, _)| *m == metric).unwrap().1.unwrap();
+            println!(
+                "| {name} | {:.3} | {:.4} | {:.3} | {:.3} | {:.3} | {:.3} | {:.3} |",
+                value(Metric::Events),
+                value(Metric::Intervals),
+                value(Metric::VanRossum(Micros(5_000))),
+                value(Metric::VictorPurpura(Micros(5_000))),
+                value(Metric::F1(Micros(1_000))),
+                value(Metric::VoxelL1),
+                value(Metric::RateL1),
+            );
             assert!((value(Metric::Events) - ratio).abs() < 0.01, "{name}");
             let got = value(Metric::Intervals);
             assert!((got - divergence).abs() < 0.005, "{name} {got}");
@@ -854,6 +862,65 @@ mod verb {
     }
 
     #[test]
+    fn json_holds_every_metric_with_its_floor_and_ceiling() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let (a, b) = (path("a.npy"), path("b.npy"));
+        let packet = stream(13, 5_000);
+        let thinned = changed(&packet, |(i, e)| (i % 10 != 3).then_some(*e));
+        file::write(a.as_ref(), &packet).unwrap();
+        file::write(b.as_ref(), &thinned).unwrap();
+        let json = |more: &[&str]| -> serde_json::Value {
+            let arguments = [&[a.as_str(), &b, "--json"], more].concat();
+            let out = amacrine(&arguments).assert().success();
+            serde_json::from_slice(&out.get_output().stdout).unwrap()
+        };
+        let ruler = &json(&["--within", "3ms", "--bins", "5", "--seed", "7"])["ruler"];
+        assert_eq!((&ruler["bins"], &ruler["seed"]), (&5.into(), &7.into()));
+        for within in ["1us", "100us", "1ms", "3ms", "10ms"] {
+            assert_eq!(ruler[format!("recall_{within}")]["value"], 0.9);
+            assert_eq!(ruler[format!("precision_{within}")]["value"], 1.0);
+            assert_eq!(ruler[format!("f1_{within}")]["identical"], 1.0);
+            assert!(ruler[format!("f1_{within}")]["redraw"].as_f64().unwrap() < 0.5);
+        }
+        for key in [
+            "van_rossum_5ms",
+            "van_rossum_50ms",
+            "victor_purpura_5ms",
+            "victor_purpura_50ms",
+            "voxel_l1",
+            "voxel_l1_signs_apart",
+            "voxel_rmse",
+            "count_l1",
+            "rate_l1",
+            "signed_rate_l1",
+        ] {
+            let score = &ruler[key];
+            assert_eq!(score["identical"], 0.0, "{key}");
+            assert!(score["value"].as_f64().unwrap() > 0.0, "{key}");
+            assert!(score["redraw"].is_number() && score["permuted"].is_number());
+            assert_eq!(score["symmetric"], true);
+        }
+        for key in ["count_pearson", "rate_pearson", "signed_rate_pearson"] {
+            assert_eq!(ruler[key]["identical"], 1.0, "{key}");
+            assert_eq!(ruler[key]["redraw"], 1.0, "{key}: blind to time");
+            assert!(ruler[key]["lost"].is_null());
+        }
+        assert_eq!(ruler["events_ratio"]["value"], 0.9);
+        assert_eq!(ruler["bits_sent"]["value"], 49_500.0);
+        assert_eq!(ruler["bits_sent"]["identical"], 55_000.0);
+        assert_eq!(ruler["interval_divergence"]["permuted"], 0.0);
+        assert_eq!(
+            ruler["interval_divergence"]["blind_to"],
+            "wrong pixels, delay"
+        );
+        assert_eq!(ruler["interval_divergence"]["symmetric"], false);
+        // The same seed gives the same text.
+        assert_eq!(json(&[]), json(&["--seed", "0", "--bins", "8"]));
+        assert_ne!(json(&[])["ruler"], json(&["--seed", "1"])["ruler"]);
+    }
+
+    #[test]
     fn the_table_says_who_is_judged_and_whether_the_size_is_known() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
@@ -875,6 +942,15 @@ mod verb {
         );
         assert!(table.contains("identical"), "{table}");
         assert!(table.contains("F1 1.0000"), "{table}");
+        for row in [
+            "metric                         judged  identical     redraw   permuted   lost  blind to",
+            "F1 within 1ms                       1          1",
+            "van Rossum, 5ms                     0          0",
+            "interval divergence",
+            "never use it alone",
+        ] {
+            assert!(table.contains(row), "{row}:\n{table}");
+        }
     }
 
     #[test]
@@ -894,6 +970,7 @@ mod verb {
             (vec![&a, "nowhere.csv"], "nowhere.csv"),
             (vec![&a, "a.jpg"], "`jpg`"),
             (vec![&a, &a, "--within", "1 parsec"], "1 parsec"),
+            (vec![&a, &a, "--bins", "0"], "--bins"),
         ] {
             let out = amacrine(&arguments).assert().code(2);
             let said = String::from_utf8_lossy(&out.get_output().stderr).into_owned();

@@ -144,7 +144,11 @@ impl Ruler {
             let [value, identical, redraw, permuted] = values.map(number);
             let lost = score
                 .lost()
-                .map_or_else(|| "-".into(), |lost| format!("{:.0} %", 100.0 * lost));
+                // Adding 0 turns -0 to 0.
+                .map_or_else(
+                    || "-".into(),
+                    |lost| format!("{:.0} %", (100.0 * lost).round() + 0.0),
+                );
             let name = score.metric.to_string();
             let blind = score.metric.blind_to();
             let row = format!(

@@ -133,6 +133,30 @@ impl Metric {
         }
     }
 
+    /// A redraw of the reference scores worse than the reference, by more than chance.
+    const fn knows_a_redraw(self) -> bool {
+        match self {
+            Self::Precision(_)
+            | Self::Recall(_)
+            | Self::F1(_)
+            | Self::VanRossum(_)
+            | Self::VictorPurpura(_)
+            | Self::VoxelL1
+            | Self::VoxelL1SignsApart
+            | Self::VoxelRmse => true,
+            Self::CountPearson
+            | Self::CountL1
+            | Self::RatePearson
+            | Self::RateL1
+            | Self::SignedRatePearson
+            | Self::SignedRateL1
+            | Self::Intervals
+            | Self::IntervalsBack
+            | Self::Events
+            | Self::Bits => false,
+        }
+    }
+
     /// Its value is the same with the two packets exchanged.
     #[must_use]
     pub const fn symmetric(self) -> bool {
@@ -204,13 +228,12 @@ pub struct Score {
 
 impl Score {
     /// How far the value has gone from the identical packet, at 0, to the redraw, at 1. None
-    /// where the metric does not tell these apart.
+    /// where the metric cannot tell these apart.
     #[must_use]
     pub fn lost(&self) -> Option<f64> {
         let (from, to) = (self.identical?, self.redraw?);
         let lost = (self.value? - from) / (to - from);
-        // A ten thousandth: what a permutation of sums can leave is not a scale.
-        ((to - from).abs() > 1e-4 * from.abs().max(1e-3)).then_some(lost)
+        (self.metric.knows_a_redraw() && to != from).then_some(lost)
     }
 }
 

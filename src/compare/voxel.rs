@@ -49,13 +49,11 @@ impl Bins {
         if self.last <= self.first {
             return (0, 0);
         }
-        match since.checked_mul(steps) {
-            Some(at) => ((at / unit) as usize, i128::from(at % unit)),
-            None => {
-                let (at, unit) = (u128::from(since) * u128::from(steps), u128::from(unit));
-                ((at / unit) as usize, (at % unit) as i128)
-            }
+        if let Some(at) = since.checked_mul(steps) {
+            return ((at / unit) as usize, i128::from(at % unit));
         }
+        let (at, unit) = (u128::from(since) * u128::from(steps), u128::from(unit));
+        ((at / unit) as usize, (at % unit) as i128)
     }
 }
 
