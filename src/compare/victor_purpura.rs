@@ -19,8 +19,9 @@
 //! lists alike, which is one clock. A reference event puts a 1 into the left list and moves
 //! the place of 0 by one step to the left: the smallest difference there is added to `F(0)`
 //! and goes over to the right with its sign turned. A judged event does the same the other
-//! way. A difference above 1 can never be the smallest again and is dropped. Each event
-//! enters and leaves a list twice at most.
+//! way. A difference above 1 can never be the smallest again and is dropped. Every event
+//! puts two numbers into the lists, and each leaves once: no table, no band, however crowded
+//! a cell is.
 //!
 //! It is allowed to pair without regard to order, as uncrossing two pairs never makes them
 //! dearer.

@@ -44,7 +44,7 @@ impl Bins {
 
     /// The bin before `t`, and the share that goes to the one after it.
     fn place(self, t: u64) -> (usize, i128) {
-        let (steps, unit) = (self.bins as u64 - 1, self.unit());
+        let (steps, unit) = (self.bins.saturating_sub(1) as u64, self.unit());
         let since = t.saturating_sub(self.first.0).min(unit);
         if self.last <= self.first {
             return (0, 0);
