@@ -751,6 +751,9 @@ mod scales {
         assert!(at(Metric::RateL1).permuted.unwrap() > 0.005);
         // The same seed draws the same streams, another one others.
         assert_eq!(other, scores(&pair(&a, &b), &scales));
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let one_thread = alone.unwrap().install(|| scores(&pair(&a, &b), &scales));
+        assert_eq!(other, one_thread, "the number of threads changes no digit");
         let reseeded = Scales { seed: 1, ..scales };
         assert_ne!(other, scores(&pair(&a, &b), &reseeded));
     }

@@ -285,16 +285,13 @@ impl Pair {
         add: impl Fn(&mut T, Times<'_>, Times<'_>) + Sync,
         join: impl Fn(T, T) -> T,
     ) -> T {
-        let one = |piece: &[Spoke]| {
-            let mut sum = start();
+        let piece = |sum: &mut T, piece: &[Spoke]| {
             for spoke in piece {
                 let [a, b] = self.slices(&spoke.events);
-                add(&mut sum, Times(a), Times(b));
+                add(sum, Times(a), Times(b));
             }
-            sum
         };
-        let sums: Vec<T> = self.pieces().into_par_iter().map(one).collect();
-        sums.into_iter().reduce(join).unwrap_or_else(start)
+        self.walk(start, piece, join)
     }
 
     /// As [`Pair::fold`], both signs of a pixel and kind at once.
@@ -304,18 +301,31 @@ impl Pair {
         add: impl Fn(&mut T, Signed<'_>, Signed<'_>) + Sync,
         join: impl Fn(T, T) -> T,
     ) -> T {
-        let one = |piece: &[Spoke]| {
-            let mut sum = start();
+        let piece = |sum: &mut T, piece: &[Spoke]| {
             for site in piece.chunk_by(|a, b| a.cell.site() == b.cell.site()) {
-                if let [first, .., last] | [first @ last] = site {
+                if let (Some(first), Some(last)) = (site.first(), site.last()) {
                     // OFF lies right before ON.
                     let both = [0, 1].map(|i| first.events[i].start..last.events[i].end);
                     let [a, b] = self.slices(&both);
-                    add(&mut sum, Signed(a), Signed(b));
+                    add(sum, Signed(a), Signed(b));
                 }
             }
+        };
+        self.walk(start, piece, join)
+    }
+
+    fn walk<T: Send>(
+        &self,
+        start: impl Fn() -> T + Sync,
+        add: impl Fn(&mut T, &[Spoke]) + Sync,
+        join: impl Fn(T, T) -> T,
+    ) -> T {
+        let one = |piece: &[Spoke]| {
+            let mut sum = start();
+            add(&mut sum, piece);
             sum
         };
+        // Never without a piece, though it may be empty.
         let sums: Vec<T> = self.pieces().into_par_iter().map(one).collect();
         sums.into_iter().reduce(join).unwrap_or_else(start)
     }
