@@ -1,9 +1,17 @@
 //! The ruler against streams whose answer is known (identical, jittered, thinned, delayed,
-//! permuted, empty), against slow and obvious twins (a largest matching found by augmenting
-//! paths, sorted lists, dense counts), and the verb `compare` from outside.
+//! permuted, redrawn, empty), against slow and obvious twins (a largest matching found by
+//! augmenting paths, sorted lists, dense counts, double sums, the textbook's table, dense
+//! grids), and the verb `compare` from outside.
 
 use amacrine::{
-    compare::{Comparison, compare, equality::Side},
+    compare::{
+        Comparison, Pair, compare,
+        equality::Side,
+        intervals, null, rates,
+        ruler::{Metric, Scales, measure, scores},
+        van_rossum, victor_purpura,
+        voxel::{Bins, voxels},
+    },
     event::{Event, Packet, Polarity},
     plane::Size,
     unit::Micros,
@@ -307,6 +315,494 @@ proptest! {
     }
 }
 
+mod scales {
+    //! Every metric against its twin, and against streams whose answer is known.
+
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    fn pair(a: &Packet, b: &Packet) -> Pair {
+        Pair::of(a, b).unwrap()
+    }
+
+    /// Small scales, as the packets are short.
+    fn small() -> Scales {
+        Scales {
+            within: vec![Micros(1), Micros(6)],
+            van_rossum: vec![Micros(3), Micros(20)],
+            victor_purpura: vec![Micros(1), Micros(9)],
+            bins: 4,
+            seed: 5,
+        }
+    }
+
+    fn measured(a: &Packet, b: &Packet) -> Vec<(Metric, Option<f64>)> {
+        let pair = pair(a, b);
+        measure(&pair, &small(), Bins::over(&pair, 4))
+    }
+
+    /// The times of every cell, ascending.
+    fn cells(packet: &Packet) -> BTreeMap<(u16, u16, u8, Polarity), Vec<u64>> {
+        let mut cells: BTreeMap<_, Vec<u64>> = BTreeMap::new();
+        for e in packet.canonical() {
+            let cell = (e.x, e.y, e.channel, e.polarity);
+            cells.entry(cell).or_default().push(e.t.0);
+        }
+        cells
+    }
+
+    /// What `cost` gives for the two trains of each cell, per event.
+    fn per_event(a: &Packet, b: &Packet, cost: impl Fn(&[u64], &[u64]) -> f64) -> f64 {
+        let (ca, cb) = (cells(a), cells(b));
+        let none = Vec::new();
+        let all: std::collections::BTreeSet<_> = ca.keys().chain(cb.keys()).collect();
+        let sum: f64 = all
+            .iter()
+            .map(|cell| cost(ca.get(cell).unwrap_or(&none), cb.get(cell).unwrap_or(&none)))
+            .sum();
+        let events = a.events.len() + b.events.len();
+        if events == 0 {
+            0.0
+        } else {
+            sum / (events as f64 / 2.0)
+        }
+    }
+
+    /// The double sum of the definition.
+    fn double_sum(a: &[u64], b: &[u64], tau: f64) -> f64 {
+        let signed: Vec<(f64, f64)> = (a.iter().map(|t| (*t as f64, 1.0)))
+            .chain(b.iter().map(|t| (*t as f64, -1.0)))
+            .collect();
+        let terms = signed.iter().flat_map(|(s, i)| {
+            let term = move |(t, j): &(f64, f64)| i * j * (-(s - t).abs() / tau).exp();
+            signed.iter().map(term)
+        });
+        terms.sum::<f64>() / 2.0
+    }
+
+    /// The textbook's table.
+    fn table(a: &[u64], b: &[u64], q: f64) -> f64 {
+        let mut row: Vec<f64> = (0..=b.len()).map(|j| j as f64).collect();
+        for &ta in a {
+            let mut next = vec![row[0] + 1.0];
+            for (j, &tb) in b.iter().enumerate() {
+                let shifted = row[j] + q * ta.abs_diff(tb) as f64;
+                next.push(shifted.min(row[j + 1] + 1.0).min(next[j] + 1.0));
+            }
+            row = next;
+        }
+        row[b.len()]
+    }
+
+    /// The grids of the two pixels of a crowded packet, `[x][bin][OFF, ON]`.
+    fn grid(packet: &Packet, first: u64, last: u64, bins: usize) -> Vec<f64> {
+        let mut grid = vec![0.0; 2 * bins * 2];
+        for e in &packet.events {
+            let at = if last > first {
+                (bins as f64 - 1.0) * (e.t.0 - first) as f64 / (last - first) as f64
+            } else {
+                0.0
+            };
+            for bin in 0..bins {
+                let near = f64::max(0.0, 1.0 - (at - bin as f64).abs());
+                let place = (usize::from(e.x) * bins + bin) * 2;
+                grid[place + usize::from(e.polarity.bit())] += near;
+            }
+        }
+        grid
+    }
+
+    fn close(a: f64, b: f64) -> bool {
+        (a - b).abs() <= 1e-9 * (1.0 + a.abs())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1500))]
+
+        #[test]
+        fn van_rossum_is_the_double_sum(a in crowded(), b in crowded(), tau in 1..50_u64) {
+            let twin = per_event(&a, &b, |a, b| double_sum(a, b, tau as f64));
+            let walked = van_rossum::distance(&pair(&a, &b), Micros(tau));
+            prop_assert!(close(walked, twin), "{} {}", walked, twin);
+        }
+
+        #[test]
+        fn victor_purpura_is_the_table(a in crowded(), b in crowded(), h in 1..50_u64) {
+            let twin = per_event(&a, &b, |a, b| table(a, b, 1.0 / h as f64));
+            let walked = victor_purpura::distance(&pair(&a, &b), Micros(h));
+            prop_assert!(close(walked, twin), "{} {}", walked, twin);
+        }
+
+        #[test]
+        fn voxels_are_the_dense_grids(a in crowded(), b in crowded(), bins in 1..7_usize) {
+            let times = || a.events.iter().chain(&b.events).map(|e| e.t.0);
+            let (first, last) = (times().min().unwrap_or(0), times().max().unwrap_or(0));
+            let (ga, gb) = (grid(&a, first, last, bins), grid(&b, first, last, bins));
+            let apart: Vec<f64> = ga.iter().zip(&gb).map(|(a, b)| b - a).collect();
+            let signed: Vec<f64> = apart.chunks(2).map(|v| v[1] - v[0]).collect();
+            let events = (a.events.len() + b.events.len()).max(1) as f64;
+            let pair = pair(&a, &b);
+            let got = voxels(&pair, Bins::over(&pair, bins));
+            let l1 = |d: &[f64]| d.iter().map(|d| d.abs()).sum::<f64>() / events;
+            prop_assert!(close(got.l1, l1(&signed)));
+            prop_assert!(close(got.l1_signs_apart, l1(&apart)));
+            let square: f64 = signed.iter().map(|d| d * d).sum();
+            prop_assert!(close(got.rmse, (square / signed.len() as f64).sqrt()));
+        }
+
+        #[test]
+        fn rate_maps_are_the_dense_counts(a in crowded(), b in crowded()) {
+            let map = |p: &Packet, off: f64| -> Vec<f64> {
+                let value = |e: &&Event| if e.polarity == Polarity::On { 1.0 } else { off };
+                (0..2).map(|x| p.events.iter().filter(|e| e.x == x).map(|e| value(&e)).sum()).collect()
+            };
+            let events = (a.events.len() + b.events.len()).max(1) as f64;
+            let got = rates::rates(&pair(&a, &b));
+            for (off, got) in [(1.0, got.unsigned), (-1.0, got.signed)] {
+                let (a, b) = (map(&a, off), map(&b, off));
+                let l1 = (a[0] - b[0]).abs() + (a[1] - b[1]).abs();
+                prop_assert!(close(got.l1, l1 / events));
+                // Two points lie on a line: up, down, or level on one side.
+                let slope = (a[0] - a[1]) * (b[0] - b[1]);
+                prop_assert_eq!(got.pearson.is_none(), slope == 0.0);
+                prop_assert!(got.pearson.is_none_or(|r| close(r, slope.signum())));
+            }
+        }
+
+        #[test]
+        fn the_divergence_of_intervals_is_that_of_their_histograms(a in crowded(), b in crowded()) {
+            // In order of size: the bins from 0 to 40 us, by their upper ends.
+            let ends = [0, 1, 2, 3, 4, 5, 6, 7, 9, 11, 13, 15, 19, 23, 27, 31, 39, 47];
+            let histogram = |p: &Packet| {
+                let mut counts = vec![0.0; ends.len()];
+                for times in cells(p).values() {
+                    for pair in times.windows(2) {
+                        let interval = pair[1] - pair[0];
+                        counts[ends.iter().position(|end| interval <= *end).unwrap()] += 1.0;
+                    }
+                }
+                counts
+            };
+            let (ha, hb) = (histogram(&a), histogram(&b));
+            let empty = |h: &[f64]| h.iter().all(|n| *n == 0.0);
+            match intervals::divergence(&pair(&a, &b)) {
+                None => prop_assert!(empty(&ha) || empty(&hb)),
+                Some(got) => {
+                    let used = |i: &usize| ha[*i] + hb[*i] > 0.0;
+                    let first = (0..ends.len()).find(used).unwrap();
+                    let last = (0..ends.len()).rfind(used).unwrap();
+                    let shares = |h: &[f64]| -> Vec<f64> {
+                        let all: f64 = h[first..=last].iter().map(|n| n + 0.5).sum();
+                        h[first..=last].iter().map(|n| (n + 0.5) / all).collect()
+                    };
+                    let (p, q) = (shares(&ha), shares(&hb));
+                    let kl = |p: &[f64], q: &[f64]| -> f64 {
+                        p.iter().zip(q).map(|(p, q)| p * (p / q).ln()).sum()
+                    };
+                    prop_assert!(close(got.forward, kl(&p, &q)));
+                    prop_assert!(close(got.back, kl(&q, &p)));
+                }
+            }
+        }
+
+        #[test]
+        fn symmetric_metrics_do_not_care_who_is_judged(a in crowded(), b in crowded()) {
+            for ((metric, one), (_, other)) in measured(&a, &b).into_iter().zip(measured(&b, &a)) {
+                if metric.symmetric() {
+                    let same = one.zip(other).map_or(one == other, |(a, b)| close(a, b));
+                    prop_assert!(same, "{:?}: {:?} {:?}", metric, one, other);
+                }
+            }
+        }
+
+        #[test]
+        fn the_order_among_ties_changes_nothing(a in crowded(), b in crowded()) {
+            let mut turned = b.clone();
+            for ties in turned.events.chunk_by_mut(|a, b| a.t == b.t) {
+                ties.reverse();
+            }
+            prop_assert_eq!(measured(&a, &b), measured(&a, &turned));
+        }
+
+        #[test]
+        fn identical_packets_score_exactly_perfect(a in crowded()) {
+            for (metric, value) in measured(&a, &a) {
+                let perfect = match metric {
+                    Metric::F1(_) | Metric::Precision(_) | Metric::Recall(_) => Some(1.0),
+                    Metric::CountPearson
+                    | Metric::RatePearson
+                    | Metric::SignedRatePearson
+                    | Metric::Events => value.and(Some(1.0)),
+                    Metric::Intervals | Metric::IntervalsBack => value.and(Some(0.0)),
+                    Metric::Bits => Some(2.0 * a.events.len() as f64),
+                    _ => Some(0.0),
+                };
+                prop_assert_eq!(value, perfect, "{:?}", metric);
+            }
+        }
+
+        #[test]
+        fn a_redraw_keeps_the_counts_and_takes_times_from_other_cells(a in crowded(), seed: u64) {
+            let drawn = null::redraw(&pair(&a, &a), seed);
+            let given = cells(&a);
+            for (cell, reference, judged) in drawn.cells() {
+                prop_assert_eq!(reference.len(), judged.len());
+                let own = (cell.x(), cell.y(), cell.channel(), cell.polarity());
+                for t in judged.iter() {
+                    let elsewhere = given.iter().any(|(other, ts)| *other != own && ts.contains(&t));
+                    let within = given[&own][0] <= t && t <= given[&own][given[&own].len() - 1];
+                    prop_assert!(elsewhere || given.len() == 1 && within);
+                }
+            }
+        }
+
+        #[test]
+        fn a_permutation_moves_whole_pixels(seed: u64, height in 1..9_usize, width in 1..9_usize) {
+            // Each pixel says its own number, ON, and its number and 1000, OFF.
+            let mut packet = Packet::new(Size::new(height, width), 1);
+            for pixel in 0..height * width {
+                for off in [false, true] {
+                    packet.events.push(Event {
+                        t: Micros(pixel as u64 + 1000 * u64::from(off)),
+                        x: (pixel % width) as u16,
+                        y: (pixel / width) as u16,
+                        polarity: sign(u64::from(!off)),
+                        channel: 0,
+                    });
+                }
+            }
+            let moved = null::permute(&pair(&packet, &packet), seed);
+            let mut seen = Vec::new();
+            let mut signs = BTreeMap::new();
+            for (cell, reference, judged) in moved.cells() {
+                prop_assert_eq!((reference.len(), judged.len()), (1, 1));
+                for t in judged.iter() {
+                    prop_assert_eq!(t >= 1000, cell.polarity() == Polarity::Off);
+                    seen.push(t);
+                    let pixel = signs.entry((cell.x(), cell.y())).or_insert(t % 1000);
+                    prop_assert_eq!(*pixel, t % 1000);
+                }
+            }
+            seen.sort_unstable();
+            let mut all: Vec<u64> = packet.events.iter().map(|e| e.t.0).collect();
+            all.sort_unstable();
+            prop_assert_eq!(seen, all);
+        }
+    }
+
+    const SIDE: u64 = 40;
+
+    /// 20 events a second and cell for five seconds; intervals vary by half of themselves.
+    fn firing(seed: u64) -> Packet {
+        let mut packet = Packet::new(Size::new(40, 40), 1);
+        for cell in 0..SIDE * SIDE {
+            let uniform = |k: u64| (hash(hash(seed, cell), k) >> 11) as f64 / (1_u64 << 53) as f64;
+            let mut t = uniform(0) * 50_000.0;
+            let mut k = 1;
+            while t < 5e6 {
+                packet.events.push(Event {
+                    t: Micros(t as u64),
+                    x: (cell % SIDE) as u16,
+                    y: (cell / SIDE) as u16,
+                    polarity: Polarity::On,
+                    channel: 0,
+                });
+                // A sum of four exponential waits.
+                let waits: f64 = (k..k + 4).map(|k| -(1.0 - uniform(k)).ln()).sum();
+                t += waits * 12_500.0;
+                k += 4;
+            }
+        }
+        packet.events.sort_by_key(|e| e.t);
+        packet
+    }
+
+    /// Moves every event by a number that is distributed normally.
+    fn jittered(packet: &Packet, sigma: f64) -> Packet {
+        changed(packet, |(i, e)| {
+            let uniform = |k| (hash(k, i as u64) >> 11) as f64 / (1_u64 << 53) as f64;
+            let length = (-2.0 * (1.0 - uniform(21)).ln()).sqrt();
+            let by = sigma * length * (std::f64::consts::TAU * uniform(22)).cos();
+            let t = Micros((e.t.0 as f64 + by).max(0.0) as u64);
+            Some(Event { t, ..*e })
+        })
+    }
+
+    #[test]
+    fn known_changes_have_known_sizes() {
+        let a = firing(1);
+        let delayed = changed(&a, |(_, e)| {
+            Some(Event {
+                t: Micros(e.t.0 + 5_000),
+                ..*e
+            })
+        });
+        let thinned = changed(&a, |(i, e)| {
+            (!hash(31, i as u64).is_multiple_of(10)).then_some(*e)
+        });
+        let permuted = changed(&a, |(_, e)| {
+            Some(Event {
+                x: (u64::from(e.x) * 7 + u64::from(e.y) * 3 + 1).rem_euclid(SIDE) as u16,
+                y: (e.y * 3 + 1) % 40,
+                ..*e
+            })
+        });
+        // Ratio of counts, divergence of intervals, van Rossum at 5 ms, Victor and Purpura at
+        // 200 per second, as computed by another program on streams of its own.
+        let cases = [
+            (
+                "jitter of 1 ms",
+                jittered(&a, 1e3),
+                [1.0, 0.001, 0.143, 0.162],
+            ),
+            (
+                "jitter of 10 ms",
+                jittered(&a, 1e4),
+                [1.0, 0.043, 0.655, 1.22],
+            ),
+            ("10 % dropped", thinned, [0.9, 0.018, 0.053, 0.105]),
+            ("pixels permuted", permuted, [1.0, 0.0, 0.806, 1.59]),
+            ("delay of 5 ms", delayed, [1.0, 0.0, 0.625, 1.0]),
+            ("another stream", firing(2), [1.0, 0.0024, 0.815, 1.61]),
+        ];
+        for (name, b, [ratio, divergence, rossum, purpura]) in cases {
+            let pair = pair(&a, &b);
+            let all = measure(&pair, &Scales::default(), Bins::over(&pair, 8));
+            let value = |metric| all.iter().find(|(m, _)| *m == metric).unwrap().1.unwrap();
+            println!(
+                "| {name} | {:.3} | {:.4} | {:.3} | {:.3} | {:.3} | {:.3} | {:.3} |",
+                value(Metric::Events),
+                value(Metric::Intervals),
+                value(Metric::VanRossum(Micros(5_000))),
+                value(Metric::VictorPurpura(Micros(5_000))),
+                value(Metric::F1(Micros(1_000))),
+                value(Metric::VoxelL1),
+                value(Metric::RateL1),
+            );
+            assert!((value(Metric::Events) - ratio).abs() < 0.01, "{name}");
+            let got = value(Metric::Intervals);
+            assert!((got - divergence).abs() < 0.005, "{name} {got}");
+            let got = value(Metric::VanRossum(Micros(5_000)));
+            assert!((got - rossum).abs() < 0.02, "{name} {got}");
+            let got = value(Metric::VictorPurpura(Micros(5_000)));
+            assert!((got - purpura).abs() < 0.03, "{name} {got}");
+        }
+    }
+
+    #[test]
+    fn pieces_of_work_join_to_the_whole() {
+        // 1280 cells, in two kinds: more than one piece, none of which parts a pixel's signs.
+        let (a, b) = (stream(40, 3_000), stream(41, 3_000));
+        let pair = pair(&a, &b);
+        let twin = per_event(&a, &b, |a, b| double_sum(a, b, 700.0));
+        assert!(close(van_rossum::distance(&pair, Micros(700)), twin));
+        let twin = per_event(&a, &b, |a, b| table(a, b, 1.0 / 900.0));
+        assert!(close(victor_purpura::distance(&pair, Micros(900)), twin));
+
+        let mut net: BTreeMap<_, [i64; 2]> = BTreeMap::new();
+        for (packet, sign) in [(&a, 1), (&b, -1)] {
+            for e in &packet.events {
+                let site = net.entry((e.x, e.y, e.channel)).or_default();
+                site[0] += sign;
+                site[1] += sign * i64::from(e.polarity.sign());
+            }
+        }
+        let l1 = |map: usize| net.values().map(|d| d[map].abs()).sum::<i64>() as f64 / 6_000.0;
+        let rates = rates::rates(&pair);
+        assert_eq!((rates.unsigned.l1, rates.signed.l1), (l1(0), l1(1)));
+        // One bin holds the whole count.
+        assert_eq!(voxels(&pair, Bins::over(&pair, 1)).l1, l1(1));
+    }
+
+    #[test]
+    fn scores_have_their_floor_and_ceiling_beside_them() {
+        let (a, b) = (firing(1), firing(2));
+        let scales = Scales::default();
+        for score in scores(&pair(&a, &a), &scales) {
+            assert_eq!(score.value, score.identical, "{score:?}");
+            assert!(score.lost().is_none_or(|lost| lost == 0.0), "{score:?}");
+        }
+        let other = scores(&pair(&a, &b), &scales);
+        let at = |metric| *other.iter().find(|s| s.metric == metric).unwrap();
+        for metric in [
+            Metric::VanRossum(Micros(5_000)),
+            Metric::VictorPurpura(Micros(5_000)),
+            Metric::F1(Micros(1_000)),
+        ] {
+            // Nothing in common with the reference but the rate.
+            let lost = at(metric).lost().unwrap();
+            assert!((0.75..1.1).contains(&lost), "{:?}", at(metric));
+        }
+        for blind in [
+            Metric::RateL1,
+            Metric::SignedRateL1,
+            Metric::CountL1,
+            Metric::Bits,
+        ] {
+            assert_eq!(at(blind).redraw, at(blind).identical, "{blind:?}");
+            assert_eq!(at(blind).lost(), None);
+        }
+        assert_eq!(
+            at(Metric::Intervals).permuted,
+            Some(0.0),
+            "blind to wrong pixels"
+        );
+        assert!(at(Metric::RateL1).permuted.unwrap() > 0.005);
+        // The same seed draws the same streams, another one others.
+        assert_eq!(other, scores(&pair(&a, &b), &scales));
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let one_thread = alone.unwrap().install(|| scores(&pair(&a, &b), &scales));
+        assert_eq!(other, one_thread, "the number of threads changes no digit");
+        let reseeded = Scales { seed: 1, ..scales };
+        assert_ne!(other, scores(&pair(&a, &b), &reseeded));
+    }
+
+    #[test]
+    fn a_redraw_of_frames_stays_on_the_frames() {
+        // All events are on one of ten frames, where they often meet by accident.
+        let mut a = stream(42, 20_000);
+        for (i, e) in a.events.iter_mut().enumerate() {
+            e.t = Micros(hash(43, i as u64) % 10 * 40_000);
+        }
+        a.events.sort_by_key(|e| e.t);
+        let all = scores(&pair(&a, &a), &Scales::default());
+        let f1 = all.iter().find(|s| s.metric == Metric::F1(Micros(1)));
+        let redraw = f1.unwrap().redraw.unwrap();
+        assert!(redraw > 0.5, "{redraw}");
+    }
+
+    #[test]
+    fn packets_at_the_edges_have_finite_scores() {
+        let empty = Packet::new(Size::new(4, 4), 1);
+        // One event in a corner of the largest sensor, at the end of time.
+        let mut lone = Packet::new(Size::new(65_536, 65_536), 255);
+        lone.events.push(Event {
+            t: Micros(u64::MAX),
+            x: u16::MAX,
+            y: u16::MAX,
+            polarity: Polarity::On,
+            channel: 254,
+        });
+        let nothing = Packet {
+            events: Vec::new(),
+            ..lone.clone()
+        };
+        for (a, b) in [
+            (&empty, &empty),
+            (&lone, &lone),
+            (&lone, &nothing),
+            (&nothing, &lone),
+        ] {
+            for score in scores(&pair(a, b), &Scales::default()) {
+                for value in [score.value, score.identical, score.redraw, score.permuted] {
+                    assert!(value.is_none_or(f64::is_finite), "{score:?}");
+                }
+            }
+        }
+    }
+}
+
 /// Seconds for streams of `events` each; not a test, since it depends on the machine.
 #[test]
 #[ignore = "a timing: cargo test --release --test compare -- --ignored --nocapture"]
@@ -369,6 +865,65 @@ mod verb {
     }
 
     #[test]
+    fn json_holds_every_metric_with_its_floor_and_ceiling() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let (a, b) = (path("a.npy"), path("b.npy"));
+        let packet = stream(13, 5_000);
+        let thinned = changed(&packet, |(i, e)| (i % 10 != 3).then_some(*e));
+        file::write(a.as_ref(), &packet).unwrap();
+        file::write(b.as_ref(), &thinned).unwrap();
+        let json = |more: &[&str]| -> serde_json::Value {
+            let arguments = [&[a.as_str(), &b, "--json"], more].concat();
+            let out = amacrine(&arguments).assert().success();
+            serde_json::from_slice(&out.get_output().stdout).unwrap()
+        };
+        let ruler = &json(&["--within", "3ms", "--bins", "5", "--seed", "7"])["ruler"];
+        assert_eq!((&ruler["bins"], &ruler["seed"]), (&5.into(), &7.into()));
+        for within in ["1us", "100us", "1ms", "3ms", "10ms"] {
+            assert_eq!(ruler[format!("recall_{within}")]["value"], 0.9);
+            assert_eq!(ruler[format!("precision_{within}")]["value"], 1.0);
+            assert_eq!(ruler[format!("f1_{within}")]["identical"], 1.0);
+            assert!(ruler[format!("f1_{within}")]["redraw"].as_f64().unwrap() < 0.5);
+        }
+        for key in [
+            "van_rossum_5ms",
+            "van_rossum_50ms",
+            "victor_purpura_5ms",
+            "victor_purpura_50ms",
+            "voxel_l1",
+            "voxel_l1_signs_apart",
+            "voxel_rmse",
+            "count_l1",
+            "rate_l1",
+            "signed_rate_l1",
+        ] {
+            let score = &ruler[key];
+            assert_eq!(score["identical"], 0.0, "{key}");
+            assert!(score["value"].as_f64().unwrap() > 0.0, "{key}");
+            assert!(score["redraw"].is_number() && score["permuted"].is_number());
+            assert_eq!(score["symmetric"], true);
+        }
+        for key in ["count_pearson", "rate_pearson", "signed_rate_pearson"] {
+            assert_eq!(ruler[key]["identical"], 1.0, "{key}");
+            assert_eq!(ruler[key]["redraw"], 1.0, "{key}: blind to time");
+            assert!(ruler[key]["lost"].is_null());
+        }
+        assert_eq!(ruler["events_ratio"]["value"], 0.9);
+        assert_eq!(ruler["bits_sent"]["value"], 49_500.0);
+        assert_eq!(ruler["bits_sent"]["identical"], 55_000.0);
+        assert_eq!(ruler["interval_divergence"]["permuted"], 0.0);
+        assert_eq!(
+            ruler["interval_divergence"]["blind_to"],
+            "wrong pixels, delay"
+        );
+        assert_eq!(ruler["interval_divergence"]["symmetric"], false);
+        // The same seed gives the same text.
+        assert_eq!(json(&[]), json(&["--seed", "0", "--bins", "8"]));
+        assert_ne!(json(&[])["ruler"], json(&["--seed", "1"])["ruler"]);
+    }
+
+    #[test]
     fn the_table_says_who_is_judged_and_whether_the_size_is_known() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
@@ -390,6 +945,15 @@ mod verb {
         );
         assert!(table.contains("identical"), "{table}");
         assert!(table.contains("F1 1.0000"), "{table}");
+        for row in [
+            "metric                         judged  identical     redraw   permuted   lost  blind to",
+            "F1 within 1ms                       1          1",
+            "van Rossum, 5ms                     0          0",
+            "interval divergence",
+            "never use it alone",
+        ] {
+            assert!(table.contains(row), "{row}:\n{table}");
+        }
     }
 
     #[test]
@@ -409,6 +973,7 @@ mod verb {
             (vec![&a, "nowhere.csv"], "nowhere.csv"),
             (vec![&a, "a.jpg"], "`jpg`"),
             (vec![&a, &a, "--within", "1 parsec"], "1 parsec"),
+            (vec![&a, &a, "--bins", "0"], "--bins"),
         ] {
             let out = amacrine(&arguments).assert().code(2);
             let said = String::from_utf8_lossy(&out.get_output().stderr).into_owned();

@@ -3,7 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::{
-    compare::{Comparison, compare, equality::Side},
+    compare::{
+        Comparison, Pair,
+        equality::Side,
+        ruler::{Scales, Score, scores},
+    },
     event::file::{self, Loaded},
     plane::Size,
     unit::Micros,
@@ -20,6 +24,12 @@ pub struct Arguments {
     /// Events of one pixel, kind and sign match when their times differ by at most this
     #[arg(long, default_value = "1ms", value_name = "TIME")]
     within: Micros,
+    /// Bins of the voxel grids
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    bins: u16,
+    /// Seed of the redraw and the permutation that every metric is held against
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
@@ -34,18 +44,33 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut judged = file::read(&arguments.b)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
-    let comparison = compare(&reference.packet, &judged.packet, arguments.within)?;
+    let pair = Pair::of(&reference.packet, &judged.packet)?;
+    let comparison = Comparison::of(&pair, arguments.within);
+    let mut scales = Scales {
+        bins: arguments.bins.into(),
+        seed: arguments.seed,
+        ..Scales::default()
+    };
+    scales.within.push(arguments.within);
+    scales.within.sort_unstable();
+    scales.within.dedup();
+    let ruler = Ruler {
+        scores: scores(&pair, &scales),
+        scales,
+    };
     if arguments.json {
         let json = Json {
             reference: Input::of(&arguments.a, &reference),
             judged: Input::of(&arguments.b, &judged),
             comparison: &comparison,
+            ruler: &ruler,
         };
         let json = serde_json::to_string(&json).map_err(|e| miette::miette!("{e}"))?;
         super::say(&format!("{json}\n"));
     } else {
         super::say(&head(arguments, &reference, &judged));
         super::say(&table(&comparison));
+        super::say(&ruler.table());
     }
     Ok(())
 }
@@ -57,6 +82,99 @@ struct Json<'a> {
     judged: Input<'a>,
     #[serde(flatten)]
     comparison: &'a Comparison,
+    ruler: &'a Ruler,
+}
+
+/// Every metric with its floor and ceiling.
+struct Ruler {
+    scales: Scales,
+    scores: Vec<Score>,
+}
+
+impl serde::Serialize for Ruler {
+    /// `bins`, `seed`, and by the key of each metric what it is.
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeMap;
+
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("bins", &self.scales.bins)?;
+        map.serialize_entry("seed", &self.scales.seed)?;
+        for score in &self.scores {
+            map.serialize_entry(&score.metric.key(), &ScoreJson::of(score))?;
+        }
+        map.end()
+    }
+}
+
+/// One metric for machines; a value that there is not is null.
+#[derive(serde::Serialize)]
+struct ScoreJson {
+    value: Option<f64>,
+    identical: Option<f64>,
+    redraw: Option<f64>,
+    permuted: Option<f64>,
+    lost: Option<f64>,
+    symmetric: bool,
+    blind_to: &'static str,
+}
+
+impl ScoreJson {
+    fn of(score: &Score) -> Self {
+        Self {
+            value: score.value,
+            identical: score.identical,
+            redraw: score.redraw,
+            permuted: score.permuted,
+            lost: score.lost(),
+            symmetric: score.metric.symmetric(),
+            blind_to: score.metric.blind_to(),
+        }
+    }
+}
+
+impl Ruler {
+    /// The scores for people, one a row.
+    fn table(&self) -> String {
+        let mut rows = vec![format!(
+            "\n{:<26}{:>11}{:>11}{:>11}{:>11}{:>7}  blind to",
+            "metric", "judged", "identical", "redraw", "permuted", "lost"
+        )];
+        for score in &self.scores {
+            let values = [score.value, score.identical, score.redraw, score.permuted];
+            let [value, identical, redraw, permuted] = values.map(number);
+            let lost = score
+                .lost()
+                // Adding 0 turns -0 to 0.
+                .map_or_else(
+                    || "-".into(),
+                    |lost| format!("{:.0} %", (100.0 * lost).round() + 0.0),
+                );
+            let name = score.metric.to_string();
+            let blind = score.metric.blind_to();
+            let row = format!(
+                "{name:<26}{value:>11}{identical:>11}{redraw:>11}{permuted:>11}{lost:>7}  {blind}"
+            );
+            rows.push(row.trim_end().to_owned());
+        }
+        rows.push(format!(
+            "\nidentical: the reference against itself. redraw: the same counts in every cell, at\n\
+             times of other cells. permuted: the same times at wrong pixels. lost: the way from\n\
+             identical to redraw. Distances are per event; voxels have {} bins. The interval\n\
+             divergence is blind to wrong pixels: never use it alone.",
+            self.scales.bins
+        ));
+        rows.join("\n") + "\n"
+    }
+}
+
+/// A value in at most ten characters.
+fn number(value: Option<f64>) -> String {
+    match value {
+        None => "-".into(),
+        Some(v) if v.fract() == 0.0 && v.abs() < 1e10 => format!("{v:.0}"),
+        Some(v) if (1e-3..1e5).contains(&v.abs()) => format!("{v:.4}"),
+        Some(v) => format!("{v:.2e}"),
+    }
 }
 
 /// One of the two files.
@@ -96,7 +214,7 @@ fn head(arguments: &Arguments, reference: &Loaded, judged: &Loaded) -> String {
     line("reference", &arguments.a, reference) + &line("judged", &arguments.b, judged) + "\n"
 }
 
-/// The comparison for people.
+/// The plain comparison for people.
 fn table(c: &Comparison) -> String {
     let mut rows = vec![format!("{:<22}{:>14}{:>14}", "", "reference", "judged")];
     let mut both = |name: &str, [a, b]: [u64; 2]| rows.push(format!("{name:<22}{a:>14}{b:>14}"));

@@ -8,7 +8,7 @@
 //!
 //! Both are blind to time.
 
-use super::Pair;
+use super::{Pair, pearson::Pearson};
 use crate::event::Polarity;
 
 /// Counts of one kind of cell, [reference, judged].
@@ -63,8 +63,7 @@ pub struct Cells {
 #[must_use]
 pub fn cells(pair: &Pair) -> Cells {
     let (mut max, mut active, mut l1) = ([0; 2], [0; 2], 0);
-    // Whole numbers, so that equal counts give exactly 1. Silent cells add nothing to a sum.
-    let (mut a1, mut b1, mut aa, mut bb, mut ab) = (0_i128, 0_i128, 0_i128, 0_i128, 0_i128);
+    let mut pearson = Pearson::default();
     for (_, reference, judged) in pair.cells() {
         let counts = [reference.len() as u64, judged.len() as u64];
         l1 += counts[0].abs_diff(counts[1]);
@@ -72,24 +71,10 @@ pub fn cells(pair: &Pair) -> Cells {
             max[side] = counts[side].max(max[side]);
             active[side] += u64::from(counts[side] > 0);
         }
-        let [a, b] = counts.map(i128::from);
-        (a1, b1) = (a1 + a, b1 + b);
-        (aa, bb, ab) = (aa + a * a, bb + b * b, ab + a * b);
+        pearson.add(counts[0].into(), counts[1].into());
     }
-    // Exact, and none where even 128 bits do not hold it.
-    let n = pair.cell_count();
-    let moment = |xy: i128, x: i128, y: i128| {
-        let product = n?.checked_mul(xy)?.checked_sub(x.checked_mul(y)?)?;
-        Some(product as f64)
-    };
-    let pearson = || {
-        let (va, vb) = (moment(aa, a1, a1)?, moment(bb, b1, b1)?);
-        let cov = moment(ab, a1, b1)?;
-        // In this order, equal counts give exactly 1.
-        (va > 0.0 && vb > 0.0).then(|| cov / va * (va / vb).sqrt())
-    };
     Cells {
-        pearson: pearson(),
+        pearson: pearson.over(pair.cell_count()),
         l1,
         max,
         active,

@@ -23,7 +23,9 @@
 //! most, not the closest: where one cell speaks more often than once a window, a missing
 //! event shifts the matches after it, and the errors grow although no event moved.
 
-use super::Pair;
+use rayon::slice::ParallelSliceMut;
+
+use super::{Pair, pair::Times};
 use crate::unit::Micros;
 
 /// What was matched.
@@ -38,25 +40,48 @@ pub struct Matches {
 /// Matches the events of a pair within `within`.
 #[must_use]
 pub fn matches(pair: &Pair, within: Micros) -> Matches {
-    let mut errors = Vec::new();
-    for (_, reference, judged) in pair.cells() {
-        let (mut a, mut b) = (reference.iter().peekable(), judged.iter().peekable());
-        while let (Some(&ta), Some(&tb)) = (a.peek(), b.peek()) {
-            if ta.abs_diff(tb) <= within.0 {
-                errors.push(difference(tb, ta));
-                a.next();
-                b.next();
-            } else if ta < tb {
-                a.next();
-            } else {
-                b.next();
-            }
-        }
-    }
-    errors.sort_unstable();
+    let mut errors = pair.fold(
+        Vec::new,
+        |errors, reference, judged| {
+            pairs(reference, judged, within, |a, b| {
+                errors.push(difference(b, a));
+            });
+        },
+        |mut all, mut more| {
+            all.append(&mut more);
+            all
+        },
+    );
+    errors.par_sort_unstable();
     Matches {
         events: pair.events(),
         errors,
+    }
+}
+
+/// How many events of a pair match within `within`.
+#[must_use]
+pub fn matched(pair: &Pair, within: Micros) -> u64 {
+    pair.fold(
+        || 0,
+        |matched, reference, judged| pairs(reference, judged, within, |_, _| *matched += 1),
+        |a, b| a + b,
+    )
+}
+
+/// Finds the matches of one cell.
+fn pairs(reference: Times<'_>, judged: Times<'_>, within: Micros, mut found: impl FnMut(u64, u64)) {
+    let (mut a, mut b) = (reference.iter().peekable(), judged.iter().peekable());
+    while let (Some(&ta), Some(&tb)) = (a.peek(), b.peek()) {
+        if ta.abs_diff(tb) <= within.0 {
+            found(ta, tb);
+            a.next();
+            b.next();
+        } else if ta < tb {
+            a.next();
+        } else {
+            b.next();
+        }
     }
 }
 
@@ -99,7 +124,7 @@ impl Matches {
 }
 
 /// A part of a whole; all of nothing is 1.
-fn share(part: u64, whole: u64) -> f64 {
+pub(super) fn share(part: u64, whole: u64) -> f64 {
     if whole == 0 {
         1.0
     } else {

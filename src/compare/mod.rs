@@ -7,22 +7,37 @@
 //!
 //! A metric is a file here, with its definition, and a function of a [`Pair`]. No single
 //! number will do: event rates are blind to wrong pixels, and counts are blind to delay.
+//! [`compare`] gives the plain ones, [`ruler::scores`] every metric, each with its value for
+//! the identical packet, for a redraw and for a permutation of the reference.
 //!
 //! | metric | file | identical | nothing in common |
 //! |---|---|---|---|
 //! | equality, first divergence | [`equality`] | equal | the earliest event |
 //! | counts, Pearson, L1 | [`counts`] | 1, 0 | near 0, all events |
 //! | precision, recall, F1, time error | [`matching`] | 1, 1, 1, 0 | 0, 0, 0, none |
+//! | van Rossum's distance per event | [`van_rossum`] | 0 | about 1 |
+//! | Victor and Purpura's distance per event | [`victor_purpura`] | 0 | at most 2 |
+//! | voxel L1 per event, RMSE | [`voxel`] | 0, 0 | at most 1, no bound |
+//! | rate maps, Pearson, L1 per event | [`rates`] | 1, 0 | near 0, at most 1 |
+//! | divergence of intervals | [`intervals`] | 0 | no bound |
 
 pub mod counts;
 pub mod equality;
+pub mod intervals;
 pub mod matching;
+pub mod null;
 mod pair;
+mod pearson;
+pub mod rates;
+pub mod ruler;
+pub mod van_rossum;
+pub mod victor_purpura;
+pub mod voxel;
 
-pub use pair::{Cell, CompareError, Pair};
+pub use pair::{Cell, CompareError, Pair, Signed, Times};
 
 use crate::{
-    event::{Packet, address},
+    event::{Packet, address::AddressWord},
     unit::Micros,
 };
 use counts::{Cells, Kind};
@@ -76,32 +91,42 @@ pub fn compare(
     judged: &Packet,
     within: Micros,
 ) -> Result<Comparison, CompareError> {
-    let pair = Pair::of(reference, judged)?;
-    let first_divergence = equality::first_divergence(&pair);
-    let kinds = counts::kinds(&pair);
-    let both = |count: fn(&Kind) -> [u64; 2]| {
-        kinds
-            .iter()
-            .map(count)
-            .fold([0, 0], |[a, b], [c, d]| [a + c, b + d])
-    };
-    let matches = matching::matches(&pair, within);
-    Ok(Comparison {
-        equal: first_divergence.is_none(),
-        first_divergence,
-        events: pair.events(),
-        on: both(|kind| kind.on),
-        off: both(|kind| kind.off),
-        cells: counts::cells(&pair),
-        kinds,
-        within_us: within,
-        matched: matches.matched(),
-        precision: matches.precision(),
-        recall: matches.recall(),
-        f1: matches.f1(),
-        time_error_us: matches.time_error(),
-        bits: [address::bits(reference), address::bits(judged)],
-        bits_per_event: address::AddressWord::of(reference.size, reference.channels).bits(),
-        dropped: [reference.dropped.total(), judged.dropped.total()],
-    })
+    Ok(Comparison::of(&Pair::of(reference, judged)?, within))
+}
+
+impl Comparison {
+    /// As [`compare`], of packets that are sorted already.
+    #[must_use]
+    pub fn of(pair: &Pair, within: Micros) -> Self {
+        let first_divergence = equality::first_divergence(pair);
+        let kinds = counts::kinds(pair);
+        let both = |count: fn(&Kind) -> [u64; 2]| {
+            kinds
+                .iter()
+                .map(count)
+                .fold([0, 0], |[a, b], [c, d]| [a + c, b + d])
+        };
+        let bits_per_event = AddressWord::of(pair.size(), pair.channels()).bits();
+        let matches = matching::matches(pair, within);
+        Self {
+            equal: first_divergence.is_none(),
+            first_divergence,
+            events: pair.events(),
+            on: both(|kind| kind.on),
+            off: both(|kind| kind.off),
+            cells: counts::cells(pair),
+            kinds,
+            within_us: within,
+            matched: matches.matched(),
+            precision: matches.precision(),
+            recall: matches.recall(),
+            f1: matches.f1(),
+            time_error_us: matches.time_error(),
+            bits: pair
+                .events()
+                .map(|events| events * u64::from(bits_per_event)),
+            bits_per_event,
+            dropped: pair.dropped(),
+        }
+    }
 }

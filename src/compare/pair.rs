@@ -1,10 +1,16 @@
 //! Two packets, sorted so that every metric is one walk over both.
 
-use rayon::slice::ParallelSliceMut;
+use std::{ops::Range, sync::Arc};
+
+use rayon::{
+    iter::{IntoParallelIterator, ParallelIterator},
+    slice::ParallelSliceMut,
+};
 
 use crate::{
     event::{Event, Packet, Polarity},
     plane::Size,
+    unit::Micros,
 };
 
 /// Two packets cannot be compared.
@@ -46,6 +52,26 @@ pub enum CompareError {
 pub struct Cell(u64);
 
 impl Cell {
+    /// As one number, all its own.
+    pub(super) const fn word(self) -> u64 {
+        self.0
+    }
+
+    /// The same kind and sign at another pixel.
+    pub(super) const fn moved_to(self, x: u16, y: u16) -> Self {
+        Self(self.0 >> 33 << 33 | (y as u64) << 17 | (x as u64) << 1 | self.0 & 1)
+    }
+
+    /// Its pixel and kind, whatever the sign.
+    const fn site(self) -> u64 {
+        self.0 >> 1
+    }
+
+    /// An event of this cell.
+    pub(super) const fn at(self, t: u64) -> Key {
+        (self.0 as Key) << 64 | t as Key
+    }
+
     const fn of(event: &Event) -> Self {
         Self(
             (event.channel as u64) << 33
@@ -85,22 +111,34 @@ impl Cell {
 }
 
 /// An event as one number, cell above and time below, so that sorting is comparing integers.
-type Key = u128;
+pub(super) type Key = u128;
 
 const fn cell(key: Key) -> Cell {
     Cell((key >> 64) as u64)
 }
 
-const fn time(key: Key) -> u64 {
+pub(super) const fn time(key: Key) -> u64 {
     key as u64
 }
+
+/// A cell that spoke, and where its events are, [reference, judged].
+#[derive(Clone, Debug)]
+struct Spoke {
+    cell: Cell,
+    events: [Range<usize>; 2],
+}
+
+/// Cells in one piece of work; fixed, so that sums do not depend on the number of threads.
+const PIECE: usize = 512;
 
 /// The reference and what is judged, each sorted by cell, then time.
 #[derive(Clone, Debug)]
 pub struct Pair {
     size: Size,
     channels: u8,
-    keys: [Vec<Key>; 2],
+    dropped: [u64; 2],
+    keys: [Arc<Vec<Key>>; 2],
+    spoke: Vec<Spoke>,
 }
 
 impl Pair {
@@ -122,17 +160,91 @@ impl Pair {
                 judged: judged.channels,
             });
         }
+        let keys = [Arc::new(sorted(reference)?), Arc::new(sorted(judged)?)];
         Ok(Self {
             size,
             channels,
-            keys: [sorted(reference)?, sorted(judged)?],
+            dropped: [reference.dropped.total(), judged.dropped.total()],
+            spoke: spoke(&keys[0], &keys[1]),
+            keys,
         })
+    }
+
+    /// The reference, judged against itself.
+    #[must_use]
+    pub fn identical(&self) -> Self {
+        self.with_judged(Arc::clone(&self.keys[0]))
+    }
+
+    /// The reference, and events in place of the judged packet's. They ascend.
+    pub(super) fn with_judged(&self, judged: Arc<Vec<Key>>) -> Self {
+        let keys = [Arc::clone(&self.keys[0]), judged];
+        Self {
+            size: self.size,
+            channels: self.channels,
+            dropped: [self.dropped[0]; 2],
+            spoke: spoke(&keys[0], &keys[1]),
+            keys,
+        }
+    }
+
+    /// The events of the reference, by cell, then time.
+    pub(super) fn reference(&self) -> &[Key] {
+        &self.keys[0]
+    }
+
+    /// Every cell that spoke in the reference, and where its events are.
+    pub(super) fn reference_cells(&self) -> impl Iterator<Item = (Cell, Range<usize>)> {
+        self.spoke
+            .iter()
+            .filter(|spoke| !spoke.events[0].is_empty())
+            .map(|spoke| (spoke.cell, spoke.events[0].clone()))
+    }
+
+    /// Size of both sensors.
+    #[must_use]
+    pub const fn size(&self) -> Size {
+        self.size
+    }
+
+    /// The first and the last time of either packet; none without events.
+    #[must_use]
+    pub fn span(&self) -> Option<(Micros, Micros)> {
+        // The times of a cell ascend, so its first and last are its ends.
+        let ends = |side: &[Key], at: &Range<usize>| {
+            let own = side.get(at.clone())?;
+            Some((time(*own.first()?), time(*own.last()?)))
+        };
+        self.spoke
+            .iter()
+            .flat_map(|spoke| [0, 1].map(|i| ends(&self.keys[i], &spoke.events[i])))
+            .flatten()
+            .reduce(|(a, b), (c, d)| (a.min(c), b.max(d)))
+            .map(|(first, last)| (Micros(first), Micros(last)))
+    }
+
+    /// `total` divided by the mean number of events of the two; 0 where nobody spoke.
+    #[must_use]
+    pub fn per_event(&self, total: f64) -> f64 {
+        let [a, b] = self.events();
+        let mean = u128::from(a) + u128::from(b);
+        if mean == 0 {
+            0.0
+        } else {
+            2.0 * total / mean as f64
+        }
     }
 
     /// Number of events, [reference, judged].
     #[must_use]
     pub fn events(&self) -> [u64; 2] {
         [self.keys[0].len() as u64, self.keys[1].len() as u64]
+    }
+
+    /// Events that each sensor made and could not deliver, [reference, judged].
+    #[must_use]
+    pub const fn dropped(&self) -> [u64; 2] {
+        self.dropped
     }
 
     /// Kinds of cells per pixel.
@@ -150,30 +262,135 @@ impl Pair {
             .checked_mul(i128::from(self.channels) * 2)
     }
 
+    /// Pixels and kinds, silent ones included: half the cells, since signs are not told apart.
+    #[must_use]
+    pub fn site_count(&self) -> Option<i128> {
+        self.cell_count().map(|cells| cells / 2)
+    }
+
     /// Every cell that spoke in either packet, with its times in the reference and in the
     /// other, both ascending.
     pub fn cells(&self) -> impl Iterator<Item = (Cell, Times<'_>, Times<'_>)> {
-        let [mut a, mut b] = [self.keys[0].as_slice(), self.keys[1].as_slice()];
-        std::iter::from_fn(move || {
-            let next = match (a.first(), b.first()) {
-                (Some(a), Some(b)) => cell(*a).min(cell(*b)),
-                (Some(key), None) | (None, Some(key)) => cell(*key),
-                (None, None) => return None,
-            };
-            Some((next, Times(split(&mut a, next)), Times(split(&mut b, next))))
+        self.spoke.iter().map(|spoke| {
+            let [a, b] = self.slices(&spoke.events);
+            (spoke.cell, Times(a), Times(b))
         })
+    }
+
+    /// Walks over the cells on all cores: every piece of work starts with `start`, takes its
+    /// cells in with `add`, and the pieces are joined in the order of the cells.
+    pub fn fold<T: Send>(
+        &self,
+        start: impl Fn() -> T + Sync,
+        add: impl Fn(&mut T, Times<'_>, Times<'_>) + Sync,
+        join: impl Fn(T, T) -> T,
+    ) -> T {
+        let piece = |sum: &mut T, piece: &[Spoke]| {
+            for spoke in piece {
+                let [a, b] = self.slices(&spoke.events);
+                add(sum, Times(a), Times(b));
+            }
+        };
+        self.walk(start, piece, join)
+    }
+
+    /// As [`Pair::fold`], both signs of a pixel and kind at once.
+    pub fn fold_sites<T: Send>(
+        &self,
+        start: impl Fn() -> T + Sync,
+        add: impl Fn(&mut T, Signed<'_>, Signed<'_>) + Sync,
+        join: impl Fn(T, T) -> T,
+    ) -> T {
+        let piece = |sum: &mut T, piece: &[Spoke]| {
+            for site in piece.chunk_by(|a, b| a.cell.site() == b.cell.site()) {
+                if let (Some(first), Some(last)) = (site.first(), site.last()) {
+                    // OFF lies right before ON.
+                    let both = [0, 1].map(|i| first.events[i].start..last.events[i].end);
+                    let [a, b] = self.slices(&both);
+                    add(sum, Signed(a), Signed(b));
+                }
+            }
+        };
+        self.walk(start, piece, join)
+    }
+
+    fn walk<T: Send>(
+        &self,
+        start: impl Fn() -> T + Sync,
+        add: impl Fn(&mut T, &[Spoke]) + Sync,
+        join: impl Fn(T, T) -> T,
+    ) -> T {
+        let one = |piece: &[Spoke]| {
+            let mut sum = start();
+            add(&mut sum, piece);
+            sum
+        };
+        // Never without a piece, though it may be empty.
+        let sums: Vec<T> = self.pieces().into_par_iter().map(one).collect();
+        sums.into_iter().reduce(join).unwrap_or_else(start)
+    }
+
+    /// The cells in pieces that do not part the signs of a pixel.
+    fn pieces(&self) -> Vec<&[Spoke]> {
+        let mut rest = self.spoke.as_slice();
+        let mut pieces = Vec::new();
+        while let Some(last) = rest.get(PIECE - 1) {
+            let more = rest[PIECE..]
+                .iter()
+                .take_while(|spoke| spoke.cell.site() == last.cell.site());
+            let (piece, after) = rest.split_at(PIECE + more.count());
+            pieces.push(piece);
+            rest = after;
+        }
+        pieces.push(rest);
+        pieces
+    }
+
+    fn slices(&self, at: &[Range<usize>; 2]) -> [&[Key]; 2] {
+        [0, 1].map(|i| self.keys[i].get(at[i].clone()).unwrap_or_default())
     }
 }
 
-/// Takes the events of `of` off the front of `keys`.
-fn split<'a>(keys: &mut &'a [Key], of: Cell) -> &'a [Key] {
-    let end = keys
-        .iter()
-        .position(|key| cell(*key) != of)
-        .unwrap_or(keys.len());
-    let (front, rest) = keys.split_at(end);
-    *keys = rest;
-    front
+/// The cells that spoke in either of two ascending lists.
+fn spoke(a: &[Key], b: &[Key]) -> Vec<Spoke> {
+    let mut at = [0, 0];
+    let mut all = Vec::new();
+    loop {
+        let next = match (a.get(at[0]), b.get(at[1])) {
+            (Some(a), Some(b)) => cell(*a).min(cell(*b)),
+            (Some(key), None) | (None, Some(key)) => cell(*key),
+            (None, None) => return all,
+        };
+        let events = [end(a, at[0], next), end(b, at[1], next)];
+        at = [events[0].end, events[1].end];
+        all.push(Spoke { cell: next, events });
+    }
+}
+
+/// Where the events of `of` are, when they can start only at `from`.
+fn end(keys: &[Key], from: usize, of: Cell) -> Range<usize> {
+    let own = keys[from..].iter().take_while(|key| cell(**key) == of);
+    from..from + own.count()
+}
+
+/// The events of one pixel and kind, of both signs.
+#[derive(Clone, Copy, Debug)]
+pub struct Signed<'a>(&'a [Key]);
+
+impl<'a> Signed<'a> {
+    /// One by one: time in microseconds, and sign; first OFF in order of time, then ON.
+    pub fn iter(self) -> impl Iterator<Item = (u64, Polarity)> + 'a {
+        self.0.iter().map(|key| (time(*key), cell(*key).polarity()))
+    }
+
+    /// How many of each sign, [OFF, ON].
+    #[must_use]
+    pub fn counts(self) -> [u64; 2] {
+        let off = self
+            .0
+            .partition_point(|key| cell(*key).polarity() == Polarity::Off);
+        [off as u64, (self.0.len() - off) as u64]
+    }
 }
 
 /// The times of one cell, ascending.
@@ -208,7 +425,7 @@ fn sorted(packet: &Packet) -> Result<Vec<Key>, CompareError> {
             let inside = usize::from(event.x) < size.width
                 && usize::from(event.y) < size.height
                 && event.channel < channels;
-            let key = Key::from(Cell::of(event).0) << 64 | Key::from(event.t.0);
+            let key = Cell::of(event).at(event.t.0);
             inside.then_some(key).ok_or(CompareError::Outside {
                 event: *event,
                 size,

@@ -1,0 +1,134 @@
+//! Streams that know nothing: what a metric says of a judged packet that is right by accident.
+//!
+//! - A **redraw** keeps what the reference says where, and forgets when: each cell has as many
+//!   events as in the reference, at times drawn, with replacement, from the times at which
+//!   all *other* cells spoke. So both its map of rates and its rate over time are the
+//!   reference's. Uniform times would flatter the judged stream: events that fall on the
+//!   frames of a clip, as a chip's do, meet by accident much more often than uniform ones.
+//!   Where only one cell spoke at all, its times are uniform between its first and last.
+//! - A **permutation** keeps when, and forgets where: all cells of a pixel move to another
+//!   pixel, each pixel to exactly one, silent ones too.
+//!
+//! Chance is a hash of the seed, the cell and the event's number in it.
+
+use std::sync::Arc;
+
+use rayon::{
+    iter::{IntoParallelIterator, ParallelIterator},
+    slice::ParallelSliceMut,
+};
+
+use super::{
+    Cell, Pair,
+    pair::{Key, time},
+};
+use crate::chance::{GOLDEN, mix};
+
+/// Reasons of chance.
+const REDRAW: u64 = 0x7265_6472_6177;
+const PERMUTE: u64 = 0x7065_726D_7574_6521;
+
+/// The reference of a pair, with a redraw of it to be judged.
+#[must_use]
+pub fn redraw(pair: &Pair, seed: u64) -> Pair {
+    let all = pair.reference();
+    let root = mix(mix(seed.wrapping_add(GOLDEN)) ^ REDRAW);
+    let cells: Vec<_> = pair.reference_cells().collect();
+    let drawn: Vec<Vec<Key>> = cells
+        .into_par_iter()
+        .map(|(cell, own)| {
+            let place = mix(root ^ mix(cell.word().wrapping_add(GOLDEN)));
+            let others = all.len() - own.len();
+            let first = all.get(own.start).map_or(0, |key| time(*key));
+            let last = all.get(own.end - 1).map_or(0, |key| time(*key));
+            let mut times: Vec<Key> = (0..own.len() as u64)
+                .map(|k| {
+                    let word = mix(place.wrapping_add(GOLDEN.wrapping_mul(k)));
+                    let t = if others == 0 {
+                        first + below(word, u128::from(last - first) + 1)
+                    } else {
+                        // The others lie after this cell, and on from the start.
+                        let at = own.end + below(word, others as u128) as usize;
+                        let at = if at < all.len() { at } else { at - all.len() };
+                        all.get(at).map_or(first, |key| time(*key))
+                    };
+                    cell.at(t)
+                })
+                .collect();
+            times.sort_unstable();
+            times
+        })
+        .collect();
+    pair.with_judged(Arc::new(drawn.concat()))
+}
+
+/// The reference of a pair, with a permutation of it to be judged.
+#[must_use]
+pub fn permute(pair: &Pair, seed: u64) -> Pair {
+    let all = pair.reference();
+    let pixels = Shuffle::of(pair, seed);
+    let mut cells: Vec<_> = pair
+        .reference_cells()
+        .map(|(cell, own)| (pixels.moved(cell), own))
+        .collect();
+    cells.par_sort_unstable_by_key(|(cell, _)| *cell);
+    let mut moved = Vec::with_capacity(all.len());
+    for (cell, own) in cells {
+        let own = all.get(own).unwrap_or_default();
+        moved.extend(own.iter().map(|key| cell.at(time(*key))));
+    }
+    pair.with_judged(Arc::new(moved))
+}
+
+/// A number from 0 to `end - 1`, `end` being at most 2^64.
+const fn below(word: u64, end: u128) -> u64 {
+    ((word as u128 * end) >> 64) as u64
+}
+
+/// A permutation of all pixels that needs no table: a Feistel network over the next even power
+/// of two, walked until it is back among the pixels (Black and Rogaway, CT-RSA 2002).
+struct Shuffle {
+    width: u64,
+    pixels: u64,
+    /// Half of the bits of a number.
+    half: u32,
+    root: u64,
+}
+
+impl Shuffle {
+    fn of(pair: &Pair, seed: u64) -> Self {
+        // Events have 16 bits for each coordinate.
+        let side = |pixels: usize| (pixels as u64).clamp(1, 1 << 16);
+        let (height, width) = (side(pair.size().height), side(pair.size().width));
+        let pixels = height * width;
+        let bits = u64::BITS - (pixels - 1).leading_zeros();
+        Self {
+            width,
+            pixels,
+            half: bits.div_ceil(2),
+            root: mix(mix(seed.wrapping_add(GOLDEN)) ^ PERMUTE),
+        }
+    }
+
+    fn moved(&self, cell: Cell) -> Cell {
+        let mut pixel = u64::from(cell.y()) * self.width + u64::from(cell.x());
+        loop {
+            pixel = self.round_trip(pixel);
+            if pixel < self.pixels {
+                return cell.moved_to((pixel % self.width) as u16, (pixel / self.width) as u16);
+            }
+        }
+    }
+
+    const fn round_trip(&self, number: u64) -> u64 {
+        let mask = (1 << self.half) - 1;
+        let (mut left, mut right) = (number >> self.half, number & mask);
+        let mut round = 1;
+        while round <= 4 {
+            let word = mix(self.root.wrapping_add(GOLDEN.wrapping_mul(round)) ^ mix(right));
+            (left, right) = (right, left ^ word & mask);
+            round += 1;
+        }
+        left << self.half | right
+    }
+}
