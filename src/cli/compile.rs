@@ -20,10 +20,7 @@ use crate::{
     },
     event::Packet,
     isa::{Analog, Device, Figure, Source, Value},
-    kernel::{
-        Kernel,
-        quantise::{Quantiser, QuantiserNameError},
-    },
+    kernel::{Kernel, quantise::Quantiser},
     photoreceptor::Curve,
     plane::{Plane, Size},
     program::{Action, Code, Cost, Expansion, Overrides, Program, Step, for_each, stored},
@@ -276,13 +273,13 @@ impl Asked {
 struct To(Option<Quantiser>);
 
 impl std::str::FromStr for To {
-    type Err = QuantiserNameError;
+    type Err = String;
 
-    fn from_str(name: &str) -> Result<Self, QuantiserNameError> {
+    fn from_str(name: &str) -> Result<Self, String> {
         if name == "exact" {
             return Ok(Self(None));
         }
-        name.parse().map(|to| Self(Some(to)))
+        super::quantise::quantiser(name).map(|to| Self(Some(to)))
     }
 }
 

@@ -6,14 +6,14 @@ use std::{
 };
 
 use image::{RgbImage, imageops};
-use miette::miette;
+use miette::{Diagnostic as _, miette};
 
 use crate::{
     compile::Effort,
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{Change, Quantised, Quantiser, Sum},
+        quantise::{Change, Quantised, Quantiser, QuantiserNameError, Sum},
     },
     picture::{panel, write_png},
     plane::Plane,
@@ -34,7 +34,7 @@ pub struct Arguments {
     /// A kernel file (.toml or .npy), or the name of a built-in
     kernel: String,
     /// One quantiser, or several with commas between
-    #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER")]
+    #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,
     /// What the quantised kernel must sum to
     #[arg(long, value_enum, default_value = "free")]
@@ -88,6 +88,16 @@ impl From<Total> for Sum {
             Total::Kept => Self::Kept,
         }
     }
+}
+
+/// A quantiser, for the command line, which shows no help beside a message.
+pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
+    name.parse().map_err(|error: QuantiserNameError| {
+        let known = error
+            .help()
+            .map_or(String::new(), |help| format!("; known are {help}"));
+        format!("{error}{known}")
+    })
 }
 
 /// One row of the table.
