@@ -10,7 +10,10 @@ use amacrine::{
     },
     event::{Packet, Polarity},
     isa::{Analog, Device},
-    kernel::Kernel,
+    kernel::{
+        Kernel,
+        quantise::{Quantiser, Sum},
+    },
     plane::{Plane, Size},
     program::{Cost, Overrides, Program},
     reference::{Description, Reference},
@@ -198,6 +201,52 @@ fn silicon_errs_as_predicted() {
             "{temporal} {said:?}"
         );
         assert!((fixed / said.fixed - 1.0).abs() < 0.05, "{fixed} {said:?}");
+    }
+}
+
+/// A program that is said to hold does not saturate as silicon: events of the exact and of the
+/// erring array are of one order, for kernels whose shortest plans pile up transfer
+/// errors.
+#[test]
+fn what_holds_works_as_silicon() {
+    let device = Device::scamp5();
+    let weights = Kernel::builtin("rgc-5x5").unwrap();
+    for to in ["ternary", "int-3", "int-5"] {
+        let to: Quantiser = to.parse().unwrap();
+        let quantised = to.quantise(&weights, Sum::Zero, 0).unwrap().within_one();
+        let threshold = 256.0 / quantised.scale;
+        let kinds = [Kind {
+            kernel: quantised.levels.clone(),
+            on: threshold,
+            off: threshold,
+        }];
+        let kernels = [quantised.levels];
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = Effort { states: 20_000 };
+        let sensor = SensorProgram::new(&kinds, Memory::Analogue, "holds", &request).unwrap();
+        assert!(sensor.filter.holds, "{to}");
+        let program = Program::parse("holds", &sensor.text).unwrap();
+        let code = program.expand(&device, &Overrides::default()).unwrap().code;
+        let clip = clip(5);
+        let size = Size::of(&clip[0]);
+        let settings = Settings {
+            clip: true,
+            ..Settings::of(&device)
+        };
+        let events = |arithmetic: Arithmetic| {
+            let chip = arithmetic.chip("holds", code.clone(), &device, size, settings);
+            watch(&mut chip.unwrap(), &clip).events.len() as f64
+        };
+        let exact = events("exact".parse().unwrap());
+        let silicon = events(Arithmetic::Silicon { seed: 1 });
+        println!(
+            "{to}: {} words, {exact} events exact, {silicon} as silicon",
+            sensor.filter.words.len()
+        );
+        assert!(
+            exact > 50.0 && (0.4..2.5).contains(&(silicon / exact)),
+            "{to}: {exact} {silicon}"
+        );
     }
 }
 

@@ -259,6 +259,11 @@ impl Asked {
         };
         for (i, kernel) in self.kernels.iter_mut().enumerate() {
             let quantised = to.quantise(kernel, arguments.sum.into(), arguments.seed)?;
+            let quantised = if arguments.filter_only {
+                quantised
+            } else {
+                quantised.within_one()
+            };
             let scale = quantised.scale;
             (*kernel, self.scales[i]) = (quantised.levels, scale);
             let (on, off) = self.thresholds[i];
@@ -649,6 +654,7 @@ impl Compiled {
             "host_us": cost.host_us,
             "results_lsb": results.collect::<Vec<_>>(),
             "saturating_stores": self.saturations,
+            "holds_with_transfer_errors": self.filter.holds,
             "largest_input_lsb": 127.0 / self.filter.peak,
             "offset_stores": self.filter.offsets,
             "noise_lsb": self.noise(asked, device),
@@ -750,7 +756,12 @@ impl Compiled {
                 127.0 / self.filter.peak
             ),
         };
-        line("range", range);
+        let errors = if self.filter.holds {
+            ""
+        } else {
+            "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
+        };
+        line("range", range + errors);
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
         line(
             "offset",

@@ -16,21 +16,26 @@ use crate::isa::Direction;
 pub(super) fn combs(goal: &Field, unit: i64) -> Vec<Plan> {
     let mut plans = Vec::new();
     for held in 1..=HELD {
-        for minus in [false, true] {
-            for columns_first in [false, true] {
-                plans.push(comb(goal, unit, held, minus, columns_first));
-            }
+        for choice in 0..8 {
+            let [minus, columns_first, steady] = [1, 2, 4].map(|bit| choice & bit != 0);
+            plans.push(comb(
+                goal,
+                unit,
+                held,
+                Draft::new(minus, steady),
+                columns_first,
+            ));
         }
     }
     plans
 }
 
-fn comb(goal: &Field, unit: i64, held: usize, minus: bool, columns_first: bool) -> Plan {
+fn comb(goal: &Field, unit: i64, held: usize, draft: Draft, columns_first: bool) -> Plan {
     let Some((groups, last)) = groups(goal, held) else {
-        return Draft::new(false).zero();
+        return Draft::new(false, false).zero();
     };
     let mut comb = Comb {
-        draft: Draft::new(minus),
+        draft,
         columns_first,
     };
     let mut total: Option<Sum> = None;

@@ -29,8 +29,10 @@ impl Sum {
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
     pub(super) plan: Plan,
-    /// The input and its halves; every other one is minus what it stands for.
+    /// The input and its halves; every other one is minus what it stands for, unless `steady`.
     held: Vec<Value>,
+    /// What is held carries no transfer error: it was stored twice.
+    steady: bool,
     /// Minus the input.
     minus: Option<Value>,
     /// Values in registers so far.
@@ -39,15 +41,21 @@ pub(super) struct Draft {
 
 impl Draft {
     /// With or without minus the input.
-    pub(super) fn new(minus: bool) -> Self {
+    pub(super) fn new(minus: bool, steady: bool) -> Self {
         let mut draft = Self {
             plan: Plan::default(),
             held: vec![0],
+            steady,
             minus: None,
             values: 1,
         };
         if minus {
-            draft.minus = Some(draft.register(vec![], vec![0], false));
+            let mut values = vec![0];
+            if steady {
+                // One transfer error, which the store of minus the input cancels.
+                values.push(draft.register(vec![], vec![], false));
+            }
+            draft.minus = Some(draft.register(vec![], values, false));
         }
         draft
     }
@@ -82,7 +90,10 @@ impl Draft {
     /// Halves the input so often.
     pub(super) fn hold(&mut self, halved: usize) {
         while let (true, Some(last)) = (self.held.len() <= halved, self.held.last().copied()) {
-            let half = self.register(vec![], vec![last], true);
+            let mut half = self.register(vec![], vec![last], true);
+            if self.steady {
+                half = self.register(vec![], vec![half], false);
+            }
             self.held.push(half);
         }
     }
@@ -92,7 +103,8 @@ impl Draft {
         let mut values = Vec::new();
         pending.retain(|digit| {
             let minus = digit.negative != negative;
-            let held = if minus == (digit.halved % 2 == 1) {
+            let turned = !self.steady && digit.halved % 2 == 1;
+            let held = if minus == turned {
                 self.held.get(digit.halved).copied()
             } else {
                 self.minus.filter(|_| digit.halved == 0)

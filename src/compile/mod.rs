@@ -41,12 +41,13 @@ pub use sensor::{Kind, Memory, SensorProgram, Steps};
 pub use snake::snake_words;
 
 use crate::{
-    isa::{Analog, Device, Primitive, Source, Target},
+    isa::{Analog, Device, Figure, Primitive, Source, Target},
     kernel::Kernel,
 };
 use allocate::Room;
 use field::{Field, Tap};
-use solve::{FINE, Job, Solved};
+use plan::Errors;
+use solve::{FINE, Job, Limits, Solved, fine};
 
 /// How long to search, in states looked at: the result does not depend on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +109,8 @@ pub struct Filter {
     pub border: bool,
     /// For an input of size 1 the largest value that is stored, in size.
     pub peak: f64,
+    /// With a range: nothing saturates, the chip's transfer errors included.
+    pub holds: bool,
     /// What is left of the transfer error in each result, in errors of one store.
     pub offsets: Vec<f64>,
     /// States looked at.
@@ -160,26 +163,43 @@ impl<'a> Request<'a> {
             .into_iter()
             .filter(|register| !self.keep.contains(register))
             .collect();
-        let plus = self.solve(&goals, unit, self.input, &all)?;
         let Some((low, high)) = self.range else {
+            let plus = self.solve(&goals, unit, self.input, &all, None)?;
             return Ok(self.finished(&plus, unit, 0, Vec::new()));
         };
-        let bits = halvings(&plus, unit, low, high);
+        let figure = |figure| self.device.value(figure);
+        let mut limits = Limits {
+            input: (low, high),
+            errors: Errors {
+                transfer: figure(Figure::TransferError),
+                division: figure(Figure::DivisionError),
+            },
+        };
+        let plus = self.solve(&goals, unit, self.input, &all, Some(limits))?;
+        if !plus.holds {
+            // On a chip without errors, at least.
+            limits.errors = Errors {
+                transfer: 0.0,
+                division: 0.0,
+            };
+        }
         let other = all.iter().copied().find(|r| *r != self.input);
-        let (Some(bits), Some(other)) = (bits, other) else {
+        let (Some(bits), Some(other)) = (halvings(&plus, unit, limits), other) else {
             return Err(CompileError::Range { low, high });
         };
-        if bits % 2 == 0 {
+        if bits.is_multiple_of(2) {
             let first = prefix(self.device, self.input, other, bits);
             return Ok(self.finished(&plus, unit, bits, first));
         }
         // Each halving negates, and after an odd number of them the input lies elsewhere.
         let goals: Vec<Field> = goals.iter().map(|goal| goal.times(-1)).collect();
-        let minus = self.solve(&goals, unit, other, &all)?;
-        let Some(bits) = halvings(&minus, unit, -high, -low) else {
+        limits.input = (-high, -low);
+        let mut minus = self.solve(&goals, unit, other, &all, Some(limits))?;
+        minus.holds &= plus.holds;
+        let Some(bits) = halvings(&minus, unit, limits) else {
             return Err(CompileError::Range { low, high });
         };
-        let bits = bits + u32::from(bits % 2 == 0);
+        let bits = bits + u32::from(bits.is_multiple_of(2));
         let first = prefix(self.device, self.input, other, bits);
         Ok(self.finished(&minus, unit, bits, first))
     }
@@ -190,6 +210,7 @@ impl<'a> Request<'a> {
         unit: i64,
         input: Analog,
         all: &[Analog],
+        limits: Option<Limits>,
     ) -> Result<Solved, CompileError> {
         let job = Job {
             goals: goals.to_vec(),
@@ -203,6 +224,7 @@ impl<'a> Request<'a> {
             border: self.border,
             seed: self.seed,
             states: self.effort.states,
+            limits,
         };
         job.solve().ok_or_else(|| CompileError::Registers {
             what: match goals.len() {
@@ -235,6 +257,7 @@ impl<'a> Request<'a> {
             live,
             prescale,
             border: solved.border,
+            holds: solved.holds,
             peak: stored(solved, unit)
                 .map(|field| field.bounds(-1.0, 1.0).1 / fine(unit))
                 .fold(1.0, f64::max),
@@ -283,10 +306,6 @@ fn prefix(device: &Device, from: Analog, other: Analog, bits: u32) -> Vec<Primit
     (0..bits).map(half).collect()
 }
 
-fn fine(unit: i64) -> f64 {
-    unit as f64 * FINE as f64
-}
-
 /// All that a plan stores.
 fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = Field> {
     let trace = solved.plan.trace(unit * FINE);
@@ -294,18 +313,9 @@ fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = Field> {
 }
 
 /// How often the input must be halved for nothing to saturate.
-fn halvings(solved: &Solved, unit: i64, low: f64, high: f64) -> Option<u32> {
-    let fits = |bits: &u32| {
-        let scale = fine(unit) * 2f64.powi(*bits as i32);
-        let within = |field: &Field| {
-            let (low, high) = field.bounds(low, high);
-            low / scale >= -128.0 && high / scale <= 127.0
-        };
-        // Minus the input may be stored on the way.
-        let halved = *bits == 0 || (low >= -128.0 && high <= 127.0);
-        halved && stored(solved, unit).all(|field| within(&field))
-    };
-    (0..24).find(fits)
+fn halvings(solved: &Solved, unit: i64, limits: Limits) -> Option<u32> {
+    let trace = solved.plan.trace(unit * FINE)?;
+    limits.halvings(&solved.plan, &trace, unit)
 }
 
 /// Transfer errors left in some registers, in errors of one store, when the input has none.

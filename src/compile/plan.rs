@@ -17,6 +17,26 @@ pub(super) enum Store {
     Both(Option<Direction>),
 }
 
+/// What every store adds, LSB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Errors {
+    /// The transfer error.
+    pub(super) transfer: f64,
+    /// What comes to it where the bus splits.
+    pub(super) division: f64,
+}
+
+impl Errors {
+    /// What a store makes of a sum.
+    pub(super) fn stored(self, sum: f64, splits: bool) -> f64 {
+        if splits {
+            self.transfer + self.division - sum / 2.0
+        } else {
+            self.transfer - sum
+        }
+    }
+}
+
 /// One bus word: `store := -(sum of sources) / (number of targets)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Word {
@@ -56,13 +76,14 @@ pub(super) struct Trace {
 }
 
 impl Plan {
-    /// How many values must be held in registers at a time, the input until it is last read.
-    pub(super) fn width(&self) -> usize {
-        let mut last: Vec<usize> = vec![0];
+    /// How many values must be held in registers at a time; the input until it is last read, or
+    /// for good.
+    pub(super) fn width(&self, input_is_kept: bool) -> usize {
+        let mut last: Vec<usize> = vec![if input_is_kept { self.words.len() } else { 0 }];
         for (i, word) in self.words.iter().enumerate() {
             for value in &word.values {
                 if let Some(last) = last.get_mut(*value) {
-                    *last = i;
+                    *last = i.max(*last);
                 }
             }
             if !matches!(word.store, Store::News(_)) {
@@ -80,6 +101,31 @@ impl Plan {
             last.iter().take(stored).filter(|last| **last >= i).count()
         });
         held.max().unwrap_or(1)
+    }
+
+    /// What each word stores where there is no light, LSB: transfer errors, from what the input
+    /// has of them already.
+    pub(super) fn dark(&self, input: f64, errors: Errors) -> Vec<f64> {
+        let mut values = vec![input];
+        let mut news = 0.0;
+        let mut all = Vec::new();
+        for word in &self.words {
+            let mut sum = news * word.views.len() as f64;
+            sum += word
+                .values
+                .iter()
+                .filter_map(|v| values.get(*v))
+                .sum::<f64>();
+            let stored = errors.stored(sum, word.splits());
+            if let Store::News(_) | Store::Both(_) = word.store {
+                news = stored;
+            }
+            if let Store::Register | Store::Both(_) = word.store {
+                values.push(stored);
+            }
+            all.push(stored);
+        }
+        all
     }
 
     /// Runs the words on an input of one `unit`. `None` where a half is not whole.

@@ -7,7 +7,7 @@ use super::{
     beam::{Task, Taste, search},
     comb::combs,
     field::Field,
-    plan::{Plan, Value},
+    plan::{Errors, Plan, Trace, Value},
     scale::scale,
     separable::{Factor, after, factors},
     walk::walks,
@@ -25,6 +25,55 @@ pub(super) struct Job {
     pub(super) seed: u64,
     /// States that may be looked at.
     pub(super) states: u64,
+    /// What must not saturate, if anything.
+    pub(super) limits: Option<Limits>,
+}
+
+/// An input, and how the chip errs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// The lowest and highest input, LSB.
+    pub(super) input: (f64, f64),
+    pub(super) errors: Errors,
+}
+
+impl Limits {
+    /// How often the input must be halved, if that helps, for nothing to saturate, transfer
+    /// errors included.
+    pub(super) fn halvings(self, plan: &Plan, trace: &Trace, unit: i64) -> Option<u32> {
+        let (low, high) = self.input;
+        let most = low.abs().max(high.abs());
+        let mut dark = 0.0;
+        for bits in 0..24 {
+            if bits > 0 {
+                dark = self.errors.stored(dark, true);
+            }
+            let scale = fine(unit) * 2f64.powi(bits);
+            // An odd number of halvings leaves minus the input, for which a plan of its own is
+            // made.
+            let (low, high) = if bits % 2 == 0 {
+                (low, high)
+            } else {
+                (-most, most)
+            };
+            let fits = |(field, dark): (&Field, f64)| {
+                let (low, high) = field.bounds(low, high);
+                low / scale + dark >= -128.0 && high / scale + dark <= 127.0
+            };
+            let darks = plan.dark(dark, self.errors);
+            // Minus the input may be stored on the way.
+            let halved = bits == 0 || most <= 127.0;
+            if halved && trace.stored.iter().zip(darks).all(fits) {
+                return Some(bits as u32);
+            }
+        }
+        None
+    }
+}
+
+/// The input in the units of a trace.
+pub(super) fn fine(unit: i64) -> f64 {
+    unit as f64 * FINE as f64
 }
 
 /// A plan with its registers.
@@ -33,6 +82,9 @@ pub(super) struct Solved {
     pub(super) plan: Plan,
     pub(super) allocated: Allocated,
     pub(super) border: bool,
+    /// Some number of halvings of the input keeps it within the limits, errors of the chip
+    /// included.
+    pub(super) holds: bool,
     pub(super) seen: u64,
 }
 
@@ -75,7 +127,7 @@ impl Job {
         best: Option<&Solved>,
         left: u64,
     ) -> (u64, Vec<Solved>) {
-        let fits = |solved: &&Solved| solved.border || !self.border;
+        let fits = |solved: &&Solved| (solved.border || !self.border) && solved.holds;
         let below = best
             .filter(fits)
             .map_or(usize::MAX, |b| b.allocated.words.len());
@@ -228,14 +280,47 @@ impl Job {
         let mut parts = Vec::new();
         for (done, goal) in self.order().into_iter().enumerate() {
             let registers = self.room.all.len().saturating_sub(done);
-            let (goal_field, unit) = (&self.goals[goal], self.unit);
-            let outward = self
-                .border
-                .then(|| plain(combs, goal_field, unit, registers));
-            let plan = (outward.flatten()).or_else(|| plain(walks, goal_field, unit, registers));
+            let room = (registers, done + 1 < self.goals.len());
+            let plain = |kind| self.plain(kind, (&self.goals[goal], self.unit), room);
+            let outward = self.border.then(|| plain(combs));
+            let plan = outward.flatten().or_else(|| plain(walks));
             parts.push((goal, plan?));
         }
         self.finish(self.joined(parts))
+    }
+
+    /// Whether nothing saturates, if the input is halved often enough.
+    fn holds(&self, plan: &Plan, trace: &Trace, unit: i64) -> bool {
+        let halvings = |limits: Limits| limits.halvings(plan, trace, unit);
+        self.limits.is_none_or(|limits| halvings(limits).is_some())
+    }
+
+    /// The shortest of the plans that need no search and keep to so many registers; of those
+    /// within the limits, if there is any.
+    fn plain(
+        &self,
+        kind: fn(&Field, i64) -> Vec<Plan>,
+        (goal, unit): (&Field, i64),
+        (registers, input_is_kept): (usize, bool),
+    ) -> Option<Plan> {
+        let least = |mut plans: Vec<Plan>, unit: i64| {
+            plans.retain(|plan| plan.width(input_is_kept) <= registers);
+            plans.sort_by_key(|plan| plan.words.len());
+            let holds = |plan: &&Plan| {
+                let trace = plan.trace(unit * FINE);
+                trace.is_some_and(|trace| self.holds(plan, &trace, unit))
+            };
+            plans.iter().find(holds).or(plans.first()).cloned()
+        };
+        let mut plans = kind(goal, unit);
+        plans.extend(scale(goal, unit));
+        if let Some(parts) = factors(goal, unit) {
+            let [row, column] = parts.map(|(part, unit)| least(kind(&part, unit), unit));
+            if let (Some(row), Some(column)) = (row, column) {
+                plans.extend(after(&row, &column));
+            }
+        }
+        least(plans, unit)
     }
 
     /// A plan with registers, if it is one; it is checked here once more.
@@ -249,39 +334,21 @@ impl Job {
         }
         let allocated = allocate(&plan, &self.room)?;
         Some(Solved {
-            plan,
             allocated,
             border: trace.border,
+            holds: self.holds(&plan, &trace, self.unit),
+            plan,
             seen: 0,
         })
     }
-}
-
-/// The shortest of the plans that need no search and keep to so many registers.
-fn plain(
-    kind: impl Fn(&Field, i64) -> Vec<Plan>,
-    goal: &Field,
-    unit: i64,
-    registers: usize,
-) -> Option<Plan> {
-    let least = |plans: Vec<Plan>| {
-        let fitting = plans.into_iter().filter(|plan| plan.width() <= registers);
-        fitting.min_by_key(|plan| plan.words.len())
-    };
-    let mut plans = kind(goal, unit);
-    plans.extend(scale(goal, unit));
-    if let Some(parts) = factors(goal, unit) {
-        let [row, column] = parts.map(|(part, unit)| least(kind(&part, unit)));
-        plans.extend(after(&row?, &column?));
-    }
-    least(plans)
 }
 
 fn better(new: &Solved, old: Option<&Solved>, border: bool) -> bool {
     let Some(old) = old else { return true };
     let key = |solved: &Solved| {
         let most = solved.allocated.live.iter().map(Vec::len).max();
-        (border && !solved.border, solved.allocated.words.len(), most)
+        let short = border && !solved.border;
+        (short, !solved.holds, solved.allocated.words.len(), most)
     };
     key(new) < key(old)
 }

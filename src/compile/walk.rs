@@ -27,19 +27,18 @@ pub(super) const HELD: usize = 6;
 pub(super) fn walks(goal: &Field, unit: i64) -> Vec<Plan> {
     let mut plans = Vec::new();
     for held in 1..=HELD {
-        for (minus, negative) in [(false, false), (false, true), (true, false), (true, true)] {
-            plans.push(walk(goal, unit, held, minus, negative));
+        for choice in 0..8 {
+            let [minus, negative, steady] = [1, 2, 4].map(|bit| choice & bit != 0);
+            plans.push(walk(goal, unit, held, Draft::new(minus, steady), negative));
         }
     }
     plans
 }
 
-/// A walk that takes in so many exponents at a time, with or without minus the input, and
-/// begins with this sign.
-fn walk(goal: &Field, unit: i64, held: usize, minus: bool, negative: bool) -> Plan {
-    let draft = Draft::new(minus);
+/// A walk that takes in so many exponents at a time and begins with this sign.
+fn walk(goal: &Field, unit: i64, held: usize, draft: Draft, negative: bool) -> Plan {
     let Some((groups, last)) = groups(goal, held) else {
-        return Draft::new(false).zero();
+        return Draft::new(false, false).zero();
     };
     let mut walk = Walk {
         draft,
@@ -204,7 +203,7 @@ mod tests {
             // The halves on the way need finer units.
             let fine = 1 << 20;
             let plans = walks(&goal, unit);
-            prop_assert!(plans.iter().any(|plan| plan.width() <= LEAST));
+            prop_assert!(plans.iter().any(|plan| plan.width(true) <= LEAST));
             for plan in plans {
                 let trace = plan.trace(unit * fine).unwrap();
                 prop_assert_eq!(&trace.values[plan.goals[0]], &goal.times(fine));

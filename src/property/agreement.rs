@@ -5,7 +5,7 @@ use proptest::test_runner::{Config, TestCaseError, TestError, TestRunner};
 use super::{Clip, clips};
 use crate::{
     array::{Arithmetic, Settings},
-    compare::compare,
+    compare::{compare, equality::Side},
     event::Packet,
     isa::Device,
     number::Format,
@@ -129,7 +129,17 @@ pub fn agree(
         judged: events[1],
         first: comparison.first_divergence.map_or_else(
             || "the events are the same but for their times".to_owned(),
-            |divergence| format!("the first that only one has: {divergence:?}"),
+            |divergence| {
+                let who = match divergence.only_in {
+                    Side::Reference => &reference.name,
+                    Side::Judged => file,
+                };
+                let sign = if divergence.p == 1 { "ON" } else { "OFF" };
+                format!(
+                    "the first that only one has: {who}, {sign} at {} us, x {}, y {}",
+                    divergence.t.0, divergence.x, divergence.y
+                )
+            },
         ),
     })
 }
@@ -155,6 +165,8 @@ pub fn assert_agrees(program: &Program, reference: &Description, tolerance: &Tol
     let config = Config {
         cases: tolerance.cases,
         failure_persistence: None,
+        // The smallest scene, however long that takes: it is what people look at.
+        max_shrink_iters: 100_000,
         ..Config::default()
     };
     let found = TestRunner::new(config).run(&clips(tolerance.size, 2..=6), |clip| {

@@ -232,7 +232,7 @@ impl Question<'_> {
     }
 
     fn build(&self, to: Quantiser, size: Size) -> Result<Built, QuantisationError> {
-        let quantised = to.quantise(self.kernel, self.sum, self.seed)?;
+        let quantised = to.quantise(self.kernel, self.sum, self.seed)?.within_one();
         let threshold = self.threshold / quantised.scale;
         let kind = Kind {
             kernel: quantised.levels.clone(),

@@ -178,6 +178,23 @@ impl Quantiser {
 }
 
 impl Quantised {
+    /// The same kernel in levels of at most 1, by a power of two: where the scale is free
+    /// anyway, an array then halves on the way instead of losing the bits of its input first.
+    #[must_use]
+    pub fn within_one(mut self) -> Self {
+        let largest = self
+            .levels
+            .weights
+            .iter()
+            .fold(0.0, |most: f64, l| most.max(l.abs()));
+        if largest > 0.0 {
+            let power = 2f64.powi(largest.log2().ceil() as i32);
+            self.levels.weights /= power;
+            self.scale *= power;
+        }
+        self
+    }
+
     /// The kernel that the levels and the scale stand for.
     #[must_use]
     pub fn kernel(&self) -> Kernel {

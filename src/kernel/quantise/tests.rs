@@ -163,6 +163,23 @@ proptest! {
     }
 }
 
+#[test]
+fn levels_within_one_are_the_same_kernel() {
+    let kernel = kernel(&[0.3, -2.0, 1.1, 0.0, 7.5, -0.2, 1.0, 1.0, -3.0]);
+    for to in ["ternary", "int-5", "po2-3", "q4.3"] {
+        let quantised = to.parse::<Quantiser>().unwrap();
+        let quantised = quantised.quantise(&kernel, Sum::Free, 0).unwrap();
+        let within = quantised.clone().within_one();
+        assert_eq!(within.kernel(), quantised.kernel());
+        let largest = within
+            .levels
+            .weights()
+            .iter()
+            .fold(0.0, |m: f64, l| m.max(l.abs()));
+        assert!(largest > 0.5 && largest <= 1.0, "{to}: {largest}");
+    }
+}
+
 const SEEDS: u64 = 20_000;
 
 /// Within 4 sigma of the weight itself.
