@@ -746,22 +746,7 @@ impl Compiled {
                 ),
             );
         }
-        let range = match (self.saturations, self.filter.prescale) {
-            (0, 0) => "nothing saturates".to_owned(),
-            (0, bits) => format!(
-                "nothing saturates; the input is halved {bits} times first, which costs {bits} bits"
-            ),
-            (n, _) => format!(
-                "{n} stores can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
-                127.0 / self.filter.peak
-            ),
-        };
-        let errors = if self.filter.holds {
-            ""
-        } else {
-            "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
-        };
-        line("range", range + errors);
+        line("range", self.range());
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
         line(
             "offset",
@@ -804,6 +789,26 @@ impl Compiled {
         text.push_str("\nregisters live over the filter's words\n");
         text.push_str(&self.chart(device));
         text
+    }
+
+    /// Whether anything saturates, and what that costs.
+    fn range(&self) -> String {
+        let range = match (self.saturations, self.filter.prescale) {
+            (0, 0) => "nothing saturates".to_owned(),
+            (0, bits) => format!(
+                "nothing saturates; the input is halved {bits} times first, which costs {bits} bits"
+            ),
+            (n, _) => format!(
+                "{n} stores can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
+                127.0 / self.filter.peak
+            ),
+        };
+        let errors = if self.filter.holds {
+            ""
+        } else {
+            "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
+        };
+        range + errors
     }
 
     /// A row for each register, a column for each word.
