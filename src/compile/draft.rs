@@ -165,7 +165,14 @@ impl Draft {
         for _ in 0..down {
             sum = self.halved(sum);
         }
-        sum = self.doubled(sum, up);
+        if self.held.len() == 1 && self.minus.is_none() {
+            // A word more each, and a register less.
+            for _ in 0..up {
+                sum = self.doubled(sum, 1);
+            }
+        } else {
+            sum = self.doubled(sum, up);
+        }
         if sum.negative {
             sum = Sum::stored(self.register(vec![], vec![sum.value], false), true);
         }
