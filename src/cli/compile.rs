@@ -579,11 +579,6 @@ impl Proof<'_> {
     fn too_long(&self, filter: &Filter, faults: crate::isa::text::Faults) -> miette::Report {
         let room = self.device.value(Figure::Store) as u64;
         let words = filter.words.len() as u64;
-        let words = if self.input == Input::Light {
-            2 * words
-        } else {
-            words
-        };
         if words > room {
             return CompileError::Store {
                 words,

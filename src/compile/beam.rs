@@ -84,6 +84,19 @@ struct Step {
     halved: bool,
 }
 
+impl Step {
+    /// A word that stored in a register alone; what it read is not said yet.
+    fn into_register(stored: &Rc<Item>, halved: bool) -> Self {
+        Self {
+            stored: Some(stored.clone()),
+            news: None,
+            views: 0,
+            values: Vec::new(),
+            halved,
+        }
+    }
+}
+
 struct Node {
     state: State,
     parent: u32,
@@ -482,13 +495,7 @@ impl<'a> Search<'a> {
     fn before_register(&mut self, state: &State, at: usize, out: &mut Out<'_>) {
         let item = state.live[at].clone();
         for (sum, halved, room) in stores_of(&item.field) {
-            let base = Step {
-                stored: Some(item.clone()),
-                news: None,
-                views: 0,
-                values: Vec::new(),
-                halved,
-            };
+            let base = Step::into_register(&item, halved);
             if sum.is_zero() {
                 self.child(state, Some(at), &base, Vec::new(), None, out);
                 return;
@@ -586,13 +593,7 @@ impl<'a> Search<'a> {
     fn before_second(&mut self, state: &State, at: usize, news: &Rc<Item>, out: &mut Out<'_>) {
         let item = state.live[at].clone();
         for (sum, halved, room) in stores_of(&item.field) {
-            let base = Step {
-                stored: Some(item.clone()),
-                news: None,
-                views: 0,
-                values: Vec::new(),
-                halved,
-            };
+            let base = Step::into_register(&item, halved);
             let size = weight(&sum);
             for which in 0..self.shapes.len() {
                 let (mask, places) = &self.shapes[which];

@@ -110,10 +110,7 @@ impl Comb {
     fn merged(&mut self, a: Option<Sum>, b: Sum) -> Sum {
         let Some(mut a) = a else { return b };
         if a.negative != b.negative {
-            a = Sum::stored(
-                self.draft.register(vec![], vec![a.value], false),
-                a.negative,
-            );
+            a = self.draft.turned(a);
         }
         let both = self.draft.register(vec![], vec![a.value, b.value], false);
         Sum::stored(both, a.negative)

@@ -130,6 +130,11 @@ impl Draft {
         sum
     }
 
+    /// With the other sign.
+    pub(super) fn turned(&mut self, sum: Sum) -> Sum {
+        Sum::stored(self.register(vec![], vec![sum.value], false), sum.negative)
+    }
+
     /// Half of it.
     pub(super) fn halved(&mut self, sum: Sum) -> Sum {
         Sum::stored(self.register(vec![], vec![sum.value], true), sum.negative)
@@ -174,7 +179,7 @@ impl Draft {
             sum = self.doubled(sum, up);
         }
         if sum.negative {
-            sum = Sum::stored(self.register(vec![], vec![sum.value], false), true);
+            sum = self.turned(sum);
         }
         self.plan.goals = vec![sum.value];
         self.plan

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Filter;
+use super::{Filter, digit::Place};
 use crate::isa::{Analog, Device, Figure, Primitive, Source, Target};
 
 /// What a filter adds to its result, as standard deviations in LSB.
@@ -30,9 +30,6 @@ enum Draw {
     /// Of a pixel's bus that splits.
     Split(usize),
 }
-
-/// Rows and columns from the pixel.
-type Place = (i16, i16);
 
 /// What a cell holds: a level, and its part of every draw of the pixels round it.
 #[derive(Clone, Debug, Default)]

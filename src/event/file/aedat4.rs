@@ -13,7 +13,7 @@ use std::io::{self, Read, SeekFrom};
 use lz4_flex::frame::{FrameDecoder, FrameEncoder, FrameInfo};
 
 use super::{
-    Fault, Format, Place,
+    Format, Place,
     about::About,
     aedat3::magic,
     chunks::Chunks,
@@ -53,8 +53,7 @@ pub(super) struct Reading {
 }
 
 fn wrong(at: u64, why: impl Into<String>) -> Stop {
-    let (format, why) = (Format::Aedat4, why.into());
-    Stop::Fault(Place::Byte(at), Fault::Layout { format, why })
+    Stop::layout(Format::Aedat4, at, why)
 }
 
 /// Reads the events.

@@ -354,6 +354,14 @@ pub enum Stop {
     Fault(Place, Fault),
 }
 
+impl Stop {
+    /// A file that is not laid out as its format is, from this byte on.
+    pub fn layout(format: Format, byte: u64, why: impl Into<String>) -> Self {
+        let why = why.into();
+        Self::Fault(Place::Byte(byte), Fault::Layout { format, why })
+    }
+}
+
 impl From<io::Error> for Stop {
     fn from(cause: io::Error) -> Self {
         Self::Io(cause)

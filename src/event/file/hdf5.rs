@@ -16,7 +16,7 @@ use hdf5_pure::{
 use tempfile::NamedTempFile;
 
 use super::{
-    Fault, Format, Place,
+    Format, Place,
     about::About,
     fault::Stop,
     gate::Raw,
@@ -33,8 +33,7 @@ const CHUNK: u64 = 1 << 15;
 const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
 
 fn wrong(why: impl Into<String>) -> Stop {
-    let (format, why) = (Format::Hdf5, why.into());
-    Stop::Fault(Place::Byte(0), Fault::Layout { format, why })
+    Stop::layout(Format::Hdf5, 0, why)
 }
 
 /// Reads the events.

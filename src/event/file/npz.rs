@@ -15,7 +15,7 @@ use flate2::read::DeflateDecoder;
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::{
-    Fault, Format, Place,
+    Format, Place,
     about::About,
     chunks::Chunks,
     fault::Stop,
@@ -37,8 +37,7 @@ const COLUMNS: [(&str, &str); 5] = [
 ];
 
 fn wrong(why: impl Into<String>) -> Stop {
-    let (format, why) = (Format::Npz, why.into());
-    Stop::Fault(Place::Byte(0), Fault::Layout { format, why })
+    Stop::layout(Format::Npz, 0, why)
 }
 
 /// Reads the events.

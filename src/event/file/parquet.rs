@@ -28,7 +28,7 @@ use parquet::{
 };
 
 use super::{
-    Fault, Format, Place,
+    Format, Place,
     about::About,
     fault::Stop,
     gate::Raw,
@@ -45,8 +45,7 @@ const GROUP: usize = 1 << 20;
 const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
 
 fn wrong(why: impl Into<String>) -> Stop {
-    let (format, why) = (Format::Parquet, why.into());
-    Stop::Fault(Place::Byte(0), Fault::Layout { format, why })
+    Stop::layout(Format::Parquet, 0, why)
 }
 
 /// Does what the crate may also answer with a panic, as it does for some damaged files.
