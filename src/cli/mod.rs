@@ -15,6 +15,7 @@ pub mod packets;
 mod progress;
 pub mod quantise;
 mod readout;
+mod recording;
 mod registers;
 pub mod run;
 pub mod show;
