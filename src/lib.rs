@@ -16,6 +16,7 @@
 
 pub mod bits;
 pub mod chance;
+pub mod guard;
 pub mod plane;
 pub mod save;
 pub mod unit;

@@ -27,6 +27,8 @@ use std::{io::Write, process::ExitCode};
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::guard;
+
 /// One for each verb, as `amacrine help` shows them.
 const EXAMPLES: &str = "\
 Examples:
@@ -83,6 +85,12 @@ enum Verb {
 /// Exit code 0 when all went well, 2 for bad input.
 #[must_use]
 pub fn main() -> ExitCode {
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !guard::is_guarded() {
+            hook(panic);
+        }
+    }));
     let result = match Arguments::parse().verb {
         None => demo::run(&demo::Arguments::default()),
         Some(Verb::Demo(arguments)) => demo::run(&arguments),

@@ -77,12 +77,11 @@ impl Arguments {
     fn can_move(&self) -> miette::Result<()> {
         let output = self.output.display();
         match self.view {
-            Shown::Overview | Shown::Frame => Ok(()),
             Shown::Surface | Shown::Kinds if gif(&self.output) => Err(miette!(
                 help = "give a name that ends in .apng, or leave --view out",
                 "{output}: a GIF has too few colours for this view"
             )),
-            Shown::Surface | Shown::Kinds => Ok(()),
+            Shown::Overview | Shown::Frame | Shown::Surface | Shown::Kinds => Ok(()),
             Shown::Cloud | Shown::Rate | Shown::Intervals => Err(miette!(
                 help = "give a name that ends in .png or .svg; frames, surfaces and kinds move",
                 "{output}: this view shows all of the packet at once, it does not move"
