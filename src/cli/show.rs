@@ -147,7 +147,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "file": arguments.file,
             "output": arguments.output,
             "events": events,
-            "size": packet.size,
+            "width": packet.size.width,
+            "height": packet.size.height,
             "size_known": size_known,
             "frames": frames,
         });
@@ -155,11 +156,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     } else {
         let frames = frames.map_or(String::new(), |n| format!(" in {n} frames"));
         let output = arguments.output.display();
-        let size = packet.size;
-        let note = recording::guessed(size_known);
-        super::say(&format!(
-            "wrote    {output}: {events} events of {size}{note}{frames}\n"
-        ));
+        let of = match recording::guessed(size_known) {
+            "" => String::new(),
+            note => format!(" of {}{note}", packet.size),
+        };
+        super::say(&format!("wrote    {output}: {events} events{of}{frames}\n"));
     }
     Ok(())
 }
