@@ -16,7 +16,7 @@ mod text;
 pub mod view;
 
 pub use animation::{write_animation, write_frames};
-pub use chart::{Drawing, raster, svg};
+pub use chart::{Drawing, png, raster, svg};
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
 pub use surround::{SurroundShow, relief, surround};
