@@ -8,6 +8,7 @@ mod debug;
 pub mod demo;
 pub mod disasm;
 pub mod exec;
+pub mod feasibility;
 mod kernels;
 pub mod mesh;
 mod opened;
@@ -36,6 +37,7 @@ Examples:
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
   amacrine mesh solve --lambda 10 --input P.npy --output H.npy
+  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
   amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
   amacrine packets out/silicon.npy --readout arbiter
@@ -67,6 +69,8 @@ enum Verb {
     Compile(compile::Arguments),
     /// The resistor mesh: solve it, step it, fit a kernel to it, draw it
     Mesh(mesh::Arguments),
+    /// Whether a kernel can run on a chip, and what is lost, as a page to forward
+    Feasibility(feasibility::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
     /// An event file into another format
@@ -92,6 +96,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
         Some(Verb::Mesh(arguments)) => mesh::run(&arguments),
+        Some(Verb::Feasibility(arguments)) => feasibility::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
         Some(Verb::Packets(arguments)) => packets::run(&arguments),

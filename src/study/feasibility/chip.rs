@@ -191,21 +191,32 @@ impl Time {
         let Parts { device, .. } = parts;
         let clock = device.figure(Figure::Clock);
         let launch = device.figure(Figure::Launch);
+        let (evidence, launches) = if launch.value > 0.0 {
+            (
+                weakest([clock.evidence, launch.evidence]),
+                format!(
+                    "a launch of {} us ({}) is in it",
+                    launch.value, launch.source
+                ),
+            )
+        } else {
+            (
+                clock.evidence,
+                "without launches of kernels, whose time nobody states".to_owned(),
+            )
+        };
         let array = Known::one(
             parts.cost.array_us,
             "us",
-            clock.evidence,
-            format!(
-                "words / {} MHz ({}); a launch of {} us ({}) is in it",
-                clock.value, clock.source, launch.value, launch.source
-            ),
+            evidence,
+            format!("words / {} MHz ({}); {launches}", clock.value, clock.source),
         );
         let slot = device.host(HostKind::ScanEvents).item.as_ref();
         let readout = |cost: &Cost, slots: u64| {
-            let (us, evidence, source) = slot.map_or(
-                (0.0, Evidence::Guess, "no time is stated"),
-                |slot| (slot.value, slot.evidence, slot.source.as_str()),
-            );
+            let (us, evidence, source) = slot
+                .map_or((0.0, Evidence::Guess, "no time is stated"), |slot| {
+                    (slot.value, slot.evidence, slot.source.as_str())
+                });
             Known::one(
                 cost.host_us,
                 "us",
@@ -216,7 +227,12 @@ impl Time {
         let readout_all = readout(&parts.cost, parts.slots[0]);
         let readout_of_scene = readout(&parts.cost_of_scene, parts.slots[1]);
         let exposure = parts.exposure.map(|exposure| {
-            Known::one(exposure.0 as f64, "us", Evidence::Guess, "given with the question")
+            Known::one(
+                exposure.0 as f64,
+                "us",
+                Evidence::Guess,
+                "given with the question",
+            )
         });
         let light = exposure.as_ref().map_or(0.0, |exposure| exposure.high);
         let first = array.high.max(light);

@@ -73,8 +73,8 @@ pub struct Link {
 pub struct LinkRow {
     /// What is sent.
     pub what: String,
-    /// Bits a second over the scene.
-    pub bits_s: f64,
+    /// Thousands of bits a second over the scene.
+    pub kbit_s: f64,
     /// What the link takes for that.
     pub power: Known,
 }
@@ -85,23 +85,23 @@ const VIDEO_BITS: f64 = 8.0;
 impl Link {
     /// Of streams by name, a bit map and plain video, at a frame rate; `bit` in pJ.
     pub(super) fn of(bit: Known, streams: &[(&str, &Stream)], size: Size, fps: f64) -> Self {
-        let sent = streams.iter().filter_map(|(name, stream)| {
-            Some((format!("events of {name}"), stream.mean_bits_s?))
-        });
+        let sent = streams
+            .iter()
+            .filter_map(|(name, stream)| Some((format!("events of {name}"), stream.mean_kbit_s?)));
         let fixed = [
             (
                 "a bit map of ON and OFF, every frame".to_owned(),
-                Frame::bits(size, 1) as f64 * fps,
+                Frame::bits(size, 1) as f64 * fps * 1e-3,
             ),
             (
                 "8-bit video, every frame".to_owned(),
-                size.pixels() as f64 * VIDEO_BITS * fps,
+                size.pixels() as f64 * VIDEO_BITS * fps * 1e-3,
             ),
         ];
-        let rows = sent.chain(fixed).map(|(what, bits_s)| LinkRow {
+        let rows = sent.chain(fixed).map(|(what, kbit_s)| LinkRow {
             what,
-            bits_s,
-            power: bit.times(bits_s * 1e-6, "uW", "bits a second x energy of a bit"),
+            kbit_s,
+            power: bit.times(kbit_s * 1e-3, "uW", "bits a second x energy of a bit"),
         });
         Self {
             rows: rows.collect(),
@@ -139,8 +139,8 @@ mod tests {
     fn a_link_takes_energy_by_the_bit() {
         let bit = Known::between([1.0, 20.0], "pJ", Evidence::Guess, "test");
         let link = Link::of(bit, &[], Size::new(256, 256), 100.0);
-        let rows: Vec<f64> = link.rows.iter().map(|row| row.bits_s).collect();
-        assert_eq!(rows, [13_107_200.0, 52_428_800.0]);
+        let rows: Vec<f64> = link.rows.iter().map(|row| row.kbit_s).collect();
+        assert_eq!(rows, [13_107.2, 52_428.8]);
         assert!((link.rows[0].power.low - 13.1072).abs() < 1e-9);
         assert!((link.rows[0].power.high - 262.144).abs() < 1e-9);
     }

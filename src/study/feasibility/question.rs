@@ -101,10 +101,20 @@ pub fn ask(
     let on_chip = |compiled: &Compiled| {
         let threshold = question.threshold / quantised.scale * compiled.program.scale;
         let time = time(question, compiled, said.silicon.as_ref(), scene.fps);
-        OnChip::of(&compiled.program, &compiled.code, question.device, threshold, time)
+        OnChip::of(
+            &compiled.program,
+            &compiled.code,
+            question.device,
+            threshold,
+            time,
+        )
     };
     let rate = |stream: &Stream| Some(stream.events as f64 / scene.seconds);
-    let events_s = streams.silicon.as_ref().filter(|_| scene.seconds > 0.0).and_then(rate);
+    let events_s = streams
+        .silicon
+        .as_ref()
+        .filter(|_| scene.seconds > 0.0)
+        .and_then(rate);
     let mut feasibility = Feasibility {
         amacrine: env!("CARGO_PKG_VERSION"),
         command: question.command.to_owned(),
@@ -153,7 +163,9 @@ fn meshes(kernel: &Kernel) -> Vec<mesh::Fit> {
 /// A frame's time, as programmed and with the slots that the scene needs.
 fn time(question: &Question<'_>, program: &Compiled, said: Option<&Packet>, fps: f64) -> Time {
     let slots = slots(&program.code.frame);
-    let needed = said.map_or(0, stream::most_in_a_frame).clamp(1, slots.max(1));
+    let needed = said
+        .map_or(0, stream::most_in_a_frame)
+        .clamp(1, slots.max(1));
     let fewer = program.clone().with_slots(needed as u32);
     Time::of(&Parts {
         cost: program.cost,
@@ -196,7 +208,12 @@ impl Question<'_> {
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<Vec<Row>, FeasibilityError> {
         let why_not = |to: &Quantiser| design.quantise(*to, self.sum).err();
-        let usable: Vec<Quantiser> = self.candidates.iter().copied().filter(|to| why_not(to).is_none()).collect();
+        let usable: Vec<Quantiser> = self
+            .candidates
+            .iter()
+            .copied()
+            .filter(|to| why_not(to).is_none())
+            .collect();
         let table = quantisation::Question {
             kernel: self.kernel,
             threshold: self.threshold,
@@ -238,7 +255,9 @@ impl Question<'_> {
                 Outcome::Refused(_) => None,
             })
         };
-        let best = programs().map(|(_, chip)| chip.silicon.f1).fold(0.0, f64::max);
+        let best = programs()
+            .map(|(_, chip)| chip.silicon.f1)
+            .fold(0.0, f64::max);
         let alike = programs().filter(|(_, chip)| chip.silicon.f1 > best - ALIKE);
         if let Some((to, _)) = alike.min_by_key(|(_, chip)| chip.words) {
             return quantised(to);
@@ -262,9 +281,8 @@ impl Question<'_> {
             kernel: &alone,
             ..*design
         };
-        let float = |design: &Design<'_>| {
-            design.reference(size, MemoryRule::FilteredSnap, Format::F64)
-        };
+        let float =
+            |design: &Design<'_>| design.reference(size, MemoryRule::FilteredSnap, Format::F64);
         let (mut float, mut dvs) = (float(design)?, float(&plain)?);
         let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
         if let Some(program) = program {
@@ -274,7 +292,11 @@ impl Question<'_> {
             }
         }
         let mut sensors: Vec<&mut (dyn Sensor + Send)> = vec![&mut float, &mut dvs];
-        sensors.extend(chips.iter_mut().map(|chip| chip as &mut (dyn Sensor + Send)));
+        sensors.extend(
+            chips
+                .iter_mut()
+                .map(|chip| chip as &mut (dyn Sensor + Send)),
+        );
         let mut frames = 0;
         let packets = rig::watch(scene, &mut sensors, |frame| {
             frames += 1;
@@ -317,7 +339,10 @@ impl Question<'_> {
         if scene.fps_is_assumed {
             assume(
                 Evidence::Guess,
-                format!("The scene states no frame rate; {} frames/s were assumed.", scene.fps),
+                format!(
+                    "The scene states no frame rate; {} frames/s were assumed.",
+                    scene.fps
+                ),
             );
         }
         assume(

@@ -30,10 +30,10 @@ pub struct Stream {
     pub per_pixel_s: Option<f64>,
     /// Bits of all events as fixed address words.
     pub bits: u64,
-    /// Bits per second over the scene; none for a scene without duration.
-    pub mean_bits_s: Option<f64>,
-    /// Bits per second in the busiest frame.
-    pub peak_bits_s: f64,
+    /// Thousands of bits per second over the scene; none for a scene without duration.
+    pub mean_kbit_s: Option<f64>,
+    /// Thousands of bits per second in the busiest frame.
+    pub peak_kbit_s: f64,
     /// Against the float sensor; none for the float sensor itself.
     pub judged: Option<Judged>,
 }
@@ -65,7 +65,7 @@ pub struct Scored {
     pub kept: f64,
 }
 
-/// Bits per event and busiest frame.
+/// Which times count as one.
 pub(super) struct Window {
     /// Events closer than this match.
     pub within: Micros,
@@ -98,8 +98,8 @@ impl Stream {
             per_pixel_s: (seconds > 0.0)
                 .then(|| events as f64 / (packet.size.pixels().max(1) as f64 * seconds)),
             bits: address::bits(packet),
-            mean_bits_s: rate.mean,
-            peak_bits_s: rate.peak,
+            mean_kbit_s: rate.mean.map(|bits| bits / 1e3),
+            peak_kbit_s: rate.peak / 1e3,
             judged: match float {
                 Some(float) => Some(Judged::of(float, packet, window)?),
                 None => None,
@@ -110,7 +110,7 @@ impl Stream {
 
 impl Judged {
     fn of(float: &Packet, packet: &Packet, window: &Window) -> Result<Self, FeasibilityError> {
-        let pair = Pair::of(float, packet).map_err(FeasibilityError::Compare)?;
+        let pair = Pair::of(float, packet)?;
         let scales = Scales {
             within: vec![window.within, window.frame],
             van_rossum: Vec::new(),
@@ -198,9 +198,9 @@ mod tests {
         let stream = Stream::of(&packet, None, &WINDOW).unwrap();
         assert_eq!((stream.events, stream.on, stream.off), (4, 3, 1));
         // 2 + 2 bits of address and a sign.
-        assert_eq!((stream.bits, stream.mean_bits_s), (20, Some(10.0)));
+        assert_eq!((stream.bits, stream.mean_kbit_s), (20, Some(0.01)));
         assert_eq!(stream.per_pixel_s, Some(4.0 / 32.0));
-        assert!((stream.peak_bits_s - 15_000.0).abs() < 1e-9);
+        assert!((stream.peak_kbit_s - 15.0).abs() < 1e-9);
         assert!(stream.judged.is_none());
         assert_eq!(most_in_a_frame(&packet), 2);
     }

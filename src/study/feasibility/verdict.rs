@@ -108,7 +108,10 @@ fn room(all: &Feasibility) -> Finding {
     let (word, says) = match &all.fit {
         Fit::Refused(why) => (
             "does not fit",
-            format!("{} as {} does not fit {}: {why}.", all.kernel.name, all.chosen.to, chip.name),
+            format!(
+                "{} as {} does not fit {}: {why}.",
+                all.kernel.name, all.chosen.to, chip.name
+            ),
         ),
         Fit::OnChip(_) if too_large => (
             "does not fit",
@@ -196,7 +199,10 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
     let few = exact.f1.ceiling - exact.f1.value;
     let chip = exact.f1.value - silicon.f1.value;
     let (word, says) = if few.max(chip) < LITTLE {
-        ("little", "Neither the few values nor the chip's errors cost much.".to_owned())
+        (
+            "little",
+            "Neither the few values nor the chip's errors cost much.".to_owned(),
+        )
     } else if few >= chip {
         (
             "few values",
@@ -245,7 +251,11 @@ fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {
         None => "A plain DVS at the same threshold says nothing in this scene.".to_owned(),
         Some(ratio) => format!(
             "It sends {word} events {} a plain DVS at the same threshold: {} of its number, and of its bits.",
-            if word == "about as many" { "as" } else { "than" },
+            if word == "about as many" {
+                "as"
+            } else {
+                "than"
+            },
             percent(ratio)
         ),
     };
@@ -265,9 +275,15 @@ fn noise(chip: &OnChip) -> Option<Finding> {
     let (word, says) = if margin >= well {
         ("clear of noise", "well clear of the noise of the chip")
     } else if margin >= least {
-        ("near the noise", "clear of the noise of the chip, but not by much")
+        (
+            "near the noise",
+            "clear of the noise of the chip, but not by much",
+        )
     } else {
-        ("in the noise", "within the noise of the chip: a still scene would fire")
+        (
+            "in the noise",
+            "within the noise of the chip: a still scene would fire",
+        )
     };
     Some(Finding {
         about: "noise",

@@ -11,13 +11,26 @@ pub(super) fn section(all: &Feasibility) -> Markup {
     let rows: Vec<(&str, &str, &Stream)> = [
         ("Plain DVS", "/streams/dvs", Some(&streams.dvs)),
         ("Float kernel", "/streams/float", Some(&streams.float)),
-        ("Program, no errors", "/streams/exact", streams.exact.as_ref()),
-        ("Program on the chip", "/streams/silicon", streams.silicon.as_ref()),
+        (
+            "Program, no errors",
+            "/streams/exact",
+            streams.exact.as_ref(),
+        ),
+        (
+            "Program on the chip",
+            "/streams/silicon",
+            streams.silicon.as_ref(),
+        ),
     ]
     .into_iter()
     .filter_map(|(name, at, stream)| Some((name, at, stream?)))
     .collect();
-    let most = rows.iter().map(|(.., s)| s.events).max().unwrap_or(0).max(1);
+    let most = rows
+        .iter()
+        .map(|(.., s)| s.events)
+        .max()
+        .unwrap_or(0)
+        .max(1);
     part(
         "events",
         "Events and bits",

@@ -16,7 +16,9 @@ pub(super) fn section(all: &Feasibility) -> Markup {
         all.kernel.weights.len(),
         all.kernel.weights.first().map_or(0, Vec::len),
     );
-    let alt = |what: &str| format!("{what}, {height} rows of {width} weights; blue above zero, orange below.");
+    let alt = |what: &str| {
+        format!("{what}, {height} rows of {width} weights; blue above zero, orange below.")
+    };
     part(
         "quantisation",
         "The kernel in few values",
@@ -30,7 +32,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
             div.panels.kernels {
                 figure {
                     (weights::picture(&all.kernel.weights, 1.0, most, &alt(&format!("The kernel {}", all.kernel.name))))
-                    figcaption { "The kernel, sum " (number::plain("/kernel/sum", tidy(all.kernel.sum))) }
+                    figcaption { "The kernel, sum " (number::plain("/kernel/sum", all.kernel.sum)) }
                 }
                 figure {
                     (weights::picture(&chosen.levels.weights, chosen.scale, most, &alt(&format!("The kernel in {}, times its scale", chosen.to))))
@@ -38,7 +40,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                 }
                 figure {
                     (weights::picture(&chosen.levels.weights, 1.0, weights::most(&chosen.levels.weights), &alt("The levels that the chip computes with")))
-                    figcaption { "The levels, sum " (number::plain("/chosen/levels/sum", tidy(chosen.levels.sum))) }
+                    figcaption { "The levels, sum " (number::plain("/chosen/levels/sum", chosen.levels.sum)) }
                 }
             }
             (wide("Quantisers", &html! {
@@ -69,11 +71,6 @@ pub(super) fn section(all: &Feasibility) -> Markup {
             p.note { "Events are for each of the float kernel's. Microseconds are those of the array, without readout; registers those of the filter. Words, times and scores are emulated (modelled)." }
         },
     )
-}
-
-/// A sum that is 0 but for rounding.
-fn tidy(sum: f64) -> f64 {
-    sum
 }
 
 fn row(i: usize, row: &Row, chosen: bool) -> Markup {

@@ -48,15 +48,24 @@ fn figure(picture: &RgbImage, alt: &str, caption: &str) -> Markup {
 fn said(pale: &RgbImage, events: &[Event], who: &str, caption: &str) -> Markup {
     let on = events.iter().filter(|e| e.polarity == Polarity::On).count();
     let off = events.len() - on;
-    let alt = format!("Events of the {who}: {on} ON in blue and {off} OFF in orange, over the pale scene.");
+    let alt = format!(
+        "Events of the {who}: {on} ON in blue and {off} OFF in orange, over the pale scene."
+    );
     let caption = format!("{caption}: {on} ON, {off} OFF");
     figure(&panel::events(pale.clone(), events), &alt, &caption)
 }
 
 fn difference(sight: &Sight, chip: &[Event]) -> Markup {
     let difference = Difference::of(&sight.float, chip);
-    let Difference { matched, missing, extra, .. } = difference;
-    let alt = format!("Where the two differ: {matched} events in both, {missing} missing from the chip, {extra} extra.");
+    let Difference {
+        matched,
+        missing,
+        extra,
+        ..
+    } = difference;
+    let alt = format!(
+        "Where the two differ: {matched} events in both, {missing} missing from the chip, {extra} extra."
+    );
     let caption = format!("Difference: {matched} in both, {missing} missing, {extra} extra");
     figure(&difference.panel(Size::of(&sight.light)), &alt, &caption)
 }
@@ -69,7 +78,11 @@ fn legend(with_difference: bool) -> Markup {
         (ink::EXTRA, "extra on the chip"),
         (ink::SWAPPED, "the other sign"),
     ];
-    let shown = if with_difference { &differences[..] } else { &[] };
+    let shown = if with_difference {
+        &differences[..]
+    } else {
+        &[]
+    };
     html! {
         ul.legend aria-label="Colours" {
             @for (ink, what) in events.iter().chain(shown) {

@@ -15,9 +15,7 @@ const NUMBERED: usize = 9;
 pub(super) fn picture(weights: &[Vec<f64>], scale: f64, most: f64, alt: &str) -> Markup {
     let (height, width) = (weights.len(), weights.first().map_or(0, Vec::len));
     let at = |y: usize, x: usize| weights.get(y).and_then(|row| row.get(x)).copied();
-    let plane = Plane::from_shape_fn((height, width), |(y, x)| {
-        scale * at(y, x).unwrap_or(0.0)
-    });
+    let plane = Plane::from_shape_fn((height, width), |(y, x)| scale * at(y, x).unwrap_or(0.0));
     let colours = panel::weights(&plane, most);
     let numbered = width <= NUMBERED && height <= NUMBERED;
     let size = format!("0 0 {} {}", width * SQUARE, height * SQUARE);
@@ -36,7 +34,10 @@ pub(super) fn picture(weights: &[Vec<f64>], scale: f64, most: f64, alt: &str) ->
 
 /// The largest weight in size.
 pub(super) fn most(weights: &[Vec<f64>]) -> f64 {
-    weights.iter().flatten().fold(0.0, |most, w| most.max(w.abs()))
+    weights
+        .iter()
+        .flatten()
+        .fold(0.0, |most, w| most.max(w.abs()))
 }
 
 fn hex(ink: Ink) -> String {
