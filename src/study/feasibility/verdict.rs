@@ -101,6 +101,15 @@ fn percent(part: f64) -> String {
     format!("{:.0} %", 100.0 * part)
 }
 
+/// How often one goes into another.
+fn times(ratio: f64) -> String {
+    if ratio < ROOM {
+        percent(ratio)
+    } else {
+        format!("{ratio:.1} times")
+    }
+}
+
 /// Whether there is a program, and whether the scene fits the array.
 fn room(all: &Feasibility) -> Finding {
     let (scene, chip) = (&all.scene, &all.chip);
@@ -123,7 +132,7 @@ fn room(all: &Feasibility) -> Finding {
         Fit::OnChip(it) => (
             "fits",
             format!(
-                "{} as {} fits {}: {} words of the {} in its store, {} of {} analogue registers, {:.1} us of the array's time a frame.",
+                "{} as {} fits {}: {} words of the {} in its store, {} of {} analogue registers, {:.1} \u{b5}s of the array's time a frame.",
                 all.kernel.name,
                 all.chosen.to,
                 chip.name,
@@ -185,7 +194,7 @@ fn kept(judged: &Judged) -> Finding {
         about: "fidelity",
         word,
         says: format!(
-            "With the chip's errors the float kernel's events are {word}: F1 {:.3}, on a scale that begins at {:.3} by accident and ends at {:.0}.",
+            "With the chip's errors the float kernel's events are {word}: F1 is {:.3}, where accident gives {:.3} and perfection {:.0}.",
             f1.value, f1.floor, f1.ceiling
         ),
         rule: format!(
@@ -289,7 +298,7 @@ fn noise(chip: &OnChip) -> Option<Finding> {
         about: "noise",
         word,
         says: format!(
-            "The threshold of {:.2} LSB is {says}: {margin:.1} standard deviations of a difference of two frames (modelled, in part a guess).",
+            "The threshold of {:.2} LSB is {says}: {margin:.1} standard deviations of what two frames differ by (modelled, in part a guess).",
             chip.noise.threshold_lsb
         ),
         rule: format!(

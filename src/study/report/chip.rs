@@ -24,6 +24,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                     tbody { (room(chip)) (time(chip)) (noise(chip)) }
                 }
             }))
+            p.note { "Sources go by the short names of the chip's data (isa/" (all.chip.name) "/device.toml, or that of the chip that it extends), which explains them." }
             (remarks(chip))
         },
     };

@@ -45,7 +45,7 @@ pub fn page(all: &Feasibility, sight: &Sight) -> String {
             body {
                 header {
                     p.kind { "Feasibility report" }
-                    h1 { (all.kernel.name) " on " (all.chip.title) }
+                    h1 { (all.kernel.name) " on " (all.chip.name) }
                     (asked(all))
                 }
                 main {
@@ -78,7 +78,7 @@ fn asked(all: &Feasibility) -> Markup {
     let scene = &all.scene;
     html! {
         p.lead {
-            "Can a pixel of " (all.chip.name) " compute this receptive field, and what is left of its events? "
+            "Can a pixel of " (all.chip.name) " (" (all.chip.title) ") compute this receptive field, and what is left of its events? "
             "Asked of " (scene.name) " ("
             (number::plain("/scene/width", scene.width as f64)) "x" (number::plain("/scene/height", scene.height as f64))
             " pixels, " (number::plain("/scene/frames", scene.frames as f64)) " frames at "

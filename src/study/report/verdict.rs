@@ -43,8 +43,8 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                 }
                 @if let Some(power) = &all.power {
                     (figure("Power of the array", &html! {
-                        (number::plain("/power/array/low", power.array.low))
-                        " to " (number::plain("/power/array/high", power.array.high))
+                        (number::fixed("/power/array/low", power.array.low, 1))
+                        " to " (number::fixed("/power/array/high", power.array.high, 0))
                         span.of { " mW, modelled" }
                     }))
                 }
