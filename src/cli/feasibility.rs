@@ -6,6 +6,7 @@ use miette::{IntoDiagnostic, miette};
 
 use crate::{
     compile::Effort,
+    event::readout::settings::Description,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
     plane::Size,
@@ -43,7 +44,7 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = "ternary,po2-2,po2-4,int-3,int-5", value_parser = super::quantise::quantiser)]
     candidates: Vec<Quantiser>,
     /// What quantised kernels must sum to
-    #[arg(long, value_enum, default_value = "free")]
+    #[arg(long, value_enum, default_value = "kept")]
     sum: Total,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
@@ -116,12 +117,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         link: [least, most],
         effort: Effort::seconds(arguments.effort),
         seed: arguments.seed,
+        readout: Description::shipped("scan")?.readout()?,
         within: arguments.within,
         scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
         command: &command,
     };
-    // For the table, and for the sensors.
-    let progress = Progress::new("watching", frames.map(|frames| 2 * frames));
+    // For the table, for the sensors and for the waterfall.
+    let progress = Progress::new("watching", frames.map(|frames| 3 * frames));
     let answer = feasibility::ask(&question, &open, |_| progress.tick());
     progress.finish();
     let (all, sight) = answer?;

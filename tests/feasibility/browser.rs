@@ -102,7 +102,10 @@ fn a_browser_shows_prints_and_reads_it_out() {
         found["scroll"].as_u64() <= Some(390),
         "the page is wider than a phone"
     );
-    assert_eq!(found["images"], serde_json::json!([true, true, true, true]));
+    assert_eq!(
+        found["images"],
+        serde_json::json!([true, true, true, true, true])
+    );
     let drawings = found["drawings"].as_array().unwrap();
     assert!(drawings.len() > 6 && drawings.iter().all(|seen| seen == true));
     let names = found["names"].as_array().unwrap();

@@ -30,6 +30,7 @@ use crate::{
     study::{
         design::DesignError,
         quantisation::{QuantisationError, Row},
+        waterfall::{Waterfall, WaterfallError},
     },
     unit::Micros,
 };
@@ -64,6 +65,8 @@ pub struct Feasibility {
     pub within_us: Micros,
     /// What each sensor said.
     pub streams: Streams,
+    /// Where the float sensor's events went; none without a program, or without events.
+    pub waterfall: Option<Waterfall>,
     /// The kernel in other few values.
     pub quantisation: Vec<Row>,
     /// The kernel as resistor meshes have it, one sheet and two; empty for one of zeros.
@@ -187,6 +190,10 @@ pub enum FeasibilityError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
+    /// The waterfall cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Waterfall(#[from] WaterfallError),
     /// Packets of one scene that do not compare.
     #[error(transparent)]
     #[diagnostic(transparent)]

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     array::{Arithmetic, Array},
     compile::Effort,
-    event::Packet,
+    event::{Packet, readout::Readout},
     isa::{Device, Evidence},
     kernel::{
         Kernel,
@@ -28,6 +28,7 @@ use crate::{
     study::{
         design::{Compiled, Design, DesignError},
         quantisation::{self, Outcome, Row},
+        waterfall::{self, Waterfall, WaterfallError},
     },
     unit::Micros,
 };
@@ -57,6 +58,8 @@ pub struct Question<'a> {
     pub effort: Effort,
     /// Seed of the searches, of stochastic rounding, of the silicon and of the null streams.
     pub seed: u64,
+    /// How events leave the chip, in the waterfall.
+    pub readout: Readout,
     /// Events of one pixel and sign that are closer than this match.
     pub within: Micros,
     /// What the scene is called.
@@ -72,7 +75,7 @@ pub(super) const ALIKE: f64 = 0.005;
 const RIDGE: f64 = 1e-4;
 
 /// Asks the question of a scene that can be opened again: it is watched for the table, for the
-/// sensors and for the pictures. `seen` is called after each frame that sensors watched.
+/// sensors, for the waterfall and for the pictures. `seen` is called after each frame that sensors watched.
 ///
 /// # Errors
 /// When the threshold is not positive, the kernel is all 0 or not to be had in the values that
@@ -97,6 +100,10 @@ pub fn ask(
     let (said, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
     let scene = Watched::of(question.scene, &*scene, frames, &said.float);
     let streams = said.streams(question, scene.fps)?;
+    let waterfall = match program {
+        Some(_) => question.waterfall(&design, to, &mut *open()?, &mut seen)?,
+        None => None,
+    };
     let sight = Sight::of(&said.float, said.silicon.as_ref(), &mut *open()?)?;
     let on_chip = |compiled: &Compiled| {
         let threshold = question.threshold / quantised.scale * compiled.program.scale;
@@ -138,6 +145,7 @@ pub fn ask(
         power: program.map(|p| Power::of(&p.cost, question.device, scene.fps, events_s)),
         link: question.link_of(&streams, &scene),
         streams,
+        waterfall,
         quantisation,
         mesh: meshes(question.kernel),
         assumptions: question.assumptions(&scene),
@@ -312,6 +320,29 @@ impl Question<'_> {
             silicon: next(),
         };
         Ok((said, frames))
+    }
+
+    /// Where the events went; none where the float sensor has none.
+    fn waterfall(
+        &self,
+        design: &Design<'_>,
+        to: Quantiser,
+        scene: &mut dyn Scene,
+        seen: &mut dyn FnMut(&Frame),
+    ) -> Result<Option<Waterfall>, FeasibilityError> {
+        let asked = waterfall::Question {
+            design: *design,
+            to,
+            sum: self.sum,
+            arithmetic: Arithmetic::Silicon { seed: self.seed },
+            readout: self.readout,
+            within: self.within,
+        };
+        match waterfall::ask(&asked, scene, seen) {
+            Ok(waterfall) => Ok(Some(waterfall)),
+            Err(WaterfallError::Silent { .. }) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
     }
 
     fn link_of(&self, streams: &Streams, scene: &Watched) -> Link {

@@ -8,7 +8,7 @@ use super::{
     chip::{Binds, OnChip},
     stream::Judged,
 };
-use crate::study::quantisation::Outcome;
+use crate::study::{quantisation::Outcome, waterfall::Step};
 
 /// The verdict: a headline, and a sentence for each finding.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -233,7 +233,8 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         (
             "the chip's errors",
             format!(
-                "Most of the loss is the chip's errors ({chip:.3} of F1; the kernel's few values take {few:.3}).{advice}"
+                "Most of the loss is the chip's errors ({chip:.3} of F1; the kernel's few values take {few:.3}){}.{advice}",
+                largest(all)
             ),
         )
     };
@@ -242,9 +243,20 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         word,
         says,
         rule: format!(
-            "F1 lost from the float kernel to the program without errors, and from there to the chip; the larger is named, where it is at least {LITTLE}."
+            "F1 lost from the float kernel to the program without errors, and from there to the chip; the larger is named, where it is at least {LITTLE}. Above all: the step of the chip that changes most events in the waterfall."
         ),
     }
+}
+
+/// The step of the chip that changes most.
+fn largest(all: &Feasibility) -> String {
+    let steps = all.waterfall.iter().flat_map(|w| &w.steps);
+    let chip = steps.filter(|step| !step.cause.is_float());
+    let largest = chip.max_by(|a, b| {
+        let changed = |step: &Step| step.forward_share.changed();
+        changed(a).total_cmp(&changed(b))
+    });
+    largest.map_or(String::new(), |step| format!(", above all {}", step.name))
 }
 
 fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {

@@ -4,7 +4,7 @@ use ::image::RgbImage;
 use base64::{Engine, prelude::BASE64_STANDARD};
 use maud::{Markup, html};
 
-use crate::picture::png;
+use crate::picture::{Drawing, png, svg};
 
 /// A picture of pixels, with what it shows in words.
 pub(super) fn pixels(picture: &RgbImage, alt: &str) -> Markup {
@@ -15,5 +15,17 @@ pub(super) fn pixels(picture: &RgbImage, alt: &str) -> Markup {
     );
     html! {
         img.pixels src=(source) width=(width) height=(height) alt=(alt);
+    }
+}
+
+/// A drawing, with what it shows in words.
+pub(super) fn drawing(drawing: &Drawing, alt: &str) -> Markup {
+    let (width, height) = drawing.size();
+    let source = format!(
+        "data:image/svg+xml;base64,{}",
+        BASE64_STANDARD.encode(svg(drawing))
+    );
+    html! {
+        img.drawing src=(source) width=(width.ceil()) height=(height.ceil()) alt=(alt);
     }
 }

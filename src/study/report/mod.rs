@@ -7,6 +7,7 @@
 mod bars;
 mod chip;
 mod events;
+mod fall;
 mod image;
 mod mesh;
 mod number;
@@ -52,6 +53,7 @@ pub fn page(all: &Feasibility, sight: &Sight) -> String {
                     (verdict::section(all))
                     (sight::section(all, sight))
                     (events::section(all))
+                    (fall::section(all))
                     (chip::section(all))
                     (quantisation::section(all))
                     (mesh::section(all))
