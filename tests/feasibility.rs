@@ -410,6 +410,27 @@ fn the_words_follow_from_the_numbers() {
             _ => "about as many",
         };
         assert_eq!(words["events"], events);
+        let f1 = |of: &str| number(&all, &format!("/streams/{of}/judged/f1/value"));
+        let [few, chip] = [1.0 - f1("exact"), f1("exact") - f1("silicon")];
+        let limits = match (few, chip) {
+            _ if few.max(chip) < 0.05 => "little",
+            _ if few >= chip => "few values",
+            _ => "the chip's errors",
+        };
+        assert_eq!(words["what limits"], limits);
+        let noise = match number(&all, "/fit/on_chip/noise/margin") {
+            margin if margin >= 5.0 => "clear of noise",
+            margin if margin >= 3.0 => "near the noise",
+            _ => "in the noise",
+        };
+        assert_eq!(words["noise"], noise);
+        let errors = [0, 1].map(|i| number(&all, &format!("/mesh/{i}/error")));
+        let mesh = match errors[0].min(errors[1]) {
+            error if error <= 0.05 => "carries it",
+            error if error <= 0.2 => "comes near",
+            _ => "cannot",
+        };
+        assert_eq!(words["mesh"], mesh);
         let headline = all["verdict"]["headline"].as_str().unwrap().to_owned();
         assert_eq!(headline == "Fits, but is too slow", speed == "too slow");
         seen.insert(headline);

@@ -7,14 +7,19 @@
 //!
 //! `docs/feasibility.md` derives every number; [`report`](super::report) makes a page of it.
 
+mod assumption;
 pub mod chip;
+mod choice;
 pub mod known;
 pub mod power;
 mod question;
+mod said;
 mod sight;
 pub mod stream;
+pub mod time;
 pub mod verdict;
 
+pub use assumption::Assumption;
 pub use known::Known;
 pub use question::{Question, ask};
 pub use sight::Sight;
@@ -160,15 +165,6 @@ pub struct Streams {
     pub exact: Option<Stream>,
     /// The program, with them.
     pub silicon: Option<Stream>,
-}
-
-/// Something that was taken as given.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Assumption {
-    /// What.
-    pub what: String,
-    /// How well it is known.
-    pub evidence: Evidence,
 }
 
 /// Why there is no answer.

@@ -3,11 +3,7 @@
 //! Every finding names what it is about, the word, the sentence, and the rule that chose the
 //! word. Nothing else goes into the verdict.
 
-use super::{
-    Feasibility, Fit, Stream,
-    chip::{Binds, OnChip},
-    stream::Judged,
-};
+use super::{Feasibility, Fit, Stream, chip::OnChip, stream::Judged, time::Binds};
 use crate::study::{quantisation::Outcome, waterfall::Step};
 
 /// The verdict: a headline, and a sentence for each finding.
@@ -271,14 +267,18 @@ fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {
     let says = match ratio {
         None => "A plain DVS at the same threshold says nothing in this scene.".to_owned(),
         Some(ratio) => format!(
-            "It sends {word} events {} a plain DVS at the same threshold: {} of its number, and of its bits.",
+            "It sends {word} events {} a plain DVS at the same threshold: {} the number, and the bits.",
             if word == "about as many" {
                 "as"
             } else {
                 "than"
             },
-            percent(ratio)
+            times(ratio)
         ),
+    };
+    let says = match chip.dropped {
+        0 => says,
+        dropped => format!("{says} Besides, {dropped} found no slot in the readout."),
     };
     Finding {
         about: "events",

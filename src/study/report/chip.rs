@@ -3,10 +3,7 @@
 use maud::{Markup, html};
 
 use super::{number, part, wide};
-use crate::study::feasibility::{
-    Feasibility, Fit,
-    chip::{Binds, OnChip},
-};
+use crate::study::feasibility::{Feasibility, Fit, chip::OnChip, time::Binds};
 
 /// Words, registers, time, noise; or why there is no program.
 pub(super) fn section(all: &Feasibility) -> Markup {

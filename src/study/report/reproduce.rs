@@ -29,7 +29,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
         "reproduce",
         "How to reproduce it",
         &html! {
-            p { "With amacrine " (all.amacrine) " and the same files this command gives this page again, to the byte (seed " (number::plain("/seed", all.seed as f64)) "); with " code { "--json" } " it prints every number." }
+            p { "With amacrine " (all.amacrine) " and the same files this command gives this page again, to the byte (seed " (all.seed) "); with " code { "--json" } " it prints every number." }
             pre { code { (all.command) } }
         },
     )
