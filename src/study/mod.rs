@@ -4,3 +4,4 @@ pub mod design;
 pub mod feasibility;
 pub mod quantisation;
 pub mod report;
+pub mod waterfall;
