@@ -161,10 +161,11 @@ pub(super) fn time(
     let needed = said
         .map_or(0, stream::most_in_a_frame)
         .clamp(1, slots.max(1));
-    let fewer = program.clone().with_slots(needed as u32);
+    let mut fewer = program.code.frame.clone();
+    set_slots(&mut fewer, needed as u32);
     Time::of(&Parts {
         cost: program.cost,
-        cost_of_scene: Cost::of(&fewer.code.frame, question.device),
+        cost_of_scene: Cost::of(&fewer, question.device),
         slots: [slots, needed],
         exposure: question.exposure,
         fps,
@@ -182,6 +183,19 @@ fn slots(steps: &[Step]) -> u64 {
         Action::Host(_) | Action::Word(_) => 0,
     };
     steps.iter().map(of).max().unwrap_or(0)
+}
+
+/// The same for all readouts of events.
+fn set_slots(steps: &mut [Step], to: u32) {
+    for step in steps {
+        match &mut step.action {
+            Action::Host(Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. }) => {
+                *slots = to;
+            }
+            Action::Repeat { body, .. } => set_slots(body, to),
+            Action::Host(_) | Action::Word(_) => {}
+        }
+    }
 }
 
 #[cfg(test)]
