@@ -464,6 +464,10 @@ fn what_does_not_fit_gets_a_page_that_says_so() {
     // What can be said without a program is said.
     assert!(number(&numbers, "/streams/float/events") > 0.0);
     assert_eq!(all(&page, "img").len(), 2);
+    // What was asked for has a row of its own.
+    let last = numbers["quantisation"].as_array().unwrap().last().unwrap();
+    assert_eq!(last["to"], "int-7");
+    assert_eq!(last["refused"].as_str(), Some(why));
 }
 
 #[test]
@@ -486,6 +490,9 @@ fn a_still_scene_gives_a_page_without_events() {
     let all = [&ask[..], &["-o", "report.html", "--json"]].concat();
     let numbers = json(folder.path(), &all);
     assert_eq!(numbers["streams"]["float"]["events"], 0);
+    assert_eq!(words(&numbers)["fidelity"], "nothing to keep");
+    let headline = numbers["verdict"]["headline"].as_str().unwrap();
+    assert!(headline.contains("cannot judge"), "{headline}");
     let source = fs::read_to_string(folder.path().join("report.html")).unwrap();
     let page = Html::parse_document(&source);
     is_readable(&page);

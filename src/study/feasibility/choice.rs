@@ -14,16 +14,32 @@ use crate::{
 const ALIKE: f64 = 0.005;
 
 impl Question<'_> {
-    /// A row for each candidate, also for those that the kernel is not to be had in.
+    /// What was asked for, else the first candidate that the kernel is to be had in.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub(super) fn first(&self, design: &Design<'_>) -> Result<Few, DesignError> {
+        let few = |to: Quantiser| Few::of(to, self, design);
+        if let Some(to) = self.to {
+            return few(to);
+        }
+        let mut all = self.candidates.iter().map(|to| few(*to));
+        let first = all.next().unwrap_or_else(|| few(Quantiser::Ternary));
+        first.or_else(|error| all.find_map(Result::ok).ok_or(error))
+    }
+
+    /// A row for each candidate and for what was asked for, also for those that the kernel is
+    /// not to be had in.
     pub(super) fn table(
         &self,
         design: &Design<'_>,
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(&Frame),
-    ) -> Result<Vec<Row>, FeasibilityError> {
-        let why_not = |to: &Quantiser| design.quantise(*to, self.sum).err();
-        let usable: Vec<Quantiser> = self
-            .candidates
+    ) -> Result<Vec<(Quantiser, Row)>, FeasibilityError> {
+        let mut all = self.candidates.to_vec();
+        all.extend(self.to.filter(|to| !all.contains(to)));
+        let why_not = |to: &Quantiser| Few::of(*to, self, design).err();
+        let usable: Vec<_> = all
             .iter()
             .copied()
             .filter(|to| why_not(to).is_none())
@@ -39,45 +55,49 @@ impl Question<'_> {
             within: self.within,
         };
         let mut rows = quantisation::ask(&table, scene, seen)?.rows.into_iter();
-        let row = |to: &Quantiser| match why_not(to) {
-            None => rows.next(),
-            Some(error) => Some(Row {
-                to: to.to_string(),
-                relative_error: 1.0,
-                outcome: Outcome::Refused(error.to_string()),
-            }),
+        let row = |to: Quantiser| {
+            let row = match why_not(&to) {
+                None => rows.next()?,
+                Some(error) => Row {
+                    to: to.to_string(),
+                    relative_error: 1.0,
+                    outcome: Outcome::Refused(error.to_string()),
+                },
+            };
+            Some((to, row))
         };
-        Ok(self.candidates.iter().filter_map(row).collect())
+        Ok(all.into_iter().filter_map(row).collect())
     }
 
-    /// What was asked for; else the candidate that scores best with the chip's errors, of those
-    /// that score alike the one with the fewest words; else, where none has a program, the first
-    /// that there is.
-    pub(super) fn choose(
-        &self,
-        design: &Design<'_>,
-        rows: &[Row],
-    ) -> Result<(Quantiser, Quantised), DesignError> {
-        let quantised = |to: Quantiser| Ok((to, design.quantise(to, self.sum)?));
-        if let Some(to) = self.to {
-            return quantised(to);
-        }
+    /// The row that scores best with the chip's errors, of those that score alike the one with
+    /// the fewest words; none where no row has a program.
+    pub(super) fn best(rows: &[(Quantiser, Row)]) -> Option<Quantiser> {
         let programs = || {
-            let both = self.candidates.iter().zip(rows);
-            both.filter_map(|(to, row)| match &row.outcome {
+            rows.iter().filter_map(|(to, row)| match &row.outcome {
                 Outcome::OnChip(chip) => Some((*to, chip)),
                 Outcome::Refused(_) => None,
             })
         };
-        let best = programs()
-            .map(|(_, chip)| chip.silicon.f1)
-            .fold(0.0, f64::max);
+        let f1 = programs().map(|(_, chip)| chip.silicon.f1);
+        let best = f1.fold(0.0, f64::max);
         let alike = programs().filter(|(_, chip)| chip.silicon.f1 > best - ALIKE);
-        if let Some((to, _)) = alike.min_by_key(|(_, chip)| chip.words) {
-            return quantised(to);
-        }
-        let mut all = self.candidates.iter().map(|to| quantised(*to));
-        let first = all.next().unwrap_or_else(|| quantised(Quantiser::Ternary));
-        first.or_else(|error| all.find_map(Result::ok).ok_or(error))
+        alike.min_by_key(|(_, chip)| chip.words).map(|(to, _)| to)
+    }
+}
+
+/// The kernel in few values.
+pub(super) struct Few {
+    pub to: Quantiser,
+    pub quantised: Quantised,
+}
+
+impl Few {
+    pub fn of(
+        to: Quantiser,
+        question: &Question<'_>,
+        design: &Design<'_>,
+    ) -> Result<Self, DesignError> {
+        let quantised = design.quantise(to, question.sum)?;
+        Ok(Self { to, quantised })
     }
 }

@@ -4,6 +4,7 @@ use super::{
     Assumption, Chosen, Feasibility, FeasibilityError, Fit, Known, Named, Sight, Stream, Streams,
     Watched, Weights,
     chip::OnChip,
+    choice::Few,
     power::{Link, Power},
     time,
     verdict::Verdict,
@@ -80,8 +81,14 @@ pub fn ask(
 ) -> Result<(Feasibility, Sight), FeasibilityError> {
     let design = question.design();
     design.description(MemoryRule::FilteredSnap)?;
-    let quantisation = question.table(&design, &mut *open()?, &mut seen)?;
-    let (to, quantised) = question.choose(&design, &quantisation)?;
+    let mut few = question.first(&design)?;
+    let table = question.table(&design, &mut *open()?, &mut seen)?;
+    if question.to.is_none()
+        && let Some(best) = Question::best(&table)
+    {
+        few = Few::of(best, question, &design)?;
+    }
+    let Few { to, quantised } = few;
     let compiled = match design.in_levels(&quantised).compile(question.name) {
         Ok(compiled) => Ok(compiled),
         Err(error) if error.is_refusal() => Err(error.to_string()),
@@ -139,7 +146,7 @@ pub fn ask(
         link: question.link_of(&streams, &scene),
         streams,
         waterfall,
-        quantisation,
+        quantisation: table.into_iter().map(|(_, row)| row).collect(),
         mesh: meshes(question.kernel),
         assumptions: Assumption::all(question, &scene),
         scene,

@@ -41,6 +41,8 @@ const ABOUT: [f64; 2] = [0.8, 1.25];
 const CLEAR: [f64; 2] = [3.0, 5.0];
 /// Up to which error of its weights a mesh carries a kernel, and comes near it.
 const CARRIED: [f64; 2] = [0.05, 0.20];
+/// The word on fidelity where there is nothing to keep.
+const SILENT: &str = "nothing to keep";
 /// Below which loss of F1 nothing is to be blamed for it.
 const LITTLE: f64 = 0.05;
 
@@ -56,10 +58,12 @@ impl Verdict {
             findings.push(speed);
         }
         if let Some(judged) = all.streams.silicon.as_ref().and_then(|s| s.judged) {
-            let kept = kept(&judged);
+            let kept = kept(&judged, all.streams.float.events);
             kept_word = kept.word;
             findings.push(kept);
-            if let Some(exact) = all.streams.exact.as_ref().and_then(|s| s.judged) {
+            if kept_word != SILENT
+                && let Some(exact) = all.streams.exact.as_ref().and_then(|s| s.judged)
+            {
                 findings.push(limit(&exact, &judged, all));
             }
         }
@@ -74,13 +78,14 @@ impl Verdict {
         let headline = match (fits, speed_word, kept_word) {
             (false, ..) => "Does not fit",
             (true, "too slow", _) => "Fits, but is too slow",
+            (true, _, SILENT) => "Fits, but this scene cannot judge it",
             (true, _, "kept" | "mostly kept") => "Feasible",
             (true, _, "half kept") => "Feasible, with loss",
             (true, ..) => "Runs, but what comes out is mostly not what the kernel says",
         };
         Self {
             headline: headline.to_owned(),
-            rule: "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; else by the word on fidelity: kept and mostly kept are feasible, half kept is feasible with loss.".to_owned(),
+            rule: "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; else by the word on fidelity: kept and mostly kept are feasible, half kept is feasible with loss; without an event to keep the scene cannot judge.".to_owned(),
             findings,
         }
     }
@@ -174,10 +179,12 @@ fn speed(chip: &OnChip, fps: f64) -> Finding {
     }
 }
 
-fn kept(judged: &Judged) -> Finding {
+fn kept(judged: &Judged, float_events: u64) -> Finding {
     let [all, most, half] = KEPT;
     let f1 = judged.f1;
-    let word = if f1.kept >= all {
+    let word = if float_events == 0 {
+        SILENT
+    } else if f1.kept >= all {
         "kept"
     } else if f1.kept >= most {
         "mostly kept"
@@ -186,15 +193,21 @@ fn kept(judged: &Judged) -> Finding {
     } else {
         "mostly lost"
     };
+    let says = if word == SILENT {
+        "The float kernel has no event on this scene, so nothing can be said of fidelity."
+            .to_owned()
+    } else {
+        format!(
+            "With the chip's errors the float kernel's events are {word}: F1 is {:.3}, where accident gives {:.3} and perfection {:.0}.",
+            f1.value, f1.floor, f1.ceiling
+        )
+    };
     Finding {
         about: "fidelity",
         word,
-        says: format!(
-            "With the chip's errors the float kernel's events are {word}: F1 is {:.3}, where accident gives {:.3} and perfection {:.0}.",
-            f1.value, f1.floor, f1.ceiling
-        ),
+        says,
         rule: format!(
-            "share of the way from floor to ceiling that F1 has gone; kept: from {all}; mostly kept: from {most}; half kept: from {half}; else mostly lost."
+            "share of the way from floor to ceiling that F1 has gone; kept: from {all}; mostly kept: from {most}; half kept: from {half}; else mostly lost. Nothing to keep: the float kernel has no event."
         ),
     }
 }
