@@ -8,6 +8,7 @@ mod debug;
 pub mod demo;
 pub mod disasm;
 pub mod exec;
+pub mod feasibility;
 mod kernels;
 pub mod mesh;
 mod opened;
@@ -22,6 +23,7 @@ pub mod show;
 mod statistics;
 mod strip;
 mod timed;
+pub mod waterfall;
 
 use std::{io::Write, process::ExitCode};
 
@@ -38,7 +40,9 @@ Examples:
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
+  amacrine waterfall rgc-5x5-ternary --threshold 60 -o waterfall.svg
   amacrine mesh solve --lambda 10 --input P.npy --output H.npy
+  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
   amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
   amacrine packets out/silicon.npy --readout arbiter
@@ -68,8 +72,12 @@ enum Verb {
     Quantise(quantise::Arguments),
     /// Kernels to a program: shift, add, halve, with the proof
     Compile(compile::Arguments),
+    /// Where the events of the float sensor go, step by step, on the way to the chip
+    Waterfall(waterfall::Arguments),
     /// The resistor mesh: solve it, step it, fit a kernel to it, draw it
     Mesh(mesh::Arguments),
+    /// Whether a kernel can run on a chip, and what is lost, as a page to forward
+    Feasibility(feasibility::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
     /// An event file into another format
@@ -100,7 +108,9 @@ pub fn main() -> ExitCode {
         Some(Verb::Disasm(arguments)) => disasm::run(&arguments),
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
+        Some(Verb::Waterfall(arguments)) => waterfall::run(&arguments),
         Some(Verb::Mesh(arguments)) => mesh::run(&arguments),
+        Some(Verb::Feasibility(arguments)) => feasibility::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
         Some(Verb::Packets(arguments)) => packets::run(&arguments),

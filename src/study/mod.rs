@@ -1,3 +1,7 @@
 //! Studies: many sensors on one scene, and what each loses.
 
+pub mod design;
+pub mod feasibility;
 pub mod quantisation;
+pub mod report;
+pub mod waterfall;
