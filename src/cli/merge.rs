@@ -1,6 +1,6 @@
 //! `amacrine merge`: the folders of a sweep's shards into one.
 
-use std::path::PathBuf;
+use std::{fmt::Write as _, path::PathBuf};
 
 use serde_json::json;
 
@@ -45,7 +45,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let missing: Vec<usize> = if finished == manifest.points.len() {
         Vec::new()
     } else {
-        (0..manifest.points.len()).filter(|index| !has(*index)).collect()
+        (0..manifest.points.len())
+            .filter(|index| !has(*index))
+            .collect()
     };
     if arguments.json {
         let said = json!({
@@ -67,15 +69,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if !missing.is_empty() {
         let first: Vec<String> = missing.iter().take(SHOWN).map(usize::to_string).collect();
         let more = if missing.len() > SHOWN { ", …" } else { "" };
-        text += &format!(
-            "missing  {} points: numbers {}{more}; compute them with `amacrine sweep STUDY --output {}`\n",
+        let _ = writeln!(
+            text,
+            "missing  {} points: numbers {}{more}; compute them with `amacrine sweep STUDY --output {}`",
             missing.len(),
             first.join(", "),
             arguments.output.display()
         );
     }
-    text += &format!(
-        "wrote    {}/results.csv and results.jsonl\n",
+    let _ = writeln!(
+        text,
+        "wrote    {}/results.csv and results.jsonl",
         arguments.output.display()
     );
     super::say(&text);

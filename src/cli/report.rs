@@ -1,6 +1,6 @@
 //! `amacrine report`: which points of a sweep no other beats.
 
-use std::{fmt::Write as _, path::PathBuf};
+use std::{ffi::OsStr, fmt::Write as _, path::PathBuf};
 
 use miette::miette;
 
@@ -43,7 +43,7 @@ pub struct Arguments {
 /// When the folder holds no results, or the picture cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(path) = &arguments.output {
-        let ending = path.extension().map(|e| e.to_ascii_lowercase());
+        let ending = path.extension().map(OsStr::to_ascii_lowercase);
         if ending.is_none_or(|e| e != "svg" && e != "png") {
             return Err(miette!(
                 help = "give a name that ends in .svg or .png",
@@ -119,7 +119,12 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             "\n{}; error is 1 - F1",
             heading(group, number, report.groups.len(), arguments.pool)
         );
-        let width = group.sensors.iter().map(|s| s.name.len()).max().unwrap_or(0);
+        let width = group
+            .sensors
+            .iter()
+            .map(|s| s.name.len())
+            .max()
+            .unwrap_or(0);
         let _ = writeln!(
             text,
             "  {:<width$}   error   worst  {:>14}        bits  words  front",
@@ -127,7 +132,9 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             label(&report.cost).split(" of ").next().unwrap_or_default(),
         );
         for sensor in &group.sensors {
-            let words = sensor.words.map_or("-".to_owned(), |words| format!("{words:.0}"));
+            let words = sensor
+                .words
+                .map_or("-".to_owned(), |words| format!("{words:.0}"));
             let front = match &sensor.dominated_by {
                 None => "yes".to_owned(),
                 Some(by) => format!("no, {by} is better"),
@@ -148,6 +155,14 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             text,
             "\ncannot   {} ({} points): {}",
             refused.name, refused.points, refused.reason
+        );
+    }
+    if !report.without.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nwithout  {}: no {}",
+            report.without.join(", "),
+            label(&report.cost)
         );
     }
     if let Some(path) = &arguments.output {

@@ -1,6 +1,7 @@
 //! `amacrine sweep`: the points of a study, computed once each.
 
 use std::{
+    fmt::Write as _,
     fs,
     path::{Path, PathBuf},
     thread,
@@ -11,9 +12,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::progress::Progress;
-use crate::study::sweep::{
-    Plan, Shard, Store, Study, run as run_points, run::Did, schema,
-};
+use crate::study::sweep::{Plan, Shard, Store, Study, run as run_points, run::Did, schema};
 
 /// What `sweep` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -46,9 +45,8 @@ pub struct Arguments {
 
 /// A shard, for the command line, which shows no help beside a message.
 fn shard(text: &str) -> Result<Shard, String> {
-    text.parse().map_err(|e| {
-        format!("{e}: give i/n with i from 0 to n - 1, such as 0/4, 1/4, 2/4 and 3/4")
-    })
+    text.parse()
+        .map_err(|e| format!("{e}: give i/n with i from 0 to n - 1, such as 0/4, 1/4, 2/4 and 3/4"))
 }
 
 /// `--parquet` without the feature is refused before anything is computed.
@@ -124,7 +122,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         seconds: clock(),
         shard: arguments.shard,
     };
-    super::say(&if arguments.json { said.json() } else { said.table() });
+    super::say(&if arguments.json {
+        said.json()
+    } else {
+        said.table()
+    });
     Ok(())
 }
 
@@ -165,23 +167,27 @@ impl Said<'_> {
         };
         let mut text = format!("study    {}\npoints   {all}{same}\n", self.plan.study.title);
         if let Some(Shard { index, of }) = self.shard {
-            text += &format!(
-                "shard    {index}/{of}: {} of them\n",
+            let _ = writeln!(
+                text,
+                "shard    {index}/{of}: {} of them",
                 self.did.computed + self.did.found
             );
         }
-        text += &format!(
-            "computed {} in {:.1} s on {} threads, {} were there already\n",
+        let _ = writeln!(
+            text,
+            "computed {} in {:.1} s on {} threads, {} were there already",
             self.did.computed, self.seconds, self.jobs, self.did.found
         );
         if self.finished < all {
-            text += &format!(
-                "missing  {} of {all}: the other shards, or run again\n",
+            let _ = writeln!(
+                text,
+                "missing  {} of {all}: the other shards, or run again",
                 all - self.finished
             );
         }
         let output = self.output.display();
-        text += &format!(
+        let _ = write!(
+            text,
             "wrote    {output}/results.csv and results.jsonl, {} rows\nnext     amacrine report {output}\n",
             self.finished
         );

@@ -54,7 +54,9 @@ pub fn fronts(shows: &[FrontShow<'_>]) -> Drawing {
     let line = f64::from(LINE);
     let height = |show: &FrontShow<'_>| {
         let named = show.dots.iter().filter(|dot| !dot.dominated).count();
-        (named as f64 + 3.0).mul_add(line, TOP).max(TOP + HEIGHT + 60.0)
+        (named as f64 + 3.0)
+            .mul_add(line, TOP)
+            .max(TOP + HEIGHT + 60.0)
     };
     let all: f64 = shows.iter().map(height).sum();
     let mut drawing = Drawing::new(WIDTH, all.max(60.0));
@@ -100,12 +102,19 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
     } else {
         ((low - margin).max(0.0), high + margin)
     };
-    let worst = show.dots.iter().fold(0.0, |most: f64, dot| most.max(dot.error));
+    let worst = show
+        .dots
+        .iter()
+        .fold(0.0, |most: f64, dot| most.max(dot.error));
     let x = Axis {
         label: show.cost,
         from,
         to,
-        scale: if show.seconds { Scale::Decades } else { Scale::Plain },
+        scale: if show.seconds {
+            Scale::Decades
+        } else {
+            Scale::Plain
+        },
     };
     let y = Axis {
         label: "error: 1 - F1 against the f64 sensor",
@@ -162,7 +171,13 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
         let row = top + TOP + f64::from(number - 1) * line;
         square(drawing, (names + 4.0, row + line / 2.0), 4.0, colour(dot));
         let text = format!("{number} {} ({:.4})", dot.name, dot.error);
-        drawing.text((names + 14.0, row), Anchor::Start, Weight::Plain, ink::TEXT, text);
+        drawing.text(
+            (names + 14.0, row),
+            Anchor::Start,
+            Weight::Plain,
+            ink::TEXT,
+            text,
+        );
     }
     let mut left = 24.0;
     for (side, name) in show.sides.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Scenes that many points watch: read once, held in memory while they are small enough.
 
-use std::{path::Path, sync::Arc};
+use std::{fmt::Write as _, path::Path, sync::Arc};
 
 use sha2::{Digest, Sha256};
 
@@ -188,5 +188,8 @@ impl Scene for Retimed {
 
 /// Bytes as text.
 pub(super) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
 }

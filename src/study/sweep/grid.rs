@@ -55,7 +55,7 @@ impl Axis {
             Values::List(list) => list
                 .get(usize::try_from(index).ok()?)
                 .map(|(value, _)| value.clone()),
-            Values::Ramp(ramp) => Some(self.on(ramp, self.part(ramp, index))),
+            Values::Ramp(ramp) => Some(self.on(ramp, ramp.part(index))),
         }
     }
 
@@ -67,10 +67,6 @@ impl Axis {
             (_, Some(count)) => self.at(((part * count as f64) as u64).min(count.checked_sub(1)?)),
             (Values::List(_), None) => None,
         }
-    }
-
-    fn part(&self, ramp: &Ramp, index: u64) -> f64 {
-        index as f64 / ramp.steps.unwrap_or(2).saturating_sub(1).max(1) as f64
     }
 
     fn on(&self, ramp: &Ramp, part: f64) -> Value {

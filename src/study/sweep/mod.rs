@@ -17,6 +17,9 @@
 //!
 //! `docs/sweeps.md` has a worked example, every key and every column.
 
+mod build;
+mod entry;
+mod error;
 mod footage;
 pub mod grid;
 pub mod key;
@@ -25,21 +28,25 @@ mod measure;
 mod parquet;
 pub mod plan;
 pub mod point;
+mod read;
 pub mod report;
 pub mod run;
 pub mod sample;
 pub mod schema;
 mod sensor;
+mod shared;
+mod sides;
 pub mod store;
 pub mod study;
 pub mod table;
 pub mod value;
 
+pub use error::StoreError;
 pub use measure::Clock;
 pub use plan::Plan;
 pub use report::Report;
 pub use run::{Shard, run};
-pub use store::{Store, StoreError};
+pub use store::Store;
 pub use study::Study;
 
 /// The version of the results: of what is measured and how. It is part of every identity.

@@ -14,11 +14,7 @@ use parquet::{
 use super::table::{self, Holds, Row};
 
 /// Writes the rows.
-pub(super) fn write(
-    out: &mut dyn Write,
-    columns: &[String],
-    rows: &[Row],
-) -> io::Result<()> {
+pub(super) fn write(out: &mut dyn Write, columns: &[String], rows: &[Row]) -> io::Result<()> {
     let bytes = encode(columns, rows).map_err(io::Error::other)?;
     out.write_all(&bytes)
 }
@@ -40,7 +36,10 @@ fn encode(columns: &[String], rows: &[Row]) -> ParquetResult<Vec<u8>> {
     let mut group = file.next_row_group()?;
     let mut names = columns.iter();
     while let (Some(mut column), Some(name)) = (group.next_column()?, names.next()) {
-        let cells = || rows.iter().map(|row| row.get(name).filter(|cell| !cell.is_null()));
+        let cells = || {
+            rows.iter()
+                .map(|row| row.get(name).filter(|cell| !cell.is_null()))
+        };
         let there: Vec<i16> = cells().map(|cell| cell.is_some().into()).collect();
         match column.untyped() {
             ColumnWriter::ByteArrayColumnWriter(writer) => {

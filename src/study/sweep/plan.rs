@@ -95,9 +95,9 @@ impl Plan {
             }
         }
         Ok(Self {
+            study,
             entries,
             named,
-            study,
         })
     }
 

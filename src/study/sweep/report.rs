@@ -54,6 +54,8 @@ pub struct Report {
     pub groups: Vec<Group>,
     /// Sensors that cannot be, each with the first reason.
     pub refused: Vec<Refused>,
+    /// Sensors that do not have this cost: only programs have words.
+    pub without: Vec<String>,
 }
 
 /// Sensors that can be compared.
@@ -111,7 +113,7 @@ impl Report {
             sensors.entry(key).or_default().push(row);
         }
         let mut groups: BTreeMap<BTreeSet<String>, Vec<Standing>> = BTreeMap::new();
-        let mut refused = Vec::new();
+        let (mut refused, mut without) = (Vec::new(), Vec::new());
         for (key, rows) in &sensors {
             let name = name(key, &varying);
             let (cannot, done): (Vec<&Row>, Vec<&Row>) = rows
@@ -124,11 +126,20 @@ impl Report {
                     reason: table::cell(first, "reason"),
                 });
             }
-            let tasks = done.iter().map(|row| table::cell(row, "task")).collect();
-            if let Some(standing) = standing(name, key, &done, cost) {
-                let tasks = if pool { BTreeSet::new() } else { tasks };
-                groups.entry(tasks).or_default().push(standing);
+            if done.is_empty() {
+                continue;
             }
+            let Some(standing) = standing(&name, key, &done, cost) else {
+                without.push(name);
+                continue;
+            };
+            let tasks = done.iter().map(|row| table::cell(row, "task"));
+            let tasks = if pool {
+                BTreeSet::new()
+            } else {
+                tasks.collect()
+            };
+            groups.entry(tasks).or_default().push(standing);
         }
         let mut groups: Vec<Group> = groups
             .into_iter()
@@ -142,6 +153,7 @@ impl Report {
             finished: rows.len(),
             groups,
             refused,
+            without,
         }
     }
 }
@@ -178,6 +190,7 @@ fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
             "threshold_sigma" => format!("sigma {value}"),
             "noise" if value == "none" => "no noise".to_owned(),
             "noise" => format!("noise {value}"),
+            "sum" if value == "free" => continue,
             "sum" => format!("sum {value}"),
             "slots" => format!("{value} slots"),
             "quantise" if value == "none" => "as is".to_owned(),
@@ -187,7 +200,7 @@ fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
     words.join(" ")
 }
 
-fn standing(name: String, key: &[String], rows: &[&Row], cost: &str) -> Option<Standing> {
+fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Standing> {
     let numbers = |column: &str| -> Vec<f64> {
         let numbers = rows.iter().filter_map(|row| row.get(column)?.as_f64());
         numbers.filter(|number| number.is_finite()).collect()
@@ -198,7 +211,7 @@ fn standing(name: String, key: &[String], rows: &[&Row], cost: &str) -> Option<S
         (all == rows.len() && all > 0).then(|| numbers.iter().sum::<f64>() / all as f64)
     };
     Some(Standing {
-        name,
+        name: name.to_owned(),
         side: key.first().cloned().unwrap_or_default(),
         points: rows.len(),
         error: mean("error")?,

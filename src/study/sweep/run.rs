@@ -10,9 +10,11 @@ use std::{
 };
 
 use super::{
-    measure::{Clock, Shared, measure},
+    error::StoreError,
+    measure::{Clock, measure},
     plan::{Entry, Plan},
-    store::{Store, StoreError},
+    shared::Shared,
+    store::Store,
 };
 
 /// One part of a study, for one of several machines: the points whose number leaves `index`

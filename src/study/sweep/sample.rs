@@ -112,7 +112,10 @@ mod tests {
         for dimension in 0..4 {
             let mean: f64 = (0..4096).map(|i| sample(1).part(i, dimension)).sum::<f64>() / 4096.0;
             // Four standard errors of a uniform mean.
-            assert!((mean - 0.5).abs() < 4.0 / (12.0 * 4096.0_f64).sqrt(), "{mean}");
+            assert!(
+                (mean - 0.5).abs() < 4.0 / (12.0 * 4096.0_f64).sqrt(),
+                "{mean}"
+            );
         }
         assert_ne!(sample(1).part(0, 0), sample(2).part(0, 0));
         assert_ne!(sample(1).part(0, 0), sample(1).part(0, 1));

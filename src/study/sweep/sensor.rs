@@ -44,7 +44,11 @@ fn text(point: &Point, kernel: &str) -> String {
 fn ideal_text(point: &Point, kernel: &str, against: &str) -> String {
     let (written, scale) = response(point.word("response"));
     // A linear response only scales the signal, and thresholds are in light units.
-    let response = if scale == 1.0 { written } else { "\"identity\"".to_owned() };
+    let response = if scale == 1.0 {
+        written
+    } else {
+        "\"identity\"".to_owned()
+    };
     let own = match point.side() {
         Side::Array => None,
         Side::Reference | Side::Mesh => point.word("memory"),
@@ -54,10 +58,14 @@ fn ideal_text(point: &Point, kernel: &str, against: &str) -> String {
         one => one,
     };
     let mut text = format!("response = {response}\nmemory = {memory:?}\n");
-    if let Some(polarity) = point.word("polarity").filter(|_| own == Some(memory)) {
-        let _ = writeln!(text, "polarity = {polarity:?}");
-    }
-    let _ = writeln!(text, "border = {:?}", point.word("border").unwrap_or("zero"));
+    let pixel = own == Some(memory) && point.word("polarity") == Some("pixel");
+    let polarity = if pixel { "pixel" } else { "filtered" };
+    let _ = writeln!(text, "polarity = {polarity:?}");
+    let _ = writeln!(
+        text,
+        "border = {:?}",
+        point.word("border").unwrap_or("zero")
+    );
     text += "[[channel]]\n";
     if point.side() == Side::Mesh {
         text += &mesh(point, None);
@@ -72,7 +80,11 @@ fn ideal_text(point: &Point, kernel: &str, against: &str) -> String {
 fn mesh(point: &Point, solver: Option<&str>) -> String {
     let mut parts = Vec::new();
     for key in ["lambda", "lambda-y", "tau-us"] {
-        parts.extend(point.number(key).map(|number| format!("{key} = {number:?}")));
+        parts.extend(
+            point
+                .number(key)
+                .map(|number| format!("{key} = {number:?}")),
+        );
     }
     parts.extend(solver.map(|rule| format!("rule = {rule:?}")));
     format!("mesh = {{ {} }}\n", parts.join(", "))

@@ -6,11 +6,11 @@ use toml::{
 };
 
 use super::{
-    grid::{self, Axis, Axes, MOST_POINTS},
-    key::{Absent, Key, Side},
+    entry::{self, Read},
+    grid::{self, Axes},
+    key::{Key, Side},
     point::Point,
     sample::{Method, Sample},
-    value::{self, Values},
 };
 use crate::{
     compile::Effort,
@@ -67,18 +67,39 @@ impl Settings {
 
 /// The metrics of a study, and what each is.
 pub const METRICS: [(&str, &str); 12] = [
-    ("f1", "harmonic mean of precision and recall, for each window"),
-    ("precision", "matched share of the point's events, for each window"),
-    ("recall", "matched share of the reference's events, for each window"),
+    (
+        "f1",
+        "harmonic mean of precision and recall, for each window",
+    ),
+    (
+        "precision",
+        "matched share of the point's events, for each window",
+    ),
+    (
+        "recall",
+        "matched share of the reference's events, for each window",
+    ),
     ("count-l1", "L1 of counts per event, cell by cell"),
     ("count-pearson", "Pearson of counts, cell by cell"),
-    ("van-rossum", "van Rossum's distance per event, for each time constant"),
-    ("victor-purpura", "Victor and Purpura's distance per event, for each shift that costs 1"),
-    ("voxel-l1", "L1 of voxel grids of 8 bins per event, ON less OFF"),
+    (
+        "van-rossum",
+        "van Rossum's distance per event, for each time constant",
+    ),
+    (
+        "victor-purpura",
+        "Victor and Purpura's distance per event, for each shift that costs 1",
+    ),
+    (
+        "voxel-l1",
+        "L1 of voxel grids of 8 bins per event, ON less OFF",
+    ),
     ("voxel-rmse", "root of the mean square of voxels, in events"),
     ("rate-l1", "L1 of the map of ON + OFF, per event"),
     ("rate-pearson", "Pearson of the map of ON + OFF"),
-    ("intervals", "divergence of the intervals between a cell's events, in nats"),
+    (
+        "intervals",
+        "divergence of the intervals between a cell's events, in nats",
+    ),
 ];
 
 /// Metrics that are measured when none are named: the cheap ones.
@@ -89,18 +110,40 @@ pub const AGAINST: [&str; 4] = ["same", "filtered-snap", "filtered-step", "raw-s
 
 /// The keys beside the axes, and what each is.
 pub const SETTINGS: [(&str, &str); 9] = [
-    ("title", "what the study is called; the file's name when left out"),
+    (
+        "title",
+        "what the study is called; the file's name when left out",
+    ),
     ("source", "where the numbers come from, for people"),
-    ("metrics", "what is measured of each point; `f1`, `precision`, `recall`, `count-l1` and `van-rossum` when left out"),
-    ("within", "windows of matches, such as `[\"1ms\", \"10ms\"]`; `\"1ms\"` when left out. A point's error is 1 - F1 in the first"),
-    ("van-rossum", "time constants of van Rossum's distance; `\"5ms\"` when left out"),
-    ("victor-purpura", "shifts that cost 1 in Victor and Purpura's distance; `\"5ms\"` when left out"),
-    ("against", "memory of the f64 sensor that events are measured against: `same` as the point's own (when left out), or one for all"),
-    ("effort", "how long to search for each program, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 0.2 when left out"),
-    ("sample", "draw points instead of taking the whole grid: `{ method = \"sobol\", points = 256, seed = 0 }` or `method = \"random\"`"),
+    (
+        "metrics",
+        "what is measured of each point; `f1`, `precision`, `recall`, `count-l1` and `van-rossum` when left out",
+    ),
+    (
+        "within",
+        "windows of matches, such as `[\"1ms\", \"10ms\"]`; `\"1ms\"` when left out. A point's error is 1 - F1 in the first",
+    ),
+    (
+        "van-rossum",
+        "time constants of van Rossum's distance; `\"5ms\"` when left out",
+    ),
+    (
+        "victor-purpura",
+        "shifts that cost 1 in Victor and Purpura's distance; `\"5ms\"` when left out",
+    ),
+    (
+        "against",
+        "memory of the f64 sensor that events are measured against: `same` as the point's own (when left out), or one for all",
+    ),
+    (
+        "effort",
+        "how long to search for each program, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 0.2 when left out",
+    ),
+    (
+        "sample",
+        "draw points instead of taking the whole grid: `{ method = \"sobol\", points = 256, seed = 0 }` or `method = \"random\"`",
+    ),
 ];
-
-type Read<T> = Result<T, Fault>;
 
 impl Study {
     /// Reads the text of a study called `file`.
@@ -124,7 +167,7 @@ impl Study {
         }
         study.ok_or_else(|| {
             // Nothing is missing without a fault.
-            Faults::one(file, text, no_side(table.get_ref()))
+            Faults::one(file, text, no_side())
         })
     }
 
@@ -147,34 +190,30 @@ impl Study {
     }
 }
 
-fn no_side(table: &DeTable<'_>) -> Fault {
-    let place = table.keys().next().map_or(0..0, Spanned::span);
-    Fault::error(place.start.into_place(), "there is no [[side]]", "a study needs one").help(
-        "add [[side]] with side = \"reference\", \"array\" or \"mesh\", once for each sensor",
+fn no_side() -> Fault {
+    Fault::error(
+        Place::new(0, 0),
+        "there is no [[side]]",
+        "a study needs one",
     )
-}
-
-trait IntoPlace {
-    fn into_place(self) -> Place;
-}
-
-impl IntoPlace for usize {
-    fn into_place(self) -> Place {
-        Place::new(self, self)
-    }
+    .help("add [[side]] with side = \"reference\", \"array\" or \"mesh\", once for each sensor")
 }
 
 /// A key and what it is set to.
-type Entry<'a> = (&'a Spanned<toml::de::DeString<'a>>, &'a Spanned<DeValue<'a>>);
+pub(super) type Entry<'a> = (
+    &'a Spanned<toml::de::DeString<'a>>,
+    &'a Spanned<DeValue<'a>>,
+);
 
-struct Reader<'a> {
-    text: &'a str,
-    faults: Vec<Fault>,
+/// The study being read; everything that is wrong with it so far.
+pub(super) struct Reader<'a> {
+    pub text: &'a str,
+    pub faults: Vec<Fault>,
 }
 
 impl Reader<'_> {
     /// What was read, or its fault is kept.
-    fn keep<T>(&mut self, read: Read<T>) -> Option<T> {
+    pub fn keep<T>(&mut self, read: Read<T>) -> Option<T> {
         read.map_err(|fault| self.faults.push(fault)).ok()
     }
 
@@ -188,22 +227,22 @@ impl Reader<'_> {
                 sides = Some(written);
             } else if SETTINGS.iter().any(|(known, _)| *known == name) {
                 settings.push((key, written));
-            } else if Side::ALL.iter().any(|side| Key::of(*side).any(|k| k.name == name)) {
+            } else if Side::ALL
+                .iter()
+                .any(|side| Key::of(*side).any(|k| k.name == name))
+            {
                 axes.push((key, written));
             } else {
-                let fault = value::unknown(key, &all_names(), "in a study");
+                let fault = entry::unknown(key, &all_names(), "in a study");
                 self.faults.push(fault);
             }
         }
-        let sample = settings.iter().find(|(key, _)| key.get_ref() == "sample");
-        let sample = sample.and_then(|(_, written)| {
-            let read = self.sample(written);
-            self.keep(read)
-        });
+        let drawn = settings.iter().find(|(key, _)| key.get_ref() == "sample");
+        let sample = drawn.and_then(|(_, written)| self.keep(sample(written)));
         let title = self.title(file, &settings);
         let settings = self.settings(&settings);
         let Some(written) = sides else {
-            self.faults.push(no_side(table));
+            self.faults.push(no_side());
             return None;
         };
         let sides = self.sides(written, &axes, sample.is_some());
@@ -218,35 +257,10 @@ impl Reader<'_> {
         })
     }
 
-    /// An axis that no side has would change nothing.
-    fn unused(&mut self, axes: &[Entry<'_>], sides: &[Axes]) {
-        if sides.is_empty() {
-            return;
-        }
-        for (key, _) in axes {
-            let name = key.get_ref().as_ref();
-            let has = |axes: &Axes| Key::of(axes.side).any(|key| key.name == name);
-            if !sides.iter().any(has) {
-                let who: Vec<_> = Side::ALL
-                    .iter()
-                    .filter(|side| Key::of(**side).any(|key| key.name == name))
-                    .map(|side| format!("\"{side}\""))
-                    .collect();
-                let what = format!("`{name}` is set, and no side of this study has it");
-                self.faults.push(
-                    Fault::error(key.span().into(), what, "changes nothing").help(format!(
-                        "leave it out, or add a [[side]] with side = {}",
-                        who.join(" or ")
-                    )),
-                );
-            }
-        }
-    }
-
     fn title(&mut self, file: &str, settings: &[Entry<'_>]) -> Option<String> {
         for (key, written) in settings {
             if key.get_ref() == "source" {
-                let read = value::word("source", written);
+                let read = entry::word("source", written);
                 self.keep(read)?;
             }
         }
@@ -255,7 +269,7 @@ impl Reader<'_> {
             let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
             return Some(name.strip_suffix(".toml").unwrap_or(name).to_owned());
         };
-        let read = value::word("title", written).map(str::to_owned);
+        let read = entry::word("title", written).map(str::to_owned);
         self.keep(read)
     }
 
@@ -279,12 +293,12 @@ impl Reader<'_> {
         let van_rossum = times("van-rossum", 5_000);
         let victor_purpura = times("victor-purpura", 5_000);
         let against = named("against").map_or(Ok("same"), |written| {
-            let word = value::word("against", written)?;
-            value::one_of("against", word, &AGAINST, written.span().into())
+            let word = entry::word("against", written)?;
+            entry::one_of("against", word, &AGAINST, written.span().into())
         });
         let against = self.keep(against);
         let effort = named("effort").map_or(Ok(0.2), |written| {
-            let seconds = value::number("effort", written)?;
+            let seconds = entry::number("effort", written)?;
             if (0.0..=3600.0).contains(&seconds) {
                 return Ok(seconds);
             }
@@ -302,200 +316,47 @@ impl Reader<'_> {
             effort: Effort::seconds(effort?).states,
         })
     }
-
-    fn sample(&mut self, written: &Spanned<DeValue<'_>>) -> Read<Sample> {
-        let place: Place = written.span().into();
-        let example = "{ method = \"sobol\", points = 256, seed = 0 }";
-        let DeValue::Table(table) = written.get_ref() else {
-            return Err(value::kind("sample", written, example));
-        };
-        let mut parts = value::Parts::of("sample", table, &["method", "points", "seed"], place)?;
-        let missing = |key: &str| {
-            Fault::error(place, format!("`sample` has no `{key}`"), "here")
-                .help(format!("write sample = {example}"))
-        };
-        let method = parts.take("method").ok_or_else(|| missing("method"))?;
-        let method = value::one_of(
-            "sample.method",
-            value::word("sample.method", method)?,
-            &["random", "sobol"],
-            method.span().into(),
-        )?;
-        let method = match method {
-            "sobol" => Method::Sobol,
-            _ => Method::Random,
-        };
-        let count = parts.take("points").ok_or_else(|| missing("points"))?;
-        let points = value::whole("sample.points", count)?;
-        let most = method.most();
-        if points == 0 || points > most {
-            let what = format!("`sample.points` is {points}");
-            return Err(Fault::error(count.span().into(), what, "here")
-                .help(format!("give from 1 to {most} points")));
-        }
-        let seed = match parts.take("seed") {
-            None => 0,
-            Some(seed) => value::whole("sample.seed", seed)?,
-        };
-        Ok(Sample {
-            method,
-            points,
-            seed,
-        })
-    }
-
-    fn sides(
-        &mut self,
-        written: &Spanned<DeValue<'_>>,
-        common: &[Entry<'_>],
-        sampled: bool,
-    ) -> Vec<Axes> {
-        let DeValue::Array(list) = written.get_ref() else {
-            let fault = value::kind("side", written, "[[side]] tables");
-            self.faults.push(fault);
-            return Vec::new();
-        };
-        let mut all = Vec::new();
-        for item in list.iter() {
-            let DeValue::Table(table) = item.get_ref() else {
-                let fault = value::kind("side", item, "[[side]] tables");
-                self.faults.push(fault);
-                continue;
-            };
-            all.extend(self.side(table, item.span().into(), common, sampled));
-        }
-        if list.is_empty() {
-            let what = "the list of sides is empty";
-            self.faults.push(
-                Fault::error(written.span().into(), what, "here")
-                    .help("add [[side]] with side = \"reference\", \"array\" or \"mesh\""),
-            );
-        }
-        all
-    }
-
-    fn side(
-        &mut self,
-        table: &DeTable<'_>,
-        place: Place,
-        common: &[Entry<'_>],
-        sampled: bool,
-    ) -> Option<Axes> {
-        let names = Side::ALL.map(Side::name);
-        let Some(kind) = table.get("side") else {
-            self.faults.push(
-                Fault::error(place, "a [[side]] that does not say which", "here")
-                    .help("add side = \"reference\", \"array\" or \"mesh\""),
-            );
-            return None;
-        };
-        let word = value::word("side", kind)
-            .and_then(|word| value::one_of("side", word, &names, kind.span().into()));
-        let word = self.keep(word)?;
-        let side = Side::ALL.into_iter().find(|side| side.name() == word)?;
-        let mut known = vec!["side"];
-        known.extend(Key::of(side).map(|key| key.name));
-        for key in table.keys() {
-            if !known.contains(&key.get_ref().as_ref()) {
-                let fault = misplaced(key, side, &known);
-                self.faults.push(fault);
-            }
-        }
-        let mut axes = Vec::new();
-        for key in Key::of(side) {
-            let own = table.get_key_value(key.name);
-            let own = own.or_else(|| {
-                let found = common.iter().find(|(name, _)| name.get_ref() == key.name);
-                found.map(|(name, written)| (*name, *written))
-            });
-            let read = match own {
-                Some((_, written)) => axis(key, written, self.text, sampled).map(Some),
-                None => absent(key, side, place),
-            };
-            axes.extend(self.keep(read).flatten());
-        }
-        Some(Axes { side, axes, place })
-    }
 }
 
-fn axis(key: &'static Key, written: &Spanned<DeValue<'_>>, text: &str, sampled: bool) -> Read<Axis> {
-    let values = value::values(key, written, text)?;
+fn sample(written: &Spanned<DeValue<'_>>) -> Read<Sample> {
     let place: Place = written.span().into();
-    let name = key.name;
-    match &values {
-        Values::List(list) if list.is_empty() => Err(Fault::error(
-            place,
-            format!("`{name}` has no values: the grid is empty"),
-            "no value",
-        )
-        .help("give at least one value, or leave the key out for its default")),
-        Values::Ramp(ramp) if ramp.steps.is_none() && !sampled => Err(Fault::error(
-            place,
-            format!("`{name}` is a range without `steps`, and a grid takes single values"),
-            "here",
-        )
-        .help(format!(
-            "add steps = 5, or draw points from the range with sample = {{ method = \"sobol\", points = {} }}",
-            MOST_POINTS.min(256)
-        ))),
-        _ => Ok(Axis { key, values, place }),
-    }
-}
-
-fn absent(key: &'static Key, side: Side, place: Place) -> Read<Option<Axis>> {
-    match key.default {
-        Absent::None => Ok(None),
-        Absent::Required => Err(Fault::error(
-            place,
-            format!("side = \"{side}\" has no `{}`", key.name),
-            "this side",
-        )
-        .help(format!("add {}: {}", key.name, key.what))),
-        Absent::Is(text) => {
-            let value = DeValue::parse(text)
-                .map_err(|e| Fault::error(place, e.message().to_owned(), "here"))?;
-            let mut axis = axis(key, &value, text, true)?;
-            axis.place = place;
-            if let Values::List(list) = &mut axis.values {
-                list.iter_mut().for_each(|(_, at)| *at = place);
-            }
-            Ok(Some(axis))
-        }
-    }
-}
-
-/// A key that this side does not have; another may.
-fn misplaced(key: &Spanned<toml::de::DeString<'_>>, side: Side, known: &[&str]) -> Fault {
-    let name = key.get_ref().as_ref();
-    let others: Vec<_> = Side::ALL
-        .iter()
-        .filter(|other| Key::of(**other).any(|key| key.name == name))
-        .map(|other| format!("\"{other}\""))
-        .collect();
-    if others.is_empty() {
-        let every = SETTINGS.iter().any(|(known, _)| *known == name);
-        let fault = value::unknown(key, known, &format!("of side = \"{side}\""));
-        return if every {
-            fault.help("it holds for the whole study: write it above the first [[side]]")
-        } else {
-            fault
-        };
-    }
-    let otherwise = format!("it is a key of side = {}", others.join(" and "));
-    let instead = match (side, name) {
-        (Side::Array, "format") => "an array has a `domain` in place of a `format`".to_owned(),
-        (Side::Reference | Side::Mesh, "domain") => {
-            "a float sensor has a `format` in place of a `domain`".to_owned()
-        }
-        (Side::Mesh, "kernel") => "a mesh has a `lambda` in place of a kernel".to_owned(),
-        _ => otherwise,
+    let example = "{ method = \"sobol\", points = 256, seed = 0 }";
+    let DeValue::Table(table) = written.get_ref() else {
+        return Err(entry::kind("sample", written, example));
     };
-    Fault::error(
-        key.span().into(),
-        format!("side = \"{side}\" has no `{name}`"),
-        "contradicts the side",
-    )
-    .help(instead)
+    let mut parts = entry::Parts::of("sample", table, &["method", "points", "seed"], place)?;
+    let missing = |key: &str| {
+        Fault::error(place, format!("`sample` has no `{key}`"), "here")
+            .help(format!("write sample = {example}"))
+    };
+    let method = parts.take("method").ok_or_else(|| missing("method"))?;
+    let method = entry::one_of(
+        "sample.method",
+        entry::word("sample.method", method)?,
+        &["random", "sobol"],
+        method.span().into(),
+    )?;
+    let method = match method {
+        "sobol" => Method::Sobol,
+        _ => Method::Random,
+    };
+    let count = parts.take("points").ok_or_else(|| missing("points"))?;
+    let points = entry::whole("sample.points", count)?;
+    let most = method.most();
+    if points == 0 || points > most {
+        let what = format!("`sample.points` is {points}");
+        return Err(Fault::error(count.span().into(), what, "here")
+            .help(format!("give from 1 to {most} points")));
+    }
+    let seed = match parts.take("seed") {
+        None => 0,
+        Some(seed) => entry::whole("sample.seed", seed)?,
+    };
+    Ok(Sample {
+        method,
+        points,
+        seed,
+    })
 }
 
 /// Every key that can stand at the top.
@@ -517,7 +378,7 @@ fn metrics(written: &Spanned<DeValue<'_>>) -> Read<Vec<&'static str>> {
     let names = METRICS.map(|(name, _)| name);
     let mut chosen = Vec::new();
     for item in listed(written) {
-        let word = value::word("metrics", item)?;
+        let word = entry::word("metrics", item)?;
         let Some(name) = names.iter().find(|name| **name == word) else {
             let otherwise = format!("known are {}", names.join(", "));
             let what = format!("unknown metric \"{word}\"");
@@ -534,7 +395,7 @@ fn metrics(written: &Spanned<DeValue<'_>>) -> Read<Vec<&'static str>> {
 fn times(name: &str, written: &Spanned<DeValue<'_>>) -> Read<Vec<Micros>> {
     let mut all = Vec::new();
     for item in listed(written) {
-        let word = value::word(name, item)?;
+        let word = entry::word(name, item)?;
         let time: Micros = word.parse().map_err(|_| {
             Fault::error(
                 item.span().into(),
@@ -545,8 +406,9 @@ fn times(name: &str, written: &Spanned<DeValue<'_>>) -> Read<Vec<Micros>> {
         })?;
         if name != "within" && time.0 == 0 {
             let what = format!("`{name}` is 0");
-            return Err(Fault::error(item.span().into(), what, "here")
-                .help("give a time above zero"));
+            return Err(
+                Fault::error(item.span().into(), what, "here").help("give a time above zero")
+            );
         }
         if !all.contains(&time) {
             all.push(time);

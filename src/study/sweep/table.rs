@@ -1,12 +1,11 @@
 //! The columns of the results: one schema for CSV, JSON lines and Parquet.
 
+use std::fmt::Write as _;
+
 use serde_json::{Map, Value as Json};
 
 use super::study::Settings;
-use crate::{
-    compare::ruler::Metric,
-    unit::Micros,
-};
+use crate::{compare::ruler::Metric, unit::Micros};
 
 /// A row: a value for each column that has one.
 pub type Row = Map<String, Json>;
@@ -48,23 +47,44 @@ const fn real(name: &'static str, what: &'static str) -> (&'static str, Holds, &
 /// What the point is.
 const POINT: [(&str, Holds, &str); 33] = [
     whole("index", "number of the point in the fixed order, from 0"),
-    text("id", "identity: a hash of the point's description and of all that it names"),
-    text("task", "identity of the f64 sensor that it is measured against, on its scene: points of one task answer one question"),
+    text(
+        "id",
+        "identity: a hash of the point's description and of all that it names",
+    ),
+    text(
+        "task",
+        "identity of the f64 sensor that it is measured against, on its scene: points of one task answer one question",
+    ),
     text("side", "reference, array or mesh"),
     text("scene", "as it is named in the study"),
     real("fps", "frames per second, where the study says so"),
     whole("frames", "frames of the source, where the study says so"),
-    real("upsample", "largest change of light between frames, in ln units; empty: no frames inserted"),
+    real(
+        "upsample",
+        "largest change of light between frames, in ln units; empty: no frames inserted",
+    ),
     text("kernel", "as it is named in the study"),
     real("lambda", "space constant of the mesh, pixels"),
-    real("lambda_y", "space constant down the columns, pixels, where it is another"),
+    real(
+        "lambda_y",
+        "space constant down the columns, pixels, where it is another",
+    ),
     real("tau_us", "time constant of the mesh, microseconds"),
-    real("threshold_on", "light units (0 to 255) times kernel; ln units under a logarithmic response"),
+    real(
+        "threshold_on",
+        "light units (0 to 255) times kernel; ln units under a logarithmic response",
+    ),
     real("threshold_off", "the same, a positive magnitude"),
-    real("threshold_sigma", "deviation of the threshold's mismatch, same unit"),
+    real(
+        "threshold_sigma",
+        "deviation of the threshold's mismatch, same unit",
+    ),
     text("response", "photoreceptor, as in a sensor file"),
     text("border", "what the kernel reads off the array"),
-    text("rule", "what an event does to the memory: the `memory` of a sensor file"),
+    text(
+        "rule",
+        "what an event does to the memory: the `memory` of a sensor file",
+    ),
     text("polarity", "where the sign of an event comes from"),
     real("refractory_us", "dead time, microseconds"),
     text("refractory_rule", "dead-time or authors"),
@@ -74,12 +94,24 @@ const POINT: [(&str, Holds, &str); 33] = [
     text("chip", "as it is named in the study"),
     text("quantise", "quantiser of the kernel"),
     text("sum", "what the quantised kernel must sum to"),
-    text("kept_in", "where the array keeps the drives of the last events"),
-    whole("slots", "the most events of either sign that one readout delivers"),
+    text(
+        "kept_in",
+        "where the array keeps the drives of the last events",
+    ),
+    whole(
+        "slots",
+        "the most events of either sign that one readout delivers",
+    ),
     text("domain", "arithmetic of the array"),
     text("schedule", "order of the array's work"),
-    whole("seed", "of mismatch, noise and stochastic rounding; empty where there is no chance"),
-    text("against", "memory of the f64 sensor that it is measured against"),
+    whole(
+        "seed",
+        "of mismatch, noise and stochastic rounding; empty where there is no chance",
+    ),
+    text(
+        "against",
+        "memory of the f64 sensor that it is measured against",
+    ),
 ];
 
 /// What came of it, before the metrics.
@@ -88,7 +120,10 @@ const FIGURES: [(&str, Holds, &str); 17] = [
     text("reason", "why it is refused"),
     whole("width", "pixels"),
     whole("height", "pixels"),
-    whole("frames_seen", "frames that the sensor saw, inserted ones among them"),
+    whole(
+        "frames_seen",
+        "frames that the sensor saw, inserted ones among them",
+    ),
     whole("events", "events"),
     whole("on", "ON events"),
     whole("off", "OFF events"),
@@ -96,19 +131,37 @@ const FIGURES: [(&str, Holds, &str); 17] = [
     whole("bits", "bits of all events as fixed address words"),
     whole("reference_events", "events of the f64 sensor"),
     whole("words", "instruction words of a frame on the chip"),
-    real("array_us", "microseconds of a frame on the chip's array, readout left out"),
-    whole("registers", "analogue registers that the filter holds at a time"),
-    whole("prescale_bits", "halvings of the light before anything else"),
-    real("quantisation_error", "|w - scale levels| / |w| of the kernel"),
+    real(
+        "array_us",
+        "microseconds of a frame on the chip's array, readout left out",
+    ),
+    whole(
+        "registers",
+        "analogue registers that the filter holds at a time",
+    ),
+    whole(
+        "prescale_bits",
+        "halvings of the light before anything else",
+    ),
+    real(
+        "quantisation_error",
+        "|w - scale levels| / |w| of the kernel",
+    ),
     real("error", "1 - F1 within the first window"),
 ];
 
 /// What differs between machines, or is named like it.
 const MACHINE: [(&str, Holds, &str); 4] = [
-    real("seconds_per_frame", "seconds of computing a frame on one thread of this machine, the mean over the scene"),
+    real(
+        "seconds_per_frame",
+        "seconds of computing a frame on one thread of this machine, the mean over the scene",
+    ),
     real("frames_per_s", "frames a second of computing"),
     real("events_per_s", "events a second of computing"),
-    whole("state_memory_bytes", "bytes that the sensor's model must keep from one frame to the next: computed from its formats, the same on every machine"),
+    whole(
+        "state_memory_bytes",
+        "bytes that the sensor's model must keep from one frame to the next: computed from its formats, the same on every machine",
+    ),
 ];
 
 /// All columns of a study, in their order.
@@ -164,7 +217,9 @@ pub fn metrics(settings: &Settings) -> Vec<Metric> {
 /// Whether a column may differ between machines.
 #[must_use]
 pub fn machine(name: &str) -> bool {
-    ["seconds", "per_s", "memory"].iter().any(|part| name.contains(part))
+    ["seconds", "per_s", "memory"]
+        .iter()
+        .any(|part| name.contains(part))
 }
 
 /// A cell as text; nothing where there is none.
@@ -194,7 +249,7 @@ pub fn column_table(settings: &Settings) -> String {
             Holds::Whole => "whole",
             Holds::Real => "number",
         };
-        text += &format!("| `{}` | {holds} | {} |\n", column.name, column.what);
+        let _ = writeln!(text, "| `{}` | {holds} | {} |", column.name, column.what);
     }
     text
 }
