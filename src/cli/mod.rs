@@ -24,6 +24,7 @@ mod statistics;
 mod strip;
 pub mod sweep;
 mod timed;
+pub mod waterfall;
 
 use std::{io::Write, process::ExitCode};
 
@@ -38,6 +39,7 @@ Examples:
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
+  amacrine waterfall rgc-5x5-ternary --threshold 60 -o waterfall.svg
   amacrine mesh solve --lambda 10 --input P.npy --output H.npy
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
   amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
@@ -71,6 +73,8 @@ enum Verb {
     Quantise(quantise::Arguments),
     /// Kernels to a program: shift, add, halve, with the proof
     Compile(compile::Arguments),
+    /// Where the events of the float sensor go, step by step, on the way to the chip
+    Waterfall(waterfall::Arguments),
     /// The resistor mesh: solve it, step it, fit a kernel to it, draw it
     Mesh(mesh::Arguments),
     /// Compare two event files
@@ -103,6 +107,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Disasm(arguments)) => disasm::run(&arguments),
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
+        Some(Verb::Waterfall(arguments)) => waterfall::run(&arguments),
         Some(Verb::Mesh(arguments)) => mesh::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),

@@ -15,12 +15,14 @@ mod strip;
 mod surround;
 mod text;
 pub mod view;
+mod waterfall;
 
 pub use animation::{write_animation, write_frames};
 pub use chart::{Drawing, raster, svg};
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
 pub use surround::{SurroundShow, relief, surround};
+pub use waterfall::{Classes, WaterfallShow, WaterfallStep, waterfall};
 
 use std::{io, path::Path};
 

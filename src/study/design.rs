@@ -33,7 +33,8 @@
 use crate::{
     array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
     compile::{CompileError, Effort, Kind, Memory, Request, SensorProgram},
-    isa::{Device, text::Faults},
+    event::{Event, Packet, Polarity},
+    isa::{Device, Digital, text::Faults},
     kernel::{
         Kernel,
         quantise::{QuantiseError, Quantised, Quantiser, Sum},
@@ -46,7 +47,9 @@ use crate::{
         Border, Channel, Description, MemoryRule, Noise, PolarityRule, Reference, Refractory,
         RefractoryRule, Threshold,
     },
+    scene::Frame,
     sensor::{Sensor, SensorError},
+    unit::Micros,
 };
 
 /// A cell, and the chip that it may run on.
@@ -253,14 +256,6 @@ impl Compiled {
         live.iter().map(Vec::len).max().unwrap_or(1)
     }
 
-    /// The same program with so many slots in each of its event readouts. A host's list holds
-    /// 4000 at most; with as many as there are pixels, what is lost is lost before the readout.
-    #[must_use]
-    pub fn with_slots(mut self, slots: u32) -> Self {
-        set_slots(&mut self.code.frame, slots);
-        self
-    }
-
     /// A chip that runs it.
     ///
     /// # Errors
@@ -294,6 +289,73 @@ impl Compiled {
         let chip = Chip::new(&self.title, domain, code, &self.device, size, settings)?;
         Ok(Box::new(chip))
     }
+
+    /// A chip of this program of which every event is read, however many there are.
+    #[must_use]
+    pub fn all_events(&self, chip: Box<dyn Array + Send>) -> AllEvents {
+        let scanned = |step: &Step| match step.action {
+            Action::Host(Host::ScanEvents {
+                source,
+                polarity,
+                channel,
+                ..
+            }) => Some((source, polarity, channel)),
+            _ => None,
+        };
+        AllEvents {
+            before: Packet::new(chip.size(), chip.channels()),
+            planes: self.code.frame.iter().filter_map(scanned).collect(),
+            chip,
+            started: false,
+        }
+    }
+}
+
+/// A chip before its readout: a host's list holds 4000 events at most, the one-bit registers
+/// that it scans hold them all.
+pub struct AllEvents {
+    chip: Box<dyn Array + Send>,
+    /// The registers of events, with their sign and kind.
+    planes: Vec<(Digital, Polarity, u8)>,
+    /// What its own readout delivers.
+    before: Packet,
+    started: bool,
+}
+
+impl Sensor for AllEvents {
+    fn name(&self) -> &str {
+        self.chip.name()
+    }
+
+    fn size(&self) -> Size {
+        self.chip.size()
+    }
+
+    fn channels(&self) -> u8 {
+        self.chip.channels()
+    }
+
+    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        self.before.events.clear();
+        self.chip.watch(frame, &mut self.before)?;
+        packet.span = self.before.span;
+        if !std::mem::replace(&mut self.started, true) {
+            return Ok(());
+        }
+        let t = Micros::from_seconds(frame.seconds);
+        for (register, polarity, channel) in &self.planes {
+            let bits = self.chip.digital(*register);
+            let set = bits.indexed_iter().filter(|(_, bit)| **bit);
+            packet.events.extend(set.map(|((y, x), _)| Event {
+                t,
+                x: x as u16,
+                y: y as u16,
+                polarity: *polarity,
+                channel: *channel,
+            }));
+        }
+        Ok(())
+    }
 }
 
 fn addressed(size: Size) -> Result<(), SensorError> {
@@ -302,17 +364,5 @@ fn addressed(size: Size) -> Result<(), SensorError> {
         Ok(())
     } else {
         Err(SensorError::Addresses { size })
-    }
-}
-
-fn set_slots(steps: &mut [Step], to: u32) {
-    for step in steps {
-        match &mut step.action {
-            Action::Host(Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. }) => {
-                *slots = to;
-            }
-            Action::Repeat { body, .. } => set_slots(body, to),
-            Action::Host(_) | Action::Word(_) => {}
-        }
     }
 }

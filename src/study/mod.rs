@@ -4,3 +4,4 @@ pub mod design;
 pub mod front;
 pub mod quantisation;
 pub mod sweep;
+pub mod waterfall;

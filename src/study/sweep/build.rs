@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{plan::Entry, sensor, shared::Shared, study::Settings, table::Row};
 use crate::{
-    array::{Arithmetic, Array, Schedule},
+    array::{Arithmetic, Schedule},
     compile::{Effort, Kind, Memory, Request, SensorProgram},
     kernel::{
         Kernel,
@@ -92,7 +92,7 @@ pub(super) fn array(
     entry: &Entry,
     shared: &Shared,
     row: &mut Row,
-) -> Result<Box<dyn Array + Send>, Refusal> {
+) -> Result<Box<dyn Sensor + Send>, Refusal> {
     let point = &entry.point;
     let word = |key: &str| point.word(key).unwrap_or_default().to_owned();
     let [on, off, _] = point.thresholds().unwrap_or([1.0; 3]);
@@ -138,12 +138,10 @@ pub(super) fn array(
         .collect();
     let text = Program::parse(&compiled.title, &compiled.program.text)?;
     let code = text.expand(device, &overrides)?.code;
-    let slots = point.whole("slots").unwrap_or(4000).min(u32::MAX.into()) as u32;
     let compiled = Compiled {
         code,
         ..compiled.clone()
-    }
-    .with_slots(slots);
+    };
     let cost = Cost::of(&compiled.code.frame, device);
     let arithmetic: Arithmetic = word("domain").parse()?;
     let size = entry.scene.size;
@@ -168,7 +166,10 @@ pub(super) fn array(
     let mut chip = compiled.chip(arithmetic.with_seed(seed), size, compiled.settings())?;
     let schedule: Schedule = word("schedule").parse()?;
     chip.set_schedule(schedule, 1);
-    Ok(chip)
+    if word("readout") == "all" {
+        return Ok(Box::new(compiled.all_events(chip)));
+    }
+    Ok(Box::new(chip))
 }
 
 /// The program of a kernel with thresholds of 1; the scale of its levels, and what they lose.

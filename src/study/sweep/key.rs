@@ -279,14 +279,11 @@ pub const KEYS: &[Key] = &[
         what: "where the drives of the last events are kept: `analogue`, or `bits:N` for N one-bit registers",
     },
     Key {
-        name: "slots",
+        name: "readout",
         sides: ARRAY,
-        kind: Kind::Whole {
-            least: 1,
-            most: u32::MAX as u64,
-        },
-        default: Absent::Is("4000"),
-        what: "the most events of either sign that one readout delivers, 4000 on the chip; more are dropped and counted",
+        kind: Kind::Choice(&["chip", "all"]),
+        default: Absent::Is("\"chip\""),
+        what: "`chip`: 4000 events of either sign a frame at most, more are dropped and counted; `all`: every event",
     },
     Key {
         name: "domain",

@@ -31,7 +31,7 @@ const SENSOR: [&str; 18] = [
     "quantise",
     "sum",
     "kept_in",
-    "slots",
+    "readout",
     "domain",
     "schedule",
 ];
@@ -192,7 +192,7 @@ fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
             "noise" => format!("noise {value}"),
             "sum" if value == "free" => continue,
             "sum" => format!("sum {value}"),
-            "slots" => format!("{value} slots"),
+            "readout" => format!("readout {value}"),
             "quantise" if value == "none" => "as is".to_owned(),
             _ => value.clone(),
         });

@@ -98,9 +98,9 @@ const POINT: [(&str, Holds, &str); 33] = [
         "kept_in",
         "where the array keeps the drives of the last events",
     ),
-    whole(
-        "slots",
-        "the most events of either sign that one readout delivers",
+    text(
+        "readout",
+        "chip: 4000 events of either sign a frame at most; all: every event",
     ),
     text("domain", "arithmetic of the array"),
     text("schedule", "order of the array's work"),
