@@ -2,7 +2,7 @@
 
 use super::{
     chart::{
-        Anchor, Area, Drawing,
+        Anchor, Area, Drawing, Point,
         axes::{Axis, Scale, axes},
     },
     ink::{self, Ink},
@@ -68,128 +68,137 @@ pub fn fronts(shows: &[FrontShow<'_>]) -> Drawing {
     drawing
 }
 
-fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
-    let line = f64::from(LINE);
-    drawing.text(
-        (24.0, top + 12.0),
-        Anchor::Start,
-        Weight::Heading,
-        ink::TEXT,
-        show.heading.as_str(),
-    );
-    let area = Area {
-        x: 64.0,
-        y: top + TOP,
-        width: PLOT - 64.0,
-        height: HEIGHT,
-    };
-    // Axes of time count microseconds.
-    let place = |cost: f64| {
-        if show.seconds {
-            (cost * 1e6).max(1e-3).log10()
+/// Where the dots of a show are on the page.
+struct Plot<'a> {
+    area: Area,
+    x: Axis<'a>,
+    y: Axis<'a>,
+    seconds: bool,
+}
+
+impl<'a> Plot<'a> {
+    fn of(show: &FrontShow<'a>, top: f64) -> Self {
+        let costs = || show.dots.iter().map(|dot| along(dot.cost, show.seconds));
+        let low = costs().fold(f64::INFINITY, f64::min);
+        let high = costs().fold(f64::NEG_INFINITY, f64::max);
+        let margin = if high > low { 0.06 * (high - low) } else { 0.5 };
+        let (from, to, scale) = if show.seconds {
+            let (from, to) = ((low - margin).floor(), (high + margin).ceil());
+            (from, to, Scale::Decades)
         } else {
-            cost
+            ((low - margin).max(0.0), high + margin, Scale::Plain)
+        };
+        let errors = show.dots.iter().map(|dot| dot.error);
+        let worst = errors.fold(0.0, f64::max);
+        Self {
+            area: Area {
+                x: 64.0,
+                y: top + TOP,
+                width: PLOT - 64.0,
+                height: HEIGHT,
+            },
+            x: Axis {
+                label: show.cost,
+                from,
+                to,
+                scale,
+            },
+            y: Axis {
+                label: "error: 1 - F1 against the f64 sensor",
+                from: 0.0,
+                to: if worst > 0.0 { worst * 1.08 } else { 1.0 },
+                scale: Scale::Plain,
+            },
+            seconds: show.seconds,
         }
-    };
-    let costs = || show.dots.iter().map(|dot| place(dot.cost));
-    let (low, high) = (
-        costs().fold(f64::INFINITY, f64::min),
-        costs().fold(f64::NEG_INFINITY, f64::max),
-    );
-    let margin = if high > low { 0.06 * (high - low) } else { 0.5 };
-    let (from, to) = if show.seconds {
-        ((low - margin).floor(), (high + margin).ceil())
-    } else {
-        ((low - margin).max(0.0), high + margin)
-    };
-    let worst = show
-        .dots
-        .iter()
-        .fold(0.0, |most: f64, dot| most.max(dot.error));
-    let x = Axis {
-        label: show.cost,
-        from,
-        to,
-        scale: if show.seconds {
-            Scale::Decades
-        } else {
-            Scale::Plain
-        },
-    };
-    let y = Axis {
-        label: "error: 1 - F1 against the f64 sensor",
-        from: 0.0,
-        to: if worst > 0.0 { worst * 1.08 } else { 1.0 },
-        scale: Scale::Plain,
-    };
-    axes(drawing, area, x, y);
-    let at = |dot: &Dot| {
+    }
+
+    fn at(&self, dot: &Dot) -> Point {
+        let x = self.x.part(along(dot.cost, self.seconds));
         (
-            area.x + x.part(place(dot.cost)) * area.width,
-            area.bottom() - y.part(dot.error) * area.height,
+            self.area.x + x * self.area.width,
+            self.area.bottom() - self.y.part(dot.error) * self.area.height,
         )
-    };
+    }
+}
+
+/// The place of a cost on its axis; axes of time count decades of microseconds.
+fn along(cost: f64, seconds: bool) -> f64 {
+    if seconds {
+        (cost * 1e6).max(1e-3).log10()
+    } else {
+        cost
+    }
+}
+
+fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
+    let heading = (24.0, top + 12.0);
+    write(drawing, heading, Weight::Heading, &show.heading);
+    legend(drawing, show, top);
+    let plot = Plot::of(show, top);
+    axes(drawing, plot.area, plot.x, plot.y);
     let mut front: Vec<&Dot> = show.dots.iter().filter(|dot| !dot.dominated).collect();
-    front.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(b.error.total_cmp(&a.error)));
+    front.sort_by(|a, b| {
+        let by_cost = a.cost.total_cmp(&b.cost);
+        by_cost.then(b.error.total_cmp(&a.error))
+    });
     // Nothing better than these steps was found.
     for pair in front.windows(2) {
         if let [a, b] = pair {
-            let (from, to) = (at(a), at(b));
+            let (from, to) = (plot.at(a), plot.at(b));
             drawing.line(from, (to.0, from.1), 1.5, ink::MATCHED);
             drawing.line((to.0, from.1), to, 1.5, ink::MATCHED);
         }
     }
-    let square = |drawing: &mut Drawing, (x, y): (f64, f64), half: f64, ink: Ink| {
-        let side = 2.0 * half;
-        let area = Area {
-            x: x - half,
-            y: y - half,
-            width: side,
-            height: side,
-        };
-        drawing.fill(area, ink);
-    };
-    let colour = |dot: &Dot| SIDES.get(dot.side).copied().unwrap_or(ink::BARS);
     for dot in show.dots.iter().filter(|dot| dot.dominated) {
-        square(drawing, at(dot), 2.5, colour(dot));
+        square(drawing, plot.at(dot), 2.5, colour(dot.side));
     }
+    let line = f64::from(LINE);
     let names = PLOT + 40.0;
     let heading = (names, top + TOP - line - 4.0);
-    drawing.text(
-        heading,
-        Anchor::Start,
-        Weight::Heading,
-        ink::TEXT,
-        "on the front, the cheapest first",
-    );
+    let what = "on the front, the cheapest first";
+    write(drawing, heading, Weight::Heading, what);
     for (number, dot) in (1..).zip(&front) {
-        let (px, py) = at(dot);
-        square(drawing, (px, py), 5.0, colour(dot));
-        let label = (px + 7.0, py - line);
-        let own = format!("{number}");
-        drawing.text(label, Anchor::Start, Weight::Plain, ink::TEXT, own);
+        let (x, y) = plot.at(dot);
+        square(drawing, (x, y), 5.0, colour(dot.side));
+        let place = (x + 7.0, y - line);
+        write(drawing, place, Weight::Plain, &number.to_string());
         let row = top + TOP + f64::from(number - 1) * line;
-        square(drawing, (names + 4.0, row + line / 2.0), 4.0, colour(dot));
+        let mark = (names + 4.0, row + line / 2.0);
+        square(drawing, mark, 4.0, colour(dot.side));
         let text = format!("{number} {} ({:.4})", dot.name, dot.error);
-        drawing.text(
-            (names + 14.0, row),
-            Anchor::Start,
-            Weight::Plain,
-            ink::TEXT,
-            text,
-        );
+        write(drawing, (names + 14.0, row), Weight::Plain, &text);
     }
+}
+
+/// The colours of the sides that have dots.
+fn legend(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
     let mut left = 24.0;
     for (side, name) in show.sides.iter().enumerate() {
-        if !show.dots.iter().any(|dot| dot.side == side) {
-            continue;
+        if show.dots.iter().any(|dot| dot.side == side) {
+            square(drawing, (left + 4.0, top + 44.0), 4.0, colour(side));
+            write(drawing, (left + 14.0, top + 34.0), Weight::Plain, name);
+            left += 30.0 + 9.0 * name.len() as f64;
         }
-        let ink = SIDES.get(side).copied().unwrap_or(ink::BARS);
-        square(drawing, (left + 4.0, top + 44.0), 4.0, ink);
-        let text = (left + 14.0, top + 34.0);
-        drawing.text(text, Anchor::Start, Weight::Plain, ink::CAPTION, *name);
-        left += 30.0 + 9.0 * name.len() as f64;
     }
+}
+
+fn write(drawing: &mut Drawing, at: Point, weight: Weight, text: &str) {
+    drawing.text(at, Anchor::Start, weight, ink::TEXT, text);
+}
+
+fn colour(side: usize) -> Ink {
+    SIDES.get(side).copied().unwrap_or(ink::BARS)
+}
+
+fn square(drawing: &mut Drawing, (x, y): Point, half: f64, ink: Ink) {
+    let area = Area {
+        x: x - half,
+        y: y - half,
+        width: 2.0 * half,
+        height: 2.0 * half,
+    };
+    drawing.fill(area, ink);
 }
 
 #[cfg(test)]

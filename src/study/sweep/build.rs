@@ -169,7 +169,7 @@ pub(super) fn array(
     if word("readout") == "all" {
         return Ok(Box::new(compiled.all_events(chip)));
     }
-    Ok(Box::new(chip))
+    Ok(chip)
 }
 
 /// The program of a kernel with thresholds of 1; the scale of its levels, and what they lose.

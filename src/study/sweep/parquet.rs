@@ -1,6 +1,9 @@
 //! The results as Parquet: a column each, none where a cell is empty.
 
-use std::io::{self, Write};
+use std::{
+    fmt::Write as _,
+    io::{self, Write},
+};
 
 use parquet::{
     basic::{Compression, ZstdLevel},
@@ -22,11 +25,12 @@ pub(super) fn write(out: &mut dyn Write, columns: &[String], rows: &[Row]) -> io
 fn encode(columns: &[String], rows: &[Row]) -> ParquetResult<Vec<u8>> {
     let mut schema = String::from("message sweep {");
     for name in columns {
-        schema += &match table::holds(name) {
-            Holds::Text => format!(" optional binary {name} (UTF8);"),
-            Holds::Whole => format!(" optional int64 {name};"),
-            Holds::Real => format!(" optional double {name};"),
+        let (holds, means) = match table::holds(name) {
+            Holds::Text => ("binary", " (UTF8)"),
+            Holds::Whole => ("int64", ""),
+            Holds::Real => ("double", ""),
         };
+        let _ = write!(schema, " optional {holds} {name}{means};");
     }
     let schema = parse_message_type(&(schema + " }"))?;
     let properties = WriterProperties::builder()
