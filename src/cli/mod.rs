@@ -10,6 +10,7 @@ pub mod disasm;
 pub mod exec;
 pub mod feasibility;
 mod kernels;
+pub mod merge;
 pub mod mesh;
 mod opened;
 pub mod packets;
@@ -18,10 +19,12 @@ pub mod quantise;
 mod readout;
 mod recording;
 mod registers;
+pub mod report;
 pub mod run;
 pub mod show;
 mod statistics;
 mod strip;
+pub mod sweep;
 mod timed;
 pub mod waterfall;
 
@@ -46,7 +49,10 @@ Examples:
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
   amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
   amacrine packets out/silicon.npy --readout arbiter
-  amacrine show out/silicon.npy -o picture.png";
+  amacrine show out/silicon.npy -o picture.png
+  amacrine sweep studies/formats.toml --output out/formats
+  amacrine merge out/shard-0 out/shard-1 --output out/all
+  amacrine report out/formats -o front.svg";
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
@@ -86,6 +92,12 @@ enum Verb {
     Packets(packets::Arguments),
     /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
     Show(show::Arguments),
+    /// Many points of a study, on all cores, resumable: results as CSV and JSON lines
+    Sweep(sweep::Arguments),
+    /// The folders of a sweep's shards into one
+    Merge(merge::Arguments),
+    /// Which points of a sweep no other beats: error against time, bits or words
+    Report(report::Arguments),
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -115,6 +127,9 @@ pub fn main() -> ExitCode {
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
         Some(Verb::Packets(arguments)) => packets::run(&arguments),
         Some(Verb::Show(arguments)) => show::run(&arguments),
+        Some(Verb::Sweep(arguments)) => sweep::run(&arguments),
+        Some(Verb::Merge(arguments)) => merge::run(&arguments),
+        Some(Verb::Report(arguments)) => report::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

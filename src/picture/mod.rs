@@ -7,6 +7,7 @@
 
 mod animation;
 mod chart;
+pub mod front;
 pub mod ink;
 pub mod panel;
 mod sheet;

@@ -2,6 +2,8 @@
 
 pub mod design;
 pub mod feasibility;
+pub mod front;
 pub mod quantisation;
 pub mod report;
+pub mod sweep;
 pub mod waterfall;
