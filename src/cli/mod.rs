@@ -37,7 +37,7 @@ Examples:
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
-  amacrine waterfall rgc-5x5-ternary --threshold 60 -o waterfall.svg
+  amacrine waterfall rgc-5x5 --to int-5 --threshold 128 -o waterfall.svg
   amacrine mesh solve --lambda 10 --input P.npy --output H.npy
   amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html
   amacrine compare out/reference.npy out/silicon.npy --within 1ms

@@ -25,7 +25,7 @@ use super::{progress::Progress, quantise::Total, readout::Choice};
 /// What `waterfall` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine waterfall rgc-5x5-ternary --threshold 60 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8\n\ndocs/waterfall.md says what each step is and which sensors are run."
+    after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8\n\ndocs/waterfall.md says what each step is and which sensors are run."
 )]
 pub struct Arguments {
     /// A kernel file (.toml or .npy), or the name of a built-in

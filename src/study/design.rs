@@ -240,7 +240,7 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// What the chip's data say, and registers limited to -128 to 127 LSB.
+    /// What the chip's data say, and registers of numbers limited to -128 to 127 LSB.
     #[must_use]
     pub fn settings(&self) -> Settings {
         Settings {
@@ -266,13 +266,17 @@ impl Compiled {
         size: Size,
         settings: Settings,
     ) -> Result<Box<dyn Array + Send>, DesignError> {
+        if let Arithmetic::Silicon { seed } = arithmetic {
+            return self.silicon(Errors::of(&self.device), seed, size, settings);
+        }
         addressed(size)?;
         let code = self.code.clone();
         Ok(arithmetic.chip(&self.title, code, &self.device, size, settings)?)
     }
 
     /// A chip that errs as `errors` says: [`Errors::of`] the device, with any of them changed
-    /// or 0.
+    /// or 0. Analogue cells saturate at the range in it, which has the chip's headroom;
+    /// `settings.clip` would take that away, and is left out.
     ///
     /// # Errors
     /// When the size has no addresses.
@@ -285,6 +289,10 @@ impl Compiled {
     ) -> Result<Box<dyn Array + Send>, DesignError> {
         addressed(size)?;
         let domain = Silicon::new(errors, seed, &Layout::of(&self.device, size));
+        let settings = Settings {
+            clip: false,
+            ..settings
+        };
         let code = self.code.clone();
         let chip = Chip::new(&self.title, domain, code, &self.device, size, settings)?;
         Ok(Box::new(chip))

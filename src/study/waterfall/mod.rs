@@ -234,7 +234,7 @@ pub fn ask(
                 plan.is_read((i, true)).then(read)
             })
             .collect(),
-        packets,
+        fired: packets,
         windows: Windows {
             narrow: question.within,
             // `as` saturates.
@@ -304,7 +304,7 @@ impl Plan {
 
 /// What each sensor said, and what of it left through the readout.
 struct Packets {
-    packets: Vec<Packet>,
+    fired: Vec<Packet>,
     read: Vec<Option<Packet>>,
     windows: Windows,
 }
@@ -314,7 +314,7 @@ impl Packets {
         let packet = if read {
             self.read.get(sensor).and_then(Option::as_ref)
         } else {
-            self.packets.get(sensor)
+            self.fired.get(sensor)
         };
         packet.ok_or(WaterfallError::Packet)
     }

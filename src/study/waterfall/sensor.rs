@@ -39,10 +39,8 @@ pub(super) enum Setup {
     },
     /// The program, analogue cells.
     Silicon {
-        /// How they err.
+        /// How they err, and where they saturate.
         errors: Errors,
-        /// Whether they saturate.
-        clip: bool,
     },
 }
 
@@ -64,27 +62,26 @@ impl Setup {
         if !(frames && memory && kernel) {
             return None;
         }
-        let clip = is(Cause::Saturation);
-        let format = match question.arithmetic {
-            Arithmetic::Number(_) if !is(Cause::Format) => Format::F64,
-            Arithmetic::Number(format) => format,
-            Arithmetic::Silicon { .. } if !is(Cause::Format) => return None,
-            Arithmetic::Silicon { .. } => {
-                let plain = on.iter().all(|c| *c <= Cause::Format);
-                return Some(if plain {
-                    Self::Numbers {
-                        format: Format::F32,
-                        clip,
-                    }
+        match question.arithmetic {
+            Arithmetic::Number(format) => Some(Self::Numbers {
+                format: if is(Cause::Format) {
+                    format
                 } else {
-                    Self::Silicon {
-                        errors: errors(question, on),
-                        clip,
-                    }
-                });
+                    Format::F64
+                },
+                clip: is(Cause::Saturation),
+            }),
+            Arithmetic::Silicon { .. } if !is(Cause::Format) => None,
+            Arithmetic::Silicon { .. } if on.last() == Some(&Cause::Format) => {
+                Some(Self::Numbers {
+                    format: Format::F32,
+                    clip: false,
+                })
             }
-        };
-        Some(Self::Numbers { format, clip })
+            Arithmetic::Silicon { .. } => Some(Self::Silicon {
+                errors: errors(question, on),
+            }),
+        }
     }
 
     /// Makes it.
@@ -95,10 +92,6 @@ impl Setup {
         program: &Compiled,
         size: Size,
     ) -> Result<Box<dyn Sensor + Send>, DesignError> {
-        let settings = |clip| Settings {
-            clip,
-            ..program.settings()
-        };
         Ok(match self {
             Self::Float {
                 frames,
@@ -119,15 +112,19 @@ impl Setup {
                 }
             }
             Self::Numbers { format, clip } => {
-                let chip = program.chip(Arithmetic::Number(format), size, settings(clip))?;
+                let settings = Settings {
+                    clip,
+                    ..program.settings()
+                };
+                let chip = program.chip(Arithmetic::Number(format), size, settings)?;
                 Box::new(program.all_events(chip))
             }
-            Self::Silicon { errors, clip } => {
+            Self::Silicon { errors } => {
                 let seed = match question.arithmetic {
                     Arithmetic::Silicon { seed } => seed,
                     Arithmetic::Number(_) => 0,
                 };
-                let chip = program.silicon(errors, seed, size, settings(clip))?;
+                let chip = program.silicon(errors, seed, size, program.settings())?;
                 Box::new(program.all_events(chip))
             }
         })
