@@ -13,14 +13,14 @@ pub(super) fn bar(part: f64) -> Markup {
     }
 }
 
-/// A score on its way from the floor, hatched up to there, to the ceiling.
+/// A score, and a mark at its floor.
 pub(super) fn score(value: f64, floor: f64) -> Markup {
     let at = |part: f64| format!("{:.2}", 100.0 * part.clamp(0.0, 1.0));
     html! {
         svg.bar viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true" focusable="false" {
             rect.ground width="100" height="6" {}
             rect.value width=(at(value)) height="6" {}
-            rect.floor x=(at(floor)) width="0.8" height="6" {}
+            rect.floor x=(at(floor)) width="1.5" height="6" {}
         }
     }
 }
