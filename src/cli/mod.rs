@@ -12,6 +12,7 @@ mod kernels;
 pub mod mesh;
 mod opened;
 pub mod packets;
+pub mod plan;
 mod progress;
 pub mod quantise;
 mod readout;
@@ -39,6 +40,7 @@ Examples:
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
   amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
   amacrine packets out/silicon.npy --readout arbiter
+  amacrine plan --scene clip.mp4 --sensor sensors/dvs-v2e.toml --tolerance 1% --verify
   amacrine show out/silicon.npy -o picture.png";
 
 /// What real silicon does to the retina's computation.
@@ -73,6 +75,8 @@ enum Verb {
     Convert(convert::Arguments),
     /// What a packet costs on a link, and what a readout makes of it
     Packets(packets::Arguments),
+    /// What a model may leave out of a scene, with the bound that allows it
+    Plan(plan::Arguments),
     /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
     Show(show::Arguments),
 }
@@ -95,6 +99,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
         Some(Verb::Packets(arguments)) => packets::run(&arguments),
+        Some(Verb::Plan(arguments)) => plan::run(&arguments),
         Some(Verb::Show(arguments)) => show::run(&arguments),
     };
     match result {

@@ -75,6 +75,8 @@ pub struct Offer {
     /// What may change if it, and what has to go with it, is left out; `None` where no bound is
     /// known.
     pub bound: Option<Bound>,
+    /// The model that does without it, and without what has to go with it.
+    pub model: Option<Choice>,
     /// What has to go with it.
     pub with: Vec<Effect>,
     /// Whether it is left out.
@@ -96,7 +98,8 @@ pub struct Plan {
     pub bound: Bound,
     /// Rows and columns outside of which no cell ever fires, where those are known.
     pub window: Option<model::Window>,
-    /// Seconds of one core for the full model and for this one, modelled.
+    /// Seconds of one core for the full model and for this one, modelled; without what the
+    /// scene itself takes.
     pub seconds: [f64; 2],
     /// Everything that could be left out.
     pub offers: Vec<Offer>,

@@ -29,7 +29,8 @@ impl Bounds {
             );
             Offer {
                 what,
-                bound: alone.map(|(_, bound)| bound),
+                bound: alone.as_ref().map(|(_, bound)| *bound),
+                model: alone.map(|(choice, _)| choice),
                 with,
                 left_out: match effect {
                     Some(effect) => choice.leaves_out(effect),
