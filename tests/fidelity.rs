@@ -316,3 +316,321 @@ proptest! {
         prop_assert_eq!(bounds.of(&plan.choice).map(|b| b.events), Some(plan.bound.events));
     }
 }
+
+/// The shipped sensors on scenes that move: what is used of the bounds, and that they are not
+/// empty words: most of these sensors get a bound below 1 % for something that takes time.
+#[test]
+fn bounds_are_not_vacuous() {
+    let scenes = [
+        "pattern:noise?width=48&height=40&frames=40&fps=1000&speed=200",
+        "pattern:disc?width=48&height=40&frames=40&fps=1000&speed=400&low=20&high=220",
+    ];
+    let sensors = [
+        "dvs",
+        "dvs-clean",
+        "csdvs",
+        "dog",
+        "rgc",
+        "rgc-4",
+        "orientation",
+        "csdvs-mesh",
+        "surrounds",
+        "mosaic",
+        "laplacian",
+    ];
+    let (mut helped, mut ratios) = (0, Vec::new());
+    for sensor in sensors {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("sensors");
+        let text = std::fs::read_to_string(folder.join(format!("{sensor}.toml"))).unwrap();
+        let description =
+            Description::parse(sensor, &text, &|name| std::fs::read(folder.join(name))).unwrap();
+        for scene in scenes {
+            let source = Source::Pattern(scene.to_owned());
+            let question = question(&description, 5);
+            let used = hold(&question, &source).unwrap();
+            let (_, bound, events) = used[0];
+            assert!(
+                bound == 0.0 && events > 0.0,
+                "{sensor}: the full model is one of them"
+            );
+            let small = used
+                .iter()
+                .filter(|(_, bound, events)| *bound > 0.0 && bound / events < 0.01);
+            ratios.extend(small.clone().map(|(changed, bound, _)| changed / bound));
+            let plan = plan(&question, &mut || source.open(), || ()).unwrap();
+            helped += usize::from(plan.choice != Choice::full());
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    println!(
+        "{helped} of {} plans leave something out; of {} bounds below 1 % the median is used to {:.4}, the most to {:.4}",
+        2 * sensors.len(),
+        ratios.len(),
+        ratios[ratios.len() / 2],
+        ratios[ratios.len() - 1]
+    );
+    assert!(2 * helped > 2 * sensors.len(), "{helped}");
+    assert!(ratios.len() > 10);
+}
+
+#[test]
+fn no_tolerance_is_the_full_model() {
+    let description = read(
+        "response = { linear = 255 }\nmemory = \"filtered-step\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 0.1, off = 0.1 }",
+    );
+    let source = Source::Pattern("pattern:disc?width=40&height=40&frames=9&radius=4".to_owned());
+    let ask = |tolerance| {
+        let question = Question {
+            tolerance,
+            ..question(&description, 0)
+        };
+        plan(&question, &mut || source.open(), || ())
+    };
+    let none = ask(0.0).unwrap();
+    assert_eq!(none.choice, Choice::full());
+    assert_eq!(none.seconds[0], none.seconds[1]);
+    assert_ne!(ask(0.01).unwrap().choice, Choice::full());
+    for tolerance in [-0.1, 1.1, f64::NAN] {
+        assert!(matches!(ask(tolerance), Err(PlanError::Tolerance(_))));
+    }
+}
+
+/// Where the drive is a straight line between two frames, the frames in between go, and with
+/// them most of the work; the change is measured against the run that has them.
+#[test]
+fn inserted_frames_go_where_they_say_nothing_new() {
+    let source =
+        Source::Pattern("pattern:noise?width=32&height=32&frames=12&fps=100&speed=300".to_owned());
+    let sensor = |response: &str| {
+        read(&format!(
+            "response = {response}\nmemory = \"filtered-step\"\nrefractory = {{ us = 700 }}\n[[channel]]\nkernel = \"csdvs-3\"\nthreshold = {{ on = 0.031, off = 0.031 }}"
+        ))
+    };
+    let (linear, log) = (
+        sensor("{ linear = 255 }"),
+        sensor("{ lin-log = { knee = 20 } }"),
+    );
+    for (description, goes) in [(&linear, true), (&log, false)] {
+        let question = Question {
+            upsample: Some(0.02),
+            ..question(description, 0)
+        };
+        let plan = plan(&question, &mut || source.open(), || ()).unwrap();
+        assert_eq!(plan.choice.leaves_out(Effect::Upsampling), goes);
+        let used = hold(&question, &source).unwrap();
+        assert!(used[0].2 > 1000.0);
+    }
+}
+
+/// A window of the array holds all events, to the bit.
+#[test]
+fn still_surroundings_go_without_a_trace() {
+    let description = read(
+        "response = { lin-log = { knee = 20 } }\nmemory = \"raw-snap\"\n[[channel]]\npattern = \"2x2\"\nkernel = [\"csdvs-5\", \"sobel-x\", \"csdvs-3\", \"dog\"]\nthreshold = [{ on = 0.1, off = 0.1 }, { on = 0.2, off = 0.1 }, { on = 0.05, off = 0.1 }, { on = 0.1, off = 0.3 }]",
+    );
+    let mut clip = Vec::new();
+    for index in 0..8_u64 {
+        let light = |(y, x): (usize, usize)| {
+            let moves = (33..36).contains(&y) && (41..47).contains(&x);
+            100.0
+                + (7 * y + 3 * x) as f64 % 50.0
+                + if moves {
+                    (index * 30) as f64 % 90.0
+                } else {
+                    0.0
+                }
+        };
+        clip.push(Frame {
+            index,
+            seconds: index as f64 * 1e-3,
+            light: Plane::from_shape_fn((70, 80), light),
+        });
+    }
+    let source = Source::Clip(Clip {
+        frames: clip,
+        next: 0,
+    });
+    let question = Question {
+        within: Micros(0),
+        ..question(&description, 0)
+    };
+    let mut open = || source.open();
+    let plan = plan(&question, &mut open, || ()).unwrap();
+    assert!(plan.choice.leaves_out(Effect::Surroundings));
+    let full = Model::full(&question, Limit::default())
+        .run(&mut open, || ())
+        .unwrap();
+    let plain = Model::planned(&question, &plan, Limit::default())
+        .run(&mut open, || ())
+        .unwrap();
+    assert!(full.events.len() > 100);
+    assert_eq!(full.events, plain.events);
+    assert_eq!((full.size, full.channels), (plain.size, plain.channels));
+}
+
+/// Stray events and jitter, over many seeds: the bounds hold for each.
+#[test]
+fn noise_stays_within_its_bound_whatever_the_seed() {
+    let description = read(
+        "response = { linear = 255 }\nmemory = \"filtered-step\"\nrefractory = { us = 3000 }\n[noise]\nshot-hz = 3\nhot-fraction = 0.01\nhot-hz = 40\njitter-us = 40\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 0.02, off = 0.02 }",
+    );
+    let source =
+        Source::Pattern("pattern:noise?width=20&height=20&frames=30&fps=500&speed=300".to_owned());
+    let mut most = 0.0_f64;
+    for seed in 0..30 {
+        for (changed, bound, _) in hold(&question(&description, seed), &source).unwrap() {
+            most = most.max(if bound > 0.0 { changed / bound } else { 0.0 });
+        }
+    }
+    assert!(most > 0.02, "nothing happened: {most}");
+}
+
+/// An arbiter that keeps up goes; one that does not stays, and its bound says so.
+#[test]
+fn a_readout_goes_where_no_event_waits_long() {
+    let description = read(
+        "response = { linear = 255 }\nmemory = \"filtered-step\"\nrefractory = { us = 500 }\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 0.2, off = 0.2 }",
+    );
+    let source =
+        Source::Pattern("pattern:disc?width=40&height=40&frames=60&fps=1000&speed=100".to_owned());
+    for (link, goes) in [("20ns", true), ("40us", false)] {
+        let mut arbiter = settings::Description::shipped("arbiter").unwrap();
+        arbiter.set("link", link).unwrap();
+        let readout = Some(arbiter.readout().unwrap());
+        let question = Question {
+            readout,
+            ..question(&description, 0)
+        };
+        let plan = plan(&question, &mut || source.open(), || ()).unwrap();
+        assert_eq!(plan.choice.leaves_out(Effect::Readout), goes, "{link}");
+        hold(&question, &source).unwrap();
+    }
+    // Its frames merge events by rule: no bound.
+    let readout = Some(
+        settings::Description::shipped("frame")
+            .unwrap()
+            .readout()
+            .unwrap(),
+    );
+    let question = Question {
+        readout,
+        ..question(&description, 0)
+    };
+    let plan = plan(&question, &mut || source.open(), || ()).unwrap();
+    assert_eq!(plan.choice.format, Format::F64);
+    assert!(!plan.choice.leaves_out(Effect::Refractory));
+}
+
+/// The reference, watched as `run` watches it, has the events of the full model.
+#[test]
+fn the_full_model_is_the_reference() {
+    let description = read(
+        "response = { linear = 255 }\nmemory = \"filtered-step\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 0.1, off = 0.1, sigma = 0.01 }",
+    );
+    let source = Source::Pattern("pattern:disc?width=30&height=20&frames=9".to_owned());
+    let full = Model::full(&question(&description, 9), Limit::default());
+    let full = full.run(&mut || source.open(), || ()).unwrap();
+    let mut scene = source.open().unwrap();
+    let mut reference = Reference::new(description, scene.size(), 9).unwrap();
+    let mut packet = amacrine::event::Packet::new(scene.size(), 1);
+    while let Some(frame) = scene.next_frame().unwrap() {
+        reference.watch(&frame, &mut packet).unwrap();
+    }
+    assert_eq!(full, packet);
+}
+
+mod command {
+    use assert_cmd::Command;
+
+    fn amacrine(arguments: &str) -> (Option<i32>, String, String) {
+        let mut command = Command::cargo_bin("amacrine").unwrap();
+        command.current_dir(env!("CARGO_MANIFEST_DIR"));
+        let output = command.args(arguments.split_whitespace()).output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        (
+            output.status.code(),
+            text(output.stdout),
+            text(output.stderr),
+        )
+    }
+
+    const SCENE: &str = "--scene pattern:disc?width=40&height=30&frames=20&fps=1000&speed=300 --sensor sensors/dvs-v2e.toml";
+
+    #[test]
+    fn a_plan_is_printed_run_and_verified() {
+        let sensor = SCENE.replace("dvs-v2e", "csdvs");
+        let (code, text, error) = amacrine(&format!("plan {sensor} --verify"));
+        assert_eq!(code, Some(0), "{error}");
+        for part in [
+            "scene",
+            "full",
+            "dead time",
+            "plan ",
+            "tolerated",
+            "verified",
+            "every bound held",
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+        let (_, text, _) = amacrine(&format!("plan {sensor} --verify --json"));
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(json["verified"]["held"], true);
+        assert_eq!(json["choice"]["format"], "f32");
+        let (bound, change) = (
+            &json["bound"]["share"],
+            &json["verified"]["change"]["share"],
+        );
+        assert!(change.as_f64().unwrap() <= bound.as_f64().unwrap());
+    }
+
+    #[test]
+    fn a_run_says_what_it_left_out() {
+        let sensor = SCENE.replace("dvs-v2e", "csdvs");
+        let (_, full, _) = amacrine(&format!("run {sensor} --json"));
+        let (code, auto, error) = amacrine(&format!(
+            "run {sensor} --json --fidelity auto --tolerance 1%"
+        ));
+        assert_eq!(code, Some(0), "{error}");
+        let read = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
+        let (full, auto) = (read(&full), read(&auto));
+        assert!(full["fidelity"].is_null());
+        assert_eq!(auto["fidelity"]["tolerance"], 0.01);
+        let off = full["events"].as_f64().unwrap() - auto["events"].as_f64().unwrap();
+        assert!(off.abs() <= auto["fidelity"]["bound"]["events"].as_f64().unwrap());
+        let (_, text, _) = amacrine(&format!("run {sensor} --fidelity auto"));
+        assert!(
+            text.contains("* dead time") && text.contains("at most"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn bad_input_is_told() {
+        for (arguments, told) in [
+            ("plan {} --tolerance 1", "percent sign"),
+            ("plan {} --tolerance -1%", "cannot be tolerated"),
+            ("plan {} --tolerance 101%", "cannot be tolerated"),
+            ("plan {} --tolerance nan%", "0% (the full model) to 100%"),
+            ("plan {} --formats f31", "unknown number format"),
+            ("plan {} --within 3", "not a duration"),
+            (
+                "plan --scene missing.mp4 --sensor sensors/dvs.toml",
+                "missing.mp4",
+            ),
+            (
+                "plan --scene pattern:disc --sensor missing.toml",
+                "missing.toml",
+            ),
+            ("plan --sensor sensors/dvs.toml", "--scene"),
+            ("run {} --tolerance 1%", "--fidelity"),
+            ("run {} --fidelity auto --format f32", "chooses the format"),
+        ] {
+            let (code, _, error) = amacrine(&arguments.replace("{}", SCENE));
+            assert_eq!(code, Some(2), "{arguments}\n{error}");
+            assert!(
+                error.contains(told),
+                "{arguments}: {told} is not in\n{error}"
+            );
+        }
+    }
+}

@@ -70,7 +70,8 @@ pub struct Bounds {
     pub(super) light: Light,
     pub(super) followed: Option<Followed>,
     pub(super) models: Models,
-    pub(super) within: Micros,
+    /// How far one step of the chain may move an event, in seconds.
+    pub(super) within: f64,
     pub(super) readout: Option<Readout>,
     /// Whether frames are inserted.
     pub(super) inserts: bool,
@@ -198,7 +199,7 @@ impl Bounds {
             if !needs.iter().all(|effect| choice.leaves_out(*effect)) {
                 return None;
             }
-            events += self.effect(*effect, choice)?;
+            events += self.effect(*effect)?;
         }
         if choice.format != Format::F64 {
             let needs = self.present.needs(None);
@@ -226,7 +227,7 @@ impl Bounds {
     }
 
     /// What an effect that does not only perturb may change.
-    pub(super) fn effect(&self, effect: Effect, choice: &Choice) -> Option<f64> {
+    pub(super) fn effect(&self, effect: Effect) -> Option<f64> {
         let present = self.present;
         match effect {
             Effect::Surroundings => self.window().map(|_| 0.0),
@@ -235,9 +236,7 @@ impl Bounds {
             Effect::Jitter if present.jitter => self.jitter(),
             Effect::Refractory if present.dead_time => {
                 let followed = self.followed.as_ref()?;
-                let lost = (followed.crossings - followed.events) as f64;
-                let moves = present.jitter && !choice.leaves_out(Effect::Jitter);
-                Some(if moves { followed.rigid as f64 } else { lost })
+                Some((followed.crossings - followed.events) as f64)
             }
             Effect::LowPass if present.low_pass => Some(0.0),
             Effect::SheetNoise if present.sheet_noise => Some(0.0),
@@ -340,7 +339,7 @@ impl Bounds {
 
     fn jitter(&self) -> Option<f64> {
         let followed = self.followed.as_ref()?;
-        let sigmas = self.within() * 1e6 / self.description.noise.jitter_us;
+        let sigmas = self.within * 1e6 / self.description.noise.jitter_us;
         let part = chance::beyond(sigmas);
         if part <= 0.0 {
             return Some(0.0);
@@ -349,12 +348,6 @@ impl Bounds {
         let mean = part * followed.events as f64;
         let moved = chance::bernstein(mean, part * followed.squares, most);
         Some(2.0 * moved.min(followed.events as f64))
-    }
-
-    /// How far an event may be moved before its time, rounded to microseconds, can be outside
-    /// the window: in seconds.
-    pub(super) fn within(&self) -> f64 {
-        within(self.within)
     }
 
     /// The rows and columns that have to be looked at, if those are fewer: where something
@@ -384,7 +377,10 @@ impl Bounds {
     }
 }
 
-/// As [`Bounds::within`].
-pub(super) fn within(window: Micros) -> f64 {
-    (window.seconds() - 1.001e-6).max(0.0)
+/// How far one step of the chain may move an event, in seconds, so that after all of them its
+/// time, rounded to microseconds, is still within the window: those that move events are a
+/// perturbation, jitter, a readout, and inserted frames, which may be there three times.
+pub(super) fn within(window: Micros, present: &Present, readout: bool, upsampled: bool) -> f64 {
+    let parts = 1 + u8::from(present.jitter) + u8::from(readout) + 3 * u8::from(upsampled);
+    (window.seconds() - 1.001e-6).max(0.0) / f64::from(parts)
 }

@@ -41,7 +41,7 @@ fn at_worst(bounds: &Bounds, arbiter: &Arbiter) -> Option<f64> {
         let merges = arbiter.requests == Requests::One && wait.max(waited) >= apart;
         let fills = arbiter.when_full != WhenFull::Stall
             && arbiter.fifo.is_some_and(|depth| there > depth as f64);
-        if wait > bounds.within() || merges || fills {
+        if wait > bounds.within || merges || fills {
             changed += 2.0 * events;
         }
         waited = wait;

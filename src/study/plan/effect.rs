@@ -143,7 +143,8 @@ impl Present {
     /// What has to be left out as well, if `effect` is (a format other than f64 for `None`).
     ///
     /// Stray events and scene events silence each other in a dead time, and shot noise sees the
-    /// signal; jitter and stray events are drawn pair by pair of frames and at a pixel's place.
+    /// signal. Jitter moves the events of a cell and pair as one train, so that one event more
+    /// moves all. What is drawn at random is drawn at a pixel's place.
     #[must_use]
     pub fn needs(&self, effect: Option<Effect>) -> Vec<Effect> {
         let with = |all: &[(bool, Effect)]| {
@@ -165,7 +166,7 @@ impl Present {
                 | Effect::SheetNoise
                 | Effect::Mismatch,
             )
-            | None => with(&[(self.strays, Effect::Strays)]),
+            | None => with(&[(self.strays, Effect::Strays), (self.jitter, Effect::Jitter)]),
         }
     }
 }

@@ -42,8 +42,6 @@ pub(super) struct Decision {
     pub(super) tie: f64,
     /// Whether an ON step and an OFF step are of one size, in both models.
     pub(super) equal: bool,
-    /// Whether a train that has lost or won an event may be moved as a whole.
-    pub(super) rigid: bool,
 }
 
 /// What a pair of frames may have cost.
@@ -67,7 +65,6 @@ impl Decision {
             threshold: 0.0,
             tie: f64::TIE,
             equal,
-            rigid: false,
         }
     }
 
@@ -192,7 +189,7 @@ impl Decision {
         } else {
             (along, against)
         };
-        if taken.signum() != steps.signum() || against != 0 || self.rigid {
+        if taken.signum() != steps.signum() || against != 0 {
             return all;
         }
         // Levels 1 to |taken|, and along + 1 to along + |steps|.
@@ -251,7 +248,7 @@ mod tests {
             rough: bool,
         ) {
             let off = if equal { 0.2 } else { 0.13 };
-            let decision = Decision { on: 0.2, off, error, threshold: 0.0, tie: 1e-12, equal, rigid: false };
+            let decision = Decision { on: 0.2, off, error, threshold: 0.0, tie: 1e-12, equal };
             let mut drive = 0.0;
             let drives: Vec<f64> = steps.iter().map(|step| {
                 // Rough drives stand near thresholds again and again.
@@ -286,7 +283,6 @@ mod tests {
             threshold: 0.0,
             tie: 0.0,
             equal: true,
-            rigid: false,
         };
         let mut fate = Fate::Sure;
         assert_eq!(fate.decide(&decision, 0.995, 0, 0.995).alone, 1);

@@ -27,8 +27,6 @@ pub struct Followed {
     pub crossings: u64,
     /// Those that no dead time took: the events of the scene.
     pub events: u64,
-    /// Events that are moved where the dead time is left out and trains move as a whole.
-    pub rigid: u64,
     /// Squares of the events of a cell in a pair of frames, added up.
     pub squares: f64,
     /// The most of them.

@@ -158,7 +158,9 @@ impl Bounds {
         let contrast = question.upsample.filter(|_| upsampled);
         let light = Light::of(&mut *scene()?, description, contrast, &mut seen)?;
         let models = bounds::Models::of(present, description, &light, question.formats, upsampled);
-        let within = bounds::within(question.within);
+        let readout = question.readout;
+        let readout = readout.filter(|r| !matches!(r, Readout::Ideal(_)));
+        let within = bounds::within(question.within, &present, readout.is_some(), upsampled);
         let followed = if present.followed {
             let off = &models.off;
             let scene = &mut *scene()?;
@@ -174,15 +176,14 @@ impl Bounds {
         } else {
             None
         };
-        let readout = question.readout;
         Ok(Self {
             present,
             description: description.clone(),
             light,
             followed,
             models,
-            within: question.within,
-            readout: readout.filter(|r| !matches!(r, Readout::Ideal(_))),
+            within,
+            readout,
             inserts: question.upsample.is_some(),
             upsampled,
             crop: question.crop,
@@ -191,7 +192,7 @@ impl Bounds {
 
     /// Every choice for which something can be said.
     pub fn choices(&self, formats: &[Format]) -> impl Iterator<Item = (Choice, Bound)> {
-        let alone = |effect: &Effect| self.effect(*effect, &Choice::full()).is_some();
+        let alone = |effect: &Effect| self.effect(*effect).is_some();
         let effects: Vec<Effect> = Effect::ALL.into_iter().filter(alone).collect();
         let mut formats = formats.to_vec();
         formats.insert(0, Format::F64);

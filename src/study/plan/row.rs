@@ -18,8 +18,6 @@ pub(super) struct Rules {
     largest: Perturbation,
     /// The dead time in seconds; 0 for none.
     dead: f64,
-    /// Whether a train may be moved as a whole.
-    rigid: bool,
     /// An event that is off by more has lost its partner, in seconds.
     within: f64,
 }
@@ -109,7 +107,6 @@ impl Rules {
             models: models.to_vec(),
             largest,
             dead: description.refractory.us * 1e-6,
-            rigid: description.noise.jitter_us > 0.0,
             within,
         })
     }
@@ -212,7 +209,6 @@ impl Row {
                 threshold: model.threshold,
                 tie: model.tie,
                 equal: *equal,
-                rigid: rules.rigid,
             };
             let cost = beside.fates[x].decide(&decision, to, count, to - from);
             match (sure, beside.fates[x].is_sure()) {
@@ -249,7 +245,6 @@ impl Row {
         let sums = &self.sums;
         all.crossings += sums.crossings;
         all.events += sums.events;
-        all.rigid += sums.rigid;
         all.squares += sums.squares;
         all.longest = all.longest.max(sums.longest);
         all.closest = all.closest.min(sums.closest);
@@ -347,14 +342,10 @@ impl Cell {
             sums.chains.1 = sums.chains.1.max(self.chain);
             crossings.push(Crossing { at, event, since });
         }
-        let all = count.unsigned_abs();
-        sums.crossings += all;
+        sums.crossings += count.unsigned_abs();
         sums.events += kept;
         sums.squares += (kept * kept) as f64;
         sums.longest = sums.longest.max(kept);
-        if kept < all {
-            sums.rigid += kept + all;
-        }
         kept
     }
 }
@@ -393,7 +384,7 @@ impl Beside {
                 *slack = off;
             }
         }
-        if off > rules.within || (rules.rigid && alone > 0) {
+        if off > rules.within {
             kept + cost.events
         } else {
             alone

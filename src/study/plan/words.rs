@@ -87,10 +87,10 @@ impl Bounds {
                 }
             ),
             Effect::Jitter => format!(
-                "an event is moved by more than {} with a chance of at most {:.1e}; {seed}",
-                self.within,
+                "an event is moved by more than {:.1} us with a chance of at most {:.1e}; {seed}",
+                self.within * 1e6,
                 super::chance::beyond(
-                    self.within() * 1e6 / self.description.noise.jitter_us
+                    self.within * 1e6 / self.description.noise.jitter_us
                 )
             ),
             Effect::Refractory => format!(
