@@ -3,6 +3,8 @@
 //! is looked at beforehand is what the reference then does. Measured with the ruler, against
 //! the models themselves.
 
+use std::fmt::Write;
+
 use amacrine::{
     event::readout::settings,
     number::Format,
@@ -200,7 +202,8 @@ fn sensors() -> impl Strategy<Value = String> {
             } else {
                 channel
             };
-            text += &format!(
+            let _ = write!(
+                text,
                 "[[channel]]\n{channel}\nthreshold = {{ on = {}, off = {}, sigma = {} }}\n",
                 on * scale,
                 on * ratio * scale,

@@ -122,11 +122,15 @@ impl Fidelity {
     }
 
     /// Whether a plan is asked for.
+    #[must_use]
     pub fn is_auto(&self) -> bool {
         self.fidelity == Some(How::Auto)
     }
 
     /// The plan of a run; arrays that are written are whole, so that it is not cut.
+    ///
+    /// # Errors
+    /// When the scene or the sensor cannot go on.
     pub fn plan(
         &self,
         scene: &str,
@@ -149,6 +153,7 @@ impl Fidelity {
     }
 
     /// What the plan left out, for people.
+    #[must_use]
     pub fn lines(&self, plan: &Plan) -> String {
         format!(
             "plan     {}\n{}",
@@ -158,6 +163,9 @@ impl Fidelity {
     }
 
     /// What the plan left out, for machines.
+    ///
+    /// # Errors
+    /// When it cannot be written as JSON, which is a fault of amacrine.
     pub fn json(&self, plan: &Plan) -> miette::Result<Value> {
         let mut json = serde_json::to_value(plan).into_diagnostic()?;
         json["tolerance"] = self.tolerance().into();
@@ -357,8 +365,11 @@ fn as_text(
     };
     let _ = writeln!(text, "{:<28} {:>10}{measured}", "without", "at most");
     for (n, offer) in plan.offers.iter().enumerate() {
-        let change = verified.map(|v| v.steps.get(n).copied().flatten());
-        text += &line(offer, change);
+        let measured = verified.map(|verified| match verified.steps.get(n) {
+            Some(Some(change)) => share(change.share),
+            _ => String::new(),
+        });
+        text += &line(offer, measured);
     }
     let _ = write!(
         text,
@@ -408,14 +419,13 @@ fn as_text(
 }
 
 /// One thing that could be left out.
-fn line(offer: &Offer, change: Option<Option<Change>>) -> String {
+fn line(offer: &Offer, measured: Option<String>) -> String {
     let bound = offer
         .bound
         .map_or("no bound".to_owned(), |b| share(b.share));
     let mark = if offer.left_out { '*' } else { ' ' };
     let mut line = format!("{mark} {:<26} {bound:>10}", offer.what);
-    if let Some(change) = change {
-        let measured = change.map_or(String::new(), |change| share(change.share));
+    if let Some(measured) = measured {
         let _ = write!(line, " {measured:>10}");
     }
     let _ = write!(line, "   {}", offer.why);

@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let planned = arguments.planned(&description)?;
     let Some((plan, plainer)) = planned else {
-        return watched(arguments, description, None);
+        return watched(arguments, &description, None);
     };
     let mut arguments = arguments.clone();
     arguments.format = plan.choice.format;
@@ -114,7 +114,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if plan.choice.leaves_out(Effect::Readout) {
         arguments.readout = readout::Choice::default();
     }
-    watched(&arguments, plainer, Some(&plan))
+    watched(&arguments, &plainer, Some(&plan))
 }
 
 impl Arguments {
@@ -147,7 +147,7 @@ impl Arguments {
 /// Watches, and says what was seen.
 fn watched(
     arguments: &Arguments,
-    description: Description,
+    description: &Description,
     plan: Option<&Plan>,
 ) -> miette::Result<()> {
     let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
@@ -180,13 +180,13 @@ fn watched(
     let watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
     if arguments.json {
-        let mut json = watched.json(arguments, &description);
+        let mut json = watched.json(arguments, description);
         if let Some(plan) = plan {
             json["fidelity"] = arguments.fidelity.json(plan)?;
         }
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&watched.table(arguments, &description));
+        super::say(&watched.table(arguments, description));
         if let Some(plan) = plan {
             super::say(&arguments.fidelity.lines(plan));
         }

@@ -191,7 +191,7 @@ mod tests {
                 assert_eq!(format.visit(Held(1.01 * step)), 2.0 * step, "{name}");
             }
         }
-        assert_eq!(format("q8.8").limits(), (-128.0, 127.99609375));
+        assert_eq!(format("q8.8").limits(), (-128.0, 127.996_093_75));
         assert!(format("q4.12-wrap").wraps() && !format("q4.12").wraps());
     }
 

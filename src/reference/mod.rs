@@ -239,12 +239,11 @@ impl<N: Number> Reference<N> {
     #[must_use]
     pub fn thresholds(&self, channel: usize) -> Option<[Plane<f64>; 2]> {
         let thresholds = self.plan.thresholds.get(channel)?;
-        let plane = |which: fn((&[N::Real], &[N::Real]), usize) -> N::Real| {
-            Plane::from_shape_fn(self.size.shape(), |(y, x)| {
-                which(thresholds.row(y), x).to_f64()
-            })
-        };
-        Some([plane(|(on, _), x| on[x]), plane(|(_, off), x| off[x])])
+        let shape = self.size.shape();
+        Some([
+            Plane::from_shape_fn(shape, |(y, x)| thresholds.row(y).0[x].to_f64()),
+            Plane::from_shape_fn(shape, |(y, x)| thresholds.row(y).1[x].to_f64()),
+        ])
     }
 
     /// How far the memory of every cell of a channel falls in a second, `[y, x]`, in the unit of

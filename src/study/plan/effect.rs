@@ -81,6 +81,10 @@ impl fmt::Display for Effect {
 
 /// What a sensor file and a way to run it have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is there or not, whatever the others are"
+)]
 pub struct Present {
     /// Shot noise or hot pixels.
     pub strays: bool,

@@ -109,7 +109,7 @@ impl Light {
                 light.compare(before, &now, description, contrast, &mut sums);
             } else {
                 sums.start = now.seconds;
-                sums.first = now.light.clone();
+                sums.first.clone_from(&now.light);
             }
             sums.before = Some(now);
             seen();
