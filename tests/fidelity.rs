@@ -202,9 +202,9 @@ fn sensors() -> impl Strategy<Value = String> {
             } else {
                 channel
             };
-            let _ = write!(
+            let _ = writeln!(
                 text,
-                "[[channel]]\n{channel}\nthreshold = {{ on = {}, off = {}, sigma = {} }}\n",
+                "[[channel]]\n{channel}\nthreshold = {{ on = {}, off = {}, sigma = {} }}",
                 on * scale,
                 on * ratio * scale,
                 sigma * scale * on
