@@ -14,6 +14,7 @@ pub mod merge;
 pub mod mesh;
 mod opened;
 pub mod packets;
+pub mod plan;
 mod progress;
 pub mod quantise;
 mod readout;
@@ -49,6 +50,7 @@ Examples:
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
   amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
   amacrine packets out/silicon.npy --readout arbiter
+  amacrine plan --scene clip.mp4 --sensor sensors/dvs-v2e.toml --tolerance 1% --verify
   amacrine show out/silicon.npy -o picture.png
   amacrine sweep studies/formats.toml --output out/formats
   amacrine merge out/shard-0 out/shard-1 --output out/all
@@ -90,6 +92,8 @@ enum Verb {
     Convert(convert::Arguments),
     /// What a packet costs on a link, and what a readout makes of it
     Packets(packets::Arguments),
+    /// What a model may leave out of a scene, with the bound that allows it
+    Plan(plan::Arguments),
     /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
     Show(show::Arguments),
     /// Many points of a study, on all cores, resumable: results as CSV and JSON lines
@@ -126,6 +130,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
         Some(Verb::Packets(arguments)) => packets::run(&arguments),
+        Some(Verb::Plan(arguments)) => plan::run(&arguments),
         Some(Verb::Show(arguments)) => show::run(&arguments),
         Some(Verb::Sweep(arguments)) => sweep::run(&arguments),
         Some(Verb::Merge(arguments)) => merge::run(&arguments),

@@ -10,7 +10,7 @@ use crate::event::{
 };
 
 /// Which readout, and with which settings.
-#[derive(Debug, Default, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 pub struct Choice {
     /// Read the packet out: ideal, scan, arbiter, frame, or a file like those in readouts/
     #[arg(long, value_name = "NAME|FILE.toml")]

@@ -26,13 +26,14 @@ use crate::{
         OpenOptions, Scene, open,
         upsample::{Bound, Upsampled, Upsampling},
     },
+    study::plan::{Effect, Plan, cost},
     unit::Micros,
 };
 
-use super::{progress::Progress, readout};
+use super::{plan, progress::Progress, readout};
 
 /// What `run` is asked to do.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "Example: amacrine run --scene clips/vtest_256x256.apng --sensor sensors/rgc.toml --upsample 0.1 --events out/events.npy"
 )]
@@ -60,6 +61,8 @@ pub struct Arguments {
     events: Option<PathBuf>,
     #[command(flatten)]
     readout: readout::Choice,
+    #[command(flatten)]
+    fidelity: plan::Fidelity,
     /// Write signed event counts, int32 (P,K,H,W)
     #[arg(long, value_name = "C.npy")]
     counts: Option<PathBuf>,
@@ -99,6 +102,54 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "--readout without --events: counts and voxels are of what the cells fired"
         ));
     }
+    let planned = arguments.planned(&description)?;
+    let Some((plan, plainer)) = planned else {
+        return watched(arguments, &description, None);
+    };
+    let mut arguments = arguments.clone();
+    arguments.format = plan.choice.format;
+    if plan.choice.leaves_out(Effect::Upsampling) {
+        arguments.upsample = None;
+    }
+    if plan.choice.leaves_out(Effect::Readout) {
+        arguments.readout = readout::Choice::default();
+    }
+    watched(&arguments, &plainer, Some(&plan))
+}
+
+impl Arguments {
+    /// The plan that was asked for, and the sensor without what it leaves out.
+    fn planned(&self, description: &Description) -> miette::Result<Option<(Plan, Description)>> {
+        if !self.fidelity.is_auto() {
+            return Ok(None);
+        }
+        if self.format != Format::F64 {
+            return Err(miette!(
+                help = "leave --format out, or choose the rest by hand as well",
+                "--format {} with --fidelity auto, which chooses the format",
+                self.format
+            ));
+        }
+        let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
+        let options = OpenOptions { fps: self.fps };
+        let plan = self.fidelity.plan(
+            &self.scene,
+            &options,
+            (description, self.seed),
+            self.upsample,
+            readout,
+        )?;
+        let plainer = cost::plainer(description, &plan.choice);
+        Ok(Some((plan, plainer)))
+    }
+}
+
+/// Watches, and says what was seen.
+fn watched(
+    arguments: &Arguments,
+    description: &Description,
+    plan: Option<&Plan>,
+) -> miette::Result<()> {
     let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
     let sensor = description.clone();
     let watched = match arguments.upsample {
@@ -129,9 +180,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
     if arguments.json {
-        super::say(&format!("{}\n", watched.json(arguments, &description)));
+        let mut json = watched.json(arguments, description);
+        if let Some(plan) = plan {
+            json["fidelity"] = arguments.fidelity.json(plan)?;
+        }
+        super::say(&format!("{json}\n"));
     } else {
-        super::say(&watched.table(arguments, &description));
+        super::say(&watched.table(arguments, description));
+        if let Some(plan) = plan {
+            super::say(&arguments.fidelity.lines(plan));
+        }
         if let Some(path) = &arguments.events {
             super::say(&super::convert::opened(path));
         }

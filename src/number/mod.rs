@@ -15,6 +15,7 @@
 //!
 //! Everything rounds to the nearest, halves to even, once an operation.
 
+mod bound;
 mod dyadic;
 mod fixed;
 mod float;
@@ -24,6 +25,7 @@ mod real;
 mod signed_digits;
 mod visit;
 
+pub use bound::gamma;
 pub use dyadic::Dyadic;
 pub use fixed::{Overflow, Q, Wide, Width, divide};
 pub use float::{Bf16, F16, F32, F64};

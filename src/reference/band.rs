@@ -190,6 +190,12 @@ impl<N: Number> Band<N> {
         }
     }
 
+    /// How far each memory of row `y` falls in a second; empty without leak.
+    pub(super) fn leak_row(&self, channel: usize, y: usize) -> &[N::Real] {
+        let leak = &self.channels[channel].leak;
+        leak.get(self.range(y)).unwrap_or_default()
+    }
+
     /// The cells of row `y` in the band's own arrays.
     fn range(&self, y: usize) -> Range<usize> {
         let start = (y - self.rows.start) * self.width;

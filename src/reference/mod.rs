@@ -48,7 +48,7 @@ use rayon::prelude::*;
 use crate::{
     event::Packet,
     kernel::Kernel,
-    number::{F64, Number},
+    number::{F64, Number, Real},
     plane::{Plane, Size},
     scene::Frame,
     sensor::{Sensor, SensorError},
@@ -228,6 +228,36 @@ impl<N: Number> Reference<N> {
                 band.memory_row(&self.plan, channel, y, &mut held);
                 for (to, held) in plane.row_mut(y).iter_mut().zip(&held) {
                     *to = self.plan.number.value(*held);
+                }
+            }
+        }
+        Some(plane)
+    }
+
+    /// The ON and OFF thresholds of every cell of a channel, `[y, x]`, mismatch included, in the
+    /// unit of the drive; `None` for a channel that is not there.
+    #[must_use]
+    pub fn thresholds(&self, channel: usize) -> Option<[Plane<f64>; 2]> {
+        let thresholds = self.plan.thresholds.get(channel)?;
+        let shape = self.size.shape();
+        Some([
+            Plane::from_shape_fn(shape, |(y, x)| thresholds.row(y).0[x].to_f64()),
+            Plane::from_shape_fn(shape, |(y, x)| thresholds.row(y).1[x].to_f64()),
+        ])
+    }
+
+    /// How far the memory of every cell of a channel falls in a second, `[y, x]`, in the unit of
+    /// the drive; `None` before the first frame, or for a channel that is not there.
+    #[must_use]
+    pub fn leak(&self, channel: usize) -> Option<Plane<f64>> {
+        if channel >= self.plan.weights.len() || self.bands.is_empty() {
+            return None;
+        }
+        let mut plane = Plane::zeros(self.size.shape());
+        for band in &self.bands {
+            for y in band.rows.clone() {
+                for (to, leak) in plane.row_mut(y).iter_mut().zip(band.leak_row(channel, y)) {
+                    *to = leak.to_f64();
                 }
             }
         }

@@ -152,7 +152,8 @@ impl Noise {
     }
 
     /// Whether cells fire for other reasons than what they see.
-    pub(super) fn fires(&self) -> bool {
+    #[must_use]
+    pub fn fires(&self) -> bool {
         self.shot_hz > 0.0 || (self.hot_hz > 0.0 && self.hot_fraction > 0.0)
     }
 
@@ -208,8 +209,9 @@ impl Noise {
         })
     }
 
-    /// The share of shot noise that is left in this light.
-    fn shot_share(&self, light: f64) -> f64 {
+    /// The share of shot noise that is left in this light, 0 to 1; linear up to light 255.
+    #[must_use]
+    pub fn shot_share(&self, light: f64) -> f64 {
         1.0 + (self.shot_at_white - 1.0) * (light / WHITE).clamp(0.0, 1.0)
     }
 
@@ -226,8 +228,10 @@ impl Noise {
         Train { first, ..train }
     }
 
-    /// How much of the way to its input a photoreceptor goes in `dt` seconds.
-    pub(super) fn low_pass(&self, light: f64, dt: f64) -> f64 {
+    /// How much of the way to its input a photoreceptor goes in `dt` seconds, 0 to 1: the exact
+    /// first-order low-pass with v2e's bandwidth, `cutoff-hz (light + 20) / 275`.
+    #[must_use]
+    pub fn low_pass(&self, light: f64, dt: f64) -> f64 {
         let bandwidth = self.cutoff_hz * (light.max(0.0) + 20.0) / 275.0;
         -(-std::f64::consts::TAU * bandwidth * dt).exp_m1()
     }

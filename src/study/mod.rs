@@ -3,6 +3,7 @@
 pub mod design;
 pub mod feasibility;
 pub mod front;
+pub mod plan;
 pub mod quantisation;
 pub mod report;
 pub mod sweep;
