@@ -48,7 +48,7 @@ pub enum Curve {
     },
 }
 
-/// Light that a response is not defined for.
+/// Light that a response is not defined for, or that an arithmetic does not hold.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LightError {
     /// NaN or infinite.
@@ -57,6 +57,9 @@ pub enum LightError {
     /// Below zero where the response needs light.
     #[error("the light is {0}, below zero; only response = \"identity\" takes negative values")]
     Negative(f64),
+    /// More than the photodiodes of an array can hold in its arithmetic.
+    #[error("the light is {0:e}, more than the arithmetic of the array holds")]
+    Beyond(f64),
 }
 
 impl Response {

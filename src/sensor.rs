@@ -1,6 +1,6 @@
 //! What the reference and the device have in common: light in, events out.
 
-use crate::{event::Packet, photoreceptor::LightError, plane::Size, scene::Frame};
+use crate::{event::Packet, number::Format, photoreceptor::LightError, plane::Size, scene::Frame};
 
 /// A sensor that watches a scene frame by frame.
 pub trait Sensor {
@@ -40,6 +40,64 @@ impl<S: Sensor + ?Sized> Sensor for Box<S> {
     }
 }
 
+/// The furthest that a frame's time may be from 0, in seconds: 2^51 microseconds, 71 years.
+/// Beyond, an `f64` of seconds no longer tells one microsecond from the next.
+pub(crate) const MOST_SECONDS: f64 = 2_251_799_813.685_248;
+
+/// Whether a frame comes after the one at `last`, at a time that events can have.
+pub(crate) fn check_time(frame: &Frame, last: Option<f64>) -> Result<(), SensorError> {
+    let Frame { index, seconds, .. } = *frame;
+    if !seconds.is_finite() || last.is_some_and(|last| seconds <= last) {
+        return Err(SensorError::Time { index, seconds });
+    }
+    if seconds.abs() > MOST_SECONDS {
+        return Err(SensorError::Epoch { index, seconds });
+    }
+    Ok(())
+}
+
+/// The light of a frame that is furthest from 0, as its size; all of it must be a number.
+pub(crate) fn brightest(frame: &Frame) -> Result<f64, SensorError> {
+    const LANES: usize = 8;
+    let mut most = [0.0f64; LANES];
+    let mut numbers = [true; LANES];
+    // In lanes, so that this runs in vectors.
+    let mut look = |lane: usize, light: f64| {
+        let size = light.abs();
+        most[lane] = if size > most[lane] { size } else { most[lane] };
+        numbers[lane] &= size <= f64::MAX;
+    };
+    let rows = frame.light.as_standard_layout();
+    let (blocks, rest) = rows.as_slice().unwrap_or_default().as_chunks::<LANES>();
+    for block in blocks {
+        for (lane, light) in block.iter().enumerate() {
+            look(lane, *light);
+        }
+    }
+    for (lane, light) in rest.iter().enumerate() {
+        look(lane, *light);
+    }
+    if numbers.contains(&false) {
+        return Err(light_error(frame, |light| {
+            (!light.is_finite()).then_some(LightError::NotFinite(light))
+        }));
+    }
+    Ok(most.into_iter().fold(0.0, f64::max))
+}
+
+/// The first light of a frame that something is wrong with.
+pub(crate) fn light_error(frame: &Frame, wrong: impl Fn(f64) -> Option<LightError>) -> SensorError {
+    let mut cells = frame.light.indexed_iter();
+    let first = cells.find_map(|((y, x), light)| Some((y, x, wrong(*light)?)));
+    let (y, x, cause) = first.unwrap_or((0, 0, LightError::NotFinite(f64::NAN)));
+    SensorError::Light {
+        index: frame.index,
+        y,
+        x,
+        cause,
+    }
+}
+
 /// Why a sensor cannot go on.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SensorError {
@@ -73,7 +131,7 @@ pub enum SensorError {
     /// Light that the photoreceptor's response is not defined for.
     #[error("frame {index}, x = {x}, y = {y}: {cause}")]
     #[diagnostic(help(
-        "give finite light, not below zero; a signal that may be negative needs response = \"identity\""
+        "give finite light, not below zero, and no more than the number format holds; a signal that may be negative needs response = \"identity\""
     ))]
     Light {
         /// Which frame.
@@ -94,6 +152,17 @@ pub enum SensorError {
         /// Its time.
         seconds: f64,
     },
+    /// A frame at a time that events cannot have.
+    #[error("frame {index} is at {seconds:e} s, further from 0 than microseconds are counted")]
+    #[diagnostic(help(
+        "let the scene begin near time 0: events tell microseconds apart for 71 years, 2^51 us"
+    ))]
+    Epoch {
+        /// Which frame.
+        index: u64,
+        /// Its time.
+        seconds: f64,
+    },
     /// The event list has reached its bound.
     #[error("the event list is full: more than {limit} events")]
     #[diagnostic(help(
@@ -102,6 +171,23 @@ pub enum SensorError {
     ListFull {
         /// How many events it may hold.
         limit: usize,
+    },
+    /// Weights times light that the number format cannot hold.
+    #[error(
+        "what the cell at x = {x}, y = {y} of channel {channel} sees is beyond the largest number of the format {format}"
+    )]
+    #[diagnostic(help(
+        "use a wider format, or smaller weights, or a response that makes less of this light"
+    ))]
+    Overflow {
+        /// Kind of cell.
+        channel: usize,
+        /// Row.
+        y: usize,
+        /// Column.
+        x: usize,
+        /// The format.
+        format: Format,
     },
     /// More steps of a memory than are counted.
     #[error(

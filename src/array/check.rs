@@ -3,6 +3,7 @@
 use super::Layout;
 use crate::{
     isa::{Analog, Bit, Digital, Primitive, Source, Target},
+    plane::Size,
     program::{Action, Code, Host, Step},
 };
 
@@ -47,6 +48,12 @@ pub enum CodeProblem {
         /// One-bit registers.
         digital: u8,
     },
+    /// An array without pixels, or with more than event addresses.
+    #[error("an array of {size} pixels cannot be addressed")]
+    Size {
+        /// The size.
+        size: Size,
+    },
     /// A bus without a target.
     #[error("a bus without a target")]
     NoTarget,
@@ -76,6 +83,7 @@ impl CodeProblem {
             Self::Layout { .. } => {
                 "a pixel needs NEWS, and two different registers that mask and spread"
             }
+            Self::Size { .. } => "width and height must be from 1 to 65536",
             Self::NoTarget => "name the register that the bus is stored in",
             Self::Twice => {
                 "on a bus all registers must differ, the targets too: a register connected twice is connected once"
@@ -89,8 +97,17 @@ impl CodeProblem {
 /// Checks that every instruction can run on an array of this layout.
 ///
 /// # Errors
-/// The first instruction that cannot.
+/// The first instruction that cannot, on line 0 the array itself.
 pub fn check(code: &Code, layout: &Layout) -> Result<(), CodeError> {
+    let Size { height, width } = layout.size;
+    if ![height, width]
+        .iter()
+        .all(|side| (1..=1 << 16).contains(side))
+    {
+        let size = layout.size;
+        let problem = CodeProblem::Size { size };
+        return Err(CodeError { line: 0, problem });
+    }
     let problem = CodeProblem::Layout {
         analog: layout.analog,
         digital: layout.digital,

@@ -21,10 +21,11 @@ use super::{
 use crate::{
     event::{Event, Packet, Polarity},
     isa::{Analog, Device, Digital, Primitive},
+    photoreceptor::LightError,
     plane::{Plane, Size},
     program::{Action, Cell, Code, Effect, Host, Step},
     scene::Frame,
-    sensor::{Sensor, SensorError},
+    sensor::{Sensor, SensorError, brightest, check_time, light_error},
     unit::Micros,
 };
 
@@ -173,10 +174,7 @@ impl<D: Domain> Chip<D> {
     /// A chip as switched on: every register 0, FLAG 1.
     ///
     /// # Errors
-    /// When the program cannot run on an array of this layout.
-    ///
-    /// # Panics
-    /// When the array has no pixels.
+    /// When the program cannot run on an array of this layout and size.
     pub fn new(
         name: &str,
         domain: D,
@@ -185,7 +183,6 @@ impl<D: Domain> Chip<D> {
         size: Size,
         settings: Settings,
     ) -> Result<Self, CodeError> {
-        assert!(size.pixels() > 0, "an array needs pixels");
         let layout = Layout::of(device, size);
         check(&code, &layout)?;
         let mut state = State::new(&domain, layout, settings.edge);
@@ -421,6 +418,23 @@ impl<D: Domain> Chip<D> {
         }
     }
 
+    /// Whether the photodiodes can hold light of this size: in floats, what they cannot becomes
+    /// infinite, and its difference from anything is no number.
+    fn holds(&self, frame: &Frame, most: f64) -> Result<(), SensorError> {
+        let Settings {
+            gain, reset_level, ..
+        } = self.settings;
+        let held = |light: f64| {
+            let most = reset_level.abs() + (gain * light).abs();
+            self.domain.value(&self.domain.hold(most)).is_finite()
+        };
+        if held(most) {
+            return Ok(());
+        }
+        let beyond = |light| (!held(light)).then_some(LightError::Beyond(light));
+        Err(light_error(frame, beyond))
+    }
+
     fn fits<T>(&self, plane: &Plane<T>) -> Result<(), ShapeError> {
         let (got, want) = (Size::of(plane), self.state.layout.size);
         if got == want {
@@ -632,6 +646,8 @@ impl<D: Domain> Sensor for Chip<D> {
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        check_time(frame, self.watched)?;
+        self.holds(frame, brightest(frame)?)?;
         self.expose(&frame.light)
             .map_err(|error| SensorError::Size {
                 index: frame.index,

@@ -30,6 +30,8 @@ const STEPS: f64 = 5.0;
 const INSTANT: f64 = 1e-9;
 /// A step that moves no pixel by more is the last.
 const STILL: f64 = 1e-5;
+/// Steps of one frame at most: beyond, a frame takes minutes.
+const MOST: u64 = 1_000_000;
 
 impl Euler {
     /// A sheet that starts as the first frame, with time constant `tau` in seconds.
@@ -72,7 +74,8 @@ impl Euler {
     /// Moves on by `seconds` with `signal`.
     ///
     /// # Errors
-    /// When the time is none, or the signal has another size or a pixel that is no number.
+    /// When the time is none, the signal has another size or a pixel that is no number, or the
+    /// sheet is still moving after a million steps; it is then as it was.
     pub fn advance(&mut self, signal: &Plane<f64>, seconds: f64) -> Result<(), MeshError> {
         if !(seconds >= 0.0 && seconds.is_finite()) {
             return Err(MeshError::Time {
@@ -92,19 +95,27 @@ impl Euler {
             f64::INFINITY
         };
         let steps = (seconds / tau.min(lateral) * STEPS).ceil();
-        if steps < 1.0 {
+        let what = "sheet by v2e's rule";
+        if seconds == 0.0 {
             return Ok(());
         }
-        let (own, side) = (seconds / steps / tau, seconds / steps / lateral);
-        let mut before = self.surround.clone();
-        let mut done = 0.0;
-        let mut moved = 2.0 * STILL;
-        while done < steps && moved > STILL {
-            std::mem::swap(&mut before, &mut self.surround);
-            moved = step(&before, signal, own, side, &mut self.surround);
-            done += 1.0;
+        if steps.is_infinite() {
+            return Err(MeshError::Steps { what, most: MOST });
         }
-        self.steps += done as u64;
+        let (own, side) = (seconds / steps / tau, seconds / steps / lateral);
+        let (mut before, mut now) = (self.surround.clone(), self.surround.clone());
+        let mut done = 0u64;
+        let mut moved = 2.0 * STILL;
+        while (done as f64) < steps && moved > STILL {
+            if done == MOST {
+                return Err(MeshError::Steps { what, most: MOST });
+            }
+            std::mem::swap(&mut before, &mut now);
+            moved = step(&before, signal, own, side, &mut now);
+            done += 1;
+        }
+        self.surround = now;
+        self.steps += done;
         Ok(())
     }
 }

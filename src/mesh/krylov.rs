@@ -10,6 +10,8 @@ use crate::plane::Plane;
 
 /// Directions kept at most; a time that needs more is cut in two.
 const MOST: usize = 96;
+/// Pieces of a time at most; of a sheet of 256x256 each takes a second.
+const MOST_PIECES: u64 = 1000;
 /// What may be left in the last direction.
 const NOTHING: f64 = 1e-16;
 
@@ -18,8 +20,9 @@ impl Network {
     /// straight line; in the unit of capacitance over conductance.
     ///
     /// # Errors
-    /// When a plane has another size or a pixel that is no number, the time is none, or the
-    /// laterals are not resistors.
+    /// When a plane has another size or a pixel that is no number, the time is none, the
+    /// laterals are not resistors, or the network is so stiff that the time would have to be cut
+    /// into more than a thousand pieces.
     pub fn advance(
         &self,
         surround: &Plane<f64>,
@@ -67,6 +70,12 @@ impl Network {
                     left -= piece;
                 }
                 None => piece *= 0.5,
+            }
+            if piece * (MOST_PIECES as f64) < left {
+                return Err(MeshError::Steps {
+                    what: "network",
+                    most: MOST_PIECES,
+                });
             }
         }
         let moved: Vec<f64> = (0..rest.len())

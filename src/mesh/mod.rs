@@ -156,6 +156,17 @@ pub enum MeshError {
         /// How far it may be off.
         error: f64,
     },
+    /// Too much work for one frame.
+    #[error("the {what} would take more than {most} steps from one frame to the next")]
+    #[diagnostic(help(
+        "use a smaller space constant or a shorter time, or a sheet of equal parts by its exact rule, whose work does not depend on them"
+    ))]
+    Steps {
+        /// What is moved on.
+        what: &'static str,
+        /// The most steps.
+        most: u64,
+    },
     /// A kernel that cannot be fitted.
     #[error("a kernel of zeros, or one that is to be fitted by {sheets} sheets")]
     #[diagnostic(help("give a kernel with a weight that is not 0, and 1 to 3 sheets"))]

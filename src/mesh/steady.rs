@@ -128,7 +128,7 @@ impl<T: Real> Steady<T> {
     /// Modes of the rows, and the ladders from the top to the bottom.
     fn down(&mut self, values: &mut [T], off: T) {
         let width = self.size.width;
-        let mut above: Option<&[T]> = None;
+        let mut above: Option<(&[T], &[T])> = None;
         let rows = values.chunks_mut(2 * width);
         for (rows, pivots) in rows.zip(self.pivots.chunks(2 * width)) {
             let (a, b) = rows.split_at_mut(width);
@@ -139,9 +139,13 @@ impl<T: Real> Steady<T> {
             } else {
                 self.cosine.there(a, b, off);
             }
-            eliminate(a, above, pivots_a, self.lateral);
-            eliminate(b, Some(a), pivots_b, self.lateral);
-            above = Some(if b.is_empty() { a } else { b });
+            eliminate(a, above, self.lateral);
+            eliminate(b, Some((a, pivots_a)), self.lateral);
+            above = Some(if b.is_empty() {
+                (a, pivots_a)
+            } else {
+                (b, pivots_b)
+            });
         }
     }
 
@@ -169,28 +173,23 @@ impl<T: Real> Steady<T> {
     }
 }
 
-/// `u[y] = (p[y] + l u[y-1]) / pivot`.
+/// `q[y] = p[y] + (l / pivot[y-1]) q[y-1]`, of the row above and its pivots. The factor is at most
+/// 1, so nothing grows out of the number or falls below it, whatever `l` is.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn eliminate<T: Real>(row: &mut [T], above: Option<&[T]>, pivots: &[T], lateral: T) {
-    match above {
-        None => {
-            for (u, pivot) in row.iter_mut().zip(pivots) {
-                *u = *u * *pivot;
-            }
-        }
-        Some(above) => {
-            for ((u, above), pivot) in row.iter_mut().zip(above).zip(pivots) {
-                *u = (*u + lateral * *above) * *pivot;
-            }
-        }
+fn eliminate<T: Real>(row: &mut [T], above: Option<(&[T], &[T])>, lateral: T) {
+    let Some((above, pivots)) = above else {
+        return;
+    };
+    for ((q, above), pivot) in row.iter_mut().zip(above).zip(pivots) {
+        *q = *q + lateral * *pivot * *above;
     }
 }
 
-/// `h[y] = u[y] + l h[y+1] / pivot`.
+/// `h[y] = q[y] / pivot[y] + (l / pivot[y]) h[y+1]`.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn substitute<T: Real>(row: &mut [T], below: &[T], pivots: &[T], lateral: T) {
-    for ((u, below), pivot) in row.iter_mut().zip(below).zip(pivots) {
-        *u = *u + lateral * *below * *pivot;
+    for ((q, below), pivot) in row.iter_mut().zip(below).zip(pivots) {
+        *q = *q * *pivot + lateral * *pivot * *below;
     }
 }
 

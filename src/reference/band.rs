@@ -271,7 +271,18 @@ impl<N: Number> Band<N> {
         } = &mut channels[channel];
         let (on, off) = plan.thresholds[channel].row(y);
         let authors = description.refractory.rule == RefractoryRule::Authors;
-        let beyond = |x| SensorError::Uncountable { channel, y, x };
+        let beyond = |x, distance: N::Real| {
+            if fire::is_number(distance) {
+                return SensorError::Uncountable { channel, y, x };
+            }
+            let format = number.format();
+            SensorError::Overflow {
+                channel,
+                y,
+                x,
+                format,
+            }
+        };
         if description.noise.fires() && !fired.is_empty() {
             rested.copy_from_slice(&fired[range.clone()]);
         }
@@ -287,6 +298,7 @@ impl<N: Number> Band<N> {
         if description.channels[channel].log_temporal {
             log_temporal(number, drive, 1e-8);
         }
+        let mut snapped = true;
         match state {
             Memory::FilteredStep(stepped) if authors => {
                 stepped.values(number, range.clone(), on, off, memory);
@@ -304,7 +316,10 @@ impl<N: Number> Band<N> {
                 let before = &mut before[range.clone()];
                 stepped
                     .cross(number, range.clone(), before, &seen, times, trains)
-                    .map_err(beyond)?;
+                    .map_err(|x| {
+                        let base = stepped.base[range.start + x];
+                        beyond(x, number.real(number.sub(drive[x], base)))
+                    })?;
             }
             Memory::PixelStep(_) => {
                 let Some(weights) = &plan.memory_weights[channel] else {
@@ -318,14 +333,18 @@ impl<N: Number> Band<N> {
                 if !leak.is_empty() {
                     fall(to, &leak[range.clone()], elapsed);
                 }
-                fire::snap(to, on, off, trains);
+                snapped = fire::snap(to, on, off, trains);
             }
             Memory::RawSnap { .. } => {
                 for (to, drive) in to.iter_mut().zip(drive.iter()) {
                     *to = number.real(*drive);
                 }
-                fire::snap(to, on, off, trains);
+                snapped = fire::snap(to, on, off, trains);
             }
+        }
+        if !snapped {
+            let x = to.iter().position(|d| !fire::is_number(*d)).unwrap_or(0);
+            return Err(beyond(x, to[x]));
         }
         if authors {
             let fired = if fired.is_empty() {
@@ -340,7 +359,8 @@ impl<N: Number> Band<N> {
                 let mut counts = trains.counts.iter();
                 let most = memory::MOST.unsigned_abs();
                 let x = counts.position(|count| count.unsigned_abs() > most);
-                return Err(beyond(x.unwrap_or(0)));
+                let x = x.unwrap_or(0);
+                return Err(beyond(x, to[x]));
             }
         }
         match state {
@@ -348,7 +368,7 @@ impl<N: Number> Band<N> {
             Memory::FilteredStep(stepped) | Memory::PixelStep(stepped) => {
                 stepped
                     .take(range.clone(), &trains.counts)
-                    .map_err(beyond)?;
+                    .map_err(|x| beyond(x, to[x]))?;
             }
             Memory::FilteredSnap { filtered, pixels } => {
                 for (x, cell) in range.clone().enumerate() {

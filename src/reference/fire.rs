@@ -68,11 +68,14 @@ pub(super) fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
     )
 }
 
-/// The one decision of a memory that snaps: 1, 0 or -1 event, when the frame is taken.
+/// The one decision of a memory that snaps: 1, 0 or -1 event, when the frame is taken. Whether
+/// all distances are numbers: without one nothing is above a threshold, and nothing below.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut TrainRow<R>) {
+pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut TrainRow<R>) -> bool {
+    let mut numbers = true;
     let cells = distances.iter().zip(on.iter().zip(off));
     for (count, (&d, (&on, &off))) in row.counts.iter_mut().zip(cells) {
+        numbers &= is_number(d);
         *count = if d > on {
             1
         } else if -d > off {
@@ -83,6 +86,13 @@ pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut Trai
     }
     row.first.fill(R::ONE);
     row.spacing.fill(R::ZERO);
+    numbers
+}
+
+/// Neither infinite nor NaN: of those the difference from itself is NaN.
+#[inline]
+pub(super) fn is_number<R: Real>(d: R) -> bool {
+    d - d == R::ZERO
 }
 
 #[cfg(test)]

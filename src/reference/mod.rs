@@ -51,7 +51,7 @@ use crate::{
     number::{F64, Number, Real},
     plane::{Plane, Size},
     scene::Frame,
-    sensor::{Sensor, SensorError},
+    sensor::{Sensor, SensorError, check_time},
     unit::Micros,
 };
 
@@ -281,10 +281,7 @@ impl<N: Number> Reference<N> {
                 want: self.size,
             });
         }
-        let later = self.seen.is_none_or(|(_, last)| seconds > last);
-        if !seconds.is_finite() || !later {
-            return Err(SensorError::Time { index, seconds });
-        }
+        check_time(frame, self.seen.map(|(_, last)| last))?;
         if let Some(low_pass) = &mut self.low_pass {
             let dt = self.seen.map_or(f64::INFINITY, |(_, last)| seconds - last);
             low_pass.see(&self.plan.description, frame, dt)?;

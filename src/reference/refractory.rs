@@ -151,7 +151,9 @@ pub(super) fn authors<R: Real>(
             fired[x]
         };
         let most = f64::from(memory::MOST) + 1.0;
-        let count = if count < most { count } else { most };
+        // A distance that is no number is not counted either.
+        let counted = count < most && distance < f64::INFINITY;
+        let count = if counted { count } else { most };
         counts[x] = fire::to_i32(if d >= 0.0 { count } else { -count });
         room |= memory::MOST - counts[x].abs();
         (first[x], spacing[x]) = (R::of(place), R::of(step));
