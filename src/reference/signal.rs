@@ -247,17 +247,12 @@ fn multiply<N: Number>(
     light: &[f64],
     out: &mut [N::Held],
 ) -> bool {
-    for (light, out) in light.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
-        let mut all = 0;
-        for (out, &light) in out.iter_mut().zip(light) {
-            all |= byte(light).0;
-            *out = number.hold_real(product(N::Real::of(light), slope));
-        }
-        if all != 0 {
-            return false;
-        }
+    let mut all = 0;
+    for (out, &light) in out.iter_mut().zip(light) {
+        all |= byte(light).0;
+        *out = number.hold_real(product(N::Real::of(light), slope));
     }
-    true
+    all == 0
 }
 
 /// Looks up light that is 0, 1, … 255; whether all of it was.
