@@ -63,6 +63,9 @@ pub trait Wide: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'static
     /// As [`divide`].
     #[must_use]
     fn divided(self, by: u32) -> Self;
+    /// As [`divide`], by two to the power of `bits`; without a division.
+    #[must_use]
+    fn shifted(self, bits: u32) -> Self;
 }
 
 macro_rules! wide {
@@ -88,6 +91,15 @@ macro_rules! wide {
                         floor + <$int>::from(up)
                     }
                 }
+            }
+            #[inline]
+            fn shifted(self, bits: u32) -> Self {
+                if bits == 0 {
+                    return self;
+                }
+                // A hair less than half, and half where that makes it even.
+                let half = 1 << (bits - 1);
+                (self + (half - 1) + (self >> bits & 1)) >> bits
             }
         }
     )*};
@@ -244,28 +256,58 @@ impl<T: Width> Number for Q<T> {
         }
     }
 
+    #[inline]
     fn value(&self, held: T) -> f64 {
         let steps: i64 = held.into();
-        steps as f64 / self.one() as f64
+        // The inverse of a power of two is exact, and no width is more than 32 bits.
+        f64::from(steps as i32) * (1.0 / self.one() as f64)
     }
 
+    #[inline]
     fn real(&self, held: T) -> f64 {
         self.value(held)
     }
 
+    #[inline]
     fn hold_real(&self, real: f64) -> T {
         self.hold(real)
     }
 
+    #[inline]
     fn add(&self, a: T, b: T) -> T {
-        self.fit(a.into() + b.into())
+        self.narrow(a.widen().plus(b.widen()))
     }
 
+    #[inline]
     fn sub(&self, a: T, b: T) -> T {
-        self.fit(a.into() - b.into())
+        match self.overflow {
+            Overflow::Saturate => a.less(b),
+            Overflow::Wrap => a.wrapping_less(b),
+        }
     }
 
+    #[inline]
     fn mul(&self, a: T, b: T) -> T {
-        self.fit(divide(a.into() * b.into(), self.one()))
+        let b: i64 = b.into();
+        self.narrow(a.widen().times(b as i32).shifted(self.fraction.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Wide, divide};
+
+    #[test]
+    fn a_shift_is_a_division() {
+        for bits in 0..=16 {
+            for n in -70_000..70_000 {
+                let exact = divide(n.into(), 1 << bits);
+                assert_eq!(i64::from(n.shifted(bits)), exact, "{n} by {bits} bits");
+                assert_eq!(i64::from(n).shifted(bits), exact);
+            }
+        }
+        for n in [1 << 62, (1 << 62) - 1, 3 << 31, -(1 << 62), -(3 << 31) - 1] {
+            assert_eq!(i64::shifted(n, 32), divide(n, 1 << 32));
+        }
     }
 }

@@ -1,5 +1,8 @@
 //! The four floats.
 
+// What is not inlined into a loop is not compiled for its vectors.
+#![allow(clippy::inline_always)]
+
 use half::{bf16, f16};
 
 use super::{
@@ -115,31 +118,31 @@ macro_rules! half_number {
             fn format(&self) -> Format {
                 $format
             }
-            #[inline]
+            #[inline(always)]
             fn hold(&self, real: f64) -> $held {
                 $narrow(narrow_to_odd(real))
             }
-            #[inline]
+            #[inline(always)]
             fn value(&self, held: $held) -> f64 {
                 f64::from($widen(held))
             }
-            #[inline]
+            #[inline(always)]
             fn real(&self, held: $held) -> f32 {
                 $widen(held)
             }
-            #[inline]
+            #[inline(always)]
             fn hold_real(&self, real: f32) -> $held {
                 $narrow(real)
             }
-            #[inline]
+            #[inline(always)]
             fn add(&self, a: $held, b: $held) -> $held {
                 $narrow($widen(a) + $widen(b))
             }
-            #[inline]
+            #[inline(always)]
             fn sub(&self, a: $held, b: $held) -> $held {
                 $narrow($widen(a) - $widen(b))
             }
-            #[inline]
+            #[inline(always)]
             fn mul(&self, a: $held, b: $held) -> $held {
                 $product(a, b)
             }
@@ -147,12 +150,12 @@ macro_rules! half_number {
     };
 }
 
-#[inline]
+#[inline(always)]
 fn product_f16(a: f16, b: f16) -> f16 {
     f32_to_f16(f16_to_f32(a) * f16_to_f32(b))
 }
 
-#[inline]
+#[inline(always)]
 fn product_bf16(a: bf16, b: bf16) -> bf16 {
     Bf16.hold(Bf16.value(a) * Bf16.value(b))
 }
@@ -170,15 +173,13 @@ half_number!(
 /// f64 to f32, rounded to odd: what is cut off stays visible in the last bit, so that a second
 /// rounding to fewer bits is as good as one. (`half::f16::from_f64` rounds twice on machines
 /// that have the instruction for f32.)
-#[inline]
+#[inline(always)]
 fn narrow_to_odd(real: f64) -> f32 {
     let near = real as f32;
-    if near.is_nan() || f64::from(near) == real {
-        return near;
-    }
-    let away = f64::from(near).abs() > real.abs();
-    let toward_zero = near.to_bits() - u32::from(away);
-    f32::from_bits(toward_zero | 1)
+    // Without a branch, for loops that run in vectors. NaN is not away from itself.
+    let away = u32::from(f64::from(near).abs() > real.abs());
+    let odd = u32::from(f64::from(near) < real || f64::from(near) > real);
+    f32::from_bits((near.to_bits() - away) | odd)
 }
 
 #[cfg(test)]

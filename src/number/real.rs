@@ -28,6 +28,9 @@ pub trait Real:
     /// 2^12 units in the last place of f64, 2^5 of f32.
     const TIE: Self;
 
+    /// Whole numbers below this are integers by [`Real::small_i32`].
+    const SMALL: Self;
+
     /// The nearest.
     fn of(value: f64) -> Self;
 
@@ -40,6 +43,10 @@ pub trait Real:
     /// The whole part; saturates.
     fn to_i32(self) -> i32;
 
+    /// A whole number below [`Real::SMALL`], whatever its sign, as an integer; anything else as
+    /// anything. The same as `as`, whose checks would keep loops from being vectorised.
+    fn small_i32(self) -> i32;
+
     /// The largest whole number not above.
     #[must_use]
     fn floor(self) -> Self;
@@ -50,11 +57,12 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($($float:ident $tie:expr),*) => {$(
+    ($($float:ident $tie:expr, $small:expr, $magic:expr;)*) => {$(
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const TIE: Self = $tie;
+            const SMALL: Self = $small;
 
             #[inline]
             fn of(value: f64) -> Self {
@@ -73,6 +81,12 @@ macro_rules! real {
                 self as i32
             }
             #[inline]
+            fn small_i32(self) -> i32 {
+                // Added to this, a whole number stands in the lowest bits.
+                const MAGIC: $float = $magic;
+                (self + MAGIC).to_bits().wrapping_sub(MAGIC.to_bits()) as i32
+            }
+            #[inline]
             fn floor(self) -> Self {
                 $float::floor(self)
             }
@@ -84,4 +98,32 @@ macro_rules! real {
     )*};
 }
 
-real!(f32 f32::EPSILON * 32.0, f64 f64::EPSILON * 4096.0);
+real! {
+    // 2^22 and 1.5 * 2^23; 2^51 and 1.5 * 2^52, of which an integer takes the lowest bits.
+    f32 f32::EPSILON * 32.0, 4_194_304.0, 12_582_912.0;
+    f64 f64::EPSILON * 4096.0, 2_251_799_813_685_248.0, 6_755_399_441_055_744.0;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Real;
+
+    /// On both sides of zero, up to the last.
+    fn small<R: Real>(most: i32) {
+        for n in [0, 1, 2, 77, most / 2, most - 1, most] {
+            for n in [n, -n] {
+                assert!(R::of_i32(n).abs() < R::SMALL);
+                assert_eq!(R::of_i32(n).small_i32(), n);
+            }
+        }
+    }
+
+    #[test]
+    fn small_whole_numbers_become_integers() {
+        small::<f32>((1 << 22) - 1);
+        small::<f64>(i32::MAX);
+        // Two to the 31st, of either sign, is the integer that has no opposite.
+        assert_eq!(2_147_483_648f64.small_i32(), i32::MIN);
+        assert_eq!((-2_147_483_648f64).small_i32(), i32::MIN);
+    }
+}

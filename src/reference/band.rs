@@ -315,7 +315,7 @@ impl<N: Number> Band<N> {
                 let times = times || !fired.is_empty();
                 let before = &mut before[range.clone()];
                 stepped
-                    .cross(number, range.clone(), before, &seen, times, trains)
+                    .cross(number, range.clone(), before, &seen, times, (trains, to))
                     .map_err(|x| {
                         let base = stepped.base[range.start + x];
                         beyond(x, number.real(number.sub(drive[x], base)))

@@ -25,10 +25,10 @@ use crate::number::Real;
 
 use super::train::TrainRow;
 
-/// Whole thresholds in a distance, with its sign; `i32::MIN` if they are more than 2^31, or
-/// the distance is not a number.
+/// Whole thresholds in a distance, with its sign; 2^31 of either sign if they are more, or the
+/// distance is not a number.
 #[inline]
-pub(super) fn count<R: Real>(d: R, on: R, off: R) -> i32 {
+pub(super) fn whole<R: Real>(d: R, on: R, off: R) -> R {
     let theta = if d >= R::ZERO { on } else { off };
     let quotient = d.abs() / theta;
     // In single precision the tolerance of a large count would be more than an event.
@@ -37,15 +37,7 @@ pub(super) fn count<R: Real>(d: R, on: R, off: R) -> i32 {
     let whole = (quotient + if hair < half { hair } else { half }).floor();
     let beyond = R::of(2_147_483_648.0);
     let whole = if whole < beyond { whole } else { beyond };
-    let whole = if d >= R::ZERO { whole } else { -whole };
-    to_i32(whole.to_f64())
-}
-
-/// A whole number as an integer: the same as `as`, whose checks would keep loops from being
-/// vectorised. Added to 1.5 * 2^52, a whole number stands in the lowest bits.
-#[inline]
-pub(super) fn to_i32(whole: f64) -> i32 {
-    (whole + 6_755_399_441_055_744.0).to_bits() as i32
+    if d >= R::ZERO { whole } else { -whole }
 }
 
 /// Where a line from one distance to another meets the first threshold, and how far the next
@@ -105,7 +97,11 @@ mod tests {
     const OFF: f64 = 0.1;
 
     fn count(d: f64) -> i32 {
-        super::count(d, ON, OFF)
+        counted(d, ON, OFF)
+    }
+
+    fn counted<R: Real>(d: R, on: R, off: R) -> i32 {
+        whole(d, on, off).to_f64().small_i32()
     }
 
     fn snapped(d: f64) -> i32 {
@@ -127,18 +123,18 @@ mod tests {
 
     #[test]
     fn single_precision_ties_fire_too() {
-        assert_eq!(super::count(0.3f32 + 0.3, 0.2, 0.2), 3);
+        assert_eq!(counted(0.3f32 + 0.3, 0.2, 0.2), 3);
     }
 
     #[test]
     fn what_cannot_be_counted_is_marked() {
         let most = f64::from(i32::MAX);
         for d in [most, -most] {
-            assert_eq!(f64::from(super::count(d, 1.0, 1.0)), d);
+            assert_eq!(f64::from(counted(d, 1.0, 1.0)), d);
         }
         for d in [most + 1.0, -most - 1.0, f64::INFINITY, f64::NAN] {
-            assert_eq!(super::count(d, 1.0, 1.0), i32::MIN, "{d}");
-            assert_eq!(super::count(d as f32, 1.0, 1.0), i32::MIN, "{d}");
+            assert_eq!(counted(d, 1.0, 1.0), i32::MIN, "{d}");
+            assert_eq!(counted(d as f32, 1.0, 1.0), i32::MIN, "{d}");
         }
     }
 

@@ -293,50 +293,70 @@ impl Stretch {
     }
 }
 
-/// An event in 8 bytes, from the lowest bit on: 23 bits for the microseconds since the clock's
-/// start, 16 each for column and row, one for the sign (1 is OFF), 8 for the channel.
+/// An event in 8 bytes, from the lowest bit on: 16 bits each for column and row, 8 for the
+/// channel, one for the sign (1 is ON), 23 for the microseconds since the clock's start.
 #[derive(Clone, Copy, Debug, Default)]
 struct Note(u64);
 
+/// Events of every channel and sign, whose halves of an event are then written as one.
+static KINDS: [Event; 512] = kinds();
+
+const fn kinds() -> [Event; 512] {
+    let mut kinds = [Event {
+        t: Micros(0),
+        x: 0,
+        y: 0,
+        polarity: Polarity::Off,
+        channel: 0,
+    }; 512];
+    let mut kind = 0;
+    while kind < 512 {
+        kinds[kind].channel = kind as u8;
+        if kind >= 256 {
+            kinds[kind].polarity = Polarity::On;
+        }
+        kind += 1;
+    }
+    kinds
+}
+
 impl Note {
-    /// Bits of the time.
-    const TIME: u32 = 23;
+    /// Where the sign stands, and below it all of who fired.
+    const SIGN: u32 = 40;
+    /// Where the time stands, and how many bits it has.
+    const TIME: u32 = 41;
+    const TIME_BITS: u32 = 64 - Self::TIME;
 
     /// At the clock's start, in column 0, and ON.
     fn of(channel: usize, y: usize) -> Self {
-        Self((y as u64) << (Self::TIME + 16) | (channel as u64) << (Self::TIME + 33))
+        Self((y as u64) << 16 | (channel as u64) << 32 | 1 << Self::SIGN)
     }
 
     /// With a column, and the sign of a count.
     #[inline]
     const fn column(self, x: usize, count: i32) -> Self {
-        let off = (count as u32 & 1 << 31) as u64;
-        Self(self.0 + ((x as u64) << Self::TIME) + (off << (Self::TIME + 1)))
+        let off = (count as u32 >> 31) as u64;
+        Self((self.0 + x as u64) ^ off << Self::SIGN)
     }
 
+    /// What more bits there are in `since` than a time has are lost.
     #[inline]
     const fn after(self, since: u64) -> Self {
-        Self(self.0.wrapping_add(since))
+        Self(self.0.wrapping_add(since << Self::TIME))
     }
 
     #[inline]
     const fn since(self) -> u64 {
-        self.0 & ((1 << Self::TIME) - 1)
+        self.0 >> Self::TIME
     }
 
     #[inline]
-    const fn at(self, t: Micros) -> Event {
-        let whose = self.0 >> Self::TIME;
+    fn at(self, t: Micros) -> Event {
         Event {
             t,
-            x: whose as u16,
-            y: (whose >> 16) as u16,
-            polarity: if (whose >> 32) & 1 == 0 {
-                Polarity::On
-            } else {
-                Polarity::Off
-            },
-            channel: (whose >> 33) as u8,
+            x: self.0 as u16,
+            y: (self.0 >> 16) as u16,
+            ..KINDS[(self.0 >> 32) as usize % KINDS.len()]
         }
     }
 }
@@ -385,17 +405,15 @@ fn expand_block<R: Real>(
     out: &mut [Note],
 ) -> usize {
     let mut fired = fired(counts);
-    let notes: [Note; BLOCK] = std::array::from_fn(|x| note.column(x, counts[x]));
-    let many: [u32; BLOCK] = counts.map(i32::unsigned_abs);
     let mut len = 0;
     while fired != 0 {
         let x = fired.trailing_zeros() as usize % BLOCK;
         fired &= fired - 1;
-        let note = notes[x];
+        let note = note.column(x, counts[x]);
         let (first, spacing) = (first[x].to_f64(), spacing[x].to_f64());
-        let event = |i: usize| note.after(clock.at(first + spacing * i as f64));
+        let event = |i: usize| note.after(clock.low(first + spacing * i as f64));
         out[len..len + FEW].copy_from_slice(&std::array::from_fn::<_, FEW, _>(event));
-        let count = many[x] as usize;
+        let count = counts[x].unsigned_abs() as usize;
         for i in FEW..count {
             out[len + i] = event(i);
         }
@@ -472,18 +490,24 @@ impl Clock {
 
     /// Whether the pair is too long for notes: eight seconds and more.
     const fn is_long(&self) -> bool {
-        self.span >> Note::TIME != 0
+        self.span >> Note::TIME_BITS != 0
     }
 
     /// Microseconds from the start to the nearest to a place; none before time 0.
     #[inline]
     fn at(&self, place: f64) -> u64 {
+        self.low(place) - MAGIC.to_bits()
+    }
+
+    /// The same in the lowest bits, and others above.
+    #[inline]
+    fn low(&self, place: f64) -> u64 {
         let place = if place < 1.0 { place } else { 1.0 };
         let since = self.fraction + place * self.duration;
         let since = if since > 0.0 { since } else { 0.0 };
         // Halves up, as a frame's own time is rounded. Added to 2^52, a whole number stands in
         // the lowest bits.
-        ((since + 0.5).floor() + MAGIC).to_bits() - MAGIC.to_bits()
+        ((since + 0.5).floor() + MAGIC).to_bits()
     }
 
     #[inline]
@@ -492,7 +516,7 @@ impl Clock {
     }
 
     #[inline]
-    const fn event(&self, note: Note) -> Event {
+    fn event(&self, note: Note) -> Event {
         note.at(self.time(note.since()))
     }
 

@@ -25,7 +25,7 @@ use multiversion::multiversion;
 use crate::number::Real;
 
 use super::{
-    fire, memory,
+    memory,
     train::{Pair, Train, TrainRow},
 };
 
@@ -73,7 +73,7 @@ pub(super) fn dead_time<R: Real>(
         } else {
             fired[x]
         };
-        counts[x] = fire::to_i32(if all < 0.0 { -kept } else { kept });
+        counts[x] = if all < 0.0 { -kept } else { kept }.small_i32();
         (first[x], spacing[x]) = (R::of(place), R::of(step));
     }
 }
@@ -154,7 +154,7 @@ pub(super) fn authors<R: Real>(
         // A distance that is no number is not counted either.
         let counted = count < most && distance < f64::INFINITY;
         let count = if counted { count } else { most };
-        counts[x] = fire::to_i32(if d >= 0.0 { count } else { -count });
+        counts[x] = if d >= 0.0 { count } else { -count }.small_i32();
         room |= memory::MOST - counts[x].abs();
         (first[x], spacing[x]) = (R::of(place), R::of(step));
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use crate::{
-    number::Number,
+    number::{Number, Real},
     photoreceptor::{Curve, Response},
     plane::Size,
     scene::Frame,
@@ -143,16 +143,29 @@ pub(super) struct Photoreceptors<N: Number> {
     response: Response,
     /// The signal of each 8-bit light.
     table: [N::Held; 256],
+    /// What 8-bit light times the sum of these two is, without a division.
+    slope: Option<(N::Real, N::Real)>,
 }
 
 impl<N: Number> Photoreceptors<N> {
     pub(super) fn new(number: N, response: Response) -> Self {
         let signal = |light: usize| response.apply(light as f64).unwrap_or(0.0);
         let table = std::array::from_fn(|light| number.hold(signal(light)));
+        let slope = match response.curve {
+            Curve::Linear { white } => Some(slope(white)),
+            Curve::Identity | Curve::Log { .. } | Curve::LinLog { .. } => None,
+        };
+        let agrees = |slope: &(N::Real, N::Real)| {
+            let mut lights = table.iter().enumerate();
+            lights.all(|(light, held)| {
+                number.hold_real(product(N::Real::of(light as f64), *slope)) == *held
+            })
+        };
         Self {
             number,
             response,
             table,
+            slope: slope.filter(agrees),
         }
     }
 
@@ -164,10 +177,14 @@ impl<N: Number> Photoreceptors<N> {
         out: &mut [N::Held],
     ) -> Result<(), SensorError> {
         let row = frame.light.row(y);
-        if let Some(light) = row.as_slice()
-            && (self.straight(light, out) || from_table(&self.table, light, out))
-        {
-            return Ok(());
+        if let Some(light) = row.as_slice() {
+            let bytes = |slope| multiply(&self.number, slope, light, out);
+            if self.slope.is_some_and(bytes)
+                || self.straight(light, out)
+                || from_table(&self.table, light, out)
+            {
+                return Ok(());
+            }
         }
         for (x, (out, light)) in out.iter_mut().zip(&row).enumerate() {
             let signal = self.response.apply(*light);
@@ -195,24 +212,65 @@ impl<N: Number> Photoreceptors<N> {
     }
 }
 
-/// Looks up light that is 0, 1, … 255, as it is in 8-bit video; whether all of it was.
+/// The inverse of `white` in two parts, the first so short that its product with 8 bits is
+/// exact. The sum of both products is then rounded as the quotient is, but for rare ties.
+fn slope<R: Real>(white: f64) -> (R, R) {
+    let inverse = R::of(1.0 / white);
+    // Veltkamp's splitting (Dekker 1971, doi:10.1007/BF01397083), by eight bits.
+    let longer = inverse * R::of(257.0);
+    let long = longer - (longer - inverse);
+    (long, R::of((1.0 - long.to_f64() * white) / white))
+}
+
+/// `light` times a slope in two parts.
+#[inline]
+fn product<R: Real>(light: R, (long, rest): (R, R)) -> R {
+    light * long + light * rest
+}
+
+/// Which of 0, 1, … 255 a light is: bits that are 0 if it is one of them, and where it stands
+/// in a table.
+#[inline]
+fn byte(light: f64) -> (u64, usize) {
+    // Added to 2^52, a whole number stands in the lowest bits, and comes back whole.
+    let sum = light + MAGIC;
+    let place = sum.to_bits() ^ MAGIC.to_bits();
+    let wrong = place & !0xff | (sum - MAGIC).to_bits() ^ light.to_bits();
+    (wrong, place as usize & 0xff)
+}
+
+/// Multiplies light that is 0, 1, … 255, as it is in 8-bit video; whether all of it was.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn multiply<N: Number>(
+    number: &N,
+    slope: (N::Real, N::Real),
+    light: &[f64],
+    out: &mut [N::Held],
+) -> bool {
+    let mut all = 0;
+    for (out, &light) in out.iter_mut().zip(light) {
+        all |= byte(light).0;
+        *out = number.hold_real(product(N::Real::of(light), slope));
+    }
+    all == 0
+}
+
+/// Looks up light that is 0, 1, … 255; whether all of it was.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn from_table<H: Copy>(table: &[H; 256], light: &[f64], out: &mut [H]) -> bool {
     for (light, out) in light.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
         let mut places = [0; BLOCK];
-        let mut wrong = 0;
+        let mut all = 0;
         for (place, &light) in places.iter_mut().zip(light) {
-            // Added to 2^52, a whole number stands in the lowest bits, and comes back whole.
-            let sum = light + MAGIC;
-            *place = sum.to_bits();
-            wrong |= (*place ^ MAGIC.to_bits()) & !0xff;
-            wrong |= (sum - MAGIC).to_bits() ^ light.to_bits();
+            let (wrong, at) = byte(light);
+            *place = at;
+            all |= wrong;
         }
-        if wrong != 0 {
+        if all != 0 {
             return false;
         }
         for (out, place) in out.iter_mut().zip(&places) {
-            *out = table[*place as usize & 0xff];
+            *out = table[*place & 0xff];
         }
     }
     true
@@ -242,30 +300,45 @@ fn divide<N: Number>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::number::{F32, F64};
+    use crate::number::{F16, F32, F64};
     use proptest::prelude::*;
+
+    /// Or the short way would never be gone.
+    #[test]
+    fn bytes_need_no_division() {
+        let response = Response::new(Curve::Linear { white: 255.0 });
+        assert!(Photoreceptors::new(F32, response).slope.is_some());
+        assert!(Photoreceptors::new(F64, response).slope.is_some());
+    }
 
     proptest! {
         /// However it is computed, the signal is the response, rounded.
         #[test]
         fn rows_are_the_response(
-            light in proptest::collection::vec(prop_oneof![
-                (0u8..=255).prop_map(f64::from),
-                (0f32..1e9).prop_map(f64::from),
-                0f64..1e9,
-                Just(1e-45),
-            ], 1..70),
-            white in prop_oneof![Just(255.0), 1e-3f64..1e9],
+            light in prop_oneof![
+                proptest::collection::vec((0u8..=255).prop_map(f64::from), 1..200),
+                proptest::collection::vec(prop_oneof![
+                    (0u8..=255).prop_map(f64::from),
+                    (0f32..1e9).prop_map(f64::from),
+                    0f64..1e9,
+                    Just(1e-45),
+                    Just(-0.0),
+                ], 1..70),
+            ],
+            white in prop_oneof![Just(255.0), Just(1.0), Just(3.0), 1e-3f64..1e9],
             round_f32: bool,
         ) {
             let response = Response { curve: Curve::Linear { white }, round_f32 };
             let width = light.len();
             let frame = Frame { index: 0, seconds: 0.0, light: crate::plane::Plane::from_shape_vec((1, width), light.clone()).unwrap() };
             let (mut single, mut double) = (vec![0f32; width], vec![0f64; width]);
+            let mut half = vec![F16::ZERO; width];
             Photoreceptors::new(F32, response).row(&frame, 0, &mut single).unwrap();
             Photoreceptors::new(F64, response).row(&frame, 0, &mut double).unwrap();
+            Photoreceptors::new(F16, response).row(&frame, 0, &mut half).unwrap();
             for (x, light) in light.iter().enumerate() {
                 let signal = response.apply(*light).unwrap();
+                prop_assert_eq!(half[x].to_bits(), F16.hold(signal).to_bits());
                 prop_assert_eq!(single[x].to_bits(), (signal as f32).to_bits());
                 prop_assert_eq!(double[x].to_bits(), signal.to_bits());
             }

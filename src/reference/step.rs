@@ -2,7 +2,8 @@
 //! [`super::memory`] and [`super::fire`] say, cell by cell.
 //!
 //! The passes one after the other would be the same, and take half as long again: each is
-//! either all loads and stores or all division.
+//! either all loads and stores or all division. Only how a whole number becomes an integer is a
+//! pass of its own: as good as always all are so small that there is a short way.
 
 use std::ops::Range;
 
@@ -40,11 +41,11 @@ impl<N: Number> Stepped<N> {
         before: &mut [N::Held],
         seen: &Seen<'_, N>,
         times: bool,
-        row: &mut TrainRow<N::Real>,
+        (row, scratch): (&mut TrainRow<N::Real>, &mut [N::Real]),
     ) -> Result<(), usize> {
         let steps = Steps {
             base: &self.base[range.clone()],
-            net: &mut self.net[range.clone()],
+            net: &self.net[range.clone()],
             off: self
                 .off
                 .as_mut()
@@ -60,22 +61,29 @@ impl<N: Number> Stepped<N> {
             (true, false, true) => step::<N, true, true, false>,
             (true, false, false) => step::<N, true, true, true>,
         };
-        if run(number, steps, before, seen, row) {
+        let small = run(number, steps, before, seen, row, scratch);
+        let net = &mut self.net[range];
+        let counted = if small {
+            count::<N::Real, true>(scratch, &mut row.counts, net)
+        } else {
+            count::<N::Real, false>(scratch, &mut row.counts, net)
+        };
+        if counted {
             return Ok(());
         }
-        let mut net = self.net[range].iter();
-        Err(net.position(|net| memory::room(*net) < 0).unwrap_or(0))
+        let column = net.iter().position(|net| memory::room(*net) < 0);
+        Err(column.unwrap_or(0))
     }
 }
 
 /// The memory of a row.
 struct Steps<'a, N: Number> {
     base: &'a [N::Held],
-    net: &'a mut [i32],
+    net: &'a [i32],
     off: &'a mut [f64],
 }
 
-/// Whether all cells could be counted.
+/// `whole` is how many thresholds each cell crossed; whether all are small.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     number: &N,
@@ -83,23 +91,25 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     before: &mut [N::Held],
     seen: &Seen<'_, N>,
     row: &mut TrainRow<N::Real>,
+    whole: &mut [N::Real],
 ) -> bool {
     let cells = seen.drive.len();
     // All of one length, so that nothing is checked in the loop.
     let (drive, on, off) = (seen.drive, &seen.on[..cells], &seen.off[..cells]);
     let (base, net, before) = (
         &steps.base[..cells],
-        &mut steps.net[..cells],
+        &steps.net[..cells],
         &mut before[..cells],
     );
     let leak = &seen.leak[..if LEAK { cells } else { 0 }];
     let off_steps = &mut steps.off[..if OFF { cells } else { 0 }];
-    let counts = &mut row.counts[..cells];
+    let whole = &mut whole[..cells];
     let (first, spacing) = (&mut row.first[..cells], &mut row.spacing[..cells]);
     let fallen = (N::Real::of(seen.elapsed.0), N::Real::of(seen.elapsed.1));
-    let mut room = 0;
+    let mut large = 0;
     for x in 0..cells {
-        let (on, off) = (on[x], off[x]);
+        // Without OFF steps of their own the two thresholds are equal.
+        let (on, off) = (on[x], if OFF { off[x] } else { on[x] });
         let mut memory = memory::at(number, base[x], net[x], on);
         if OFF {
             memory = memory::less_off(number, memory, off_steps[x], on, off);
@@ -108,7 +118,8 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
         if LEAK {
             to = to + leak[x] * fallen.1;
         }
-        let count = fire::count(to, on, off);
+        let count = fire::whole(to, on, off);
+        large |= i32::from(count.abs() >= N::Real::SMALL);
         if TIMES {
             let mut from = number.real(number.sub(before[x], memory));
             if LEAK {
@@ -117,12 +128,28 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
             (first[x], spacing[x]) = fire::place(from, to, on, off);
         }
         before[x] = drive[x];
-        counts[x] = count;
-        net[x] = net[x].wrapping_add(count);
+        whole[x] = count;
         if OFF {
-            off_steps[x] -= f64::from(count.min(0));
+            let count = count.to_f64();
+            off_steps[x] -= if count < 0.0 { count } else { 0.0 };
         }
-        room |= memory::room(net[x]);
+    }
+    large == 0
+}
+
+/// From whole numbers to counts, small ones by a shorter way, and on to where memories are;
+/// whether all could be counted.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn count<R: Real, const SMALL: bool>(whole: &[R], counts: &mut [i32], net: &mut [i32]) -> bool {
+    let mut room = 0;
+    for (&whole, (count, net)) in whole.iter().zip(counts.iter_mut().zip(net)) {
+        *count = if SMALL {
+            whole.small_i32()
+        } else {
+            whole.to_f64().small_i32()
+        };
+        *net = net.wrapping_add(*count);
+        room |= memory::room(*net);
     }
     room >= 0
 }

@@ -146,17 +146,75 @@ fn share_out<R: Real, const FRESH: bool>(
     earlier: &mut [f64],
     later: &mut [f64],
 ) {
-    let trains = counts.iter().zip(first).zip(spacing);
-    for (((&count, &first), &spacing), (earlier, later)) in
-        trains.zip(earlier.iter_mut().zip(later))
+    // In the precision of the trains first, where more of them then go into a vector.
+    let narrow = size_of::<R>() < size_of::<f64>();
+    let whole = if narrow {
+        counts.len() / BLOCK * BLOCK
+    } else {
+        0
+    };
+    let (counts, last_counts) = counts.split_at(whole);
+    let (first, last_first) = first.split_at(whole);
+    let (spacing, last_spacing) = spacing.split_at(whole);
+    let (earlier, last_earlier) = earlier.split_at_mut(whole);
+    let (later, last_later) = later.split_at_mut(whole);
+    let (counts, first) = (counts.as_chunks().0, first.as_chunks().0);
+    let trains = counts.iter().zip(first).zip(spacing.as_chunks().0);
+    let (earlier, later) = (earlier.as_chunks_mut().0, later.as_chunks_mut().0);
+    for (((counts, first), spacing), (earlier, later)) in trains.zip(earlier.iter_mut().zip(later))
     {
-        let (e, l) = share(R::of_i32(count), first, spacing);
-        // Without a train, the place and the spacing may be anything.
-        *earlier += if count == 0 { 0.0 } else { e.to_f64() };
-        let l = if count == 0 { 0.0 } else { l.to_f64() };
-        *later = if FRESH { l } else { *later + l };
+        share_out_block::<R, FRESH>((counts, first, spacing), earlier, later);
+    }
+    let trains = last_counts.iter().zip(last_first.iter().zip(last_spacing));
+    let bins = last_earlier.iter_mut().zip(last_later);
+    for ((&count, (&first, &spacing)), (earlier, later)) in trains.zip(bins) {
+        let (e, l) = given(count, first, spacing);
+        *earlier += e.to_f64();
+        put::<FRESH>(later, l.to_f64());
     }
 }
+
+/// The same, of some columns.
+#[expect(
+    clippy::inline_always,
+    reason = "what is not inlined is not compiled for the wide vectors"
+)]
+#[inline(always)]
+fn share_out_block<R: Real, const FRESH: bool>(
+    (counts, first, spacing): (&[i32; BLOCK], &[R; BLOCK], &[R; BLOCK]),
+    earlier: &mut [f64; BLOCK],
+    later: &mut [f64; BLOCK],
+) {
+    let mut shares = ([R::ZERO; BLOCK], [R::ZERO; BLOCK]);
+    for x in 0..BLOCK {
+        (shares.0[x], shares.1[x]) = given(counts[x], first[x], spacing[x]);
+    }
+    for (earlier, e) in earlier.iter_mut().zip(&shares.0) {
+        *earlier += e.to_f64();
+    }
+    for (later, l) in later.iter_mut().zip(&shares.1) {
+        put::<FRESH>(later, l.to_f64());
+    }
+}
+
+/// A train's shares; none without a train, whose place and spacing may be anything.
+#[inline]
+fn given<R: Real>(count: i32, first: R, spacing: R) -> (R, R) {
+    let (e, l) = share(R::of_i32(count), first, spacing);
+    (
+        if count == 0 { R::ZERO } else { e },
+        if count == 0 { R::ZERO } else { l },
+    )
+}
+
+/// Adds to a bin, or writes it.
+#[inline]
+fn put<const FRESH: bool>(bin: &mut f64, share: f64) {
+    *bin = if FRESH { share } else { *bin + share };
+}
+
+/// Trains that are shared out at a time.
+const BLOCK: usize = 64;
 
 /// Cuts planes into bands of rows: `[band][channel]`.
 pub(super) fn split<'a, T>(
@@ -201,7 +259,28 @@ mod tests {
             prop_assert!((e - earlier).abs() < 1e-9 * count as f64);
             prop_assert!((l - later).abs() < 1e-9 * count as f64);
         }
+
+        /// In single precision a share is rounded as such, and then added in double; whatever
+        /// the width.
+        #[test]
+        fn single_precision_is_widened(trains in proptest::collection::vec((-3i32..4, 0f32..1.0, 0f32..0.3), 1..200), fresh: bool) {
+            let width = trains.len();
+            let (counts, first, spacing): (Vec<_>, Vec<_>, Vec<_>) = trains.iter().copied().collect();
+            let mut bins = (vec![0.5; width], vec![0.25; width]);
+            if fresh {
+                share_out::<f32, true>((&counts, &first, &spacing), &mut bins.0, &mut bins.1);
+            } else {
+                share_out::<f32, false>((&counts, &first, &spacing), &mut bins.0, &mut bins.1);
+            }
+            for (x, &(count, first, spacing)) in trains.iter().enumerate() {
+                let (e, l) = share(count as f32, first, spacing);
+                prop_assert_eq!(bins.0[x], 0.5 + f64::from(e));
+                let before = if fresh { 0.0 } else { 0.25 };
+                prop_assert_eq!(bins.1[x], before + f64::from(l));
+            }
+        }
     }
+
     /// Rows told once, twice or not at all, and bins that are passed over: as if every train
     /// were added on its own.
     #[test]
