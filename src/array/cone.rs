@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::semantics;
+use super::reach;
 use crate::{
     isa::{Device, Primitive},
     program::{Action, Cell, Host, Step, reads, writes},
@@ -96,7 +96,7 @@ impl Walk<'_> {
         }
         let from = read.into_iter().map(|cell| self.of(cell));
         let from = from.fold([0; 2], farther);
-        let reach = semantics::reaches(word);
+        let reach = reach::reaches(word);
         let new = [from[0] + reach[0], from[1] + reach[1]];
         for cell in writes(word, self.device) {
             let replaced = match cell {

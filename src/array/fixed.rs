@@ -65,32 +65,11 @@ impl<T: Width> Domain for Fixed<T> {
         clip: bool,
         cells: &mut [T],
     ) {
-        let operands = operands.map(|operand| &operand[..cells.len()]);
-        let (low, high) = if clip { self.limits } else { T::LIMITS };
         // Without a choice inside the loops.
         macro_rules! each {
-            ($of:expr) => {{
-                let n = cells.len();
-                let mut first = 0;
-                while first + 64 <= n {
-                    // By value: nothing that is read can be what was just written.
-                    let from = blocks(operands, first);
-                    let mut to = [T::ZERO; 64];
-                    for (i, cell) in to.iter_mut().enumerate() {
-                        *cell = $of(picked(from.each_ref(), i)).max(low).min(high);
-                    }
-                    cells[first..first + 64].copy_from_slice(&to);
-                    // The last block may be in part the same as the one before it.
-                    first = if first + 64 < n {
-                        (first + 64).min(n - 64)
-                    } else {
-                        n
-                    };
-                }
-                for (i, cell) in cells.iter_mut().enumerate().skip(first) {
-                    *cell = $of(picked(operands, i)).max(low).min(high);
-                }
-            }};
+            ($of:expr) => {
+                blockwise(operands, cells, $of)
+            };
         }
         let saturates = self.number.overflow() == Overflow::Saturate;
         match (saturates, share.by) {
@@ -99,6 +78,11 @@ impl<T: Width> Domain for Fixed<T> {
             (true, 2) if N <= 2 => each!(saturated_half),
             (true, by) => each!(|operands| T::saturate_wide(wide_part(operands, by))),
             (false, by) => each!(|operands| T::wrap_wide(wide_part(operands, by))),
+        }
+        if clip {
+            for cell in cells {
+                *cell = self.limit(*cell);
+            }
         }
     }
     #[inline(always)]
@@ -139,6 +123,31 @@ impl<T: Width> Domain for Fixed<T> {
     #[inline]
     fn limit(&self, cell: T) -> T {
         cell.clamp(self.limits.0, self.limits.1)
+    }
+}
+
+/// Sets each cell to what `of` makes of the operands.
+#[inline(always)]
+fn blockwise<T: Width, const N: usize>(
+    operands: [&[T]; N],
+    cells: &mut [T],
+    of: impl Fn([T; N]) -> T,
+) {
+    let n = cells.len();
+    let operands = operands.map(|operand| &operand[..n]);
+    let whole = operands.map(|operand| operand.as_chunks::<64>().0);
+    for (k, cells) in cells.as_chunks_mut::<64>().0.iter_mut().enumerate() {
+        let mut from = [[T::ZERO; 64]; N];
+        for (block, whole) in from.iter_mut().zip(whole) {
+            // By value: nothing that is read can be what was just written.
+            *block = whole[k];
+        }
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = of(picked(from.each_ref(), i));
+        }
+    }
+    for (i, cell) in cells.iter_mut().enumerate().skip(n / 64 * 64) {
+        *cell = of(picked(operands, i));
     }
 }
 

@@ -4,10 +4,10 @@ use std::{fmt, str::FromStr};
 
 use super::{
     Domain, State, Undecided,
-    band::{Band, Copies},
-    segment::{Piece, Segment},
+    band::Copies,
+    segment::Segment,
     semantics::{self, Array},
-    tiled,
+    tiled::{self, Walk},
 };
 use crate::plane::Size;
 
@@ -106,35 +106,22 @@ impl<C: Clone + Send + Sync> Plan<C> {
         for register in segment.copied() {
             semantics::make_copies(&mut self.copies, state, Some(register));
         }
-        match self.schedule {
-            Schedule::Plain => {
-                let mut band = Band::whole(state, &mut self.copies, segment.constants());
-                let rows = band.rows.clone();
-                segment
-                    .pieces()
-                    .iter()
-                    .try_for_each(|piece| piece.run(array, &mut band, rows.clone()))
-            }
+        let size = state.layout.size;
+        let (rows, threads) = match self.schedule {
+            Schedule::Plain => (size.height, 1),
+            Schedule::Tiled { rows: rows @ 1.. } => (rows, self.threads),
             Schedule::Tiled { .. } | Schedule::Active => {
-                let rows = match self.schedule {
-                    Schedule::Tiled { rows: rows @ 1.. } => rows,
-                    _ => tiled::rows(state.layout.size, size_of::<C>()),
-                };
-                let pieces = segment.pieces();
-                let mut rest: &[Piece<'_>] = pieces;
-                while !rest.is_empty() {
-                    let walk = tiled::Walk::new(rest, rows);
-                    walk.run(
-                        array,
-                        self.threads,
-                        state,
-                        &mut self.copies,
-                        segment.constants(),
-                    )?;
-                    rest = &rest[walk.len()..];
-                }
-                Ok(())
+                (tiled::rows(size, size_of::<C>()), self.threads)
             }
+        };
+        let mut whole = state.flag.count() == size.pixels() as u64;
+        let mut rest = segment.pieces();
+        while !rest.is_empty() {
+            let walk = Walk::new(rest, &state.layout, rows, &mut whole);
+            let constants = segment.constants();
+            walk.run(array, threads, state, &mut self.copies, constants)?;
+            rest = &rest[walk.len()..];
         }
+        Ok(())
     }
 }
