@@ -19,7 +19,7 @@ pub(super) struct Cells<T> {
     all: Vec<T>,
     k: usize,
     lead: usize,
-    cells: usize,
+    len: usize,
 }
 
 impl<T: Clone> Cells<T> {
@@ -34,7 +34,7 @@ impl<T: Clone> Cells<T> {
             all,
             k,
             lead,
-            cells,
+            len: cells,
         }
     }
 }
@@ -44,7 +44,7 @@ impl<T: Clone> Clone for Cells<T> {
         match self.first() {
             None => Self::default(),
             Some(first) => {
-                let mut copy = Self::new(self.k, first.clone(), self.cells);
+                let mut copy = Self::new(self.k, first.clone(), self.len);
                 copy.clone_from_slice(self);
                 copy
             }
@@ -59,7 +59,7 @@ impl<T> Default for Cells<T> {
             all: Vec::new(),
             k: 0,
             lead: 0,
-            cells: 0,
+            len: 0,
         }
     }
 }
@@ -69,14 +69,14 @@ impl<T> Deref for Cells<T> {
 
     #[inline]
     fn deref(&self) -> &[T] {
-        &self.all[self.lead..][..self.cells]
+        &self.all[self.lead..][..self.len]
     }
 }
 
 impl<T> DerefMut for Cells<T> {
     #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.all[self.lead..][..self.cells]
+        &mut self.all[self.lead..][..self.len]
     }
 }
 

@@ -3,11 +3,26 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use super::{Domain, band::Constants, wire::Wire};
+use std::ops::Range;
+
+use super::{
+    Domain,
+    band::Constants,
+    wire::{Border, Wire},
+};
 use crate::{isa::Analog, plane::Size};
 
 /// Cells that are worked on at once, at most.
 pub(super) const PIECE: usize = 2048;
+
+/// Cells that follow each other in a plane.
+pub(super) struct Stretch {
+    /// The column of the first.
+    pub(super) left: usize,
+    /// Where it lies in its plane.
+    pub(super) at: usize,
+    pub(super) n: usize,
+}
 
 /// Some rows of the array.
 pub(super) struct Field<'b, 'a, C> {
@@ -35,6 +50,46 @@ impl<'a, C> Field<'_, 'a, C> {
     #[inline(always)]
     pub(super) const fn cell(&self, y: usize, x: usize) -> usize {
         (y - self.top) * self.size.width + x
+    }
+
+    /// The cells of some rows, from the first that needs nothing from off the array to the last;
+    /// those between, at the ends of rows, are among them.
+    #[inline(always)]
+    pub(super) fn between(&self, border: Border, rows: &Range<usize>) -> Stretch {
+        let left = border.left;
+        Stretch {
+            left,
+            at: self.cell(rows.start, left),
+            n: rows.len() * self.size.width - left - border.right,
+        }
+    }
+
+    /// The same, where it does not matter what is stored at the ends of rows: if it can be, from
+    /// the beginning of the first to the end of the last, so that vectors do not lie across
+    /// lines of the cache.
+    #[inline(always)]
+    pub(super) fn stretch(
+        &self,
+        wires: &[Wire],
+        beside: (isize, isize),
+        border: Border,
+        rows: &Range<usize>,
+    ) -> Stretch {
+        let (at, n) = (self.cell(rows.start, 0), rows.len() * self.size.width);
+        let fits = wires.iter().all(|wire| {
+            let (dy, dx) = (wire.beside.0 - beside.0, wire.beside.1 - beside.1);
+            let start = at.checked_add_signed(dy * self.size.width as isize + dx);
+            let cells = self
+                .planes
+                .get(wire.plane)
+                .map_or(usize::MAX, |plane| plane.len());
+            start.is_some_and(|start| start + n <= cells)
+        });
+        if fits {
+            Stretch { left: 0, at, n }
+        } else {
+            self.between(border, rows)
+        }
     }
 
     /// Where each wire begins, that leads to the cells of a plane from `at` on; those lie

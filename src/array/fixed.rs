@@ -85,6 +85,31 @@ impl<T: Width> Domain for Fixed<T> {
             }
         }
     }
+    fn pairs(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn store_pair<const N: usize, const M: usize>(
+        &self,
+        operands: [&[T]; N],
+        extra: [&[T]; M],
+        between: Option<&mut [T]>,
+        cells: &mut [T],
+    ) {
+        match self.number.overflow() {
+            Overflow::Saturate => {
+                let second = |first, extra: [T; M]| match extra[..] {
+                    [extra] => saturated_sum([first, extra]),
+                    _ => saturated_sum([first]),
+                };
+                pairwise(operands, extra, between, cells, saturated_sum, second);
+            }
+            Overflow::Wrap => {
+                let second = |first, extra: [T; M]| wrapped_sum(extra).wrapping_less(first);
+                pairwise(operands, extra, between, cells, wrapped_sum, second);
+            }
+        }
+    }
     #[inline(always)]
     fn choose(&self, old: &T, new: &T, take: u8) -> T {
         T::choose(*old, *new, take)
@@ -148,6 +173,50 @@ fn blockwise<T: Width, const N: usize>(
     }
     for (i, cell) in cells.iter_mut().enumerate().skip(n / 64 * 64) {
         *cell = of(picked(operands, i));
+    }
+}
+
+/// The same twice: `first` of the operands, `second` of that and of the extra ones.
+#[inline(always)]
+fn pairwise<T: Width, const N: usize, const M: usize>(
+    operands: [&[T]; N],
+    extra: [&[T]; M],
+    mut between: Option<&mut [T]>,
+    cells: &mut [T],
+    first: impl Fn([T; N]) -> T,
+    second: impl Fn(T, [T; M]) -> T,
+) {
+    let n = cells.len();
+    let operands = operands.map(|operand| &operand[..n]);
+    let extra = extra.map(|operand| &operand[..n]);
+    let whole = operands.map(|operand| operand.as_chunks::<64>().0);
+    let more = extra.map(|operand| operand.as_chunks::<64>().0);
+    for (k, cells) in cells.as_chunks_mut::<64>().0.iter_mut().enumerate() {
+        let mut from = [[T::ZERO; 64]; N];
+        for (block, whole) in from.iter_mut().zip(whole) {
+            *block = whole[k];
+        }
+        let mut with = [[T::ZERO; 64]; M];
+        for (block, more) in with.iter_mut().zip(more) {
+            *block = more[k];
+        }
+        let mut middle = [T::ZERO; 64];
+        for (i, cell) in middle.iter_mut().enumerate() {
+            *cell = first(picked(from.each_ref(), i));
+        }
+        if let Some(between) = between.as_deref_mut() {
+            between[64 * k..64 * k + 64].copy_from_slice(&middle);
+        }
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = second(middle[i], picked(with.each_ref(), i));
+        }
+    }
+    for (i, cell) in cells.iter_mut().enumerate().skip(n / 64 * 64) {
+        let middle = first(picked(operands, i));
+        if let Some(between) = between.as_deref_mut() {
+            between[i] = middle;
+        }
+        *cell = second(middle, picked(extra, i));
     }
 }
 

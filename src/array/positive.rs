@@ -68,21 +68,27 @@ fn positive_n<D: Domain, const N: usize>(
     } else {
         1
     };
+    // Some blocks at once: bytes that were just written are slow to read in another width.
+    let mut bytes = [[0; 64]; 8];
     for y in inner.clone().step_by(run) {
         let starts = field.starts(&wires, field.cell(y, 0), (0, 0));
         let (first, last) = (border.left, run * width - border.right);
         let bits = &mut bits[(y - top) * words..][..run * words];
-        for (k, word) in bits.iter_mut().enumerate() {
-            let from = (64 * k).max(first);
-            let n = (64 * k + 64).min(last) - from;
-            let sources = field.sources(&wires, &starts, from, n);
-            let mut bytes = [0; 64];
-            decided &= if n == 64 {
-                domain.positives(sources, &mut bytes)
-            } else {
-                domain.positives(sources, &mut bytes[from % 64..][..n])
-            };
-            *word = packed(&bytes);
+        for (batch, bits) in bits.chunks_mut(bytes.len()).enumerate() {
+            for (k, bytes) in (batch * 8..).zip(&mut bytes[..bits.len()]) {
+                let from = (64 * k).max(first);
+                let n = (64 * k + 64).min(last) - from;
+                let sources = field.sources(&wires, &starts, from, n);
+                decided &= if n == 64 {
+                    domain.positives(sources, bytes)
+                } else {
+                    bytes.fill(0);
+                    domain.positives(sources, &mut bytes[from % 64..][..n])
+                };
+            }
+            for (word, bytes) in bits.iter_mut().zip(&bytes) {
+                *word = packed(bytes);
+            }
         }
     }
     for x in (0..border.left).chain(width - border.right..width) {

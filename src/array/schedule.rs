@@ -5,7 +5,8 @@ use std::{fmt, str::FromStr};
 use super::{
     Domain, State, Undecided,
     band::Copies,
-    segment::Segment,
+    live::{self, Live},
+    segment::{Piece, Segment},
     semantics::{self, Array},
     tiled::{self, Walk},
 };
@@ -110,17 +111,27 @@ impl<C: Clone + Send + Sync> Plan<C> {
         let (rows, threads) = match self.schedule {
             Schedule::Plain => (size.height, 1),
             Schedule::Tiled { rows: rows @ 1.. } => (rows, self.threads),
+            // Bits are so few that all of them stay in the cache.
+            _ if segment.pieces().iter().all(Piece::is_bits) => (size.height, 1),
             Schedule::Tiled { .. } | Schedule::Active => {
                 (tiled::rows(size, size_of::<C>()), self.threads)
             }
         };
-        let mut whole = state.flag.count() == size.pixels() as u64;
+        let whole = state.flag.count() == size.pixels() as u64;
         let mut rest = segment.pieces();
+        let mut all = live::known(rest, whole, &state.layout);
+        if self.schedule == Schedule::Plain {
+            // Word after word, all of each.
+            for known in &mut all {
+                known.live = Live::ALL;
+            }
+        }
+        let mut known = &all[..];
         while !rest.is_empty() {
-            let walk = Walk::new(rest, &state.layout, rows, &mut whole);
+            let walk = Walk::new(rest, known, &state.layout, rows);
             let constants = segment.constants();
             walk.run(array, threads, state, &mut self.copies, constants)?;
-            rest = &rest[walk.len()..];
+            (rest, known) = (&rest[walk.len()..], &known[walk.len()..]);
         }
         Ok(())
     }

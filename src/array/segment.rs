@@ -27,6 +27,23 @@ impl Piece<'_> {
             Self::Copy(_) => 0,
         }
     }
+
+    /// Whether it is one-bit logic of each pixel alone.
+    pub(super) fn is_bits(&self) -> bool {
+        match self {
+            Self::Word { issued, .. } => matches!(
+                issued.word,
+                Primitive::Or { .. }
+                    | Primitive::Nor { .. }
+                    | Primitive::WhereBit { .. }
+                    | Primitive::Set { .. }
+                    | Primitive::Clear { .. }
+                    | Primitive::All
+                    | Primitive::Nop
+            ),
+            Self::Copy(_) => false,
+        }
+    }
 }
 
 /// Words that wait.

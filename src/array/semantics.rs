@@ -28,11 +28,12 @@ use super::{
     band::{Band, Constants, Copies},
     bits,
     logic::{any, dnews, fill, logic, propagate},
+    pair::pair,
     positive::positive,
     reach::{Register, copied},
     rows::{self, Links},
     store::store,
-    wire::{Job, Jobs, Wire},
+    wire::{Job, Jobs, Known, Wire},
 };
 use crate::{
     isa::{Analog, Bit, Direction, Primitive},
@@ -69,7 +70,7 @@ pub fn execute<D: Domain>(
     };
     let mut jobs = Jobs::default();
     jobs.jobs.extend(copied.map(Job::Copy));
-    jobs.word(issued, &state.layout, &mut false);
+    jobs.word(issued, &state.layout, Known::NOTHING);
     let constants = Constants::of(state);
     let mut band = Band::whole(state, &mut copies, &constants);
     let rows = band.rows.clone();
@@ -145,6 +146,10 @@ impl<D: Domain> Array<'_, D> {
                 let (mut field, room) = band.field();
                 store(self.domain, &mut field, wires, target, clip, rows, room);
             }
+            Job::Pair(both) => {
+                let (mut field, room) = band.field();
+                pair(self.domain, &mut field, wires, both, clip, rows, room);
+            }
             Job::Drive {
                 wires: bus,
                 driven,
@@ -173,9 +178,14 @@ impl<D: Domain> Array<'_, D> {
     /// A word that has no bus. PROP has no rows: see [`propagate`].
     fn word(self, band: &mut Band<'_, D::Cell>, issued: Issued<'_>, rows: Range<usize>) {
         match issued.word {
-            Primitive::Nop | Primitive::BlurSet | Primitive::PropRead | Primitive::Prop { .. } => {}
-            // They have one.
-            Primitive::Bus { .. } | Primitive::Square { .. } | Primitive::Where { .. } => {}
+            Primitive::Nop
+            | Primitive::BlurSet
+            | Primitive::PropRead
+            | Primitive::Prop { .. }
+            // These have one.
+            | Primitive::Bus { .. }
+            | Primitive::Square { .. }
+            | Primitive::Where { .. } => {}
             Primitive::ResetPix => {
                 let level = self.domain.hold(self.settings.reset_level);
                 let cells = band.row_cells(rows);

@@ -14,11 +14,10 @@ use multiversion::multiversion;
 
 use super::{
     Domain, Place, Share,
-    field::{Field, PIECE},
+    field::{Field, Stretch},
     runs::{RUN, Run, Runs, merge},
-    wire::{Store, Wire},
+    wire::{Border, Store, Wire},
 };
-use crate::plane::Size;
 
 /// Cells that a store needs room for: a run, or a piece of a column and of those on its wires.
 pub(super) const ROOM: usize = RUN;
@@ -93,7 +92,10 @@ fn store_n<D: Domain, const N: usize>(
             run_n(domain, field, &wires, store, cells, clip, y..y + run, room);
         }
         if edges > 0 {
-            columns(domain, field, &wires, store, cells, clip, &inner, room);
+            let border = store.border;
+            columns(
+                domain, field, &wires, store, border, cells, clip, &inner, room,
+            );
         }
     }
     field.put(store.register, cells);
@@ -113,10 +115,12 @@ fn run_n<D: Domain, const N: usize>(
     room: &mut [D::Cell],
 ) {
     let (down, right) = store.beside;
-    let left = store.border.left;
-    let at = field.cell(rows.start, left);
+    let Stretch { left, at, n } = if store.whole {
+        field.stretch(wires, store.beside, store.border, &rows)
+    } else {
+        field.between(store.border, &rows)
+    };
     let starts = field.starts(wires, at, store.beside);
-    let n = rows.len() * field.size.width - left - store.border.right;
     let mut runs = if store.whole {
         Runs::all(n)
     } else {
@@ -147,7 +151,7 @@ fn run_n<D: Domain, const N: usize>(
 
 /// A run of cells.
 #[inline(always)]
-pub(super) fn store_cells<D: Domain, const N: usize>(
+fn store_cells<D: Domain, const N: usize>(
     domain: &D,
     operands: [&[D::Cell]; N],
     cells: &mut [D::Cell],
@@ -213,23 +217,34 @@ fn one<D: Domain>(
 /// The cells of these rows at the left and right border.
 #[allow(clippy::too_many_arguments)]
 #[inline(never)]
-fn columns<D: Domain, const N: usize>(
+pub(super) fn columns<D: Domain>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire; N],
+    wires: &[Wire],
     store: &Store,
+    border: Border,
     cells: &mut [D::Cell],
     clip: bool,
     rows: &Range<usize>,
     room: &mut [D::Cell],
 ) {
     let width = field.size.width;
-    for x in (0..store.border.left).chain(width - store.border.right..width) {
-        if domain.is_steady() {
-            column(domain, field, wires, store, cells, clip, rows, x, room);
-        } else {
-            for y in rows.clone() {
-                one(domain, field, wires, store, cells, clip, y, x);
+    for x in (0..border.left).chain(width - border.right..width) {
+        match wires.len() {
+            // Where the place does not matter, in vectors.
+            0 if domain.is_steady() => {
+                column::<D, 0>(domain, field, wires, store, cells, clip, rows, x, room);
+            }
+            1 if domain.is_steady() => {
+                column::<D, 1>(domain, field, wires, store, cells, clip, rows, x, room);
+            }
+            2 if domain.is_steady() => {
+                column::<D, 2>(domain, field, wires, store, cells, clip, rows, x, room);
+            }
+            _ => {
+                for y in rows.clone() {
+                    one(domain, field, wires, store, cells, clip, y, x);
+                }
             }
         }
     }
@@ -240,7 +255,7 @@ fn columns<D: Domain, const N: usize>(
 fn column<D: Domain, const N: usize>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire; N],
+    wires: &[Wire],
     store: &Store,
     cells: &mut [D::Cell],
     clip: bool,

@@ -25,16 +25,16 @@ use super::{
     band::{Band, Constants, Copies},
     segment::Piece,
     semantics::Array,
-    wire::{Job, Jobs},
+    wire::{Job, Jobs, Known},
 };
 use crate::plane::Size;
 
 /// Bands move up by so many rows at most: what is behind them leaves the cache.
 const FARTHEST: usize = 16;
 
-/// Bytes of a register in one band, so that those of all registers fit into the cache next to a
-/// core.
-const BAND: usize = 4096;
+/// Bytes of a register in one band: those of the few registers that words in a row work on fit
+/// into the cache next to a core, and a band is long enough that its beginning costs little.
+const BAND: usize = 8192;
 
 /// The rows of a band.
 pub(super) fn rows(size: Size, cell: usize) -> usize {
@@ -52,14 +52,8 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// As many of the pieces as can go together, in bands of so many rows. `whole`: whether
-    /// FLAG is known to be 1 in all pixels; brought up to date.
-    pub(super) fn new(
-        pieces: &[Piece<'a>],
-        layout: &Layout,
-        rows: usize,
-        whole: &mut bool,
-    ) -> Self {
+    /// As many of the pieces as can go together, in bands of so many rows.
+    pub(super) fn new(pieces: &[Piece<'a>], known: &[Known], layout: &Layout, rows: usize) -> Self {
         let mut walk = Self {
             jobs: Jobs::default(),
             shifts: Vec::with_capacity(pieces.len()),
@@ -70,27 +64,34 @@ impl<'a> Walk<'a> {
         // One band does not move.
         let moves = rows < layout.size.height;
         let mut before = 0;
-        for piece in pieces {
+        for (piece, known) in pieces.iter().zip(known) {
             let reach = if moves { piece.reach() } else { 0 };
             let last = walk.shifts.last();
             let shift = last.map_or(reach, |last| last + reach.max(before));
             if shift > FARTHEST && last.is_some() {
                 break;
             }
-            before = reach;
             let line = match piece {
                 Piece::Copy(register) => {
                     walk.jobs.jobs.push(Job::Copy(*register));
                     0
                 }
                 Piece::Word { issued, line } => {
-                    walk.jobs.word(*issued, layout, whole);
+                    walk.jobs.word(*issued, layout, *known);
                     *line
                 }
             };
+            walk.pieces += 1;
+            // It writes nothing that the one before it reads, nor reads beside its own pixel.
+            if moves && walk.jobs.jobs.len() == walk.shifts.len() + 1 && walk.jobs.join(known.live)
+            {
+                continue;
+            }
+            if walk.jobs.jobs.len() > walk.shifts.len() {
+                before = reach;
+            }
             walk.shifts.resize(walk.jobs.jobs.len(), shift);
             walk.lines.resize(walk.jobs.jobs.len(), line);
-            walk.pieces += 1;
         }
         walk
     }

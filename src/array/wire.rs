@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Layout, Share, band::Band, reach::Register, semantics::Issued};
+use super::{Layout, Share, band::Band, live::Live, reach::Register, semantics::Issued};
 use crate::{
     isa::{Analog, Bit, Primitive, Source, Target},
     plane::Size,
@@ -76,6 +76,55 @@ pub(super) struct Store {
     pub(super) step: u64,
 }
 
+/// Two stores, one after the other, of which the second has what the first put into its cell on
+/// its bus: the usual way to move a value, since each store inverts.
+#[derive(Clone, Debug)]
+pub(super) struct Pair {
+    pub(super) first: Store,
+    pub(super) second: Store,
+    /// What else is on the second bus.
+    pub(super) extra: Option<Wire>,
+    /// Whether what the first stored is read again.
+    pub(super) kept: bool,
+    /// Whether the second cell is on the first bus.
+    pub(super) in_place: bool,
+}
+
+impl Pair {
+    /// `None` where they cannot be one.
+    fn of(first: &Store, second: &Store, wires: &[Wire], kept: bool) -> Option<Self> {
+        let (one, two) = (&wires[first.wires.clone()], &wires[second.wires.clone()]);
+        let between = Wire {
+            plane: first.register.0.into(),
+            beside: (0, 0),
+        };
+        let target = usize::from(second.register.0);
+        let mut extra = two.iter().filter(|wire| **wire != between);
+        let (other, more) = (extra.next().copied(), extra.next());
+        let joined = two.len() == 1 + usize::from(other.is_some()) && more.is_none();
+        let straight = other.is_none_or(|wire| wire.beside == (0, 0));
+        let in_place = one.iter().any(|wire| wire.plane == target);
+        let level = first.beside == (0, 0) && one.iter().all(|wire| wire.beside == (0, 0));
+        let fits = joined
+            && straight
+            && one.len() <= 2
+            && (level || !in_place)
+            && first.register != second.register
+            && second.beside == (0, 0)
+            && first.whole
+            && second.whole
+            && first.share.by == 1
+            && second.share.by == 1;
+        fits.then(|| Self {
+            first: first.clone(),
+            second: second.clone(),
+            extra: other,
+            kept,
+            in_place,
+        })
+    }
+}
+
 /// One bit of each pixel: `target := [not] (others, or itself)`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Logic {
@@ -119,6 +168,7 @@ impl Logic {
 pub(super) enum Job<'a> {
     /// One target of a bus.
     Store(Store),
+    Pair(Box<Pair>),
     /// NEWS cells that several pixels drive: where each lies, and its share.
     Drive {
         wires: Range<usize>,
@@ -149,13 +199,30 @@ pub(super) struct Jobs<'a> {
     pub(super) wires: Vec<Wire>,
 }
 
+/// What is known about a word from those around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    /// FLAG is 1 in all pixels before it.
+    pub(super) whole: bool,
+    /// Which analogue registers are read after it, before all their cells are written.
+    pub(super) live: Live,
+}
+
+impl Known {
+    /// Nothing.
+    pub(super) const NOTHING: Self = Self {
+        whole: false,
+        live: Live::ALL,
+    };
+}
+
 impl<'a> Jobs<'a> {
-    /// One more word. `whole`: whether FLAG is known to be 1 in all pixels; brought up to date.
-    pub(super) fn word(&mut self, issued: Issued<'a>, layout: &Layout, whole: &mut bool) {
+    /// One more word.
+    pub(super) fn word(&mut self, issued: Issued<'a>, layout: &Layout, known: Known) {
         match issued.word {
             Primitive::Bus { targets, sources } => {
                 let wires = self.wires(sources, issued, layout);
-                self.bus(targets, &wires, issued.step, layout, *whole);
+                self.bus(targets, &wires, issued.step, layout, known);
             }
             Primitive::Square { sources } => {
                 let wires = self.wires(sources, issued, layout);
@@ -178,11 +245,20 @@ impl<'a> Jobs<'a> {
             }
             _ => self.jobs.push(Job::Word(issued)),
         }
-        match issued.word {
-            Primitive::All => *whole = true,
-            Primitive::Where { .. } | Primitive::WhereBit { .. } => *whole = false,
-            _ => {}
-        }
+    }
+
+    /// Makes the last two jobs one; whether it did. `live`: as after the last.
+    pub(super) fn join(&mut self, live: Live) -> bool {
+        let [.., Job::Store(first), Job::Store(second)] = &self.jobs[..] else {
+            return false;
+        };
+        let kept = live.has(first.register);
+        let Some(pair) = Pair::of(first, second, &self.wires, kept) else {
+            return false;
+        };
+        self.jobs.truncate(self.jobs.len() - 2);
+        self.jobs.push(Job::Pair(Box::new(pair)));
+        true
     }
 
     fn logic(
@@ -203,7 +279,7 @@ impl<'a> Jobs<'a> {
         wires: &Range<usize>,
         step: u64,
         layout: &Layout,
-        whole: bool,
+        known: Known,
     ) {
         let place = |target: &Target| match target {
             Target::Register(register) => (*register, (0, 0)),
@@ -214,7 +290,8 @@ impl<'a> Jobs<'a> {
         let share = |part| Share::of(targets.len(), part);
         for (part, target) in targets.iter().enumerate() {
             let (register, beside) = place(target);
-            if several && register == layout.news {
+            let lost = known.whole && !known.live.has(register);
+            if lost || (several && register == layout.news) {
                 continue;
             }
             self.jobs.push(Job::Store(Store {
@@ -223,14 +300,16 @@ impl<'a> Jobs<'a> {
                 share: share(part),
                 beside,
                 border: Border::of(&self.wires[wires.clone()], beside),
-                whole,
+                whole: known.whole,
                 step,
             }));
         }
         if several {
-            let driven = targets.iter().enumerate().filter_map(|(part, target)| {
-                to_news(&target).then(|| (place(target).1, share(part)))
-            });
+            let driven = targets
+                .iter()
+                .enumerate()
+                .filter(|(_, target)| to_news(target))
+                .map(|(part, target)| (place(target).1, share(part)));
             self.jobs.push(Job::Drive {
                 wires: wires.clone(),
                 driven: driven.collect(),
