@@ -18,7 +18,9 @@ pub enum Schedule {
     /// One word after the other, each on the whole array, on one thread.
     Plain,
     /// A band of rows through many words while it is in the cache, bands moving up by the
-    /// reach of each word; each thread has rows of its own.
+    /// reach of each word; each thread has rows of its own. Two stores of which the second
+    /// reads the first are one, and a store that is overwritten before anything can read it
+    /// is left out.
     Tiled {
         /// Rows of a band; 0 chooses by the size of a row.
         rows: usize,
