@@ -71,6 +71,62 @@ fn steps(words: usize, all: bool) -> impl Strategy<Value = Vec<Step>> {
     prop::collection::vec(prop_oneof![9 => once, 1 => repeat], 1..words)
 }
 
+/// Words as macros make them: values go by way of NEWS, FLAG is 1 everywhere more often than
+/// not, and much of what is stored is never read.
+fn moves() -> impl Strategy<Value = Vec<Step>> {
+    const NEWS: Analog = Analog(6);
+    let register = || (0u8..6).prop_map(Analog);
+    let sources = || {
+        let all: Vec<_> = (0u8..6).map(|r| Source::Register(Analog(r))).collect();
+        prop::sample::subsequence(all, 0..=3)
+    };
+    let to_news = prop_oneof![
+        3 => Just(Target::Register(NEWS)),
+        2 => prop::sample::select(Direction::ALL.to_vec()).prop_map(Target::Neighbour),
+    ];
+    let extra = prop_oneof![
+        3 => Just(None),
+        3 => register().prop_map(|r| Some(Source::Register(r))),
+        1 => prop::sample::select(vec![Source::Pix, Source::In]).prop_map(Some),
+    ];
+    let movement =
+        (to_news, sources(), register(), extra).prop_map(|(target, sources, to, extra)| {
+            let to_itself = extra == Some(Source::Register(to));
+            let extra = extra.filter(|_| !to_itself);
+            let first = Primitive::Bus {
+                targets: vec![target],
+                sources,
+            };
+            let second = Primitive::Bus {
+                targets: vec![Target::Register(to)],
+                sources: [Source::Register(NEWS)].into_iter().chain(extra).collect(),
+            };
+            vec![first, second]
+        });
+    let halves = (register(), register()).prop_filter_map("distinct", |(to, from)| {
+        let targets = vec![Target::Register(to), Target::Register(NEWS)];
+        let sources = vec![Source::Register(from)];
+        (to != from).then(|| vec![Primitive::Bus { targets, sources }])
+    });
+    let masked = register().prop_map(|r| {
+        let sources = vec![Source::Register(r)];
+        vec![Primitive::Where { sources }]
+    });
+    let words = prop_oneof![
+        8 => movement,
+        1 => halves,
+        1 => masked,
+        2 => Just(vec![Primitive::All]),
+    ];
+    prop::collection::vec(words, 1..20).prop_map(|words| {
+        let step = |word| Step {
+            action: Action::Word(word),
+            line: 3,
+        };
+        words.into_iter().flatten().map(step).collect()
+    })
+}
+
 fn sizes() -> impl Strategy<Value = Size> {
     prop_oneof![
         4 => (1usize..8, 1usize..8),
@@ -252,6 +308,21 @@ macro_rules! every_domain {
                     rows in 0usize..9, threads in 1usize..=4
                 ) {
                     let code = Code { init, frame };
+                    agree(&case, &code, Schedule::Tiled { rows }, threads)?;
+                })*
+            }
+        }
+
+        /// Values on their way from register to register, tiled.
+        mod moving {
+            use super::*;
+            proptest! {
+                #![proptest_config(ProptestConfig::with_cases(96))]
+                $(#[test]
+                fn $name(
+                    case in cases($domain), frame in moves(), rows in 0usize..9, threads in 1usize..=4
+                ) {
+                    let code = Code { init: vec![], frame };
                     agree(&case, &code, Schedule::Tiled { rows }, threads)?;
                 })*
             }

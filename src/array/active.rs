@@ -55,6 +55,8 @@ pub(super) struct Active<C> {
     changed: Vec<bool>,
     input: Option<C>,
     looks: Vec<Look<C>>,
+    /// Copies of parts of the array that are no longer needed: the next may be as large.
+    spare: Vec<State<C>>,
 }
 
 /// Rows and columns of the array.
@@ -83,12 +85,11 @@ impl Window {
         }
     }
 
-    /// At least as wide that rows are whole words of bits, where the array is.
+    /// So wide that its rows are whole words of bits of the array.
     fn widened(self, size: Size) -> Self {
-        let wide = self.x.len().next_multiple_of(64).min(size.width);
-        let start = self.x.start.min(size.width - wide);
+        let (start, end) = (self.x.start / 64 * 64, self.x.end.next_multiple_of(64));
         Self {
-            x: start..start + wide,
+            x: start..end.min(size.width),
             ..self
         }
     }
@@ -109,6 +110,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
             changed: vec![true; tiles],
             input: None,
             looks: Vec::new(),
+            spare: Vec::new(),
         }
     }
 
@@ -182,6 +184,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
         for patch in &patches {
             self.put_back(patch, state);
         }
+        self.spare = patches.into_iter().map(|patch| patch.copy).collect();
         Ok(())
     }
 
@@ -257,27 +260,41 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
 
     /// A part of the array, newly exposed.
     fn cut<D: Domain<Cell = C>>(
-        &self,
+        &mut self,
         array: Array<'_, D>,
         state: &State<C>,
         outer: &Window,
     ) -> State<C> {
         let size = Size::new(outer.y.len(), outer.x.len());
-        let layout = super::Layout {
-            size,
-            ..state.layout
+        let like = |spare: &State<C>| spare.layout.size == size;
+        let spare = self.spare.iter().position(like);
+        let mut copy = match spare {
+            Some(k) => self.spare.swap_remove(k),
+            None => self.blank(state, size),
         };
-        let cells = |(k, plane): (usize, &Cells<C>)| {
-            let mut cells = Cells::new(k, state.edge.clone(), size.pixels());
-            for (y, row) in outer.y.clone().zip(cells.chunks_exact_mut(size.width)) {
-                row.clone_from_slice(&plane[y * self.size.width..][outer.x.clone()]);
+        for cell in &self.cone.used {
+            match *cell {
+                Cell::Analog(register) => {
+                    let from = state.analog(register);
+                    let to = copy.analog_mut(register).chunks_exact_mut(size.width);
+                    for (y, row) in outer.y.clone().zip(to) {
+                        row.clone_from_slice(&from[y * self.size.width..][outer.x.clone()]);
+                    }
+                }
+                Cell::Digital(register) => {
+                    let from = state.digital(register);
+                    from.cut(&outer.y, &outer.x, copy.digital_mut(register));
+                }
+                Cell::Flag => {}
             }
-            cells
-        };
-        let bits = |plane: &BitPlane| plane.cut(&outer.y, &outer.x);
+        }
+        state.flag.cut(&outer.y, &outer.x, &mut copy.flag);
+        state.select.cut(&outer.y, &outer.x, &mut copy.select);
+        state.rect.cut(&outer.y, &outer.x, &mut copy.rect);
+        copy.input = state.input.clone();
         let settings = array.settings;
-        let mut pix = Cells::new(state.analog.len(), state.edge.clone(), size.pixels());
-        for (y, pix) in outer.y.clone().zip(pix.chunks_exact_mut(size.width)) {
+        let pix = copy.pix.chunks_exact_mut(size.width);
+        for (y, pix) in outer.y.clone().zip(pix) {
             let light = &self.light[y * self.size.width..][outer.x.clone()];
             rows::expose(
                 array.domain,
@@ -287,16 +304,41 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
                 pix,
             );
         }
+        copy
+    }
+
+    /// A part of the array that holds nothing yet; registers that the body does not know have
+    /// no cells.
+    fn blank(&self, state: &State<C>, size: Size) -> State<C> {
+        let layout = super::Layout {
+            size,
+            ..state.layout
+        };
+        let used = |cell| self.cone.used.contains(&cell);
+        let cells = |k: u8| {
+            if used(Cell::Analog(Analog(k))) {
+                Cells::new(k.into(), state.edge.clone(), size.pixels())
+            } else {
+                Cells::default()
+            }
+        };
+        let bits = |k: u8| {
+            if used(Cell::Digital(Digital(k))) {
+                BitPlane::apart(size, k.into())
+            } else {
+                BitPlane::zeros(Size::new(0, 0))
+            }
+        };
         State {
             layout,
-            analog: state.analog.iter().enumerate().map(cells).collect(),
-            pix,
+            analog: (0..layout.analog).map(cells).collect(),
+            pix: Cells::new(layout.analog.into(), state.edge.clone(), size.pixels()),
             input: state.input.clone(),
             edge: state.edge.clone(),
-            digital: state.digital.iter().map(bits).collect(),
-            flag: bits(&state.flag),
-            select: bits(&state.select),
-            rect: bits(&state.rect),
+            digital: (0..layout.digital).map(bits).collect(),
+            flag: BitPlane::zeros(size),
+            select: BitPlane::zeros(size),
+            rect: BitPlane::zeros(size),
         }
     }
 
@@ -350,28 +392,31 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
         match &mut self.looks[k] {
             Look::Analog(register, cells) => {
                 let new = patch.copy.analog(*register);
-                patch.cells(new, cells, self.size, |_, _| {});
+                patch.cells(new, cells, self.size, &mut []);
             }
             Look::Bits(register, bits) => {
-                patch.bits(patch.copy.digital(*register), bits, |_, _| {});
+                patch.bits(patch.copy.digital(*register), bits, &mut []);
             }
         }
     }
 
     /// What a window has come to; tiles that it has changed are marked.
     fn put_back(&mut self, patch: &Patch<C>, state: &mut State<C>) {
-        let across = self.size.width.div_ceil(TILE);
-        let changed = &mut self.changed;
-        let mut mark = |y: usize, x: usize| changed[y / TILE * across + x / TILE] = true;
-        let new = &patch.copy;
-        patch.cells(&new.pix, &mut state.pix, self.size, |_, _| {});
-        for (new, old) in new.analog.iter().zip(&mut state.analog) {
-            patch.cells(new, old, self.size, &mut mark);
+        let (new, changed) = (&patch.copy, &mut self.changed[..]);
+        patch.cells(&new.pix, &mut state.pix, self.size, &mut []);
+        for cell in &self.cone.written {
+            match *cell {
+                Cell::Analog(register) => {
+                    let old = state.analog_mut(register);
+                    patch.cells(new.analog(register), old, self.size, changed);
+                }
+                Cell::Digital(register) => {
+                    let old = state.digital_mut(register);
+                    patch.bits(new.digital(register), old, changed);
+                }
+                Cell::Flag => patch.bits(&new.flag, &mut state.flag, changed),
+            }
         }
-        for (new, old) in new.digital.iter().zip(&mut state.digital) {
-            patch.bits(new, old, &mut mark);
-        }
-        patch.bits(&new.flag, &mut state.flag, &mut mark);
     }
 }
 
@@ -394,34 +439,50 @@ impl<C: Clone + PartialEq> Patch<C> {
             .map(move |x| x.max(start)..(x + TILE).min(end))
     }
 
-    /// Brings a plane of the array to the inner part of one of the copy; `changed` gets the
-    /// place of each run of cells that differed.
-    fn cells(&self, new: &[C], old: &mut [C], size: Size, mut changed: impl FnMut(usize, usize)) {
+    /// Brings a plane of the array to the inner part of one of the copy; tiles in which it
+    /// differed are marked, if there are marks.
+    fn cells(&self, new: &[C], old: &mut [C], size: Size, changed: &mut [bool]) {
+        let (x, across) = (&self.inner.x, size.width.div_ceil(TILE));
         for y in self.inner.y.clone() {
             let new = &new[(y - self.outer.y.start) * self.outer.x.len()..];
-            let old = &mut old[y * size.width..][..size.width];
-            for x in self.tiles() {
-                let from = x.start - self.outer.x.start..x.end - self.outer.x.start;
-                if old[x.clone()] != new[from.clone()] {
-                    changed(y, x.start);
+            let new = &new[x.start - self.outer.x.start..][..x.len()];
+            let old = &mut old[y * size.width..][x.clone()];
+            if let Some(changed) = changed.get_mut(y / TILE * across..) {
+                for tile in self.tiles() {
+                    let at = tile.start - x.start..tile.end - x.start;
+                    if let Some(changed) = changed.get_mut(tile.start / TILE) {
+                        *changed = *changed || old[at.clone()] != new[at];
+                    }
                 }
-                old[x].clone_from_slice(&new[from]);
             }
+            old.clone_from_slice(new);
         }
     }
 
     /// The same of bits.
-    fn bits(&self, new: &BitPlane, old: &mut BitPlane, mut changed: impl FnMut(usize, usize)) {
+    fn bits(&self, new: &BitPlane, old: &mut BitPlane, changed: &mut [bool]) {
+        // Words of the copy begin where words of the array do.
+        let (first, inner) = (self.outer.x.start, &self.inner.x);
+        let across = old.size().width.div_ceil(TILE);
         for y in self.inner.y.clone() {
-            for x in self.tiles() {
-                let from = new.part(
-                    y - self.outer.y.start,
-                    x.start - self.outer.x.start,
-                    x.len(),
-                );
-                if old.part(y, x.start, x.len()) != from {
-                    changed(y, x.start);
-                    old.set_part(y, x.start, x.len(), from);
+            let from = new.row(y - self.outer.y.start);
+            let to = &mut old.row_mut(y)[first / 64..][..from.len()];
+            for (k, (to, from)) in to.iter_mut().zip(from).enumerate() {
+                let x = first + 64 * k;
+                // The bits of the inner window.
+                let low = inner.start.saturating_sub(x).min(64) as u32;
+                let high = (x + 64).saturating_sub(inner.end).min(64) as u32;
+                let mask =
+                    (!0u64).checked_shl(low).unwrap_or(0) & (!0u64).checked_shr(high).unwrap_or(0);
+                let differs = (*to ^ from) & mask;
+                *to ^= differs;
+                for tile in (0..64).step_by(TILE) {
+                    if differs >> tile & ((1 << TILE) - 1) != 0
+                        && let Some(changed) =
+                            changed.get_mut(y / TILE * across + (x + tile) / TILE)
+                    {
+                        *changed = true;
+                    }
                 }
             }
         }

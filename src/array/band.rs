@@ -3,28 +3,39 @@
 use std::ops::Range;
 
 use super::{
-    Layout, State,
-    rows::{Bus, Operand},
+    Layout, State, bits,
+    field::{Field, PIECE},
+    store::ROOM,
+    wire::Logic,
 };
-use crate::isa::{Analog, Bit, Digital, Source};
+use crate::isa::{Analog, Bit, Digital};
 
 /// What every part of the array needs besides its own rows.
 #[derive(Clone, Debug)]
 pub(super) struct Constants<C> {
-    /// A row of what lies off the array.
-    pub(super) edge: Vec<C>,
-    /// Rows of what the global input held, one after the other.
+    /// What lies off the array.
+    pub(super) edge: C,
+    /// What the global input held, one after the other, each so often as is worked on at once.
     pub(super) inputs: Vec<Vec<C>>,
 }
 
 impl<C: Clone> Constants<C> {
     pub(super) fn of(state: &State<C>) -> Self {
-        let width = state.layout.size.width;
         Self {
-            edge: vec![state.edge.clone(); width],
-            inputs: vec![vec![state.input.clone(); width]],
+            edge: state.edge.clone(),
+            inputs: vec![inputs(state)],
         }
     }
+
+    /// The global input holds something else.
+    pub(super) fn input(&mut self, state: &State<C>) {
+        self.inputs.push(inputs(state));
+    }
+}
+
+/// What the global input holds, as often as it is worked on at once.
+fn inputs<C: Clone>(state: &State<C>) -> Vec<C> {
+    vec![state.input.clone(); PIECE.min(state.layout.size.pixels())]
 }
 
 /// Planes beside the registers: of one that a word reads at neighbours and writes itself,
@@ -44,42 +55,20 @@ impl<C> Default for Copies<C> {
     }
 }
 
-/// The sources of a bus; the usual numbers of them without room of their own.
-pub(super) enum Operands<'a, C> {
-    Few([Operand<'a, C>; FEW], usize),
-    Many(Vec<Operand<'a, C>>),
-}
-
-/// As many as SCAMP-5's words have.
-const FEW: usize = 4;
-
-impl<'a, C> std::ops::Deref for Operands<'a, C> {
-    type Target = [Operand<'a, C>];
-
-    fn deref(&self) -> &Self::Target {
-        match self {
-            Self::Few(operands, n) => &operands[..*n],
-            Self::Many(operands) => operands,
-        }
-    }
-}
-
 /// Rows of every plane.
 pub(super) struct Band<'a, C> {
     /// Of the whole array.
     pub(super) layout: Layout,
     /// Which rows these are.
     pub(super) rows: Range<usize>,
-    /// Registers; then, where there is one, the copy.
+    /// Registers; then the copy, where there is one; then the photodiodes.
     analog: Vec<&'a mut [C]>,
-    pub(super) pix: &'a mut [C],
-    /// Registers; then, where there is one, the copy.
+    /// Registers; then the copy, where there is one; then FLAG.
     digital: Vec<&'a mut [u64]>,
-    flag: &'a mut [u64],
     select: &'a [u64],
     rect: &'a [u64],
     constants: &'a Constants<C>,
-    /// Room for 64 cells.
+    /// Room for blocks of cells.
     pub(super) cells: Vec<C>,
     /// Room for a row of bits.
     pub(super) bits: Vec<u64>,
@@ -96,22 +85,22 @@ impl<'a, C: Clone> Band<'a, C> {
         let words = layout.size.width.div_ceil(64);
         let mut analog: Vec<&mut [C]> = state.analog.iter_mut().map(|plane| &mut **plane).collect();
         analog.push(&mut copies.analog);
+        analog.push(&mut state.pix);
         let mut digital: Vec<_> = state
             .digital
             .iter_mut()
             .map(super::BitPlane::words_mut)
             .collect();
         digital.push(&mut copies.bits);
+        digital.push(state.flag.words_mut());
         Self {
             layout,
             rows: 0..layout.size.height,
             analog,
-            pix: &mut state.pix,
             digital,
-            flag: state.flag.words_mut(),
             select: state.select.words(),
             rect: state.rect.words(),
-            cells: vec![state.edge.clone(); 64],
+            cells: vec![state.edge.clone(); ROOM],
             bits: vec![0; words],
             constants,
         }
@@ -124,17 +113,13 @@ impl<'a, C: Clone> Band<'a, C> {
         let above = row - self.rows.start;
         let (analog, analog_below) = split_all(self.analog, above * width);
         let (digital, digital_below) = split_all(self.digital, above * words);
-        let (pix, pix_below) = self.pix.split_at_mut(above * width);
-        let (flag, flag_below) = self.flag.split_at_mut(above * words);
         let (select, select_below) = self.select.split_at(above * words);
         let (rect, rect_below) = self.rect.split_at(above * words);
         let top = Band {
             layout: self.layout,
             rows: self.rows.start..row,
             analog,
-            pix,
             digital,
-            flag,
             select,
             rect,
             constants: self.constants,
@@ -145,9 +130,7 @@ impl<'a, C: Clone> Band<'a, C> {
             layout: self.layout,
             rows: row..self.rows.end,
             analog: analog_below,
-            pix: pix_below,
             digital: digital_below,
-            flag: flag_below,
             select: select_below,
             rect: rect_below,
             constants: self.constants,
@@ -189,27 +172,59 @@ impl<'a, C> Band<'a, C> {
     /// What a word reads: a register, or the copy of it.
     pub(super) fn analog(&self, register: Analog, copied: bool) -> &[C] {
         if copied {
-            self.analog[self.analog.len() - 1]
+            self.analog[Self::copy_plane(&self.layout)]
         } else {
             self.analog[usize::from(register.0)]
         }
     }
 
-    /// All analogue registers.
-    pub(super) fn registers(&mut self) -> &mut [&'a mut [C]] {
-        &mut self.analog
+    /// The photodiodes.
+    pub(super) fn pix(&mut self) -> &mut [C] {
+        self.analog[Self::light_plane(&self.layout)]
+    }
+
+    /// Where the copy of a register lies among the planes.
+    pub(super) fn copy_plane(layout: &Layout) -> usize {
+        layout.analog.into()
+    }
+
+    /// Where the photodiodes lie among the planes.
+    pub(super) fn light_plane(layout: &Layout) -> usize {
+        Self::copy_plane(layout) + 1
+    }
+
+    /// How many planes there are.
+    pub(super) fn planes(layout: &Layout) -> usize {
+        Self::light_plane(layout) + 1
+    }
+
+    /// What loops over pixels read, and the room that they need.
+    pub(super) fn field(&mut self) -> (Field<'_, 'a, C>, &mut [C]) {
+        let field = Field {
+            size: self.layout.size,
+            top: self.rows.start,
+            planes: &mut self.analog,
+            flag: self.digital[Self::flag_plane(&self.layout)],
+            constants: self.constants,
+        };
+        (field, &mut self.cells)
     }
 
     pub(super) fn flag(&self) -> &[u64] {
-        self.flag
+        self.digital[Self::flag_plane(&self.layout)]
     }
 
     pub(super) fn take_flag(&mut self) -> &'a mut [u64] {
-        std::mem::take(&mut self.flag)
+        std::mem::take(&mut self.digital[Self::flag_plane(&self.layout)])
     }
 
     pub(super) fn put_flag(&mut self, flag: &'a mut [u64]) {
-        self.flag = flag;
+        self.digital[Self::flag_plane(&self.layout)] = flag;
+    }
+
+    /// Where FLAG lies among the planes of bits.
+    pub(super) fn flag_plane(layout: &Layout) -> usize {
+        usize::from(layout.digital) + 1
     }
 
     pub(super) fn take_bits(&mut self, register: Digital) -> &'a mut [u64] {
@@ -227,9 +242,9 @@ impl<'a, C> Band<'a, C> {
     /// A one-bit operand, or the copy of it.
     pub(super) fn bits(&self, bit: Bit, copied: bool) -> &[u64] {
         match bit {
-            _ if copied => self.digital[self.digital.len() - 1],
+            _ if copied => self.digital[usize::from(self.layout.digital)],
             Bit::Register(register) => self.digital(register),
-            Bit::Flag => self.flag,
+            Bit::Flag => self.flag(),
             Bit::Select => self.select,
             Bit::Rect => self.rect,
         }
@@ -246,60 +261,23 @@ impl<'a, C> Band<'a, C> {
         let (top, width) = (self.rows.start, self.layout.size.width);
         (rows.start - top) * width..(rows.end - top) * width
     }
+}
 
-    /// What one source puts on the bus; `copied`: NEWS as it was before the word.
-    fn operand(&self, source: Source, input: usize, copied: bool) -> Operand<'_, C> {
-        let width = self.layout.size.width;
-        let news = self.layout.news;
-        let (cells, stride, beside) = match source {
-            Source::Register(register) => (
-                self.analog(register, copied && register == news),
-                width,
-                (0, 0),
-            ),
-            Source::Pix => (&*self.pix, width, (0, 0)),
-            Source::In => (&self.constants.inputs[input][..], 0, (0, 0)),
-            Source::Neighbour(direction) => (self.analog(news, copied), width, direction.step()),
+impl<C> Band<'_, C> {
+    /// One-bit logic on some rows.
+    pub(super) fn logic(&mut self, logic: &Logic, rows: Range<usize>) {
+        let words = self.row_words(rows);
+        let target = std::mem::take(&mut self.digital[logic.target]);
+        let other = |k: usize| {
+            let plane = &self.digital[logic.others[k]];
+            (k < logic.count).then(|| &plane[words.clone()])
         };
-        Operand {
-            cells,
-            top: self.rows.start,
-            stride,
-            beside,
+        let bits = &mut target[words.clone()];
+        bits::or(bits, std::array::from_fn(other), logic.kept, logic.not);
+        if logic.not {
+            bits::cut(bits, self.layout.size.width);
         }
-    }
-
-    /// What the sources put on the bus.
-    pub(super) fn operands(
-        &self,
-        sources: &[Source],
-        input: usize,
-        copied: bool,
-    ) -> Operands<'_, C> {
-        let operand = |source: &Source| self.operand(*source, input, copied);
-        if sources.len() > FEW {
-            return Operands::Many(sources.iter().map(operand).collect());
-        }
-        let nothing = Operand {
-            cells: &[],
-            top: 0,
-            stride: 0,
-            beside: (0, 0),
-        };
-        let mut operands = [nothing; FEW];
-        for (to, source) in operands.iter_mut().zip(sources) {
-            *to = operand(source);
-        }
-        Operands::Few(operands, sources.len())
-    }
-
-    /// The bus of every pixel.
-    pub(super) fn bus<'b>(&'b self, operands: &'b [Operand<'b, C>]) -> Bus<'b, C> {
-        Bus {
-            size: self.layout.size,
-            operands,
-            outside: &self.constants.edge,
-        }
+        self.digital[logic.target] = target;
     }
 }
 
@@ -307,7 +285,7 @@ impl<C: Clone> Band<'_, C> {
     /// Copies rows of a register.
     pub(super) fn copy(&mut self, register: Analog, rows: Range<usize>) {
         let cells = self.row_cells(rows);
-        let copy = self.analog.len() - 1;
+        let copy = Self::copy_plane(&self.layout);
         let (registers, copies) = self.analog.split_at_mut(copy);
         copies[0][cells.clone()].clone_from_slice(&registers[usize::from(register.0)][cells]);
     }
@@ -315,7 +293,7 @@ impl<C: Clone> Band<'_, C> {
     /// Copies rows of a one-bit register.
     pub(super) fn copy_bits(&mut self, register: Digital, rows: Range<usize>) {
         let words = self.row_words(rows);
-        let copy = self.digital.len() - 1;
+        let copy = usize::from(self.layout.digital);
         let (registers, copies) = self.digital.split_at_mut(copy);
         copies[0][words.clone()].copy_from_slice(&registers[usize::from(register.0)][words]);
     }

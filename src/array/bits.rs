@@ -83,6 +83,15 @@ impl BitPlane {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
     }
 
+    /// The columns of a row that hold a 1, from the left.
+    pub(super) fn ones_of(&self, y: usize) -> impl Iterator<Item = usize> {
+        self.row(y).iter().enumerate().flat_map(|(i, word)| {
+            std::iter::successors(Some(*word), |word| Some(word & word.wrapping_sub(1)))
+                .take_while(|word| *word != 0)
+                .map(move |word| 64 * i + word.trailing_zeros() as usize)
+        })
+    }
+
     /// The words of one row.
     #[must_use]
     pub fn row(&self, y: usize) -> &[u64] {
@@ -108,39 +117,16 @@ impl BitPlane {
             .collect()
     }
 
-    /// At most 64 bits of a row, from `x` on.
-    pub(super) fn part(&self, y: usize, x: usize, bits: usize) -> u64 {
-        let row = self.row(y);
-        let low = row[x / 64] >> (x % 64);
-        let high = match row.get(x / 64 + 1) {
-            Some(next) if !x.is_multiple_of(64) => next << (64 - x % 64),
-            _ => 0,
-        };
-        (low | high) & !0 >> (64 - bits)
-    }
-
-    /// Sets at most 64 bits of a row, from `x` on.
-    pub(super) fn set_part(&mut self, y: usize, x: usize, bits: usize, part: u64) {
-        let mask = !0 >> (64 - bits);
-        let row = self.row_mut(y);
-        let word = &mut row[x / 64];
-        *word = (*word & !(mask << (x % 64))) | part << (x % 64);
-        if x % 64 + bits > 64 {
-            let word = &mut row[x / 64 + 1];
-            let by = 64 - x % 64;
-            *word = (*word & !(mask >> by)) | part >> by;
+    /// Copies a part of the plane; it begins at a word, and ends at one or at the border.
+    pub(super) fn cut(&self, ys: &Range<usize>, xs: &Range<usize>, to: &mut Self) {
+        for (y, row) in ys.clone().zip(to.words.chunks_exact_mut(to.stride)) {
+            row.copy_from_slice(&self.row(y)[xs.start / 64..xs.end.div_ceil(64)]);
         }
     }
 
-    /// A part of the plane, on its own.
-    pub(super) fn cut(&self, ys: &Range<usize>, xs: &Range<usize>) -> Self {
-        let mut cut = Self::zeros(Size::new(ys.len(), xs.len()));
-        for (to, y) in ys.clone().enumerate() {
-            for (k, x) in xs.clone().step_by(64).enumerate() {
-                cut.row_mut(to)[k] = self.part(y, x, (xs.end - x).min(64));
-            }
-        }
-        cut
+    /// Its rows and columns.
+    pub(super) const fn size(&self) -> Size {
+        self.size
     }
 
     /// The words of all rows.

@@ -11,20 +11,55 @@ use std::{
 /// a store to one holds up loads from another: eight that are so far apart share it evenly.
 const STAGGER: usize = 4096 / 8 + 64;
 
+/// Planes begin where a line of the cache does: a vector that lies across two costs twice.
+const LINE: usize = 64;
+
 /// So many values, at a place of their own.
-#[derive(Clone)]
 pub(super) struct Cells<T> {
     all: Vec<T>,
+    k: usize,
     lead: usize,
+    len: usize,
 }
 
 impl<T: Clone> Cells<T> {
     /// The plane number `k`, all alike.
     pub(super) fn new(k: usize, value: T, cells: usize) -> Self {
-        let lead = k * STAGGER % 4096 / size_of::<T>().max(1);
+        let size = size_of::<T>().max(1);
+        let (stagger, slack) = (k * STAGGER % 4096 / size, LINE / size);
+        let all = vec![value; stagger + slack + cells];
+        let to_line = all.as_ptr().align_offset(LINE);
+        let lead = stagger + if to_line <= slack { to_line } else { 0 };
         Self {
-            all: vec![value; lead + cells],
+            all,
+            k,
             lead,
+            len: cells,
+        }
+    }
+}
+
+impl<T: Clone> Clone for Cells<T> {
+    fn clone(&self) -> Self {
+        match self.first() {
+            None => Self::default(),
+            Some(first) => {
+                let mut copy = Self::new(self.k, first.clone(), self.len);
+                copy.clone_from_slice(self);
+                copy
+            }
+        }
+    }
+}
+
+/// None.
+impl<T> Default for Cells<T> {
+    fn default() -> Self {
+        Self {
+            all: Vec::new(),
+            k: 0,
+            lead: 0,
+            len: 0,
         }
     }
 }
@@ -34,14 +69,14 @@ impl<T> Deref for Cells<T> {
 
     #[inline]
     fn deref(&self) -> &[T] {
-        &self.all[self.lead..]
+        &self.all[self.lead..][..self.len]
     }
 }
 
 impl<T> DerefMut for Cells<T> {
     #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.all[self.lead..]
+        &mut self.all[self.lead..][..self.len]
     }
 }
 

@@ -13,10 +13,10 @@ use super::{
     active::{Active, Item},
     check,
     cone::{self, Cone},
-    host, rows,
+    host, logic, rows,
     schedule::Plan,
     segment::Segment,
-    semantics::{self, Array as Meaning},
+    semantics::Array as Meaning,
 };
 use crate::{
     event::{Event, Packet, Polarity},
@@ -250,7 +250,7 @@ impl<D: Domain> Chip<D> {
                         // It has run.
                     } else if let Primitive::Prop { boundary } = word {
                         self.flush(segment)?;
-                        semantics::propagate(&mut self.state, self.settings.propagation, *boundary);
+                        logic::propagate(&mut self.state, self.settings.propagation, *boundary);
                     } else {
                         segment.push(word, self.step, step.line);
                         if segment.is_full() {

@@ -1,9 +1,9 @@
 //! How far the inputs of a pixel lie: the light and the registers before a body that what it
 //! leaves there, or what the host reads there, can depend on.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::semantics;
+use super::reach;
 use crate::{
     isa::{Device, Primitive},
     program::{Action, Cell, Host, Step, reads, writes},
@@ -16,6 +16,10 @@ pub(super) struct Cone {
     pub(super) whole: [usize; 2],
     /// The same, where it is not.
     pub(super) partial: [usize; 2],
+    /// Cells that the body reads or writes, or the host looks at.
+    pub(super) used: BTreeSet<Cell>,
+    /// Cells that the body writes.
+    pub(super) written: BTreeSet<Cell>,
 }
 
 /// As many words are followed at most.
@@ -25,20 +29,28 @@ impl Cone {
     /// `None` where a pixel cannot be looked at with its surroundings alone: the host changes
     /// the array, a bit propagates, or it would take too long to find out.
     pub(super) fn of(body: &[Step], device: &Device) -> Option<Self> {
-        let along = |whole| {
+        let (mut used, mut written) = (BTreeSet::new(), BTreeSet::new());
+        let mut along = |whole| {
             let mut walk = Walk {
                 device,
                 far: BTreeMap::new(),
                 whole,
                 seen: [0; 2],
                 words: 0,
+                used: BTreeSet::new(),
+                written: BTreeSet::new(),
             };
             walk.steps(body)?;
+            used.append(&mut walk.used);
+            written.append(&mut walk.written);
             Some(walk.far.into_values().fold(walk.seen, farther))
         };
+        let (whole, partial) = (along(true)?, along(false)?);
         Some(Self {
-            whole: along(true)?,
-            partial: along(false)?,
+            whole,
+            partial,
+            used,
+            written,
         })
     }
 }
@@ -56,6 +68,8 @@ struct Walk<'a> {
     /// Of what the host has read.
     seen: [usize; 2],
     words: usize,
+    used: BTreeSet<Cell>,
+    written: BTreeSet<Cell>,
 }
 
 impl Walk<'_> {
@@ -66,6 +80,7 @@ impl Walk<'_> {
                 Action::Host(host) => {
                     if let Some(cell) = looked_at(host) {
                         self.seen = farther(self.seen, self.of(cell));
+                        self.used.insert(cell);
                     } else if !is_input(host) {
                         return None;
                     }
@@ -94,9 +109,10 @@ impl Walk<'_> {
         if matches!(word, Primitive::Blur { .. }) {
             read.extend(roles.enable.map(Cell::Digital));
         }
+        self.used.extend(&read);
         let from = read.into_iter().map(|cell| self.of(cell));
         let from = from.fold([0; 2], farther);
-        let reach = semantics::reaches(word);
+        let reach = reach::reaches(word);
         let new = [from[0] + reach[0], from[1] + reach[1]];
         for cell in writes(word, self.device) {
             let replaced = match cell {
@@ -106,6 +122,8 @@ impl Walk<'_> {
             };
             let old = if replaced { [0; 2] } else { self.of(cell) };
             self.far.insert(cell, farther(old, new));
+            self.used.insert(cell);
+            self.written.insert(cell);
             if cell == Cell::Flag {
                 self.whole = matches!(word, Primitive::All);
             }

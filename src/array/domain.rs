@@ -74,6 +74,24 @@ pub trait Domain: Sync {
         }
     }
 
+    /// Whether [`Domain::store_pair`] can be asked.
+    fn pairs(&self) -> bool {
+        false
+    }
+
+    /// Two stores at once, undivided and not limited: what the first makes of the operands goes
+    /// to `between`, if that is asked for; what the second makes of that and of the extra
+    /// operands goes to the cells.
+    #[inline(always)]
+    fn store_pair<const N: usize, const M: usize>(
+        &self,
+        _operands: [&[Self::Cell]; N],
+        _extra: [&[Self::Cell]; M],
+        _between: Option<&mut [Self::Cell]>,
+        _cells: &mut [Self::Cell],
+    ) {
+    }
+
     /// The new cell where `take` is 1, the old one where it is 0. Numbers choose without a
     /// branch.
     #[inline(always)]
@@ -247,9 +265,19 @@ impl<T> Default for Halves<T> {
     }
 }
 
+/// `-(sum)`, as one store leaves it.
+#[inline(always)]
+fn undivided<const N: usize>(operands: &[&[f32]; N], i: usize) -> f32 {
+    let mut sum = operands.first().map_or(0.0, |first| first[i]);
+    for operand in operands.iter().skip(1) {
+        sum += operand[i];
+    }
+    0.0 - sum
+}
+
 /// The domains whose bus is an f32.
 macro_rules! single_bus {
-    ($domain:ty, $cell:ty, $bits:ty, $name:literal, $number:expr, $wide:expr, $narrow:expr) => {
+    ($domain:ty, $cell:ty, $bits:ty, $name:literal, $number:expr, $wide:expr, $narrow:expr, {$($more:item)*}) => {
         impl Domain for $domain {
             type Cell = $cell;
             type Sum = f32;
@@ -339,6 +367,8 @@ macro_rules! single_bus {
                     *cell = $narrow(if clip { part.clamp(low, high) } else { part });
                 }
             }
+
+            $($more)*
         }
     };
 }
@@ -350,7 +380,37 @@ single_bus!(
     "f32",
     crate::number::F32,
     std::convert::identity,
-    std::convert::identity
+    std::convert::identity,
+    {
+        fn pairs(&self) -> bool {
+            true
+        }
+        #[inline(always)]
+        fn store_pair<const N: usize, const M: usize>(
+            &self,
+            operands: [&[f32]; N],
+            extra: [&[f32]; M],
+            between: Option<&mut [f32]>,
+            cells: &mut [f32],
+        ) {
+            let operands = operands.map(|operand| &operand[..cells.len()]);
+            let extra = extra.map(|operand| &operand[..cells.len()]);
+            let second = |first: f32, i: usize| {
+                0.0 - extra.iter().fold(first, |sum, operand| sum + operand[i])
+            };
+            if let Some(between) = between {
+                let between = &mut between[..cells.len()];
+                for (i, cell) in cells.iter_mut().enumerate() {
+                    between[i] = undivided(&operands, i);
+                    *cell = second(between[i], i);
+                }
+            } else {
+                for (i, cell) in cells.iter_mut().enumerate() {
+                    *cell = second(undivided(&operands, i), i);
+                }
+            }
+        }
+    }
 );
 single_bus!(
     Halves<f16>,
@@ -359,7 +419,8 @@ single_bus!(
     "f16",
     crate::number::F16,
     number::f16_to_f32,
-    number::f32_to_f16
+    number::f32_to_f16,
+    {}
 );
 single_bus!(
     Halves<bf16>,
@@ -368,5 +429,6 @@ single_bus!(
     "bf16",
     crate::number::Bf16,
     number::bf16_to_f32,
-    number::f32_to_bf16
+    number::f32_to_bf16,
+    {}
 );

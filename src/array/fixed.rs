@@ -65,32 +65,11 @@ impl<T: Width> Domain for Fixed<T> {
         clip: bool,
         cells: &mut [T],
     ) {
-        let operands = operands.map(|operand| &operand[..cells.len()]);
-        let (low, high) = if clip { self.limits } else { T::LIMITS };
         // Without a choice inside the loops.
         macro_rules! each {
-            ($of:expr) => {{
-                let n = cells.len();
-                let mut first = 0;
-                while first + 64 <= n {
-                    // By value: nothing that is read can be what was just written.
-                    let from = blocks(operands, first);
-                    let mut to = [T::ZERO; 64];
-                    for (i, cell) in to.iter_mut().enumerate() {
-                        *cell = $of(picked(from.each_ref(), i)).max(low).min(high);
-                    }
-                    cells[first..first + 64].copy_from_slice(&to);
-                    // The last block may be in part the same as the one before it.
-                    first = if first + 64 < n {
-                        (first + 64).min(n - 64)
-                    } else {
-                        n
-                    };
-                }
-                for (i, cell) in cells.iter_mut().enumerate().skip(first) {
-                    *cell = $of(picked(operands, i)).max(low).min(high);
-                }
-            }};
+            ($of:expr) => {
+                blockwise(operands, cells, $of)
+            };
         }
         let saturates = self.number.overflow() == Overflow::Saturate;
         match (saturates, share.by) {
@@ -99,6 +78,36 @@ impl<T: Width> Domain for Fixed<T> {
             (true, 2) if N <= 2 => each!(saturated_half),
             (true, by) => each!(|operands| T::saturate_wide(wide_part(operands, by))),
             (false, by) => each!(|operands| T::wrap_wide(wide_part(operands, by))),
+        }
+        if clip {
+            for cell in cells {
+                *cell = self.limit(*cell);
+            }
+        }
+    }
+    fn pairs(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn store_pair<const N: usize, const M: usize>(
+        &self,
+        operands: [&[T]; N],
+        extra: [&[T]; M],
+        between: Option<&mut [T]>,
+        cells: &mut [T],
+    ) {
+        match self.number.overflow() {
+            Overflow::Saturate => {
+                let second = |first, extra: [T; M]| match extra[..] {
+                    [extra] => saturated_sum([first, extra]),
+                    _ => saturated_sum([first]),
+                };
+                pairwise(operands, extra, between, cells, saturated_sum, second);
+            }
+            Overflow::Wrap => {
+                let second = |first, extra: [T; M]| wrapped_sum(extra).wrapping_less(first);
+                pairwise(operands, extra, between, cells, wrapped_sum, second);
+            }
         }
     }
     #[inline(always)]
@@ -139,6 +148,75 @@ impl<T: Width> Domain for Fixed<T> {
     #[inline]
     fn limit(&self, cell: T) -> T {
         cell.clamp(self.limits.0, self.limits.1)
+    }
+}
+
+/// Sets each cell to what `of` makes of the operands.
+#[inline(always)]
+fn blockwise<T: Width, const N: usize>(
+    operands: [&[T]; N],
+    cells: &mut [T],
+    of: impl Fn([T; N]) -> T,
+) {
+    let n = cells.len();
+    let operands = operands.map(|operand| &operand[..n]);
+    let whole = operands.map(|operand| operand.as_chunks::<64>().0);
+    for (k, cells) in cells.as_chunks_mut::<64>().0.iter_mut().enumerate() {
+        let mut from = [[T::ZERO; 64]; N];
+        for (block, whole) in from.iter_mut().zip(whole) {
+            // By value: nothing that is read can be what was just written.
+            *block = whole[k];
+        }
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = of(picked(from.each_ref(), i));
+        }
+    }
+    for (i, cell) in cells.iter_mut().enumerate().skip(n / 64 * 64) {
+        *cell = of(picked(operands, i));
+    }
+}
+
+/// The same twice: `first` of the operands, `second` of that and of the extra ones.
+#[inline(always)]
+fn pairwise<T: Width, const N: usize, const M: usize>(
+    operands: [&[T]; N],
+    extra: [&[T]; M],
+    mut between: Option<&mut [T]>,
+    cells: &mut [T],
+    first: impl Fn([T; N]) -> T,
+    second: impl Fn(T, [T; M]) -> T,
+) {
+    let n = cells.len();
+    let operands = operands.map(|operand| &operand[..n]);
+    let extra = extra.map(|operand| &operand[..n]);
+    let whole = operands.map(|operand| operand.as_chunks::<64>().0);
+    let more = extra.map(|operand| operand.as_chunks::<64>().0);
+    for (k, cells) in cells.as_chunks_mut::<64>().0.iter_mut().enumerate() {
+        let mut from = [[T::ZERO; 64]; N];
+        for (block, whole) in from.iter_mut().zip(whole) {
+            *block = whole[k];
+        }
+        let mut with = [[T::ZERO; 64]; M];
+        for (block, more) in with.iter_mut().zip(more) {
+            *block = more[k];
+        }
+        let mut middle = [T::ZERO; 64];
+        for (i, cell) in middle.iter_mut().enumerate() {
+            *cell = first(picked(from.each_ref(), i));
+        }
+        if let Some(between) = between.as_deref_mut() {
+            between[64 * k..64 * k + 64].copy_from_slice(&middle);
+        }
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = second(middle[i], picked(with.each_ref(), i));
+        }
+    }
+    for (i, cell) in cells.iter_mut().enumerate().skip(n / 64 * 64) {
+        let middle = first(picked(operands, i));
+        if let Some(between) = between.as_deref_mut() {
+            between[i] = middle;
+        }
+        *cell = second(middle, picked(extra, i));
     }
 }
 

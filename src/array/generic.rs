@@ -5,8 +5,7 @@
 //! change holds either the old or the new.
 
 use super::{
-    Domain, Input, Layout, Settings, State, Undecided, host,
-    semantics::{beside, execute},
+    Domain, Input, Layout, Settings, State, Undecided, host, reach::beside, semantics::execute,
 };
 use crate::{
     isa::{Analog, Device, Direction, Primitive, Target},

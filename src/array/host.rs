@@ -4,7 +4,7 @@
 //! what lies off the array is not there. Sums over the array are modelled as the ADC's view of
 //! a mean.
 
-use super::{Address, BitPlane, Converters, Domain, State, semantics};
+use super::{Address, BitPlane, Converters, Domain, State, logic};
 use crate::{
     isa::Analog,
     plane::{At, Size},
@@ -60,7 +60,7 @@ pub(super) fn execute<D: Domain>(
         }
         Host::Load { target, area } => {
             let bits = covered(*area, size);
-            semantics::write(state, *target, &bits);
+            logic::write(state, *target, &bits);
         }
         Host::Select { area } => {
             state.select = covered(*area, size);
@@ -71,7 +71,7 @@ pub(super) fn execute<D: Domain>(
         Host::Draw { target, shape } => {
             let mut bits = state.digital(*target).clone();
             draw(&mut bits, *shape, size);
-            semantics::write(state, *target, &bits);
+            logic::write(state, *target, &bits);
         }
         Host::GlobalCount {
             source,

@@ -31,25 +31,39 @@ impl Scan {
         from_left: bool,
         from_bottom: bool,
     ) -> Self {
-        let mut scan = Self {
-            found: Vec::new(),
-            missed: 0,
-            ambiguous: false,
-        };
-        let set = bits.columns();
         let order = Order {
             from_left,
             from_bottom,
         };
-        for x in order.columns(size).filter(|x| set[*x]) {
-            for y in order.rows(size).filter(|y| bits.get(*y, x)) {
+        // Where the pixels of each column begin in the list.
+        let mut of_column = vec![0; size.width];
+        for y in 0..size.height {
+            for x in bits.ones_of(y) {
+                of_column[x] += 1;
+            }
+        }
+        let mut all = 0;
+        for x in order.columns(size) {
+            all += std::mem::replace(&mut of_column[x], all);
+        }
+        let slots = slots as usize;
+        let origin = At {
+            y: 0,
+            x: size.width - 1,
+        };
+        let mut scan = Self {
+            found: vec![origin; all.min(slots)],
+            missed: all.saturating_sub(slots) as u64,
+            ambiguous: false,
+        };
+        for y in order.rows(size) {
+            for x in bits.ones_of(y) {
                 let at = At { y, x };
-                if scan.found.len() < slots as usize {
-                    scan.found.push(at);
+                if let Some(slot) = scan.found.get_mut(of_column[x]) {
+                    *slot = at;
                     scan.ambiguous |= Address::of(at, size) == Address::ORIGIN;
-                } else {
-                    scan.missed += 1;
                 }
+                of_column[x] += 1;
             }
         }
         scan

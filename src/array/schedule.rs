@@ -4,10 +4,11 @@ use std::{fmt, str::FromStr};
 
 use super::{
     Domain, State, Undecided,
-    band::{Band, Copies},
+    band::Copies,
+    live::{self, Live},
     segment::{Piece, Segment},
     semantics::{self, Array},
-    tiled,
+    tiled::{self, Walk},
 };
 use crate::plane::Size;
 
@@ -17,7 +18,9 @@ pub enum Schedule {
     /// One word after the other, each on the whole array, on one thread.
     Plain,
     /// A band of rows through many words while it is in the cache, bands moving up by the
-    /// reach of each word; each thread has rows of its own.
+    /// reach of each word; each thread has rows of its own. Two stores of which the second
+    /// reads the first are one, and a store that is overwritten before anything can read it
+    /// is left out.
     Tiled {
         /// Rows of a band; 0 chooses by the size of a row.
         rows: usize,
@@ -106,35 +109,32 @@ impl<C: Clone + Send + Sync> Plan<C> {
         for register in segment.copied() {
             semantics::make_copies(&mut self.copies, state, Some(register));
         }
-        match self.schedule {
-            Schedule::Plain => {
-                let mut band = Band::whole(state, &mut self.copies, segment.constants());
-                let rows = band.rows.clone();
-                segment
-                    .pieces()
-                    .iter()
-                    .try_for_each(|piece| piece.run(array, &mut band, rows.clone()))
-            }
+        let size = state.layout.size;
+        let (rows, threads) = match self.schedule {
+            Schedule::Plain => (size.height, 1),
+            Schedule::Tiled { rows: rows @ 1.. } => (rows, self.threads),
+            // Bits are so few that all of them stay in the cache.
+            _ if segment.pieces().iter().all(Piece::is_bits) => (size.height, 1),
             Schedule::Tiled { .. } | Schedule::Active => {
-                let rows = match self.schedule {
-                    Schedule::Tiled { rows: rows @ 1.. } => rows,
-                    _ => tiled::rows(state.layout.size, size_of::<C>()),
-                };
-                let pieces = segment.pieces();
-                let mut rest: &[Piece<'_>] = pieces;
-                while !rest.is_empty() {
-                    let walk = tiled::Walk::new(rest, rows);
-                    walk.run(
-                        array,
-                        self.threads,
-                        state,
-                        &mut self.copies,
-                        segment.constants(),
-                    )?;
-                    rest = &rest[walk.len()..];
-                }
-                Ok(())
+                (tiled::rows(size, size_of::<C>()), self.threads)
+            }
+        };
+        let whole = state.flag.count() == size.pixels() as u64;
+        let mut rest = segment.pieces();
+        let mut all = live::known(rest, whole, &state.layout);
+        if self.schedule == Schedule::Plain {
+            // Word after word, all of each.
+            for known in &mut all {
+                known.live = Live::ALL;
             }
         }
+        let mut known = &all[..];
+        while !rest.is_empty() {
+            let walk = Walk::new(rest, known, &state.layout, rows);
+            let constants = segment.constants();
+            walk.run(array, threads, state, &mut self.copies, constants)?;
+            (rest, known) = (&rest[walk.len()..], &known[walk.len()..]);
+        }
+        Ok(())
     }
 }

@@ -1,13 +1,11 @@
 //! Words that wait to be run together: those between two operations of the host that look at
 //! the array or change it.
 
-use std::ops::Range;
-
 use super::{
-    Domain, State, Undecided,
-    band::{Band, Constants},
-    rows::Link,
-    semantics::{self, Array, Issued, Register},
+    State,
+    band::Constants,
+    reach::{self, Register},
+    semantics::Issued,
 };
 use crate::isa::{Analog, Primitive};
 
@@ -25,34 +23,25 @@ impl Piece<'_> {
     /// How many rows away it reads from the cell that it writes.
     pub(super) fn reach(&self) -> usize {
         match self {
-            Self::Word { issued, .. } => semantics::reach(issued.word),
+            Self::Word { issued, .. } => reach::reach(issued.word),
             Self::Copy(_) => 0,
         }
     }
 
-    /// Adds what it is in a chain; `false` where it can be in none.
-    pub(super) fn link(&self, links: &mut Vec<Link>) -> bool {
+    /// Whether it is one-bit logic of each pixel alone.
+    pub(super) fn is_bits(&self) -> bool {
         match self {
-            Self::Word { issued, .. } => semantics::link(*issued, links),
+            Self::Word { issued, .. } => matches!(
+                issued.word,
+                Primitive::Or { .. }
+                    | Primitive::Nor { .. }
+                    | Primitive::WhereBit { .. }
+                    | Primitive::Set { .. }
+                    | Primitive::Clear { .. }
+                    | Primitive::All
+                    | Primitive::Nop
+            ),
             Self::Copy(_) => false,
-        }
-    }
-
-    /// Runs it on some rows; in case of an error, its line.
-    pub(super) fn run<D: Domain>(
-        &self,
-        array: Array<'_, D>,
-        band: &mut Band<'_, D::Cell>,
-        rows: Range<usize>,
-    ) -> Result<(), (u32, Undecided)> {
-        match self {
-            Self::Word { issued, line } => array
-                .execute(band, *issued, rows)
-                .map_err(|undecided| (*line, undecided)),
-            Self::Copy(register) => {
-                semantics::copy(band, *register, rows);
-                Ok(())
-            }
         }
     }
 }
@@ -76,7 +65,7 @@ impl<'a, C: Clone> Segment<'a, C> {
 
     /// One more word.
     pub(super) fn push(&mut self, word: &'a Primitive, step: u64, line: u32) {
-        let copied = semantics::copied(word, self.news);
+        let copied = reach::copied(word, self.news);
         self.pieces.extend(copied.map(Piece::Copy));
         let issued = Issued {
             word,
@@ -89,8 +78,7 @@ impl<'a, C: Clone> Segment<'a, C> {
 
     /// The global input holds something else for the words to come.
     pub(super) fn input(&mut self, state: &State<C>) {
-        let row = vec![state.input.clone(); state.layout.size.width];
-        self.constants.inputs.push(row);
+        self.constants.input(state);
     }
 
     pub(super) fn is_full(&self) -> bool {

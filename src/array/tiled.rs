@@ -21,76 +21,84 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{
-    Domain, State, Undecided,
+    Domain, Layout, State, Undecided,
     band::{Band, Constants, Copies},
-    rows::Link,
     segment::Piece,
     semantics::Array,
+    wire::{Job, Jobs, Known},
 };
 use crate::plane::Size;
 
 /// Bands move up by so many rows at most: what is behind them leaves the cache.
 const FARTHEST: usize = 16;
 
-/// Bytes of a register in one band, so that all registers fit into a core's larger cache.
-const BAND: usize = 16384;
+/// Bytes of a register in one band: those of the few registers that words in a row work on fit
+/// into the cache next to a core, and a band is long enough that its beginning costs little.
+const BAND: usize = 8192;
 
 /// The rows of a band.
 pub(super) fn rows(size: Size, cell: usize) -> usize {
     (BAND / (size.width * cell)).max(1)
 }
 
-/// A number of pieces, and how far the bands have moved up at each.
-pub(super) struct Walk<'a, 'b> {
-    pieces: &'b [Piece<'a>],
+/// Words that the bands go through, and how far the bands have moved up at each.
+pub(super) struct Walk<'a> {
+    jobs: Jobs<'a>,
+    /// Of each job.
     shifts: Vec<usize>,
-    /// Words of chains, and for each piece that begins one, how many pieces and which words.
-    links: Vec<Link>,
-    chains: Vec<Option<(usize, Range<usize>)>>,
+    lines: Vec<u32>,
     rows: usize,
+    pieces: usize,
 }
 
-impl<'a, 'b> Walk<'a, 'b> {
+impl<'a> Walk<'a> {
     /// As many of the pieces as can go together, in bands of so many rows.
-    pub(super) fn new(pieces: &'b [Piece<'a>], rows: usize) -> Self {
-        let mut shifts: Vec<usize> = Vec::with_capacity(pieces.len());
+    pub(super) fn new(pieces: &[Piece<'a>], known: &[Known], layout: &Layout, rows: usize) -> Self {
+        let mut walk = Self {
+            jobs: Jobs::default(),
+            shifts: Vec::with_capacity(pieces.len()),
+            lines: Vec::with_capacity(pieces.len()),
+            rows,
+            pieces: 0,
+        };
+        // One band does not move.
+        let moves = rows < layout.size.height;
         let mut before = 0;
-        for piece in pieces {
-            let reach = piece.reach();
-            let shift = shifts.last().map_or(reach, |last| last + reach.max(before));
-            if shift > FARTHEST && !shifts.is_empty() {
+        for (piece, known) in pieces.iter().zip(known) {
+            let reach = if moves { piece.reach() } else { 0 };
+            let last = walk.shifts.last();
+            let shift = last.map_or(reach, |last| last + reach.max(before));
+            if shift > FARTHEST && last.is_some() {
                 break;
             }
-            shifts.push(shift);
-            before = reach;
-        }
-        let pieces = &pieces[..shifts.len()];
-        let (mut links, mut chains) = (Vec::new(), vec![None; pieces.len()]);
-        let mut first = 0;
-        while first < pieces.len() {
-            let begin = links.len();
-            let mut end = first;
-            while end < pieces.len() && shifts[end] == shifts[first] && pieces[end].link(&mut links)
+            let line = match piece {
+                Piece::Copy(register) => {
+                    walk.jobs.jobs.push(Job::Copy(*register));
+                    0
+                }
+                Piece::Word { issued, line } => {
+                    walk.jobs.word(*issued, layout, *known);
+                    *line
+                }
+            };
+            walk.pieces += 1;
+            // It writes nothing that the one before it reads, nor reads beside its own pixel.
+            if moves && walk.jobs.jobs.len() == walk.shifts.len() + 1 && walk.jobs.join(known.live)
             {
-                end += 1;
+                continue;
             }
-            if end > first {
-                chains[first] = Some((end - first, begin..links.len()));
+            if walk.jobs.jobs.len() > walk.shifts.len() {
+                before = reach;
             }
-            first = end.max(first + 1);
+            walk.shifts.resize(walk.jobs.jobs.len(), shift);
+            walk.lines.resize(walk.jobs.jobs.len(), line);
         }
-        Self {
-            pieces,
-            shifts,
-            links,
-            chains,
-            rows,
-        }
+        walk
     }
 
     /// How many they are.
     pub(super) const fn len(&self) -> usize {
-        self.pieces.len()
+        self.pieces
     }
 
     /// Runs them on the whole array.
@@ -123,8 +131,8 @@ impl<'a, 'b> Walk<'a, 'b> {
         })?;
         let mut band = Band::whole(state, copies, constants);
         for seam in seams {
-            for (piece, shift) in self.pieces.iter().zip(&self.shifts) {
-                piece.run(array, &mut band, seam - shift..seam + shift)?;
+            for (k, shift) in self.shifts.iter().enumerate() {
+                self.job(array, &mut band, k, seam - shift..seam + shift)?;
             }
         }
         Ok(())
@@ -141,9 +149,7 @@ impl<'a, 'b> Walk<'a, 'b> {
         let mut top = part.start;
         while top < part.end {
             let bottom = top + self.rows;
-            let mut k = 0;
-            while k < self.pieces.len() {
-                let shift = &self.shifts[k];
+            for (k, shift) in self.shifts.iter().enumerate() {
                 let from = if top == part.start {
                     top
                 } else {
@@ -158,21 +164,26 @@ impl<'a, 'b> Walk<'a, 'b> {
                 let first = part.start + if part.start == 0 { 0 } else { *shift };
                 let last = part.end - if part.end == height { 0 } else { *shift };
                 let rows = from.max(first)..to.min(last);
-                let (pieces, links) = self.chains[k].clone().unwrap_or((1, 0..0));
-                let links = &self.links[links];
-                let chained =
-                    !links.is_empty() && !rows.is_empty() && array.chain(band, links, rows.clone());
-                if rows.is_empty() || chained {
-                    k += pieces;
-                    continue;
+                if !rows.is_empty() {
+                    self.job(array, band, k, rows)?;
                 }
-                for piece in &self.pieces[k..k + pieces] {
-                    piece.run(array, band, rows.clone())?;
-                }
-                k += pieces;
             }
             top = bottom;
         }
         Ok(())
+    }
+
+    /// One job on some rows.
+    #[inline]
+    fn job<D: Domain>(
+        &self,
+        array: Array<'_, D>,
+        band: &mut Band<'_, D::Cell>,
+        k: usize,
+        rows: Range<usize>,
+    ) -> Result<(), (u32, Undecided)> {
+        array
+            .execute(band, &self.jobs.jobs[k], &self.jobs.wires, rows)
+            .map_err(|undecided| (self.lines[k], undecided))
     }
 }

@@ -124,8 +124,15 @@ macro_rules! width {
             }
             #[inline]
             fn of_whole(whole: f64) -> Self {
-                // By way of i32, for which machines have an instruction on vectors.
-                whole.clamp(<$int>::MIN.into(), <$int>::MAX.into()) as i32 as $int
+                // In a float so large, the lowest bits count ones: a sum, where a conversion
+                // would have no instruction on vectors.
+                const LARGE: f64 = 6_755_399_441_055_744.0;
+                let whole = if whole.is_nan() {
+                    0.0
+                } else {
+                    whole.clamp(<$int>::MIN.into(), <$int>::MAX.into())
+                };
+                (whole + LARGE).to_bits() as $int
             }
             #[inline]
             fn widen(self) -> $wide {

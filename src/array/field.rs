@@ -1,0 +1,199 @@
+//! What the loops over pixels read: planes, and what lies off the array.
+
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use std::ops::Range;
+
+use super::{
+    Domain,
+    band::Constants,
+    wire::{Border, Wire},
+};
+use crate::{isa::Analog, plane::Size};
+
+/// Cells that are worked on at once, at most.
+pub(super) const PIECE: usize = 2048;
+
+/// Cells that follow each other in a plane.
+pub(super) struct Stretch {
+    /// The column of the first.
+    pub(super) left: usize,
+    /// Where it lies in its plane.
+    pub(super) at: usize,
+    pub(super) n: usize,
+}
+
+/// Some rows of the array.
+pub(super) struct Field<'b, 'a, C> {
+    /// Of the whole array.
+    pub(super) size: Size,
+    /// The row that comes first in all planes.
+    pub(super) top: usize,
+    pub(super) planes: &'b mut [&'a mut [C]],
+    pub(super) flag: &'b [u64],
+    pub(super) constants: &'b Constants<C>,
+}
+
+impl<'a, C> Field<'_, 'a, C> {
+    /// Takes a register out, to be put back.
+    pub(super) fn take(&mut self, register: Analog) -> &'a mut [C] {
+        std::mem::take(&mut self.planes[usize::from(register.0)])
+    }
+
+    /// Puts a register back.
+    pub(super) fn put(&mut self, register: Analog, cells: &'a mut [C]) {
+        self.planes[usize::from(register.0)] = cells;
+    }
+
+    /// Where a cell lies in its plane.
+    #[inline(always)]
+    pub(super) const fn cell(&self, y: usize, x: usize) -> usize {
+        (y - self.top) * self.size.width + x
+    }
+
+    /// The cells of some rows, from the first that needs nothing from off the array to the last;
+    /// those between, at the ends of rows, are among them.
+    #[inline(always)]
+    pub(super) fn between(&self, border: Border, rows: &Range<usize>) -> Stretch {
+        let left = border.left;
+        Stretch {
+            left,
+            at: self.cell(rows.start, left),
+            n: rows.len() * self.size.width - left - border.right,
+        }
+    }
+
+    /// The same, where it does not matter what is stored at the ends of rows: if it can be, from
+    /// the beginning of the first to the end of the last, so that vectors do not lie across
+    /// lines of the cache.
+    #[inline(always)]
+    pub(super) fn stretch(
+        &self,
+        wires: &[Wire],
+        beside: (isize, isize),
+        border: Border,
+        rows: &Range<usize>,
+    ) -> Stretch {
+        let (at, n) = (self.cell(rows.start, 0), rows.len() * self.size.width);
+        let fits = wires.iter().all(|wire| {
+            let (dy, dx) = (wire.beside.0 - beside.0, wire.beside.1 - beside.1);
+            let start = at.checked_add_signed(dy * self.size.width as isize + dx);
+            let cells = self
+                .planes
+                .get(wire.plane)
+                .map_or(usize::MAX, |plane| plane.len());
+            start.is_some_and(|start| start + n <= cells)
+        });
+        if fits {
+            Stretch { left: 0, at, n }
+        } else {
+            self.between(border, rows)
+        }
+    }
+
+    /// Where each wire begins, that leads to the cells of a plane from `at` on; those lie
+    /// `beside` the pixels whose bus they get.
+    #[inline(always)]
+    pub(super) fn starts<const N: usize>(
+        &self,
+        wires: &[Wire; N],
+        at: usize,
+        beside: (isize, isize),
+    ) -> [usize; N] {
+        let mut starts = [0; N];
+        for (start, wire) in starts.iter_mut().zip(wires) {
+            let (dy, dx) = (wire.beside.0 - beside.0, wire.beside.1 - beside.1);
+            *start = at.wrapping_add_signed(dy * self.size.width as isize + dx);
+        }
+        starts
+    }
+
+    /// What comes along each wire: `n` cells, at most a [`PIECE`], so many after its start.
+    #[inline(always)]
+    pub(super) fn sources<const N: usize>(
+        &self,
+        wires: &[Wire; N],
+        starts: &[usize; N],
+        after: usize,
+        n: usize,
+    ) -> [&[C]; N] {
+        let mut sources: [&[C]; N] = [&[]; N];
+        for ((source, wire), start) in sources.iter_mut().zip(wires).zip(starts) {
+            *source = match self.planes.get(wire.plane) {
+                Some(plane) => &plane[start.wrapping_add(after)..][..n],
+                None => &self.constants.inputs[wire.plane - self.planes.len()][..n],
+            };
+        }
+        sources
+    }
+
+    /// The words of FLAG of some rows.
+    #[inline(always)]
+    pub(super) fn flags(&self, y: usize, rows: usize) -> &[u64] {
+        let words = self.size.width.div_ceil(64);
+        &self.flag[(y - self.top) * words..][..rows * words]
+    }
+
+    /// FLAG of a pixel; off the array it is 1.
+    pub(super) fn flagged(&self, y: usize, x: usize) -> bool {
+        let Size { height, width } = self.size;
+        y >= height || x >= width || self.flags(y, 1)[x / 64] >> (x % 64) & 1 == 1
+    }
+
+    /// What a wire leads to from the bus of a pixel, which may lie off the array.
+    #[inline]
+    fn at(&self, wire: Wire, y: usize, x: usize) -> &C {
+        let Size { height, width } = self.size;
+        let (to_y, to_x) = (
+            y.wrapping_add_signed(wire.beside.0),
+            x.wrapping_add_signed(wire.beside.1),
+        );
+        if y < height && x < width && to_y < height && to_x < width {
+            match self.planes.get(wire.plane) {
+                Some(plane) => &plane[self.cell(to_y, to_x)],
+                None => &self.constants.inputs[wire.plane - self.planes.len()][0],
+            }
+        } else {
+            &self.constants.edge
+        }
+    }
+
+    /// The bus of a pixel, which may lie off the array.
+    #[inline]
+    pub(super) fn sum<D: Domain<Cell = C>>(
+        &self,
+        domain: &D,
+        wires: &[Wire],
+        y: usize,
+        x: usize,
+    ) -> D::Sum {
+        let mut sum = domain.nothing();
+        for wire in wires {
+            domain.add(&mut sum, self.at(*wire, y, x), 1);
+        }
+        sum
+    }
+}
+
+impl<C: Clone> Field<'_, '_, C> {
+    /// What a wire leads to from the buses of one column, which may lie off the array; its rows
+    /// and those where the wire leads do not.
+    #[inline(always)]
+    pub(super) fn column(&self, wire: Wire, y: usize, x: usize, cells: &mut [C]) {
+        let width = self.size.width;
+        let (to_y, to_x) = (
+            y.wrapping_add_signed(wire.beside.0),
+            x.wrapping_add_signed(wire.beside.1),
+        );
+        match self.planes.get(wire.plane) {
+            Some(plane) if x < width && to_x < width => {
+                let there = plane[self.cell(to_y, to_x)..].iter().step_by(width);
+                for (cell, there) in cells.iter_mut().zip(there) {
+                    cell.clone_from(there);
+                }
+            }
+            _ => cells.fill(self.at(wire, y, x).clone()),
+        }
+    }
+}

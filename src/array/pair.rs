@@ -1,0 +1,174 @@
+//! Two stores of the bus at once: what the first puts into a cell goes on to the second by way
+//! of the machine's own registers, and into the cell only where it is read again.
+
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use super::{
+    Domain, Place, Share,
+    field::{Field, PIECE, Stretch},
+    runs::RUN,
+    store::{columns, store},
+    wire::{Pair, Store, Wire},
+};
+
+/// Does both in these rows, where FLAG is 1 in all pixels. `room` is for
+/// [`ROOM`](super::store::ROOM) cells.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn pair<D: Domain>(
+    domain: &D,
+    field: &mut Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    pair: &Pair,
+    clip: bool,
+    rows: Range<usize>,
+    room: &mut [D::Cell],
+) {
+    let inner = pair.first.border.inside(field.size, &rows);
+    if inner != rows {
+        for rows in [rows.start..inner.start, inner.end..rows.end] {
+            for one in [&pair.first, &pair.second] {
+                let wires = &wires[one.wires.clone()];
+                store(domain, field, wires, one, clip, rows.clone(), room);
+            }
+        }
+    }
+    if inner.is_empty() {
+        return;
+    }
+    let one = &wires[pair.first.wires.clone()];
+    if pair.in_place || clip || !domain.pairs() {
+        by_way(domain, field, one, pair, clip, &inner, room);
+    } else {
+        match (one.len(), pair.extra) {
+            (0, None) => at_once::<D, 0, 0>(domain, field, one, [], pair, &inner),
+            (1, None) => at_once::<D, 1, 0>(domain, field, one, [], pair, &inner),
+            (_, None) => at_once::<D, 2, 0>(domain, field, one, [], pair, &inner),
+            (0, Some(extra)) => at_once::<D, 0, 1>(domain, field, one, [extra], pair, &inner),
+            (1, Some(extra)) => at_once::<D, 1, 1>(domain, field, one, [extra], pair, &inner),
+            (_, Some(extra)) => at_once::<D, 2, 1>(domain, field, one, [extra], pair, &inner),
+        }
+    }
+    if pair.first.border.left + pair.first.border.right > 0 {
+        for store in [&pair.first, &pair.second] {
+            let cells = field.take(store.register);
+            let wires = &wires[store.wires.clone()];
+            let border = pair.first.border;
+            columns(
+                domain, field, wires, store, border, cells, clip, &inner, room,
+            );
+            field.put(store.register, cells);
+        }
+    }
+}
+
+/// `N` wires on the first bus, `M` more on the second.
+#[inline(always)]
+fn at_once<D: Domain, const N: usize, const M: usize>(
+    domain: &D,
+    field: &mut Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    extra: [Wire; M],
+    pair: &Pair,
+    rows: &Range<usize>,
+) {
+    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    let Stretch { at, n, .. } = field.stretch(&wires, pair.first.beside, pair.first.border, rows);
+    let starts = field.starts(&wires, at, pair.first.beside);
+    let more = field.starts(&extra, at, (0, 0));
+    let cells = field.take(pair.second.register);
+    let between = if pair.kept {
+        field.take(pair.first.register)
+    } else {
+        &mut []
+    };
+    let mut done = 0;
+    while done < n {
+        let some = (n - done).min(PIECE);
+        let operands = field.sources(&wires, &starts, done, some);
+        let extra = field.sources(&extra, &more, done, some);
+        let new = &mut cells[at + done..][..some];
+        let between = between.get_mut(at + done..at + done + some);
+        domain.store_pair(operands, extra, between, new);
+        done += some;
+    }
+    if pair.kept {
+        field.put(pair.first.register, between);
+    }
+    field.put(pair.second.register, cells);
+}
+
+/// By way of a few cells of their own.
+#[inline(always)]
+fn by_way<D: Domain>(
+    domain: &D,
+    field: &mut Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    pair: &Pair,
+    clip: bool,
+    rows: &Range<usize>,
+    room: &mut [D::Cell],
+) {
+    let Stretch { left, at, n } = field.stretch(wires, pair.first.beside, pair.first.border, rows);
+    let place = |store: &Store, along: usize| Place {
+        y: rows.start,
+        x: left + along,
+        register: store.register,
+        step: store.step,
+    };
+    let mut done = 0;
+    while done < n {
+        let some = (n - done).min(RUN);
+        let between = &mut room[..some];
+        let one = place(&pair.first, done);
+        let from = at + done;
+        match wires.len() {
+            0 => first::<D, 0>(domain, field, wires, pair, from, one, clip, between),
+            1 => first::<D, 1>(domain, field, wires, pair, from, one, clip, between),
+            _ => first::<D, 2>(domain, field, wires, pair, from, one, clip, between),
+        }
+        if pair.kept {
+            let cells = field.take(pair.first.register);
+            cells[from..][..some].clone_from_slice(between);
+            field.put(pair.first.register, cells);
+        }
+        let cells = field.take(pair.second.register);
+        let new = &mut cells[from..][..some];
+        let (between, two) = (&*between, place(&pair.second, done));
+        if let Some(extra) = pair.extra {
+            let starts = field.starts(&[extra], from, (0, 0));
+            let [extra] = field.sources(&[extra], &starts, 0, some);
+            domain.store_row([between, extra], UNDIVIDED, two, clip, new);
+        } else {
+            domain.store_row([between], UNDIVIDED, two, clip, new);
+        }
+        field.put(pair.second.register, cells);
+        done += some;
+    }
+}
+
+/// A share of a bus that has one target.
+const UNDIVIDED: Share = Share { by: 1, part: None };
+
+/// What the first store puts into the cells from `from` on.
+#[allow(clippy::too_many_arguments)]
+#[inline(always)]
+fn first<D: Domain, const N: usize>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    pair: &Pair,
+    from: usize,
+    place: Place,
+    clip: bool,
+    cells: &mut [D::Cell],
+) {
+    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    let starts = field.starts(&wires, from, pair.first.beside);
+    let operands = field.sources(&wires, &starts, 0, cells.len());
+    domain.store_row(operands, UNDIVIDED, place, clip, cells);
+}

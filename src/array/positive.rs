@@ -1,0 +1,143 @@
+//! Where the bus is above zero.
+
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use super::{
+    Domain, Undecided,
+    field::Field,
+    wire::{Border, Wire},
+};
+use crate::bits::packed;
+
+/// Sets the bits of these rows where the bus is above zero; `bits` are theirs alone.
+///
+/// # Errors
+/// In domains that have no answer.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn positive<D: Domain>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    border: Border,
+    bits: &mut [u64],
+    rows: Range<usize>,
+) -> Result<(), Undecided> {
+    let decided = match wires.len() {
+        1 => positive_n::<D, 1>(domain, field, wires, border, bits, rows),
+        2 => positive_n::<D, 2>(domain, field, wires, border, bits, rows),
+        3 => positive_n::<D, 3>(domain, field, wires, border, bits, rows),
+        _ => all(domain, field, wires, bits, rows.start, rows),
+    };
+    if decided {
+        Ok(())
+    } else {
+        Err(Undecided { operation: "where" })
+    }
+}
+
+/// With `N` wires; whether the domain has an answer.
+#[inline(always)]
+fn positive_n<D: Domain, const N: usize>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    border: Border,
+    bits: &mut [u64],
+    rows: Range<usize>,
+) -> bool {
+    let width = field.size.width;
+    let top = rows.start;
+    let inner = border.inside(field.size, &rows);
+    let mut decided = true;
+    if inner != rows {
+        decided &= all(domain, field, wires, bits, top, rows.start..inner.start);
+        decided &= all(domain, field, wires, bits, top, inner.end..rows.end);
+    }
+    if inner.is_empty() {
+        return decided;
+    }
+    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    let words = width.div_ceil(64);
+    let run = if width.is_multiple_of(64) {
+        inner.len()
+    } else {
+        1
+    };
+    // Some blocks at once: bytes that were just written are slow to read in another width.
+    let mut bytes = [[0; 64]; 8];
+    for y in inner.clone().step_by(run) {
+        let starts = field.starts(&wires, field.cell(y, 0), (0, 0));
+        let (first, last) = (border.left, run * width - border.right);
+        let bits = &mut bits[(y - top) * words..][..run * words];
+        for (batch, bits) in bits.chunks_mut(bytes.len()).enumerate() {
+            for (k, bytes) in (batch * 8..).zip(&mut bytes[..bits.len()]) {
+                let from = (64 * k).max(first);
+                let n = (64 * k + 64).min(last) - from;
+                let sources = field.sources(&wires, &starts, from, n);
+                decided &= if n == 64 {
+                    domain.positives(sources, bytes)
+                } else {
+                    bytes.fill(0);
+                    domain.positives(sources, &mut bytes[from % 64..][..n])
+                };
+            }
+            for (word, bytes) in bits.iter_mut().zip(&bytes) {
+                *word = packed(bytes);
+            }
+        }
+    }
+    for x in (0..border.left).chain(width - border.right..width) {
+        for y in inner.clone() {
+            let row = &mut bits[(y - top) * words..];
+            decided &= one(domain, field, &wires, row, y, x);
+        }
+    }
+    decided
+}
+
+/// Every pixel of these rows, one by one.
+#[cold]
+#[inline(never)]
+fn all<D: Domain>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    bits: &mut [u64],
+    top: usize,
+    rows: Range<usize>,
+) -> bool {
+    let width = field.size.width;
+    let mut decided = true;
+    for y in rows {
+        let row = &mut bits[(y - top) * width.div_ceil(64)..];
+        for x in 0..width {
+            decided &= one(domain, field, wires, row, y, x);
+        }
+    }
+    decided
+}
+
+/// One pixel; whether the domain has an answer.
+fn one<D: Domain>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    row: &mut [u64],
+    y: usize,
+    x: usize,
+) -> bool {
+    let answer = domain.positive(&field.sum(domain, wires, y, x));
+    let mask = 1 << (x % 64);
+    let word = &mut row[x / 64];
+    *word = if answer == Some(true) {
+        *word | mask
+    } else {
+        *word & !mask
+    };
+    answer.is_some()
+}

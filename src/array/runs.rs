@@ -1,0 +1,172 @@
+//! Cells under a mask.
+
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use std::hint::black_box;
+
+use super::{Domain, field::PIECE};
+
+/// Words of bits that are looked at together.
+const WORDS: usize = 8;
+
+/// Cells that are stored under a mask together.
+pub(super) const RUN: usize = 64 * WORDS;
+
+/// Cells under a mask, run by run.
+pub(super) struct Runs<'a> {
+    /// None where all are 1.
+    flags: &'a [u64],
+    /// The bit of the first cell, under 64.
+    offset: usize,
+    cells: usize,
+    next: usize,
+}
+
+/// Some cells beside each other.
+pub(super) struct Run {
+    pub(super) from: usize,
+    pub(super) to: usize,
+    /// Which of at most [`RUN`]; none where it is all of them.
+    pub(super) some: Option<[u64; WORDS]>,
+}
+
+impl<'a> Runs<'a> {
+    #[inline(always)]
+    pub(super) fn new(flags: &'a [u64], offset: usize, cells: usize) -> Self {
+        Self {
+            flags,
+            offset,
+            cells,
+            next: 0,
+        }
+    }
+
+    /// All of them.
+    #[inline(always)]
+    pub(super) fn all(cells: usize) -> Self {
+        Self::new(&[], 0, cells)
+    }
+
+    /// The bits of 64 cells.
+    #[inline(always)]
+    fn word(&self, i: usize) -> u64 {
+        let bit = self.offset + i;
+        let low = self.flags[bit / 64] >> (bit % 64);
+        if bit.is_multiple_of(64) {
+            low
+        } else {
+            low | self.flags.get(bit / 64 + 1).unwrap_or(&0) << (64 - bit % 64)
+        }
+    }
+
+    /// The next cells of which at least one is to be stored.
+    #[inline(always)]
+    pub(super) fn next(&mut self) -> Option<Run> {
+        while self.next < self.cells {
+            let from = self.next;
+            if self.flags.is_empty() {
+                self.next = (from + PIECE).min(self.cells);
+                return Some(Run {
+                    from,
+                    to: self.next,
+                    some: None,
+                });
+            }
+            let to = (from + RUN).min(self.cells);
+            self.next = to;
+            let mut words = [0; WORDS];
+            let (mut any, mut all) = (0, !0);
+            for (word, i) in words.iter_mut().zip((from..to).step_by(64)) {
+                *word = self.word(i);
+                // What lies beyond the end is none of the cells.
+                let beyond = if to - i < 64 { !0 << (to - i) } else { 0 };
+                any |= *word & !beyond;
+                all &= *word | beyond;
+            }
+            if any != 0 {
+                let some = (all != !0).then_some(words);
+                return Some(Run { from, to, some });
+            }
+        }
+        None
+    }
+}
+
+/// The place of each of sixteen bits.
+const BITS: [u16; 16] = [
+    1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
+];
+
+/// Takes `new` where the bit is 1. What is left in `new` has no meaning.
+#[inline(always)]
+pub(super) fn merge<D: Domain>(
+    domain: &D,
+    cells: &mut [D::Cell],
+    new: &mut [D::Cell],
+    words: &[u64; WORDS],
+) {
+    // Not as a constant: so the compiler keeps sixteen lanes together.
+    let bits = *black_box(&BITS);
+    let whole = cells.len() / 64 * 64;
+    let (cells, last_cells) = cells.split_at_mut(whole);
+    let (new, last_new) = new.split_at_mut(whole);
+    let blocks = cells.as_chunks_mut::<64>().0.iter_mut();
+    let blocks = blocks.zip(new.as_chunks_mut::<64>().0).zip(words);
+    for ((cells, new), word) in blocks {
+        let lanes = cells.as_chunks_mut::<16>().0.iter_mut();
+        let lanes = lanes.zip(new.as_chunks_mut::<16>().0);
+        for (k, (cells, new)) in lanes.enumerate() {
+            let flags = (word >> (16 * k)) as u16;
+            // By value: nothing that is read can be what was just written.
+            let (old, fresh) = (cells.clone(), new.clone());
+            let mut merged = fresh.clone();
+            for (i, cell) in merged.iter_mut().enumerate() {
+                *cell = domain.choose(&old[i], &fresh[i], u8::from(flags & bits[i] != 0));
+            }
+            if size_of::<D::Cell>() < 4 {
+                *cells = merged;
+            } else {
+                // By way of `new`, or wide lanes are stored under a mask, which is slow.
+                *new = merged;
+                cells.clone_from_slice(new);
+            }
+        }
+    }
+    let word = words.get(whole / 64).unwrap_or(&0);
+    for (i, (cell, new)) in last_cells.iter_mut().zip(last_new).enumerate() {
+        if word >> i & 1 == 1 {
+            cell.clone_from(new);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::array::Exact;
+
+    #[test]
+    fn only_flagged_cells_change() {
+        let mut flags = vec![0x9E37_79B9_7F4A_7C15, !0, !0, 0, 0xF0F0_F0F0_F0F0_F0F0];
+        flags.extend([!0; 7]);
+        for n in [1usize, 15, 16, 17, 40, 64, 65, 130, 200, 300, 700] {
+            for offset in [0, 1] {
+                let mut cells = vec![0.0; n];
+                let mut runs = Runs::new(&flags, offset, n);
+                while let Some(Run { from, to, some }) = runs.next() {
+                    let mut new: Vec<_> = (from + 1..=to).map(|i| i as f64).collect();
+                    match some {
+                        Some(some) => merge(&Exact, &mut cells[from..to], &mut new, &some),
+                        None => cells[from..to].clone_from_slice(&new),
+                    }
+                }
+                for (i, cell) in cells.iter().enumerate() {
+                    let bit = i + offset;
+                    let on = flags[bit / 64] >> (bit % 64) & 1 == 1;
+                    assert_eq!(*cell, if on { (i + 1) as f64 } else { 0.0 });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! The bus of many pixels at once, stored.
+//!
+//! Cells are worked on in long runs, over the ends of rows, or under a mask in blocks of the 64
+//! pixels of one word of bits. What comes from off the array is put right afterwards, pixel by
+//! pixel or column by column. Each loop is compiled for several vector widths, one of which is
+//! taken when a job begins. Sources and target are never the same plane.
+
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use super::{
+    Domain, Place, Share,
+    field::{Field, Stretch},
+    runs::{RUN, Run, Runs, merge},
+    wire::{Border, Store, Wire},
+};
+
+/// Cells that a store needs room for: a run, or a piece of a column and of those on its wires.
+pub(super) const ROOM: usize = RUN;
+
+/// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `room` is
+/// for [`ROOM`] cells.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn store<D: Domain>(
+    domain: &D,
+    field: &mut Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    store: &Store,
+    clip: bool,
+    rows: Range<usize>,
+    room: &mut [D::Cell],
+) {
+    match wires.len() {
+        0 => store_n::<D, 0>(domain, field, wires, store, clip, rows, room),
+        1 => store_n::<D, 1>(domain, field, wires, store, clip, rows, room),
+        2 => store_n::<D, 2>(domain, field, wires, store, clip, rows, room),
+        3 => store_n::<D, 3>(domain, field, wires, store, clip, rows, room),
+        4 => store_n::<D, 4>(domain, field, wires, store, clip, rows, room),
+        _ => {
+            let cells = field.take(store.register);
+            all(domain, field, wires, store, cells, clip, rows);
+            field.put(store.register, cells);
+        }
+    }
+}
+
+/// Of a bus with `N` wires.
+#[inline(always)]
+fn store_n<D: Domain, const N: usize>(
+    domain: &D,
+    field: &mut Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    store: &Store,
+    clip: bool,
+    rows: Range<usize>,
+    room: &mut [D::Cell],
+) {
+    let cells = field.take(store.register);
+    let inner = store.border.inside(field.size, &rows);
+    if inner != rows {
+        all(
+            domain,
+            field,
+            wires,
+            store,
+            cells,
+            clip,
+            rows.start..inner.start,
+        );
+        all(
+            domain,
+            field,
+            wires,
+            store,
+            cells,
+            clip,
+            inner.end..rows.end,
+        );
+    }
+    if !inner.is_empty() {
+        let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+        let edges = store.border.left + store.border.right;
+        // One run, over the ends of the rows between, if the words of bits are.
+        let level = store.whole
+            || (edges == 0 && store.beside.1 == 0 && field.size.width.is_multiple_of(64));
+        let run = if level { inner.len() } else { 1 };
+        for y in inner.clone().step_by(run) {
+            run_n(domain, field, &wires, store, cells, clip, y..y + run, room);
+        }
+        if edges > 0 {
+            let border = store.border;
+            columns(
+                domain, field, &wires, store, border, cells, clip, &inner, room,
+            );
+        }
+    }
+    field.put(store.register, cells);
+}
+
+/// Rows as one run.
+#[allow(clippy::too_many_arguments)]
+#[inline(always)]
+fn run_n<D: Domain, const N: usize>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire; N],
+    store: &Store,
+    cells: &mut [D::Cell],
+    clip: bool,
+    rows: Range<usize>,
+    room: &mut [D::Cell],
+) {
+    let (down, right) = store.beside;
+    let Stretch { left, at, n } = if store.whole {
+        field.stretch(wires, store.beside, store.border, &rows)
+    } else {
+        field.between(store.border, &rows)
+    };
+    let starts = field.starts(wires, at, store.beside);
+    let mut runs = if store.whole {
+        Runs::all(n)
+    } else {
+        let flags = field.flags(rows.start.wrapping_add_signed(-down), rows.len());
+        Runs::new(flags, left.wrapping_add_signed(-right), n)
+    };
+    while let Some(Run { from, to, some }) = runs.next() {
+        let n = to - from;
+        let sources = field.sources(wires, &starts, from, n);
+        let old = &mut cells[at + from..][..n];
+        let new = if some.is_some() {
+            &mut room[..n]
+        } else {
+            &mut *old
+        };
+        let place = Place {
+            y: rows.start,
+            x: left + from,
+            register: store.register,
+            step: store.step,
+        };
+        store_cells(domain, sources, new, store.share, place, clip);
+        if let Some(some) = some {
+            merge(domain, old, &mut room[..n], &some);
+        }
+    }
+}
+
+/// A run of cells.
+#[inline(always)]
+fn store_cells<D: Domain, const N: usize>(
+    domain: &D,
+    operands: [&[D::Cell]; N],
+    cells: &mut [D::Cell],
+    share: Share,
+    place: Place,
+    clip: bool,
+) {
+    // A division by a constant is not a division.
+    match share.by {
+        1 => domain.store_row(operands, Share { by: 1, ..share }, place, clip, cells),
+        2 => domain.store_row(operands, Share { by: 2, ..share }, place, clip, cells),
+        _ => domain.store_row(operands, share, place, clip, cells),
+    }
+}
+
+/// Every cell of these rows, one by one.
+#[cold]
+#[inline(never)]
+fn all<D: Domain>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    store: &Store,
+    cells: &mut [D::Cell],
+    clip: bool,
+    rows: Range<usize>,
+) {
+    for y in rows {
+        for x in 0..field.size.width {
+            one(domain, field, wires, store, cells, clip, y, x);
+        }
+    }
+}
+
+/// One cell; any number of wires, driven from on the array or from off it.
+#[allow(clippy::too_many_arguments)]
+fn one<D: Domain>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    store: &Store,
+    cells: &mut [D::Cell],
+    clip: bool,
+    y: usize,
+    x: usize,
+) {
+    let (down, right) = store.beside;
+    let (from_y, from_x) = (y.wrapping_add_signed(-down), x.wrapping_add_signed(-right));
+    if !field.flagged(from_y, from_x) {
+        return;
+    }
+    let place = Place {
+        y,
+        x,
+        register: store.register,
+        step: store.step,
+    };
+    let sum = field.sum(domain, wires, from_y, from_x);
+    let stored = domain.store(&sum, store.share, place);
+    cells[field.cell(y, x)] = domain.limited(stored, clip);
+}
+
+/// The cells of these rows at the left and right border.
+#[allow(clippy::too_many_arguments)]
+#[inline(never)]
+pub(super) fn columns<D: Domain>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    store: &Store,
+    border: Border,
+    cells: &mut [D::Cell],
+    clip: bool,
+    rows: &Range<usize>,
+    room: &mut [D::Cell],
+) {
+    let width = field.size.width;
+    for x in (0..border.left).chain(width - border.right..width) {
+        match wires.len() {
+            // Where the place does not matter, in vectors.
+            0 if domain.is_steady() => {
+                column::<D, 0>(domain, field, wires, store, cells, clip, rows, x, room);
+            }
+            1 if domain.is_steady() => {
+                column::<D, 1>(domain, field, wires, store, cells, clip, rows, x, room);
+            }
+            2 if domain.is_steady() => {
+                column::<D, 2>(domain, field, wires, store, cells, clip, rows, x, room);
+            }
+            _ => {
+                for y in rows.clone() {
+                    one(domain, field, wires, store, cells, clip, y, x);
+                }
+            }
+        }
+    }
+}
+
+/// A column, in a domain where the place does not matter.
+#[allow(clippy::too_many_arguments)]
+fn column<D: Domain, const N: usize>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    store: &Store,
+    cells: &mut [D::Cell],
+    clip: bool,
+    rows: &Range<usize>,
+    x: usize,
+    room: &mut [D::Cell],
+) {
+    let (down, right) = store.beside;
+    let width = field.size.width;
+    let from_x = x.wrapping_add_signed(-right);
+    for top in rows.clone().step_by(64) {
+        let n = (rows.end - top).min(64);
+        let from_y = top.wrapping_add_signed(-down);
+        let (new, room) = room.split_at_mut(64);
+        let mut sources: [&[D::Cell]; N] = [&[]; N];
+        let blocks = room.chunks_exact_mut(64).zip(wires);
+        for (source, (block, wire)) in sources.iter_mut().zip(blocks) {
+            field.column(*wire, from_y, from_x, &mut block[..n]);
+            *source = &block[..n];
+        }
+        let place = Place {
+            y: top,
+            x,
+            register: store.register,
+            step: store.step,
+        };
+        let new = &mut new[..n];
+        domain.store_row(sources, store.share, place, clip, new);
+        let column = cells[field.cell(top, x)..].iter_mut().step_by(width);
+        for (y, (cell, new)) in (from_y..).zip(column.zip(new)) {
+            if store.whole || field.flagged(y, from_x) {
+                cell.clone_from(new);
+            }
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! Words taken apart: which planes lie on the bus of each pixel, and what is stored where.
+
+use std::ops::Range;
+
+use super::{Layout, Share, band::Band, live::Live, reach::Register, semantics::Issued};
+use crate::{
+    isa::{Analog, Bit, Primitive, Source, Target},
+    plane::Size,
+};
+
+/// A cell on the bus of every pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Wire {
+    /// Which plane of a [`Band`]; beyond them, which of its inputs.
+    pub(super) plane: usize,
+    /// Where the cell lies, seen from the pixel whose bus it is.
+    pub(super) beside: (isize, isize),
+}
+
+impl Wire {
+    /// In place of one that is not there.
+    pub(super) const NONE: Self = Self {
+        plane: 0,
+        beside: (0, 0),
+    };
+}
+
+/// So many rows and columns at each border of the array where a cell is written from what lies
+/// off the array.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Border {
+    pub(super) above: usize,
+    pub(super) below: usize,
+    pub(super) left: usize,
+    pub(super) right: usize,
+}
+
+impl Border {
+    /// Of cells that lie `beside` the pixel whose bus they get.
+    fn of(wires: &[Wire], beside: (isize, isize)) -> Self {
+        let mut border = Self::default();
+        // The pixel itself, and each cell on its bus, as seen from the cell that is written.
+        for (dy, dx) in wires.iter().map(|wire| wire.beside).chain([(0, 0)]) {
+            let (dy, dx) = (dy - beside.0, dx - beside.1);
+            border.above = border.above.max((-dy).max(0) as usize);
+            border.below = border.below.max(dy.max(0) as usize);
+            border.left = border.left.max((-dx).max(0) as usize);
+            border.right = border.right.max(dx.max(0) as usize);
+        }
+        border
+    }
+
+    /// The rows that lie between, if the columns leave anything.
+    pub(super) fn inside(self, size: Size, rows: &Range<usize>) -> Range<usize> {
+        let first = rows.start.max(self.above).min(rows.end);
+        let last = rows.end.min(size.height.saturating_sub(self.below));
+        if size.width <= self.left + self.right {
+            return first..first;
+        }
+        first..last.max(first)
+    }
+}
+
+/// A register that stores its share of the bus.
+#[derive(Clone, Debug)]
+pub(super) struct Store {
+    /// Of the wires of all jobs.
+    pub(super) wires: Range<usize>,
+    pub(super) register: Analog,
+    pub(super) share: Share,
+    /// Where the cell lies, seen from the pixel whose bus it stores.
+    pub(super) beside: (isize, isize),
+    pub(super) border: Border,
+    /// Whether FLAG is known to be 1 in all pixels.
+    pub(super) whole: bool,
+    pub(super) step: u64,
+}
+
+/// Two stores, one after the other, of which the second has what the first put into its cell on
+/// its bus: the usual way to move a value, since each store inverts.
+#[derive(Clone, Debug)]
+pub(super) struct Pair {
+    pub(super) first: Store,
+    pub(super) second: Store,
+    /// What else is on the second bus.
+    pub(super) extra: Option<Wire>,
+    /// Whether what the first stored is read again.
+    pub(super) kept: bool,
+    /// Whether the second cell is on the first bus.
+    pub(super) in_place: bool,
+}
+
+impl Pair {
+    /// `None` where they cannot be one.
+    fn of(first: &Store, second: &Store, wires: &[Wire], kept: bool) -> Option<Self> {
+        let (one, two) = (&wires[first.wires.clone()], &wires[second.wires.clone()]);
+        let between = Wire {
+            plane: first.register.0.into(),
+            beside: (0, 0),
+        };
+        let target = usize::from(second.register.0);
+        let mut extra = two.iter().filter(|wire| **wire != between);
+        let (other, more) = (extra.next().copied(), extra.next());
+        let joined = two.len() == 1 + usize::from(other.is_some()) && more.is_none();
+        let straight = other.is_none_or(|wire| wire.beside == (0, 0));
+        let in_place = one.iter().any(|wire| wire.plane == target);
+        let level = first.beside == (0, 0) && one.iter().all(|wire| wire.beside == (0, 0));
+        let fits = joined
+            && straight
+            && one.len() <= 2
+            && (level || !in_place)
+            && first.register != second.register
+            && second.beside == (0, 0)
+            && first.whole
+            && second.whole
+            && first.share.by == 1
+            && second.share.by == 1;
+        fits.then(|| Self {
+            first: first.clone(),
+            second: second.clone(),
+            extra: other,
+            kept,
+            in_place,
+        })
+    }
+}
+
+/// One bit of each pixel: `target := [not] (others, or itself)`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Logic {
+    /// Planes of bits of a [`Band`].
+    pub(super) target: usize,
+    pub(super) others: [usize; 4],
+    /// How many they are.
+    pub(super) count: usize,
+    /// Whether the target is among the sources.
+    pub(super) kept: bool,
+    pub(super) not: bool,
+}
+
+impl Logic {
+    /// `None` where a mask or more sources are in play.
+    fn of(target: Bit, sources: &[Bit], not: bool, layout: &Layout) -> Option<Self> {
+        let plane = |bit: Bit| match bit {
+            Bit::Register(register) => Some(usize::from(register.0)),
+            Bit::Flag => Some(Band::<()>::flag_plane(layout)),
+            Bit::Select | Bit::Rect => None,
+        };
+        if target == Bit::Register(layout.roles.propagated) {
+            return None;
+        }
+        let mut logic = Self {
+            target: plane(target)?,
+            kept: sources.contains(&target),
+            not,
+            ..Self::default()
+        };
+        for source in sources.iter().filter(|source| **source != target) {
+            *logic.others.get_mut(logic.count)? = plane(*source)?;
+            logic.count += 1;
+        }
+        Some(logic)
+    }
+}
+
+/// What there is to do on some rows.
+#[derive(Clone, Debug)]
+pub(super) enum Job<'a> {
+    /// One target of a bus.
+    Store(Store),
+    Pair(Box<Pair>),
+    /// NEWS cells that several pixels drive: where each lies, and its share.
+    Drive {
+        wires: Range<usize>,
+        driven: Vec<((isize, isize), Share)>,
+        step: u64,
+    },
+    /// FLAG := the bus is above zero.
+    Positive {
+        wires: Range<usize>,
+        border: Border,
+    },
+    /// NEWS := the square of the bus.
+    Square {
+        wires: Range<usize>,
+        step: u64,
+    },
+    Logic(Logic),
+    /// Any other word that has no bus.
+    Word(Issued<'a>),
+    /// A register into its copy.
+    Copy(Register),
+}
+
+/// Words taken apart, in order.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Jobs<'a> {
+    pub(super) jobs: Vec<Job<'a>>,
+    pub(super) wires: Vec<Wire>,
+}
+
+/// What is known about a word from those around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    /// FLAG is 1 in all pixels before it.
+    pub(super) whole: bool,
+    /// Which analogue registers are read after it, before all their cells are written.
+    pub(super) live: Live,
+}
+
+impl Known {
+    /// Nothing.
+    pub(super) const NOTHING: Self = Self {
+        whole: false,
+        live: Live::ALL,
+    };
+}
+
+impl<'a> Jobs<'a> {
+    /// One more word.
+    pub(super) fn word(&mut self, issued: Issued<'a>, layout: &Layout, known: Known) {
+        match issued.word {
+            Primitive::Bus { targets, sources } => {
+                let wires = self.wires(sources, issued, layout);
+                self.bus(targets, &wires, issued.step, layout, known);
+            }
+            Primitive::Square { sources } => {
+                let wires = self.wires(sources, issued, layout);
+                let step = issued.step;
+                self.jobs.push(Job::Square { wires, step });
+            }
+            Primitive::Where { sources } => {
+                let wires = self.wires(sources, issued, layout);
+                let border = Border::of(&self.wires[wires.clone()], (0, 0));
+                self.jobs.push(Job::Positive { wires, border });
+            }
+            Primitive::Or { target, sources } => {
+                self.logic(Bit::Register(*target), sources, false, issued, layout);
+            }
+            Primitive::Nor { target, sources } => {
+                self.logic(Bit::Register(*target), sources, true, issued, layout);
+            }
+            Primitive::WhereBit { sources } => {
+                self.logic(Bit::Flag, sources, false, issued, layout);
+            }
+            _ => self.jobs.push(Job::Word(issued)),
+        }
+    }
+
+    /// Makes the last two jobs one; whether it did. `live`: as after the last.
+    pub(super) fn join(&mut self, live: Live) -> bool {
+        let [.., Job::Store(first), Job::Store(second)] = &self.jobs[..] else {
+            return false;
+        };
+        let kept = live.has(first.register);
+        let Some(pair) = Pair::of(first, second, &self.wires, kept) else {
+            return false;
+        };
+        self.jobs.truncate(self.jobs.len() - 2);
+        self.jobs.push(Job::Pair(Box::new(pair)));
+        true
+    }
+
+    fn logic(
+        &mut self,
+        target: Bit,
+        sources: &[Bit],
+        not: bool,
+        issued: Issued<'a>,
+        layout: &Layout,
+    ) {
+        let logic = Logic::of(target, sources, not, layout);
+        self.jobs.push(logic.map_or(Job::Word(issued), Job::Logic));
+    }
+
+    fn bus(
+        &mut self,
+        targets: &[Target],
+        wires: &Range<usize>,
+        step: u64,
+        layout: &Layout,
+        known: Known,
+    ) {
+        let place = |target: &Target| match target {
+            Target::Register(register) => (*register, (0, 0)),
+            Target::Neighbour(direction) => (layout.news, direction.step()),
+        };
+        let to_news = |target: &&Target| place(target).0 == layout.news;
+        let several = targets.iter().filter(to_news).count() > 1;
+        let share = |part| Share::of(targets.len(), part);
+        for (part, target) in targets.iter().enumerate() {
+            let (register, beside) = place(target);
+            let lost = known.whole && !known.live.has(register);
+            if lost || (several && register == layout.news) {
+                continue;
+            }
+            self.jobs.push(Job::Store(Store {
+                wires: wires.clone(),
+                register,
+                share: share(part),
+                beside,
+                border: Border::of(&self.wires[wires.clone()], beside),
+                whole: known.whole,
+                step,
+            }));
+        }
+        if several {
+            let driven = targets
+                .iter()
+                .enumerate()
+                .filter(|(_, target)| to_news(target))
+                .map(|(part, target)| (place(target).1, share(part)));
+            self.jobs.push(Job::Drive {
+                wires: wires.clone(),
+                driven: driven.collect(),
+                step,
+            });
+        }
+    }
+
+    /// What the sources put on the bus.
+    fn wires(&mut self, sources: &[Source], issued: Issued<'_>, layout: &Layout) -> Range<usize> {
+        let first = self.wires.len();
+        let news = if issued.copied {
+            Band::<()>::copy_plane(layout)
+        } else {
+            usize::from(layout.news.0)
+        };
+        self.wires.extend(sources.iter().map(|source| {
+            let (plane, beside) = match source {
+                Source::Register(register) if *register == layout.news => (news, (0, 0)),
+                Source::Register(register) => (usize::from(register.0), (0, 0)),
+                Source::Pix => (Band::<()>::light_plane(layout), (0, 0)),
+                Source::In => (Band::<()>::planes(layout) + issued.input, (0, 0)),
+                Source::Neighbour(direction) => (news, direction.step()),
+            };
+            Wire { plane, beside }
+        }));
+        first..self.wires.len()
+    }
+}
