@@ -81,10 +81,10 @@ pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut Trai
     numbers
 }
 
-/// Neither infinite nor NaN: of those the difference from itself is NaN.
+/// Neither infinite nor NaN: nought times those is NaN.
 #[inline]
 pub(super) fn is_number<R: Real>(d: R) -> bool {
-    d - d == R::ZERO
+    d * R::ZERO == R::ZERO
 }
 
 #[cfg(test)]
