@@ -25,6 +25,10 @@ bench:
 interop:
     .ci/interop
 
+# Every reader of event files under libFuzzer, so many seconds each
+fuzz SECONDS="60":
+    .ci/fuzz {{SECONDS}}
+
 # The bundled clip, from OpenCV's vtest.avi as y4m (see clips/README.md)
 clip Y4M:
     cargo run --release --example bundle_clip -- {{Y4M}} clips/vtest_256x256.apng 1900000

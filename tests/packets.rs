@@ -54,16 +54,18 @@ fn json(folder: &Path, arguments: &[&str]) -> Value {
 
 #[track_caller]
 fn refused(arguments: &[&str], words: &[&str]) {
-    let folder = folder();
-    let said = amacrine(folder.path(), arguments);
+    refused_in(folder().path(), arguments, words);
+}
+
+#[track_caller]
+fn refused_in(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let files = || folder.read_dir().unwrap().count();
+    let before = files();
+    let said = amacrine(folder, arguments);
     let message = String::from_utf8_lossy(&said.stderr).into_owned();
     assert_eq!(said.status.code(), Some(2), "{message}");
     assert!(said.stdout.is_empty() && !message.contains("panicked"));
-    assert_eq!(
-        folder.path().read_dir().unwrap().count(),
-        1,
-        "files were left"
-    );
+    assert_eq!(files(), before, "files were left");
     let message = message.replace('│', " ");
     let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
     for word in words {
@@ -285,8 +287,20 @@ fn bad_input_gets_one_message() {
         ],
     );
     show(
-        &["-o", "x.gif", "--view", "rate"],
-        &["animations show frames only"],
+        &["-o", "x.apng", "--view", "rate"],
+        &["this view shows all of the packet at once", ".png or .svg"],
+    );
+    show(
+        &["-o", "x.gif", "--view", "surface"],
+        &["a GIF has too few colours", ".apng"],
+    );
+    show(
+        &["-o", "x.png", "--size", "16"],
+        &["width x height in pixels"],
+    );
+    show(
+        &["-o", "x.png", "--size", "0x8"],
+        &["width x height in pixels"],
     );
     show(
         &["-o", "x.gif", "--window", "1us"],
@@ -298,6 +312,68 @@ fn bad_input_gets_one_message() {
     );
     show(&["-o", "no/x.png"], &["cannot write no/x.png"]);
     show(&[], &["--output"]);
+}
+
+/// From the file, else from the command line, else the smallest that holds the events.
+#[test]
+fn sizes_are_asked_for_in_order() {
+    let folder = folder();
+    let bare = "t,x,y,p\n1000,3,5,1\n2000,9,2,0\n";
+    fs::write(folder.path().join("bare.csv"), bare).unwrap();
+    let size = |arguments: &[&str]| {
+        let seen = json(folder.path(), arguments);
+        (
+            seen["width"].as_u64(),
+            seen["height"].as_u64(),
+            seen["size_known"].as_bool(),
+        )
+    };
+    for verb in [
+        &["packets", "bare.csv"][..],
+        &["show", "bare.csv", "-o", "x.svg"],
+    ] {
+        let given = [verb, &["--size", "346x260"]].concat();
+        let stated: Vec<&str> = given
+            .iter()
+            .map(|a| if *a == "bare.csv" { "e.csv" } else { a })
+            .collect();
+        assert_eq!(size(verb), (Some(10), Some(6), Some(false)), "{verb:?}");
+        assert_eq!(size(&given), (Some(346), Some(260), Some(true)), "{verb:?}");
+        assert_eq!(size(&stated), (Some(16), Some(8), Some(true)), "{verb:?}");
+        let said = good(folder.path(), verb);
+        assert!(said.contains("give --size WxH"), "{said}");
+    }
+    let compared = json(
+        folder.path(),
+        &["compare", "bare.csv", "bare.csv", "--size", "40x30"],
+    );
+    assert_eq!(compared["reference"]["size"]["width"], 40);
+    refused_in(
+        folder.path(),
+        &["packets", "bare.csv", "--size", "9x9"],
+        &["bare.csv", "x"],
+    );
+}
+
+#[test]
+fn surfaces_and_kinds_move_too() {
+    let folder = folder();
+    for view in ["surface", "kinds", "frame"] {
+        let name = format!("{view}.apng");
+        let said = json(
+            folder.path(),
+            &[
+                "show", "e.csv", "-o", &name, "--view", view, "--window", "5ms",
+            ],
+        );
+        assert_eq!(said["frames"].as_u64(), Some(4));
+        let file = fs::File::open(folder.path().join(&name)).unwrap();
+        let decoder = image::codecs::png::PngDecoder::new(std::io::BufReader::new(file)).unwrap();
+        let frames = image::AnimationDecoder::into_frames(decoder.apng().unwrap());
+        let frames: Vec<_> = frames.map(|f| f.unwrap().into_buffer()).collect();
+        assert_eq!(frames.len(), 4, "{view}");
+        assert!(frames[0] != frames[1], "{view}: nothing moves");
+    }
 }
 
 #[test]

@@ -45,6 +45,8 @@ pub struct Errors {
     pub division_mismatch: f64,
     /// Noise of every store, LSB.
     pub noise: f64,
+    /// Step of the converter that sets the global input, LSB; 0 sets any value.
+    pub input_step: f64,
     /// Lowest and highest value of a cell, LSB.
     pub range: (f64, f64),
     /// What a cell that nothing was put on holds, LSB.
@@ -72,6 +74,8 @@ impl Errors {
             mismatch_correlation: value(Figure::MismatchCorrelation),
             division_mismatch: value(Figure::DivisionMismatch),
             noise: value(Figure::StoreNoise),
+            // The host's table has an entry for each LSB.
+            input_step: 1.0,
             range: (
                 value(Figure::Lowest) - headroom,
                 value(Figure::Highest) + headroom,
@@ -232,10 +236,13 @@ impl Domain for Silicon {
         value as f32
     }
 
-    /// The DAC steps by whole LSB. The host's table is calibrated so that the plane arrives
-    /// right after two stores of an average cell; raw codes are not.
+    /// The converter steps. The host's table is calibrated so that the plane arrives right
+    /// after two stores of an average cell; raw codes are not.
     fn input(&self, value: f64, calibrated: bool) -> f32 {
-        let step = value.round_ties_even();
+        let step = match self.errors.input_step {
+            0.0 => value,
+            step => (value / step).round_ties_even() * step,
+        };
         if !calibrated {
             return step as f32;
         }

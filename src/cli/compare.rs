@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use super::recording::{self, Recording};
 use crate::{
     compare::{
         Comparison, Pair,
         equality::Side,
         ruler::{Scales, Score, scores},
     },
-    event::file::{self, Loaded},
+    event::file::Loaded,
     plane::Size,
     unit::Micros,
 };
@@ -21,6 +22,8 @@ pub struct Arguments {
     a: PathBuf,
     /// What is judged against it
     b: PathBuf,
+    #[command(flatten)]
+    recording: Recording,
     /// Events of one pixel, kind and sign match when their times differ by at most this
     #[arg(long, default_value = "1ms", value_name = "TIME")]
     within: Micros,
@@ -40,8 +43,8 @@ pub struct Arguments {
 /// # Errors
 /// When a file cannot be read, or the two are of different sensors.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let mut reference = file::read(&arguments.a)?;
-    let mut judged = file::read(&arguments.b)?;
+    let mut reference = arguments.recording.read(&arguments.a)?;
+    let mut judged = arguments.recording.read(&arguments.b)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
     let pair = Pair::of(&reference.packet, &judged.packet)?;
@@ -199,11 +202,7 @@ impl<'a> Input<'a> {
 /// Who is compared with whom.
 fn head(arguments: &Arguments, reference: &Loaded, judged: &Loaded) -> String {
     let line = |role: &str, path: &Path, loaded: &Loaded| {
-        let note = if loaded.size_known {
-            ""
-        } else {
-            " (the file does not say; the smallest that holds all events)"
-        };
+        let note = recording::guessed(loaded.size_known);
         let size = loaded.packet.size;
         let skipped = match loaded.skipped {
             0 => String::new(),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use miette::miette;
 use serde_json::json;
 
-use super::progress::Progress;
+use super::{progress::Progress, recording};
 use crate::{
     event::{
         Event,
@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long, default_value = "lz4", value_name = "lz4|zstd|none", value_parser = compression)]
     compression: Compression,
     /// The size of the sensor, where A does not say it
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = recording::size)]
     size: Option<Size>,
     /// Only the events from FROM on and before TO, each with its unit; either may be left out
     #[arg(long, value_name = "FROM..TO", value_parser = slice)]
@@ -59,16 +59,6 @@ fn compression(text: &str) -> Result<Compression, String> {
         .into_iter()
         .find(|c| c.name() == text)
         .ok_or_else(|| "give lz4, zstd or none".into())
-}
-
-fn size(text: &str) -> Result<Size, String> {
-    let read = || {
-        let (width, height) = text.split_once('x')?;
-        Some(Size::new(height.parse().ok()?, width.parse().ok()?))
-    };
-    read()
-        .filter(|size| size.width.min(size.height) > 0 && size.width.max(size.height) <= 1 << 16)
-        .ok_or_else(|| "give width x height in pixels, such as 346x260".into())
 }
 
 fn slice(text: &str) -> Result<(Micros, Micros), String> {

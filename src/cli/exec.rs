@@ -113,6 +113,11 @@ fn assignment(text: &str) -> Result<Assignment, String> {
     if !name.contains('.') {
         return Ok(Assignment::Register(name.to_owned(), value.into()));
     }
+    figure(name, value).map(|(figure, number)| Assignment::Figure(figure, number))
+}
+
+/// A number of the chip and another value of it, for the command line.
+pub(super) fn figure(name: &str, value: &str) -> Result<(Figure, f64), String> {
     let Some(figure) = Figure::named(name) else {
         let all: Vec<String> = Figure::ALL
             .iter()
@@ -130,7 +135,7 @@ fn assignment(text: &str) -> Result<Assignment, String> {
             figure.domain().expected()
         )
     })?;
-    Ok(Assignment::Figure(figure, number))
+    Ok((figure, number))
 }
 
 /// Runs the verb.

@@ -8,7 +8,9 @@ mod debug;
 pub mod demo;
 pub mod disasm;
 pub mod exec;
+pub mod feasibility;
 mod kernels;
+pub mod merge;
 pub mod mesh;
 mod opened;
 pub mod packets;
@@ -16,16 +18,22 @@ pub mod plan;
 mod progress;
 pub mod quantise;
 mod readout;
+mod recording;
 mod registers;
+pub mod report;
 pub mod run;
 pub mod show;
 mod statistics;
 mod strip;
+pub mod sweep;
 mod timed;
+pub mod waterfall;
 
 use std::{io::Write, process::ExitCode};
 
 use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::guard;
 
 /// One for each verb, as `amacrine help` shows them.
 const EXAMPLES: &str = "\
@@ -36,12 +44,17 @@ Examples:
   amacrine asm programs/rgc/centre_surround.scamp
   amacrine quantise rgc-5x5 --to ternary --sum zero
   amacrine compile sobel-x --filter-only
+  amacrine waterfall rgc-5x5-ternary --threshold 60 -o waterfall.svg
   amacrine mesh solve --lambda 10 --input P.npy --output H.npy
+  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html
   amacrine compare out/reference.npy out/silicon.npy --within 1ms
   amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
   amacrine packets out/silicon.npy --readout arbiter
   amacrine plan --scene clip.mp4 --sensor sensors/dvs-v2e.toml --tolerance 1% --verify
-  amacrine show out/silicon.npy -o picture.png";
+  amacrine show out/silicon.npy -o picture.png
+  amacrine sweep studies/formats.toml --output out/formats
+  amacrine merge out/shard-0 out/shard-1 --output out/all
+  amacrine report out/formats -o front.svg";
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
@@ -67,8 +80,12 @@ enum Verb {
     Quantise(quantise::Arguments),
     /// Kernels to a program: shift, add, halve, with the proof
     Compile(compile::Arguments),
+    /// Where the events of the float sensor go, step by step, on the way to the chip
+    Waterfall(waterfall::Arguments),
     /// The resistor mesh: solve it, step it, fit a kernel to it, draw it
     Mesh(mesh::Arguments),
+    /// Whether a kernel can run on a chip, and what is lost, as a page to forward
+    Feasibility(feasibility::Arguments),
     /// Compare two event files
     Compare(compare::Arguments),
     /// An event file into another format
@@ -79,6 +96,12 @@ enum Verb {
     Plan(plan::Arguments),
     /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
     Show(show::Arguments),
+    /// Many points of a study, on all cores, resumable: results as CSV and JSON lines
+    Sweep(sweep::Arguments),
+    /// The folders of a sweep's shards into one
+    Merge(merge::Arguments),
+    /// Which points of a sweep no other beats: error against time, bits or words
+    Report(report::Arguments),
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -86,6 +109,12 @@ enum Verb {
 /// Exit code 0 when all went well, 2 for bad input.
 #[must_use]
 pub fn main() -> ExitCode {
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !guard::is_guarded() {
+            hook(panic);
+        }
+    }));
     let result = match Arguments::parse().verb {
         None => demo::run(&demo::Arguments::default()),
         Some(Verb::Demo(arguments)) => demo::run(&arguments),
@@ -95,12 +124,17 @@ pub fn main() -> ExitCode {
         Some(Verb::Disasm(arguments)) => disasm::run(&arguments),
         Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
         Some(Verb::Compile(arguments)) => compile::run(&arguments),
+        Some(Verb::Waterfall(arguments)) => waterfall::run(&arguments),
         Some(Verb::Mesh(arguments)) => mesh::run(&arguments),
+        Some(Verb::Feasibility(arguments)) => feasibility::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
         Some(Verb::Packets(arguments)) => packets::run(&arguments),
         Some(Verb::Plan(arguments)) => plan::run(&arguments),
         Some(Verb::Show(arguments)) => show::run(&arguments),
+        Some(Verb::Sweep(arguments)) => sweep::run(&arguments),
+        Some(Verb::Merge(arguments)) => merge::run(&arguments),
+        Some(Verb::Report(arguments)) => report::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

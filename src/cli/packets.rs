@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use miette::miette;
 use serde_json::{Value, json};
 
-use super::readout;
+use super::{
+    readout,
+    recording::{self, Recording},
+};
 use crate::{
     event::{
         Packet, Polarity,
@@ -24,6 +27,8 @@ use crate::{
 pub struct Arguments {
     /// An event file
     file: PathBuf,
+    #[command(flatten)]
+    recording: Recording,
     /// Length of a bit map's frame, and of the window that peaks are measured in
     #[arg(long, default_value = "10ms", value_name = "TIME")]
     window: Micros,
@@ -56,7 +61,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     arguments.readout.open()?.map(|d| d.readout()).transpose()?;
-    let loaded = file::read(&arguments.file)?;
+    let loaded = arguments.recording.read(&arguments.file)?;
     let read = arguments.readout.apply(&loaded.packet)?;
     let packet = read.as_ref().map_or(&loaded.packet, |(_, r)| &r.packet);
     let counted = Counted::of(packet, arguments)?;
@@ -208,11 +213,7 @@ impl Shown<'_> {
             ..
         } = self;
         let events = p.events.len() as u64;
-        let note = if self.loaded.size_known {
-            ""
-        } else {
-            " (the file does not say; the smallest that holds all events)"
-        };
+        let note = recording::guessed(self.loaded.size_known);
         let kinds = if p.channels == 1 { "kind" } else { "kinds" };
         let mut lines = vec![format!(
             "packet   {}, {}{note}, {} {kinds}, {:.6} s",

@@ -80,6 +80,17 @@ pub(super) enum Total {
     Kept,
 }
 
+impl Total {
+    /// As it is written.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Zero => "zero",
+            Self::Kept => "kept",
+        }
+    }
+}
+
 impl From<Total> for Sum {
     fn from(total: Total) -> Self {
         match total {

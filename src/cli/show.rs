@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use miette::miette;
 
+use super::recording::{self, Recording};
 use crate::{
-    event::{Packet, file},
+    event::Packet,
     picture::{
         view::{self, Look, View},
         write_drawing, write_frames,
@@ -22,7 +23,9 @@ use crate::{
 pub struct Arguments {
     /// An event file
     file: PathBuf,
-    /// The picture: .png or .svg; .gif or .apng for an animation, window by window
+    #[command(flatten)]
+    recording: Recording,
+    /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds)
     #[arg(short, long, value_name = "PICTURE")]
     output: PathBuf,
     /// What of it
@@ -69,6 +72,24 @@ enum Shown {
     Kinds,
 }
 
+impl Arguments {
+    /// A picture of the whole packet does not move, and a GIF holds few colours.
+    fn can_move(&self) -> miette::Result<()> {
+        let output = self.output.display();
+        match self.view {
+            Shown::Surface | Shown::Kinds if gif(&self.output) => Err(miette!(
+                help = "give a name that ends in .apng, or leave --view out",
+                "{output}: a GIF has too few colours for this view"
+            )),
+            Shown::Overview | Shown::Frame | Shown::Surface | Shown::Kinds => Ok(()),
+            Shown::Cloud | Shown::Rate | Shown::Intervals => Err(miette!(
+                help = "give a name that ends in .png or .svg; frames, surfaces and kinds move",
+                "{output}: this view shows all of the packet at once, it does not move"
+            )),
+        }
+    }
+}
+
 impl Shown {
     const fn view(self) -> View {
         match self {
@@ -99,14 +120,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "--window 0: a frame needs some time"
         ));
     }
-    if moving && arguments.view != Shown::Overview && arguments.view != Shown::Frame {
-        return Err(miette!(
-            help = "give a name that ends in .png or .svg, or leave --view out",
-            "{}: animations show frames only",
-            arguments.output.display()
-        ));
+    if moving {
+        arguments.can_move()?;
     }
-    let mut packet = file::read(&arguments.file)?.packet;
+    let loaded = arguments.recording.read(&arguments.file)?;
+    let size_known = loaded.size_known;
+    let mut packet = loaded.packet;
     cut(&mut packet, arguments)?;
     let name = arguments.file.display().to_string();
     let title = arguments.title.as_ref().unwrap_or(&name);
@@ -128,15 +147,27 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "file": arguments.file,
             "output": arguments.output,
             "events": events,
+            "width": packet.size.width,
+            "height": packet.size.height,
+            "size_known": size_known,
             "frames": frames,
         });
         super::say(&format!("{said}\n"));
     } else {
         let frames = frames.map_or(String::new(), |n| format!(" in {n} frames"));
         let output = arguments.output.display();
-        super::say(&format!("wrote    {output}: {events} events{frames}\n"));
+        let of = match recording::guessed(size_known) {
+            "" => String::new(),
+            note => format!(" of {}{note}", packet.size),
+        };
+        super::say(&format!("wrote    {output}: {events} events{of}{frames}\n"));
     }
     Ok(())
+}
+
+fn gif(path: &Path) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("gif"))
 }
 
 /// Whether the picture moves, by its name.
@@ -191,7 +222,22 @@ fn animate(packet: &Packet, title: &str, arguments: &Arguments) -> miette::Resul
             "the packet was watched for no time: there is no frame to show"
         ));
     }
-    let frames = view::frames(packet, title, from, to, window)?;
-    write_frames(&arguments.output, frames, arguments.hold.seconds())?;
+    let hold = arguments.hold.seconds();
+    match arguments.view {
+        Shown::Surface | Shown::Kinds => {
+            let look = Look {
+                title,
+                view: arguments.view.view(),
+                window,
+                at: None,
+            };
+            let pages = view::pages(packet, look, from, to)?;
+            write_frames(&arguments.output, pages, hold)?;
+        }
+        Shown::Overview | Shown::Frame | Shown::Cloud | Shown::Rate | Shown::Intervals => {
+            let frames = view::frames(packet, title, from, to, window)?;
+            write_frames(&arguments.output, frames, hold)?;
+        }
+    }
     Ok(pages)
 }

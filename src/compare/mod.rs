@@ -13,6 +13,7 @@
 //! | metric | file | identical | nothing in common |
 //! |---|---|---|---|
 //! | equality, first divergence | [`equality`] | equal | the earliest event |
+//! | fate: kept, mistimed, wrong sign, lost, extra | [`fate`] | all kept | all lost, all extra |
 //! | counts, Pearson, L1 | [`counts`] | 1, 0 | near 0, all events |
 //! | precision, recall, F1, time error | [`matching`] | 1, 1, 1, 0 | 0, 0, 0, none |
 //! | van Rossum's distance per event | [`van_rossum`] | 0 | about 1 |
@@ -23,6 +24,7 @@
 
 pub mod counts;
 pub mod equality;
+pub mod fate;
 pub mod intervals;
 pub mod matching;
 pub mod null;

@@ -170,6 +170,7 @@ impl<'a> Request<'a> {
         let figure = |figure| self.device.value(figure);
         let mut limits = Limits {
             input: (low, high),
+            odd: false,
             errors: Errors {
                 transfer: figure(Figure::TransferError),
                 division: figure(Figure::DivisionError),
@@ -194,12 +195,12 @@ impl<'a> Request<'a> {
         // Each halving negates, and after an odd number of them the input lies elsewhere.
         let goals: Vec<Field> = goals.iter().map(|goal| goal.times(-1)).collect();
         limits.input = (-high, -low);
+        limits.odd = true;
         let mut minus = self.solve(&goals, unit, other, &all, Some(limits))?;
         minus.holds &= plus.holds;
         let Some(bits) = halvings(&minus, unit, limits) else {
             return Err(CompileError::Range { low, high });
         };
-        let bits = bits + u32::from(bits.is_multiple_of(2));
         let first = prefix(self.device, self.input, other, bits);
         Ok(self.finished(&minus, unit, bits, first))
     }

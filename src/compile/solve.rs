@@ -34,6 +34,8 @@ pub(super) struct Job {
 pub(super) struct Limits {
     /// The lowest and highest input, LSB.
     pub(super) input: (f64, f64),
+    /// What is left of an odd number of halvings: they are done in pairs and one more.
+    pub(super) odd: bool,
     pub(super) errors: Errors,
 }
 
@@ -48,17 +50,21 @@ impl Limits {
             if bits > 0 {
                 dark = self.errors.stored(dark, true);
             }
+            if self.odd && bits % 2 == 0 {
+                continue;
+            }
             let scale = fine(unit) * 2f64.powi(bits);
             // An odd number of halvings leaves minus the input, for which a plan of its own is
             // made.
-            let (low, high) = if bits % 2 == 0 {
+            let (low, high) = if self.odd || bits % 2 == 0 {
                 (low, high)
             } else {
                 (-most, most)
             };
             let fits = |(field, dark): (&Field, f64)| {
                 let (low, high) = field.bounds(low, high);
-                low / scale + dark >= -128.0 && high / scale + dark <= 127.0
+                // With the errors and without them: neither may be what saves the other.
+                low / scale + dark.min(0.0) >= -128.0 && high / scale + dark.max(0.0) <= 127.0
             };
             let darks = plan.dark(dark, self.errors);
             // Minus the input may be stored on the way.

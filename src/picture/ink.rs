@@ -22,6 +22,9 @@ pub const EXTRA: Ink = Rgb([0, 120, 60]);
 /// One missing and one extra at one pixel: of another sign or kind.
 pub const SWAPPED: Ink = Rgb([20, 20, 20]);
 
+/// Both sensors have it, at different times.
+pub const MISTIMED: Ink = Rgb([240, 200, 60]);
+
 /// All that are not gray.
 pub const COLOURED: [Ink; 4] = [ON, OFF, MISSING, EXTRA];
 
@@ -66,7 +69,7 @@ mod tests {
     fn the_colour_blind_can_tell_the_inks_apart() {
         let together = [
             vec![ON, OFF, EMPTY],
-            vec![MATCHED, MISSING, EXTRA, SWAPPED, EMPTY],
+            vec![MATCHED, MISSING, EXTRA, SWAPPED, MISTIMED, EMPTY],
         ];
         for eye in [PROTAN, DEUTAN] {
             for inks in &together {

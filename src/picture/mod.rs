@@ -7,6 +7,7 @@
 
 mod animation;
 mod chart;
+pub mod front;
 pub mod ink;
 pub mod panel;
 mod sheet;
@@ -14,12 +15,14 @@ mod strip;
 mod surround;
 mod text;
 pub mod view;
+mod waterfall;
 
 pub use animation::{write_animation, write_frames};
-pub use chart::{Drawing, raster, svg};
+pub use chart::{Drawing, png, raster, svg};
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
 pub use surround::{SurroundShow, relief, surround};
+pub use waterfall::{Classes, WaterfallShow, WaterfallStep, waterfall};
 
 use std::{io, path::Path};
 

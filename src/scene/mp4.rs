@@ -30,6 +30,7 @@ mod h264 {
     use re_mp4::{Mp4, Sample, StsdBoxContent, TrackKind};
 
     use crate::{
+        guard::guarded,
         plane::{Plane, Size},
         scene::{Frame, Scene, SceneError, light, rate::Rate},
     };
@@ -68,11 +69,9 @@ mod h264 {
                 .map_err(|cause| SceneError::unreadable(path, cause))?
                 .len();
             // `re_mp4` 0.5 panics on some damaged tables; a damaged file is an error here.
-            let mp4 = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                Mp4::read(&mut file, bytes)
-            }))
-            .map_err(|_| wrong("its tables are damaged".into()))?
-            .map_err(|cause| wrong(format!("its tables are damaged: {cause}")))?;
+            let mp4 = guarded(|| Mp4::read(&mut file, bytes))
+                .ok_or_else(|| wrong("its tables are damaged".into()))?
+                .map_err(|cause| wrong(format!("its tables are damaged: {cause}")))?;
             let track = mp4
                 .tracks()
                 .values()

@@ -1,4 +1,10 @@
 //! Studies: many sensors on one scene, and what each loses.
 
+pub mod design;
+pub mod feasibility;
+pub mod front;
 pub mod plan;
 pub mod quantisation;
+pub mod report;
+pub mod sweep;
+pub mod waterfall;

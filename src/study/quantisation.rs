@@ -6,23 +6,24 @@
 //! `silicon` what the chip does besides.
 
 use crate::{
-    array::{Arithmetic, Array, Settings},
-    compare::{self, Comparison},
-    compile::{CompileError, Effort, Kind, Memory, Request, SensorProgram},
+    array::{Arithmetic, Array},
+    compare::{self, CompareError, Comparison},
+    compile::Effort,
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{QuantiseError, Quantiser, Sum},
+        quantise::{Quantiser, Sum},
     },
     number::Format,
     plane::Size,
-    program::{Cost, Overrides, Program},
-    reference::{Description, Reference},
+    reference::MemoryRule,
     rig::{self, RigError},
     scene::{Frame, Scene},
     sensor::Sensor,
     unit::Micros,
 };
+
+use super::design::{Compiled, Design, DesignError};
 
 /// What is asked.
 #[derive(Clone, Debug)]
@@ -107,25 +108,22 @@ pub struct Answer {
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum QuantisationError {
-    /// A kernel cannot be quantised as asked.
+    /// A kernel cannot be quantised as asked, or a sensor not be made.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Quantise(#[from] QuantiseError),
+    Design(#[from] DesignError),
     /// Scene or sensor cannot go on.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Rig(#[from] RigError),
-    /// A sensor cannot be made.
-    #[error("{what}: {why}")]
-    #[diagnostic(help("{help}"))]
-    Sensor {
-        /// Which.
-        what: String,
-        /// Why.
-        why: String,
-        /// What to do.
-        help: String,
-    },
+    /// The packets have nothing in common.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Compare(#[from] CompareError),
+    /// Fewer packets than sensors.
+    #[error("{0}: a packet is missing")]
+    #[diagnostic(help("this is a fault of amacrine: please report the kernel and the command"))]
+    Packet(String),
 }
 
 /// Shows the scene to all of them at once.
@@ -138,7 +136,8 @@ pub fn ask(
     seen: impl FnMut(&Frame),
 ) -> Result<Answer, QuantisationError> {
     let size = scene.size();
-    let mut reference = question.reference(size)?;
+    let design = question.design();
+    let mut reference = design.reference(size, MemoryRule::FilteredSnap, Format::F64)?;
     let mut built = Vec::new();
     for to in question.quantisers {
         built.push(question.build(*to, size)?);
@@ -155,9 +154,8 @@ pub fn ask(
         }
     }
     let mut packets = rig::watch(scene, &mut sensors, seen)?.into_iter();
-    let truth = packets
-        .next()
-        .ok_or_else(|| failed("the rig", "it gave no packet"))?;
+    let missing = |of: &str| QuantisationError::Packet(of.to_owned());
+    let truth = packets.next().ok_or_else(|| missing("float"))?;
     let mut rows = Vec::new();
     for Built {
         to,
@@ -167,19 +165,16 @@ pub fn ask(
     {
         let outcome = match program {
             Err(why) => Outcome::Refused(why),
-            Ok(program) => {
-                let mut scores = Vec::new();
-                for packet in packets.by_ref().take(program.chips.len()) {
-                    let comparison = compare::compare(&truth, &packet, question.within);
-                    scores.push(Score::of(&comparison.map_err(|e| failed(&to, &e))?));
-                }
-                let [exact, silicon] = scores[..] else {
-                    return Err(failed(&to, "a packet is missing"));
+            Ok(Chips { cost, .. }) => {
+                let mut score = || -> Result<Score, QuantisationError> {
+                    let packet = packets.next().ok_or_else(|| missing(&to))?;
+                    let comparison = compare::compare(&truth, &packet, question.within)?;
+                    Ok(Score::of(&comparison))
                 };
                 Outcome::OnChip(OnChip {
-                    exact,
-                    silicon,
-                    ..program.cost
+                    exact: score()?,
+                    silicon: score()?,
+                    ..cost
                 })
             }
         };
@@ -209,39 +204,24 @@ struct Chips {
     chips: [Box<dyn Array + Send>; 2],
 }
 
-fn failed(what: &str, why: &(impl ToString + ?Sized)) -> QuantisationError {
-    QuantisationError::Sensor {
-        what: what.to_owned(),
-        why: why.to_string(),
-        help: "this is a fault of amacrine: please report the kernel and the command".to_owned(),
-    }
-}
-
 impl Question<'_> {
-    fn reference(&self, size: Size) -> Result<Reference, QuantisationError> {
-        let rows = self.kernel.weights().rows();
-        let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| row.to_vec()).collect();
-        let text = format!(
-            "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n[[channel]]\nkernel = {rows:?}\nthreshold = {{ on = {t:?}, off = {t:?} }}\n",
-            t = self.threshold
-        );
-        let none = |name: &str| Err(std::io::Error::other(format!("{name} is not needed")));
-        let description = Description::parse("float", &text, &none);
-        let description = description.map_err(|e| failed("the float sensor", &e))?;
-        Reference::new(description, size, self.seed).map_err(|e| failed("the float sensor", &e))
+    fn design(&self) -> Design<'_> {
+        Design {
+            kernel: self.kernel,
+            threshold: self.threshold,
+            device: self.device,
+            effort: self.effort,
+            seed: self.seed,
+        }
     }
 
-    fn build(&self, to: Quantiser, size: Size) -> Result<Built, QuantisationError> {
-        let quantised = to.quantise(self.kernel, self.sum, self.seed)?.within_one();
-        let threshold = self.threshold / quantised.scale;
-        let kind = Kind {
-            kernel: quantised.levels.clone(),
-            on: threshold,
-            off: threshold,
-        };
-        let program = match self.program(kind) {
-            Err(error) => Err(error.to_string()),
-            Ok(program) => self.chips(&to.to_string(), &program, size)?,
+    fn build(&self, to: Quantiser, size: Size) -> Result<Built, DesignError> {
+        let design = self.design();
+        let quantised = design.quantise(to, self.sum)?;
+        let program = match design.in_levels(&quantised).compile("quantised") {
+            Err(error) if error.is_refusal() => Err(error.to_string()),
+            Err(error) => return Err(error),
+            Ok(compiled) => Ok(self.chips(&compiled, size)?),
         };
         Ok(Built {
             to: to.to_string(),
@@ -250,54 +230,28 @@ impl Question<'_> {
         })
     }
 
-    fn program(&self, kind: Kind) -> Result<SensorProgram, CompileError> {
-        let kernels = [kind.kernel.clone()];
-        let mut request = Request::new(&kernels, self.device)?;
-        request.effort = self.effort;
-        request.seed = self.seed;
-        SensorProgram::new(&[kind], Memory::Analogue, "quantised", &request)
-    }
-
-    fn chips(
-        &self,
-        name: &str,
-        program: &SensorProgram,
-        size: Size,
-    ) -> Result<Result<Chips, String>, QuantisationError> {
-        let text = Program::parse(name, &program.text).map_err(|e| failed(name, &e))?;
-        let code = match text.expand(self.device, &Overrides::default()) {
-            Ok(expansion) => expansion.code,
-            // A few words more than the chip stores.
-            Err(faults) => return Ok(Err(faults.to_string())),
-        };
-        let settings = Settings {
-            clip: true,
-            ..Settings::of(self.device)
-        };
-        let chip = |arithmetic: Arithmetic| {
-            arithmetic
-                .chip(name, code.clone(), self.device, size, settings)
-                .map_err(|e| failed(name, &e))
-        };
-        let exact = chip(Arithmetic::Number(Format::F64))?;
-        let silicon = chip(Arithmetic::Silicon { seed: self.seed })?;
-        let cost = Cost::of(&code.frame, self.device);
+    fn chips(&self, compiled: &Compiled, size: Size) -> Result<Chips, DesignError> {
+        let chip = |arithmetic| compiled.chip(arithmetic, size, compiled.settings());
         let empty = Score {
             f1: 0.0,
             event_ratio: None,
         };
-        Ok(Ok(Chips {
+        let filter = &compiled.program.filter;
+        Ok(Chips {
             cost: OnChip {
-                filter_words: program.filter.words.len() as u64,
-                words: cost.words.0,
-                array_us: cost.array_us,
-                registers: program.filter.live.iter().map(Vec::len).max().unwrap_or(1),
-                prescale_bits: program.filter.prescale,
+                filter_words: filter.words.len() as u64,
+                words: compiled.cost.words.0,
+                array_us: compiled.cost.array_us,
+                registers: compiled.registers(),
+                prescale_bits: filter.prescale,
                 exact: empty,
                 silicon: empty,
             },
-            chips: [exact, silicon],
-        }))
+            chips: [
+                chip(Arithmetic::Number(Format::F64))?,
+                chip(Arithmetic::Silicon { seed: self.seed })?,
+            ],
+        })
     }
 }
 

@@ -101,18 +101,23 @@ impl Sink for Writing {
     }
 
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
-        self.bytes.clear();
-        for e in events {
+        let address = |e: &Event| {
             let sign = u32::from(e.polarity.bit()) << 11;
-            let address = u32::from(e.y) << 22 | u32::from(e.x) << 12 | sign;
+            u32::from(e.y) << 22 | u32::from(e.x) << 12 | sign
+        };
+        let record = |address: u32, e: &Event| {
             let t = e.t.0 as u32;
-            if !self.begun && address >> 24 == u32::from(b'#') {
-                self.bytes.extend_from_slice(&OTHER.to_be_bytes());
-                self.bytes.extend_from_slice(&t.to_be_bytes());
-            }
+            (u64::from(address) << 32 | u64::from(t)).to_be_bytes()
+        };
+        if let (false, Some(first)) = (self.begun, events.first()) {
             self.begun = true;
-            self.bytes.extend_from_slice(&address.to_be_bytes());
-            self.bytes.extend_from_slice(&t.to_be_bytes());
+            if address(first) >> 24 == u32::from(b'#') {
+                out.write_all(&record(OTHER, first))?;
+            }
+        }
+        self.bytes.resize(8 * events.len(), 0);
+        for (bytes, e) in self.bytes.as_chunks_mut().0.iter_mut().zip(events) {
+            *bytes = record(address(e), e);
         }
         out.write_all(&self.bytes)
     }

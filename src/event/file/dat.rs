@@ -105,12 +105,11 @@ impl Sink for Writing {
     }
 
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
-        self.bytes.clear();
-        for e in events {
+        self.bytes.resize(8 * events.len(), 0);
+        for (word, e) in self.bytes.as_chunks_mut().0.iter_mut().zip(events) {
             let sign = u64::from(e.polarity.bit()) << 28;
             let place = sign | u64::from(e.y) << 14 | u64::from(e.x);
-            self.bytes
-                .extend_from_slice(&(place << 32 | e.t.0).to_le_bytes());
+            *word = (place << 32 | e.t.0).to_le_bytes();
         }
         out.write_all(&self.bytes)
     }

@@ -95,16 +95,25 @@ impl Sink for Writing {
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
         let channels = self.head.channels > 1;
         self.events += events.len() as u64;
-        self.bytes.clear();
-        for e in events {
-            let mut record = [0; 14];
+        let fill = |record: &mut [u8; 13], e: &Event| {
             record[..8].copy_from_slice(&e.t.0.to_le_bytes());
             record[8..10].copy_from_slice(&e.x.to_le_bytes());
             record[10..12].copy_from_slice(&e.y.to_le_bytes());
             record[12] = e.polarity.bit();
-            record[13] = e.channel;
-            self.bytes
-                .extend_from_slice(if channels { &record } else { &record[..13] });
+        };
+        if channels {
+            self.bytes.resize(14 * events.len(), 0);
+            for (record, e) in self.bytes.as_chunks_mut::<14>().0.iter_mut().zip(events) {
+                if let Some((record, [channel])) = record.split_first_chunk_mut() {
+                    fill(record, e);
+                    *channel = e.channel;
+                }
+            }
+        } else {
+            self.bytes.resize(13 * events.len(), 0);
+            for (record, e) in self.bytes.as_chunks_mut().0.iter_mut().zip(events) {
+                fill(record, e);
+            }
         }
         out.write_all(&self.bytes)
     }

@@ -9,7 +9,6 @@
 use std::{
     fs::File,
     io::{self, Seek, SeekFrom},
-    panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
 };
 
@@ -36,7 +35,7 @@ use super::{
     source::{BLOCK, Out, Sink, Source},
     writer::Head,
 };
-use crate::event::Event;
+use crate::{event::Event, guard};
 
 /// Events of a row group.
 const GROUP: usize = 1 << 20;
@@ -50,10 +49,10 @@ fn wrong(why: impl Into<String>) -> Stop {
 
 /// Does what the crate may also answer with a panic, as it does for some damaged files.
 fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, Stop> {
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(Ok(done)) => Ok(done),
-        Ok(Err(e)) => Err(wrong(format!("cannot be read: {e}"))),
-        Err(_) => Err(wrong("cannot be read: it contradicts itself")),
+    match guard::guarded(work) {
+        Some(Ok(done)) => Ok(done),
+        Some(Err(e)) => Err(wrong(format!("cannot be read: {e}"))),
+        None => Err(wrong("cannot be read: it contradicts itself")),
     }
 }
 

@@ -12,7 +12,7 @@ use image::RgbImage;
 
 pub(super) use raster::mixed;
 pub use raster::raster;
-pub use svg::svg;
+pub use svg::{png, svg};
 
 use super::{ink::Ink, text::Weight};
 

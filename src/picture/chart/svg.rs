@@ -93,7 +93,9 @@ fn escaped(text: &str) -> String {
         .collect()
 }
 
-fn png(picture: &RgbImage) -> Vec<u8> {
+/// A picture as the bytes of a PNG file.
+#[must_use]
+pub fn png(picture: &RgbImage) -> Vec<u8> {
     let mut bytes = Vec::new();
     let (width, height) = picture.dimensions();
     // A vector takes every byte, and a picture in memory has the size that it says.

@@ -16,6 +16,7 @@ mod cloud;
 mod frame;
 mod intervals;
 mod kinds;
+mod pages;
 mod rate;
 mod surface;
 
@@ -31,6 +32,7 @@ use crate::{
 };
 
 pub use frame::frames;
+pub use pages::pages;
 
 /// What of a packet is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,0 +1,305 @@
+//! `amacrine feasibility`: whether a kernel can run on a chip, as a page to forward.
+
+use std::{fmt::Write as _, path::PathBuf};
+
+use miette::{IntoDiagnostic, miette};
+
+use crate::{
+    compile::Effort,
+    event::readout::settings::Description,
+    isa::Device,
+    kernel::{Kernel, quantise::Quantiser},
+    plane::Size,
+    save::save,
+    scene::{self, Frame, OpenOptions, Scene, SceneError},
+    study::{
+        feasibility::{self, Feasibility, Fit, Question, Stream},
+        report,
+    },
+    unit::Micros,
+};
+
+use super::{progress::Progress, quantise::Total};
+
+/// What `feasibility` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility --kernel learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n\nThe page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
+)]
+pub struct Arguments {
+    /// A kernel file (.toml or .npy), or the name of a built-in
+    #[arg(long)]
+    kernel: String,
+    /// Events where kernel times light (0 to 255) moved by more than this
+    #[arg(long)]
+    threshold: f64,
+    /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
+    #[arg(long)]
+    scene: Option<String>,
+    /// The few values that the chip computes with (see `amacrine quantise --help`); else the
+    /// best of the candidates
+    #[arg(long, value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
+    to: Option<Quantiser>,
+    /// Rows of the table of quantisers
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = "ternary,po2-2,po2-4,int-3,int-5", value_parser = super::quantise::quantiser)]
+    candidates: Vec<Quantiser>,
+    /// What quantised kernels must sum to
+    #[arg(long, value_enum, default_value = "kept")]
+    sum: Total,
+    /// A shipped chip by name, or the folder of another
+    #[arg(long, default_value = "scamp5")]
+    chip: String,
+    /// Frames a second of the scene, with which the chip must keep up; instead of what it says
+    #[arg(long)]
+    fps: Option<f64>,
+    /// How long each frame is exposed, such as 2ms
+    #[arg(long)]
+    exposure: Option<Micros>,
+    /// Energy of a bit on the link in pJ, one number or LO..HI: an assumption, yours to set
+    #[arg(long, default_value = "1..20", value_name = "LO..HI", value_parser = energy)]
+    link_energy: Energy,
+    /// Events of one pixel and sign that are closer than this match
+    #[arg(long, default_value = "1ms")]
+    within: Micros,
+    /// How long to search for each program, in seconds of two cores of 2024
+    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
+    effort: f64,
+    /// Seed of the searches, of stochastic rounding and of the silicon
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Write the page here
+    #[arg(short, long, value_name = "REPORT.html")]
+    output: Option<PathBuf>,
+    /// Print one JSON object instead of the summary
+    #[arg(long)]
+    json: bool,
+}
+
+/// The least and the most, pJ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Energy(f64, f64);
+
+/// An energy, for the command line.
+fn energy(text: &str) -> Result<Energy, String> {
+    let (low, high) = text.split_once("..").unwrap_or((text, text));
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    match (number(low), number(high)) {
+        (Some(low), Some(high)) if 0.0 <= low && low <= high => Ok(Energy(low, high)),
+        _ => Err(format!(
+            "`{text}` is neither a number of pJ nor LO..HI, such as 5 or 1..20"
+        )),
+    }
+}
+
+/// What the scene is called where none was given.
+const BUNDLED: &str = "the bundled clip";
+
+/// Runs the verb.
+///
+/// # Errors
+/// One diagnostic that names what was wrong.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let kernel = kernel(&arguments.kernel)?;
+    let device = Device::find(&arguments.chip)?;
+    let open = || arguments.open();
+    let frames = open()?.frames();
+    let command = arguments.command();
+    let Energy(least, most) = arguments.link_energy;
+    let question = Question {
+        name: &arguments.kernel,
+        kernel: &kernel,
+        threshold: arguments.threshold,
+        to: arguments.to,
+        candidates: &arguments.candidates,
+        sum: arguments.sum.into(),
+        device: &device,
+        exposure: arguments.exposure,
+        link: [least, most],
+        effort: Effort::seconds(arguments.effort),
+        seed: arguments.seed,
+        readout: Description::shipped("scan")?.readout()?,
+        within: arguments.within,
+        scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
+        command: &command,
+    };
+    // For the table, for the sensors and for the waterfall.
+    let progress = Progress::new("watching", frames.map(|frames| 3 * frames));
+    let answer = feasibility::ask(&question, &open, |_| progress.tick());
+    progress.finish();
+    let (all, sight) = answer?;
+    if let Some(path) = &arguments.output {
+        let page = report::page(&all, &sight);
+        save(path, |out| out.write_all(page.as_bytes()))?;
+    }
+    if arguments.json {
+        let json = serde_json::to_string(&all).into_diagnostic()?;
+        super::say(&format!("{json}\n"));
+        return Ok(());
+    }
+    let mut text = summary(&all);
+    if let Some(path) = &arguments.output {
+        let _ = writeln!(text, "\nwrote {}", path.display());
+    }
+    super::say(&text);
+    Ok(())
+}
+
+/// The one kernel of a file or of a name.
+fn kernel(name: &str) -> miette::Result<Kernel> {
+    let (kernels, _) = super::kernels::read(name)?;
+    let count = kernels.len();
+    match <[Kernel; 1]>::try_from(kernels) {
+        Ok([kernel]) => Ok(kernel),
+        Err(_) => Err(miette!(
+            help = "give one of them, an array of shape (k,k)",
+            "{name} holds {count} kernels"
+        )),
+    }
+}
+
+impl Arguments {
+    fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
+        let options = OpenOptions { fps: self.fps };
+        match (&self.scene, self.fps) {
+            (Some(scene), _) => scene::open(scene, &options),
+            (None, None) => scene::bundled(),
+            (None, Some(fps)) if fps.is_finite() && fps > 0.0 => Ok(Box::new(Paced {
+                scene: scene::bundled()?,
+                fps,
+            })),
+            (None, Some(fps)) => Err(SceneError::BadRate { fps }),
+        }
+    }
+
+    /// The command that gives the same page again, every default written out.
+    fn command(&self) -> String {
+        let mut text = format!(
+            "amacrine feasibility --kernel {} --threshold {}",
+            quoted(&self.kernel),
+            self.threshold
+        );
+        let mut add = |name: &str, value: &str| {
+            let _ = write!(text, " --{name} {}", quoted(value));
+        };
+        if let Some(scene) = &self.scene {
+            add("scene", scene);
+        }
+        if let Some(to) = self.to {
+            add("to", &to.to_string());
+        }
+        let candidates: Vec<String> = self.candidates.iter().map(Quantiser::to_string).collect();
+        add("candidates", &candidates.join(","));
+        add("sum", self.sum.name());
+        add("chip", &self.chip);
+        if let Some(fps) = self.fps {
+            add("fps", &fps.to_string());
+        }
+        if let Some(exposure) = self.exposure {
+            add("exposure", &format!("{}us", exposure.0));
+        }
+        let Energy(least, most) = self.link_energy;
+        add("link-energy", &format!("{least}..{most}"));
+        add("within", &format!("{}us", self.within.0));
+        add("effort", &self.effort.to_string());
+        add("seed", &self.seed.to_string());
+        text + " -o report.html"
+    }
+}
+
+/// A word of a shell's command line.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=@%+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// A scene at another frame rate.
+struct Paced {
+    scene: Box<dyn Scene>,
+    fps: f64,
+}
+
+impl Scene for Paced {
+    fn size(&self) -> Size {
+        self.scene.size()
+    }
+
+    fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    fn frames(&self) -> Option<u64> {
+        self.scene.frames()
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let frame = self.scene.next_frame()?;
+        Ok(frame.map(|frame| Frame {
+            seconds: frame.index as f64 / self.fps,
+            ..frame
+        }))
+    }
+}
+
+/// The verdict, and the streams as a table.
+fn summary(all: &Feasibility) -> String {
+    let mut text = format!("{}\n\n", all.verdict.headline);
+    for finding in &all.verdict.findings {
+        let _ = writeln!(text, "{:<12} {}", finding.about, finding.says);
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<22} {:>10} {:>10} {:>10} {:>8} {:>8}",
+        "", "events", "kbit/s", "F1", "floor", "kept"
+    );
+    let streams = &all.streams;
+    let rows = [
+        ("plain DVS", Some(&streams.dvs)),
+        ("float kernel", Some(&streams.float)),
+        ("program, no errors", streams.exact.as_ref()),
+        ("program on the chip", streams.silicon.as_ref()),
+    ];
+    for (name, stream) in rows {
+        if let Some(stream) = stream {
+            text += &row(name, stream);
+        }
+    }
+    if let Fit::OnChip(chip) = &all.fit {
+        let time = &chip.time;
+        let _ = writeln!(
+            text,
+            "\n{} words a frame: {:.1} us on the array, {:.1} us of readout; at most {:.0} frames/s, {:.0} with the slots that this scene needs",
+            chip.frame_words,
+            time.array.high,
+            time.readout.high,
+            time.ceiling.low,
+            time.ceiling_of_scene.low,
+        );
+    }
+    if let Some(power) = &all.power {
+        let _ = writeln!(
+            text,
+            "{:.2} to {:.0} mW of the array at {} frames/s (modelled: what it takes idle is not public)",
+            power.array.low, power.array.high, all.scene.fps
+        );
+    }
+    text
+}
+
+fn row(name: &str, stream: &Stream) -> String {
+    let number = |value: Option<f64>, decimals: usize| {
+        value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
+    };
+    let f1 = stream.judged.map(|judged| judged.f1);
+    format!(
+        "{name:<22} {:>10} {:>10} {:>10} {:>8} {:>8}\n",
+        stream.events,
+        number(stream.mean_kbit_s, 1),
+        number(f1.map(|f1| f1.value), 4),
+        number(f1.map(|f1| f1.floor), 4),
+        number(f1.map(|f1| f1.kept), 4),
+    )
+}

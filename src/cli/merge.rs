@@ -1,0 +1,87 @@
+//! `amacrine merge`: the folders of a sweep's shards into one.
+
+use std::{fmt::Write as _, path::PathBuf};
+
+use serde_json::json;
+
+use crate::study::sweep::store;
+
+/// What `merge` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: amacrine merge out/shard-0 out/shard-1 out/shard-2 out/shard-3 --output out/all"
+)]
+pub struct Arguments {
+    /// Folders of one study
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// The folder of all results
+    #[arg(long, value_name = "DIR")]
+    output: PathBuf,
+    /// Also write results.parquet
+    #[arg(long)]
+    parquet: bool,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// The most identities of missing points that are shown.
+const SHOWN: usize = 5;
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the folders are not of one study, or cannot be read or written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    super::sweep::check_parquet(arguments.parquet)?;
+    let (manifest, finished) =
+        store::merge(&arguments.folders, &arguments.output, arguments.parquet)?;
+    let (_, rows) = store::read(&arguments.output)?;
+    let has = |index: usize| {
+        let mut rows = rows.iter();
+        rows.any(|row| row.get("index").and_then(serde_json::Value::as_u64) == Some(index as u64))
+    };
+    let missing: Vec<usize> = if finished == manifest.points.len() {
+        Vec::new()
+    } else {
+        (0..manifest.points.len())
+            .filter(|index| !has(*index))
+            .collect()
+    };
+    if arguments.json {
+        let said = json!({
+            "study": manifest.title,
+            "output": arguments.output,
+            "points": manifest.points.len(),
+            "finished": finished,
+            "missing": missing,
+        });
+        super::say(&format!("{said}\n"));
+        return Ok(());
+    }
+    let mut text = format!(
+        "study    {}\npoints   {} of {}\n",
+        manifest.title,
+        finished,
+        manifest.points.len()
+    );
+    if !missing.is_empty() {
+        let first: Vec<String> = missing.iter().take(SHOWN).map(usize::to_string).collect();
+        let more = if missing.len() > SHOWN { ", …" } else { "" };
+        let _ = writeln!(
+            text,
+            "missing  {} points: numbers {}{more}; compute them with `amacrine sweep STUDY --output {}`",
+            missing.len(),
+            first.join(", "),
+            arguments.output.display()
+        );
+    }
+    let _ = writeln!(
+        text,
+        "wrote    {}/results.csv and results.jsonl",
+        arguments.output.display()
+    );
+    super::say(&text);
+    Ok(())
+}

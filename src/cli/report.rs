@@ -1,0 +1,199 @@
+//! `amacrine report`: which points of a sweep no other beats.
+
+use std::{ffi::OsStr, fmt::Write as _, path::PathBuf};
+
+use miette::miette;
+
+use crate::{
+    picture::{
+        front::{Dot, FrontShow, fronts},
+        write_drawing,
+    },
+    study::sweep::{
+        Report,
+        key::Side,
+        report::{COSTS, Group},
+        store,
+    },
+};
+
+/// What `report` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: amacrine report out/formats -o front.svg")]
+pub struct Arguments {
+    /// A folder that `amacrine sweep` or `amacrine merge` has written
+    folder: PathBuf,
+    /// Draw error against cost; .svg or .png
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// What error is weighed against
+    #[arg(long, default_value = "seconds_per_frame", value_parser = COSTS)]
+    cost: String,
+    /// Compare all sensors, also those that were given different tasks
+    #[arg(long)]
+    pool: bool,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the folder holds no results, or the picture cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    if let Some(path) = &arguments.output {
+        let ending = path.extension().map(OsStr::to_ascii_lowercase);
+        if ending.is_none_or(|e| e != "svg" && e != "png") {
+            return Err(miette!(
+                help = "give a name that ends in .svg or .png",
+                "{}: a chart is written as SVG or PNG",
+                path.display()
+            ));
+        }
+    }
+    let (manifest, rows) = store::read(&arguments.folder)?;
+    if rows.is_empty() {
+        return Err(miette!(
+            help = "run `amacrine sweep` first",
+            "{} has no finished point",
+            arguments.folder.display()
+        ));
+    }
+    let report = Report::of(&manifest, &rows, &arguments.cost, arguments.pool);
+    if let Some(path) = &arguments.output {
+        write_drawing(path, &fronts(&shows(&report)))?;
+    }
+    if arguments.json {
+        let text = serde_json::to_string(&report).unwrap_or_default();
+        super::say(&format!("{text}\n"));
+    } else {
+        super::say(&table(&report, arguments));
+    }
+    Ok(())
+}
+
+/// A cost for people.
+fn shown(cost: &str, value: f64) -> String {
+    match cost {
+        "seconds_per_frame" => format!("{:.3} ms", value * 1e3),
+        _ => format!("{value:.0}"),
+    }
+}
+
+/// What a cost is called, with its unit.
+fn label(cost: &str) -> &str {
+    match cost {
+        "seconds_per_frame" => "time per frame",
+        "bits" => "bits of all events",
+        "words" => "instruction words of a frame",
+        _ => "bytes of state",
+    }
+}
+
+fn heading(group: &Group, number: usize, all: usize, pool: bool) -> String {
+    let sensors = match group.sensors.len() {
+        1 => "1 sensor".to_owned(),
+        n => format!("{n} sensors"),
+    };
+    let tasks = match (group.tasks, pool) {
+        (_, true) => "on tasks of their own".to_owned(),
+        (1, _) => "on one task".to_owned(),
+        (n, _) => format!("each on the same {n} tasks"),
+    };
+    if all > 1 {
+        format!("group {number}: {sensors} {tasks}")
+    } else {
+        format!("{sensors} {tasks}")
+    }
+}
+
+fn table(report: &Report, arguments: &Arguments) -> String {
+    let mut text = format!(
+        "study    {}\npoints   {} of {} finished\n",
+        report.title, report.finished, report.points
+    );
+    for (number, group) in (1..).zip(&report.groups) {
+        let _ = writeln!(
+            text,
+            "\n{}; error is 1 - F1",
+            heading(group, number, report.groups.len(), arguments.pool)
+        );
+        let width = group
+            .sensors
+            .iter()
+            .map(|s| s.name.len())
+            .max()
+            .unwrap_or(0);
+        let _ = writeln!(
+            text,
+            "  {:<width$}   error   worst  {:>14}        bits  words  front",
+            "sensor",
+            label(&report.cost).split(" of ").next().unwrap_or_default(),
+        );
+        for sensor in &group.sensors {
+            let words = sensor
+                .words
+                .map_or("-".to_owned(), |words| format!("{words:.0}"));
+            let front = match &sensor.dominated_by {
+                None => "yes".to_owned(),
+                Some(by) => format!("no, {by} is better"),
+            };
+            let _ = writeln!(
+                text,
+                "  {:<width$}  {:.4}  {:.4}  {:>14}  {:>10.0}  {words:>5}  {front}",
+                sensor.name,
+                sensor.error,
+                sensor.worst_error,
+                shown(&report.cost, sensor.cost),
+                sensor.bits,
+            );
+        }
+    }
+    for refused in &report.refused {
+        let _ = writeln!(
+            text,
+            "\ncannot   {} ({} points): {}",
+            refused.name, refused.points, refused.reason
+        );
+    }
+    if !report.without.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nwithout  {}: no {}",
+            report.without.join(", "),
+            label(&report.cost)
+        );
+    }
+    if let Some(path) = &arguments.output {
+        let _ = writeln!(text, "\nwrote    {}", path.display());
+    }
+    text
+}
+
+fn shows(report: &Report) -> Vec<FrontShow<'_>> {
+    let show = |(number, group): (usize, &Group)| {
+        let dots = group.sensors.iter().map(|sensor| Dot {
+            name: sensor.name.clone(),
+            cost: sensor.cost,
+            error: sensor.error,
+            dominated: sensor.dominated_by.is_some(),
+            side: Side::ALL
+                .iter()
+                .position(|side| side.name() == sensor.side)
+                .unwrap_or(0),
+        });
+        FrontShow {
+            heading: format!(
+                "{}: {}",
+                report.title,
+                heading(group, number, report.groups.len(), false)
+            ),
+            cost: label(&report.cost),
+            seconds: report.cost == "seconds_per_frame",
+            sides: Side::ALL.map(Side::name),
+            dots: dots.collect(),
+        }
+    };
+    (1..).zip(&report.groups).map(show).collect()
+}

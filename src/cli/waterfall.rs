@@ -1,0 +1,234 @@
+//! `amacrine waterfall`: where the events of the float sensor go on the way to the chip.
+
+use std::{fmt::Write, path::PathBuf};
+
+use miette::miette;
+
+use crate::{
+    array::{Arithmetic, ArithmeticError},
+    compare::fate::Fate,
+    compile::Effort,
+    event::readout::settings::Description,
+    isa::{Device, Figure},
+    kernel::quantise::Quantiser,
+    picture::write_drawing,
+    scene::{self, OpenOptions, Scene as _},
+    study::{
+        design::Design,
+        waterfall::{Question, Shares, Waterfall, ask},
+    },
+    unit::Micros,
+};
+
+use super::{progress::Progress, quantise::Total, readout::Choice};
+
+/// What `waterfall` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine waterfall rgc-5x5-ternary --threshold 60 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8\n\ndocs/waterfall.md says what each step is and which sensors are run."
+)]
+pub struct Arguments {
+    /// A kernel file (.toml or .npy), or the name of a built-in
+    kernel: String,
+    /// Events where kernel times light (0 to 255) moved by more than this
+    #[arg(long)]
+    threshold: f64,
+    /// How the kernel comes into few values
+    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
+    to: Quantiser,
+    /// What the quantised kernel must sum to
+    #[arg(long, value_enum, default_value = "free")]
+    sum: Total,
+    /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
+    #[arg(long)]
+    scene: Option<String>,
+    /// A shipped chip by name, or the folder of another
+    #[arg(long, default_value = "scamp5")]
+    chip: String,
+    /// What if a number of the chip were another, such as error.noise=0.1; can be given more than
+    /// once
+    #[arg(long = "set", value_name = "FIGURE=NUMBER", value_parser = figure)]
+    sets: Vec<(Figure, f64)>,
+    /// What the chip's cells hold: silicon, or numbers (f32, f16, q8.8 …), which err by their
+    /// format alone
+    #[arg(long, default_value = "silicon", value_parser = arithmetic)]
+    format: Arithmetic,
+    /// How events leave the chip; scan unless said otherwise
+    #[command(flatten)]
+    readout: Choice,
+    /// Events of one pixel and sign that are closer than this are the same
+    #[arg(long, default_value = "1ms")]
+    within: Micros,
+    /// Seed of the search, of stochastic rounding and of the silicon
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// How long to search for the program, in seconds of two cores of 2024
+    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
+    effort: f64,
+    /// Draw it
+    #[arg(short, long, value_name = "FILE.svg|FILE.png")]
+    output: Option<PathBuf>,
+    /// Print one JSON object instead
+    #[arg(long)]
+    json: bool,
+}
+
+/// An arithmetic, for the command line, which shows no help beside a message.
+fn arithmetic(name: &str) -> Result<Arithmetic, String> {
+    name.parse().map_err(|error: ArithmeticError| {
+        let known = miette::Diagnostic::help(&error);
+        format!(
+            "{error}; {}",
+            known.map_or(String::new(), |k| k.to_string())
+        )
+    })
+}
+
+/// `section.key=number`, for the command line.
+fn figure(text: &str) -> Result<(Figure, f64), String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or_else(|| format!("`{text}` is not FIGURE=NUMBER, such as error.noise=0.1"))?;
+    super::exec::figure(name, value)
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When kernel, chip, readout or scene cannot be read, the kernel does not fit the chip, no
+/// event happens, or the picture cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let (kernels, _) = super::kernels::read(&arguments.kernel)?;
+    let [kernel] = &kernels[..] else {
+        return Err(miette!(
+            help = "give one of them, an array of shape (k,k)",
+            "{} holds {} kernels",
+            arguments.kernel,
+            kernels.len()
+        ));
+    };
+    if let Some(path) = &arguments.output {
+        let ends = |end| {
+            path.extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case(end))
+        };
+        if !(ends("svg") || ends("png")) {
+            return Err(miette!(
+                help = "give a name that ends in .svg or .png",
+                "{} is no name of a picture",
+                path.display()
+            ));
+        }
+    }
+    let mut device = Device::find(&arguments.chip)?;
+    for (figure, value) in &arguments.sets {
+        device = device.what_if(*figure, *value)?;
+    }
+    let readout = match arguments.readout.open()? {
+        Some(description) => description,
+        None => Description::shipped("scan")?,
+    };
+    let question = Question {
+        design: Design {
+            kernel,
+            threshold: arguments.threshold,
+            device: &device,
+            effort: Effort::seconds(arguments.effort),
+            seed: arguments.seed,
+        },
+        to: arguments.to,
+        sum: arguments.sum.into(),
+        arithmetic: arguments.format.with_seed(arguments.seed),
+        readout: readout.readout()?,
+        within: arguments.within,
+    };
+    let mut scene = match &arguments.scene {
+        Some(scene) => scene::open(scene, &OpenOptions::default())?,
+        None => scene::bundled()?,
+    };
+    let progress = Progress::new("watching", scene.frames());
+    let answer = ask(&question, &mut scene, |_| progress.tick());
+    progress.finish();
+    let answer = answer.map_err(|error| {
+        let what = format!("no waterfall of {} on {}", arguments.kernel, arguments.chip);
+        miette::Report::new(error).wrap_err(what)
+    })?;
+    if let Some(path) = &arguments.output {
+        let scene = arguments.scene.as_deref().unwrap_or("the bundled clip");
+        let title = format!(
+            "Where the events of {} went: {}, threshold {}, {scene}",
+            arguments.kernel, arguments.chip, arguments.threshold
+        );
+        write_drawing(path, &answer.drawing(&title))?;
+    }
+    if arguments.json {
+        let json = serde_json::to_string(&answer).map_err(|e| miette!("{e}"))?;
+        super::say(&format!("{json}\n"));
+    } else {
+        super::say(&table(&answer, readout.name()));
+    }
+    Ok(())
+}
+
+/// A line for each step.
+fn table(answer: &Waterfall, readout: &str) -> String {
+    let [events, program] = answer.captions();
+    let mut text = format!(
+        "{events}\n{program}\n\n{:<22} {:>7}  {:^31}  {:^31}  {:>7}\n{:<22} {:>7}  {}  {}  {:>7}\n",
+        "% of the float events",
+        "events",
+        "in order",
+        "alone",
+        "alone -",
+        "",
+        "after",
+        CLASSES,
+        CLASSES,
+        "order",
+    );
+    let whole = answer.float_events as f64;
+    for step in &answer.steps {
+        let alone = step.backward_share.map_or(
+            format!("{:>7} {:>7} {:>7} {:>7}", "-", "-", "-", "-"),
+            columns,
+        );
+        let more = step
+            .interaction
+            .map_or("-".to_owned(), |d| format!("{:+.2}", 100.0 * d.changed()));
+        let _ = writeln!(
+            text,
+            "{:<22} {:>7.2}  {}  {alone}  {more:>7}",
+            step.name,
+            100.0 * step.forward.after() as f64 / whole,
+            columns(step.forward_share),
+        );
+    }
+    let Fate { kept, .. } = answer.ends;
+    let _ = writeln!(
+        text,
+        "{:<22} {:>7.2}  {}",
+        "first to last at once",
+        100.0 * answer.ends.after() as f64 / whole,
+        columns(answer.shares(answer.ends)),
+    );
+    let _ = writeln!(
+        text,
+        "\nkept from the float sensor to what leaves the {readout} readout: {:.2} %\nin order: what the step changes after those before it. alone: what it changes when all others are there.",
+        100.0 * kept as f64 / whole
+    );
+    text
+}
+
+const CLASSES: &str = "   lost   extra mistime    sign";
+
+/// The classes of [`CLASSES`], in %.
+fn columns(shares: Shares) -> String {
+    let Shares {
+        mistimed,
+        wrong_sign,
+        lost,
+        extra,
+    } = shares;
+    let part = |share: f64| format!("{:>7.2}", 100.0 * share);
+    [lost, extra, mistimed, wrong_sign].map(part).join(" ")
+}

@@ -1,0 +1,234 @@
+//! Error against cost: every sensor a dot, those that no other beats joined by a line.
+
+use super::{
+    chart::{
+        Anchor, Area, Drawing, Point,
+        axes::{Axis, Scale, axes},
+    },
+    ink::{self, Ink},
+    text::{LINE, Weight},
+};
+
+/// One sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dot {
+    /// What it is called.
+    pub name: String,
+    /// Its cost, above zero.
+    pub cost: f64,
+    /// Its error, 0 to 1.
+    pub error: f64,
+    /// Whether another beats it.
+    pub dominated: bool,
+    /// Which side of the comparison it is on, 0 to 2: a colour of its own.
+    pub side: usize,
+}
+
+/// Dots that are compared with each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrontShow<'a> {
+    /// Above the chart.
+    pub heading: String,
+    /// What the cost is, with its unit.
+    pub cost: &'a str,
+    /// The cost is in seconds; else in units of its own.
+    pub seconds: bool,
+    /// Names of the sides.
+    pub sides: [&'a str; 3],
+    /// The dots.
+    pub dots: Vec<Dot>,
+}
+
+/// Of each side.
+const SIDES: [Ink; 3] = [ink::ON, ink::OFF, ink::EXTRA];
+
+/// The page is so wide; the names of the front take the right part of it.
+const WIDTH: f64 = 1120.0;
+const PLOT: f64 = 620.0;
+const HEIGHT: f64 = 330.0;
+const TOP: f64 = 78.0;
+
+/// Charts below each other, one for each group.
+#[must_use]
+pub fn fronts(shows: &[FrontShow<'_>]) -> Drawing {
+    let line = f64::from(LINE);
+    let height = |show: &FrontShow<'_>| {
+        let named = show.dots.iter().filter(|dot| !dot.dominated).count();
+        (named as f64 + 3.0)
+            .mul_add(line, TOP)
+            .max(TOP + HEIGHT + 60.0)
+    };
+    let all: f64 = shows.iter().map(height).sum();
+    let mut drawing = Drawing::new(WIDTH, all.max(60.0));
+    let mut top = 0.0;
+    for show in shows {
+        draw(&mut drawing, show, top);
+        top += height(show);
+    }
+    drawing
+}
+
+/// Where the dots of a show are on the page.
+struct Plot<'a> {
+    area: Area,
+    x: Axis<'a>,
+    y: Axis<'a>,
+    seconds: bool,
+}
+
+impl<'a> Plot<'a> {
+    fn of(show: &FrontShow<'a>, top: f64) -> Self {
+        let costs = || show.dots.iter().map(|dot| along(dot.cost, show.seconds));
+        let low = costs().fold(f64::INFINITY, f64::min);
+        let high = costs().fold(f64::NEG_INFINITY, f64::max);
+        let margin = if high > low { 0.06 * (high - low) } else { 0.5 };
+        let (from, to, scale) = if show.seconds {
+            let (from, to) = ((low - margin).floor(), (high + margin).ceil());
+            (from, to, Scale::Decades)
+        } else {
+            ((low - margin).max(0.0), high + margin, Scale::Plain)
+        };
+        let errors = show.dots.iter().map(|dot| dot.error);
+        let worst = errors.fold(0.0, f64::max);
+        Self {
+            area: Area {
+                x: 64.0,
+                y: top + TOP,
+                width: PLOT - 64.0,
+                height: HEIGHT,
+            },
+            x: Axis {
+                label: show.cost,
+                from,
+                to,
+                scale,
+            },
+            y: Axis {
+                label: "error: 1 - F1 against the f64 sensor",
+                from: 0.0,
+                to: if worst > 0.0 { worst * 1.08 } else { 1.0 },
+                scale: Scale::Plain,
+            },
+            seconds: show.seconds,
+        }
+    }
+
+    fn at(&self, dot: &Dot) -> Point {
+        let x = self.x.part(along(dot.cost, self.seconds));
+        (
+            self.area.x + x * self.area.width,
+            self.area.bottom() - self.y.part(dot.error) * self.area.height,
+        )
+    }
+}
+
+/// The place of a cost on its axis; axes of time count decades of microseconds.
+fn along(cost: f64, seconds: bool) -> f64 {
+    if seconds {
+        (cost * 1e6).max(1e-3).log10()
+    } else {
+        cost
+    }
+}
+
+fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
+    let heading = (24.0, top + 12.0);
+    write(drawing, heading, Weight::Heading, &show.heading);
+    legend(drawing, show, top);
+    let plot = Plot::of(show, top);
+    axes(drawing, plot.area, plot.x, plot.y);
+    let mut front: Vec<&Dot> = show.dots.iter().filter(|dot| !dot.dominated).collect();
+    front.sort_by(|a, b| {
+        let by_cost = a.cost.total_cmp(&b.cost);
+        by_cost.then(b.error.total_cmp(&a.error))
+    });
+    // Nothing better than these steps was found.
+    for pair in front.windows(2) {
+        if let [a, b] = pair {
+            let (from, to) = (plot.at(a), plot.at(b));
+            drawing.line(from, (to.0, from.1), 1.5, ink::MATCHED);
+            drawing.line((to.0, from.1), to, 1.5, ink::MATCHED);
+        }
+    }
+    for dot in show.dots.iter().filter(|dot| dot.dominated) {
+        square(drawing, plot.at(dot), 2.5, colour(dot.side));
+    }
+    let line = f64::from(LINE);
+    let names = PLOT + 40.0;
+    let heading = (names, top + TOP - line - 4.0);
+    let what = "on the front, the cheapest first";
+    write(drawing, heading, Weight::Heading, what);
+    for (number, dot) in (1..).zip(&front) {
+        let (x, y) = plot.at(dot);
+        square(drawing, (x, y), 5.0, colour(dot.side));
+        let place = (x + 7.0, y - line);
+        write(drawing, place, Weight::Plain, &number.to_string());
+        let row = top + TOP + f64::from(number - 1) * line;
+        let mark = (names + 4.0, row + line / 2.0);
+        square(drawing, mark, 4.0, colour(dot.side));
+        let text = format!("{number} {} ({:.4})", dot.name, dot.error);
+        write(drawing, (names + 14.0, row), Weight::Plain, &text);
+    }
+}
+
+/// The colours of the sides that have dots.
+fn legend(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
+    let mut left = 24.0;
+    for (side, name) in show.sides.iter().enumerate() {
+        if show.dots.iter().any(|dot| dot.side == side) {
+            square(drawing, (left + 4.0, top + 44.0), 4.0, colour(side));
+            write(drawing, (left + 14.0, top + 34.0), Weight::Plain, name);
+            left += 30.0 + 9.0 * name.len() as f64;
+        }
+    }
+}
+
+fn write(drawing: &mut Drawing, at: Point, weight: Weight, text: &str) {
+    drawing.text(at, Anchor::Start, weight, ink::TEXT, text);
+}
+
+fn colour(side: usize) -> Ink {
+    SIDES.get(side).copied().unwrap_or(ink::BARS)
+}
+
+fn square(drawing: &mut Drawing, (x, y): Point, half: f64, ink: Ink) {
+    let area = Area {
+        x: x - half,
+        y: y - half,
+        width: 2.0 * half,
+        height: 2.0 * half,
+    };
+    drawing.fill(area, ink);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_is_named_and_the_rest_is_not() {
+        let dot = |name: &str, cost, error, dominated| Dot {
+            name: name.to_owned(),
+            cost,
+            error,
+            dominated,
+            side: 0,
+        };
+        let show = FrontShow {
+            heading: "three".to_owned(),
+            cost: "time per frame",
+            seconds: true,
+            sides: ["reference", "array", "mesh"],
+            dots: vec![
+                dot("slow", 1e-3, 0.0, false),
+                dot("fast", 1e-4, 0.2, false),
+                dot("beaten", 2e-3, 0.3, true),
+            ],
+        };
+        let drawing = fronts(&[show]);
+        let texts: Vec<&str> = drawing.texts().collect();
+        let named = |name: &str| texts.iter().any(|text| text.contains(name));
+        assert!(named("1 fast") && named("2 slow") && !named("beaten"));
+        assert!(named("reference") && !named("mesh"), "only sides with dots");
+    }
+}

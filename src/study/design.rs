@@ -1,0 +1,368 @@
+//! One cell with a kernel and a threshold, as every sensor that a study compares: the float
+//! model of it, and the program that the compiler makes of it on a chip in any arithmetic.
+//!
+//! ```
+//! use amacrine::{
+//!     array::{Arithmetic, Settings},
+//!     compile::Effort,
+//!     isa::Device,
+//!     kernel::{Kernel, quantise::{Quantiser, Sum}},
+//!     number::Format,
+//!     plane::Size,
+//!     reference::MemoryRule,
+//!     study::design::Design,
+//! };
+//!
+//! let (kernel, device) = (Kernel::builtin("csdvs-3").unwrap(), Device::scamp5());
+//! let float = Design {
+//!     kernel: &kernel,
+//!     threshold: 20.0,
+//!     device: &device,
+//!     effort: Effort { states: 2_000 },
+//!     seed: 0,
+//! };
+//! let quantised = float.quantise(Quantiser::Ternary, Sum::Free)?;
+//! let program = float.in_levels(&quantised).compile("ternary")?;
+//! let size = Size::new(24, 32);
+//! let reference = float.reference(size, MemoryRule::FilteredSnap, Format::F64)?;
+//! let chip = program.chip(Arithmetic::Silicon { seed: 0 }, size, program.settings())?;
+//! assert_eq!(reference.size(), amacrine::sensor::Sensor::size(&chip));
+//! # Ok::<(), amacrine::study::design::DesignError>(())
+//! ```
+
+use crate::{
+    array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
+    compile::{CompileError, Effort, Kind, Memory, Request, SensorProgram},
+    event::{Event, Packet, Polarity},
+    isa::{Device, Digital, text::Faults},
+    kernel::{
+        Kernel,
+        quantise::{QuantiseError, Quantised, Quantiser, Sum},
+    },
+    number::{Format, Number, Visitor},
+    photoreceptor::{Curve, Response},
+    plane::Size,
+    program::{Action, Code, Cost, Host, Overrides, Program, Step},
+    reference::{
+        Border, Channel, Description, MemoryRule, Noise, PolarityRule, Reference, Refractory,
+        RefractoryRule, Threshold,
+    },
+    scene::Frame,
+    sensor::{Sensor, SensorError},
+    unit::Micros,
+};
+
+/// A cell, and the chip that it may run on.
+///
+/// The drive is kernel times light (0 to 255), zeros beyond the border. There is no other
+/// response, noise or refractory period.
+#[derive(Clone, Copy, Debug)]
+pub struct Design<'a> {
+    /// Its kernel.
+    pub kernel: &'a Kernel,
+    /// Events of either sign where the drive moved by more than this.
+    pub threshold: f64,
+    /// The chip.
+    pub device: &'a Device,
+    /// How long to search for a program.
+    pub effort: Effort,
+    /// Seed of the search and of stochastic rounding.
+    pub seed: u64,
+}
+
+/// Why a sensor of a design cannot be made.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum DesignError {
+    /// A threshold that no drive can cross, or that every drive does.
+    #[error("the threshold is {0}")]
+    #[diagnostic(help("give a positive number, in units of kernel times light (0 to 255)"))]
+    Threshold(f64),
+    /// The kernel cannot be quantised as asked.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Quantise(#[from] QuantiseError),
+    /// The compiler finds no program for the chip.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Compile(#[from] CompileError),
+    /// The chip does not take the program that was compiled: a few words more than it stores,
+    /// or a threshold beyond what its converter sets.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Program(#[from] Faults),
+    /// No sensor of this size.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Sensor(#[from] SensorError),
+    /// The array has not what the program names.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Code(#[from] CodeError),
+}
+
+impl DesignError {
+    /// Whether it is the chip that says no: another kernel, quantiser or chip may do.
+    #[must_use]
+    pub const fn is_refusal(&self) -> bool {
+        matches!(self, Self::Compile(_) | Self::Program(_))
+    }
+}
+
+impl<'a> Design<'a> {
+    /// The float model of it, in `filtered-snap`, `filtered-step` or another memory.
+    ///
+    /// # Errors
+    /// When the threshold is not positive.
+    pub fn description(&self, memory: MemoryRule) -> Result<Description, DesignError> {
+        let threshold = self.checked()?;
+        Ok(Description {
+            name: "float".to_owned(),
+            response: Response {
+                curve: Curve::Identity,
+                round_f32: false,
+            },
+            memory,
+            polarity: PolarityRule::Filtered,
+            border: Border::Zero,
+            refractory: Refractory {
+                us: 0.0,
+                rule: RefractoryRule::DeadTime,
+            },
+            noise: Noise::NONE,
+            channels: vec![Channel {
+                name: None,
+                kernels: vec![self.kernel.clone()],
+                surrounds: None,
+                thresholds: vec![Threshold {
+                    on: threshold,
+                    off: threshold,
+                    sigma: 0.0,
+                }],
+                memory_kernel: None,
+                log_temporal: false,
+            }],
+        })
+    }
+
+    /// The float model as a sensor, its signals, weights and memory in a number format.
+    ///
+    /// # Errors
+    /// When the threshold is not positive, or the size has no addresses.
+    pub fn reference(
+        &self,
+        size: Size,
+        memory: MemoryRule,
+        format: Format,
+    ) -> Result<Box<dyn Sensor + Send>, DesignError> {
+        struct Make(Description, Size, u64);
+        impl Visitor for Make {
+            type Output = Result<Box<dyn Sensor + Send>, SensorError>;
+            fn visit<N: Number>(self, number: N) -> Self::Output {
+                let made = Reference::with_number(number, self.0, self.1, self.2)?;
+                Ok(Box::new(made))
+            }
+        }
+        let description = self.description(memory)?;
+        Ok(format.visit(Make(description, size, self.seed))?)
+    }
+
+    /// Its kernel in few values, none above 1.
+    ///
+    /// # Errors
+    /// When the kernel cannot be quantised as asked.
+    pub fn quantise(&self, to: Quantiser, sum: Sum) -> Result<Quantised, DesignError> {
+        Ok(to.quantise(self.kernel, sum, self.seed)?.within_one())
+    }
+
+    /// The same cell with the levels for a kernel: the threshold takes in the scale.
+    #[must_use]
+    pub fn in_levels<'b>(&self, quantised: &'b Quantised) -> Design<'b>
+    where
+        'a: 'b,
+    {
+        Design {
+            kernel: &quantised.levels,
+            threshold: self.threshold / quantised.scale,
+            ..*self
+        }
+    }
+
+    /// The program for the chip: memory `filtered-snap`, one decision a frame. The kernel is
+    /// one of levels.
+    ///
+    /// # Errors
+    /// When the threshold is not positive, or there is no program that the chip takes.
+    pub fn compile(&self, title: &str) -> Result<Compiled, DesignError> {
+        let threshold = self.checked()?;
+        let kernels = [self.kernel.clone()];
+        let mut request = Request::new(&kernels, self.device)?;
+        request.effort = self.effort;
+        request.seed = self.seed;
+        let kind = Kind {
+            kernel: self.kernel.clone(),
+            on: threshold,
+            off: threshold,
+        };
+        let program = SensorProgram::new(&[kind], Memory::Analogue, title, &request)?;
+        let text = Program::parse(title, &program.text)?;
+        let code = text.expand(self.device, &Overrides::default())?.code;
+        Ok(Compiled {
+            title: title.to_owned(),
+            cost: Cost::of(&code.frame, self.device),
+            program,
+            code,
+            device: self.device.clone(),
+        })
+    }
+
+    fn checked(&self) -> Result<f64, DesignError> {
+        if self.threshold > 0.0 && self.threshold.is_finite() {
+            Ok(self.threshold)
+        } else {
+            Err(DesignError::Threshold(self.threshold))
+        }
+    }
+}
+
+/// A design as a program of a chip.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// What it is called in messages.
+    pub title: String,
+    /// Its text, and the filter in it.
+    pub program: SensorProgram,
+    /// Its text expanded into instruction words.
+    pub code: Code,
+    /// What a frame costs.
+    pub cost: Cost,
+    /// The chip.
+    pub device: Device,
+}
+
+impl Compiled {
+    /// What the chip's data say, and registers limited to -128 to 127 LSB.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        Settings {
+            clip: true,
+            ..Settings::of(&self.device)
+        }
+    }
+
+    /// Analogue registers that the filter holds at a time.
+    #[must_use]
+    pub fn registers(&self) -> usize {
+        let live = &self.program.filter.live;
+        live.iter().map(Vec::len).max().unwrap_or(1)
+    }
+
+    /// A chip that runs it.
+    ///
+    /// # Errors
+    /// When the size has no addresses.
+    pub fn chip(
+        &self,
+        arithmetic: Arithmetic,
+        size: Size,
+        settings: Settings,
+    ) -> Result<Box<dyn Array + Send>, DesignError> {
+        addressed(size)?;
+        let code = self.code.clone();
+        Ok(arithmetic.chip(&self.title, code, &self.device, size, settings)?)
+    }
+
+    /// A chip that errs as `errors` says: [`Errors::of`] the device, with any of them changed
+    /// or 0.
+    ///
+    /// # Errors
+    /// When the size has no addresses.
+    pub fn silicon(
+        &self,
+        errors: Errors,
+        seed: u64,
+        size: Size,
+        settings: Settings,
+    ) -> Result<Box<dyn Array + Send>, DesignError> {
+        addressed(size)?;
+        let domain = Silicon::new(errors, seed, &Layout::of(&self.device, size));
+        let code = self.code.clone();
+        let chip = Chip::new(&self.title, domain, code, &self.device, size, settings)?;
+        Ok(Box::new(chip))
+    }
+
+    /// A chip of this program of which every event is read, however many there are.
+    #[must_use]
+    pub fn all_events(&self, chip: Box<dyn Array + Send>) -> AllEvents {
+        let scanned = |step: &Step| match step.action {
+            Action::Host(Host::ScanEvents {
+                source,
+                polarity,
+                channel,
+                ..
+            }) => Some((source, polarity, channel)),
+            _ => None,
+        };
+        AllEvents {
+            before: Packet::new(chip.size(), chip.channels()),
+            planes: self.code.frame.iter().filter_map(scanned).collect(),
+            chip,
+            started: false,
+        }
+    }
+}
+
+/// A chip before its readout: a host's list holds 4000 events at most, the one-bit registers
+/// that it scans hold them all.
+pub struct AllEvents {
+    chip: Box<dyn Array + Send>,
+    /// The registers of events, with their sign and kind.
+    planes: Vec<(Digital, Polarity, u8)>,
+    /// What its own readout delivers.
+    before: Packet,
+    started: bool,
+}
+
+impl Sensor for AllEvents {
+    fn name(&self) -> &str {
+        self.chip.name()
+    }
+
+    fn size(&self) -> Size {
+        self.chip.size()
+    }
+
+    fn channels(&self) -> u8 {
+        self.chip.channels()
+    }
+
+    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        self.before.events.clear();
+        self.chip.watch(frame, &mut self.before)?;
+        packet.span = self.before.span;
+        if !std::mem::replace(&mut self.started, true) {
+            return Ok(());
+        }
+        let t = Micros::from_seconds(frame.seconds);
+        for (register, polarity, channel) in &self.planes {
+            let bits = self.chip.digital(*register);
+            let set = bits.indexed_iter().filter(|(_, bit)| **bit);
+            packet.events.extend(set.map(|((y, x), _)| Event {
+                t,
+                x: x as u16,
+                y: y as u16,
+                polarity: *polarity,
+                channel: *channel,
+            }));
+        }
+        Ok(())
+    }
+}
+
+fn addressed(size: Size) -> Result<(), SensorError> {
+    let addresses = 1..=1 << 16;
+    if addresses.contains(&size.width) && addresses.contains(&size.height) {
+        Ok(())
+    } else {
+        Err(SensorError::Addresses { size })
+    }
+}

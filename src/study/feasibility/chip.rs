@@ -1,0 +1,134 @@
+//! What a program takes of its chip: words, registers, time, and what its errors do.
+
+use std::collections::BTreeSet;
+
+use super::{
+    known::{Known, weakest},
+    time::Time,
+};
+use crate::{
+    compile::SensorProgram,
+    isa::{Analog, Device, Evidence, Figure},
+    program::{Cell, Code, Cost, Effect, stored},
+};
+
+/// A program on its chip.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct OnChip {
+    /// Instruction words of the filter.
+    pub filter_words: u64,
+    /// Instruction words of a frame.
+    pub frame_words: u64,
+    /// Words that the program takes of the store, the first frame's included.
+    pub stored_words: u64,
+    /// Words that the store holds.
+    pub store: Known,
+    /// Analogue registers that the whole program uses.
+    pub registers: usize,
+    /// Analogue registers that a pixel has, NEWS left out.
+    pub registers_of: usize,
+    /// Halvings of the light before anything else, a bit each.
+    pub prescale_bits: u32,
+    /// Whether results are right up to the border.
+    pub border: bool,
+    /// Whether all sums stay in range, the chip's transfer errors included.
+    pub holds: bool,
+    /// Time.
+    pub time: Time,
+    /// What the chip's errors leave in a result.
+    pub noise: Noise,
+}
+
+/// The compiler's prediction, to first order, at one uniform level of light.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Noise {
+    /// The level.
+    pub at_lsb: f64,
+    /// From frame to frame.
+    pub temporal: Known,
+    /// From pixel to pixel, the same in every frame.
+    pub fixed: Known,
+    /// The threshold, where it is compared.
+    pub threshold_lsb: f64,
+    /// The threshold over the noise of a difference of two frames; none without noise.
+    pub margin: Option<f64>,
+    /// Transfer errors of one store that stay in the result.
+    pub offset_stores: f64,
+}
+
+/// The level of light at which noise is told: the middle of what a capture holds.
+const MIDDLE: f64 = 64.0;
+
+impl OnChip {
+    /// Of a compiled program and the threshold that it compares with, in LSB.
+    pub(super) fn of(
+        program: &SensorProgram,
+        code: &Code,
+        device: &Device,
+        threshold_lsb: f64,
+        time: Time,
+    ) -> Self {
+        let filter = &program.filter;
+        Self {
+            filter_words: filter.words.len() as u64,
+            frame_words: Cost::of(&code.frame, device).words.0,
+            stored_words: (stored(&code.init, device) + stored(&code.frame, device)).0,
+            store: Known::figure(device, Figure::Store),
+            registers: registers(code, device),
+            registers_of: device.registers().analog.len() - 1,
+            prescale_bits: filter.prescale,
+            border: filter.border,
+            holds: filter.holds,
+            noise: Noise::of(program, device, threshold_lsb),
+            time,
+        }
+    }
+}
+
+/// Analogue registers that a program touches, NEWS left out.
+fn registers(code: &Code, device: &Device) -> usize {
+    let mut cells = BTreeSet::new();
+    for steps in [&code.init, &code.frame] {
+        let Effect { reads, writes, .. } = Effect::of(steps, device);
+        cells.extend(reads);
+        cells.extend(writes);
+    }
+    let news = device.news();
+    let ordinary = |cell: &&Cell| matches!(cell, Cell::Analog(register) if *register != news);
+    cells.iter().filter(ordinary).count()
+}
+
+impl Noise {
+    fn of(program: &SensorProgram, device: &Device, threshold_lsb: f64) -> Self {
+        let filter = &program.filter;
+        let of = filter.noise(device, Analog(0), MIDDLE, &program.drives);
+        let (temporal, fixed) = of.first().map_or((0.0, 0.0), |n| (n.temporal, n.fixed));
+        let evidence = |figures: &[Figure]| {
+            let known = figures.iter().map(|figure| device.figure(*figure).evidence);
+            weakest(known.chain([Evidence::Modelled]))
+        };
+        Self {
+            at_lsb: MIDDLE,
+            temporal: Known::one(
+                temporal,
+                "LSB",
+                evidence(&[Figure::StoreNoise]),
+                "noise of every store, to first order",
+            ),
+            fixed: Known::one(
+                fixed,
+                "LSB",
+                evidence(&[
+                    Figure::GainMismatch,
+                    Figure::OffsetMismatch,
+                    Figure::DivisionMismatch,
+                ]),
+                "mismatch of every store and of every bus that splits, to first order",
+            ),
+            threshold_lsb,
+            // A decision takes the difference of two frames.
+            margin: (temporal > 0.0).then(|| threshold_lsb / (2f64.sqrt() * temporal)),
+            offset_stores: filter.offsets.first().copied().unwrap_or(0.0),
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! The table of candidates, and which of them is taken.
+
+use super::{FeasibilityError, Question};
+use crate::{
+    kernel::quantise::{Quantised, Quantiser},
+    scene::{Frame, Scene},
+    study::{
+        design::{Design, DesignError},
+        quantisation::{self, Outcome, Row},
+    },
+};
+
+/// Two scores that are closer than this are one: then fewer words win.
+const ALIKE: f64 = 0.005;
+
+impl Question<'_> {
+    /// What was asked for, else the first candidate that the kernel is to be had in.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub(super) fn first(&self, design: &Design<'_>) -> Result<Few, DesignError> {
+        let few = |to: Quantiser| Few::of(to, self, design);
+        if let Some(to) = self.to {
+            return few(to);
+        }
+        let mut all = self.candidates.iter().map(|to| few(*to));
+        let first = all.next().unwrap_or_else(|| few(Quantiser::Ternary));
+        first.or_else(|error| all.find_map(Result::ok).ok_or(error))
+    }
+
+    /// A row for each candidate and for what was asked for, also for those that the kernel is
+    /// not to be had in.
+    pub(super) fn table(
+        &self,
+        design: &Design<'_>,
+        scene: &mut dyn Scene,
+        seen: &mut dyn FnMut(&Frame),
+    ) -> Result<Vec<(Quantiser, Row)>, FeasibilityError> {
+        let mut all = self.candidates.to_vec();
+        all.extend(self.to.filter(|to| !all.contains(to)));
+        let why_not = |to: &Quantiser| Few::of(*to, self, design).err();
+        let usable: Vec<_> = all
+            .iter()
+            .copied()
+            .filter(|to| why_not(to).is_none())
+            .collect();
+        let table = quantisation::Question {
+            kernel: self.kernel,
+            threshold: self.threshold,
+            quantisers: &usable,
+            sum: self.sum,
+            device: self.device,
+            effort: self.effort,
+            seed: self.seed,
+            within: self.within,
+        };
+        let mut rows = quantisation::ask(&table, scene, seen)?.rows.into_iter();
+        let row = |to: Quantiser| {
+            let row = match why_not(&to) {
+                None => rows.next()?,
+                Some(error) => Row {
+                    to: to.to_string(),
+                    relative_error: 1.0,
+                    outcome: Outcome::Refused(error.to_string()),
+                },
+            };
+            Some((to, row))
+        };
+        Ok(all.into_iter().filter_map(row).collect())
+    }
+
+    /// The row that scores best with the chip's errors, of those that score alike the one with
+    /// the fewest words; none where no row has a program.
+    pub(super) fn best(rows: &[(Quantiser, Row)]) -> Option<Quantiser> {
+        let programs = || {
+            rows.iter().filter_map(|(to, row)| match &row.outcome {
+                Outcome::OnChip(chip) => Some((*to, chip)),
+                Outcome::Refused(_) => None,
+            })
+        };
+        let f1 = programs().map(|(_, chip)| chip.silicon.f1);
+        let best = f1.fold(0.0, f64::max);
+        let alike = programs().filter(|(_, chip)| chip.silicon.f1 > best - ALIKE);
+        alike.min_by_key(|(_, chip)| chip.words).map(|(to, _)| to)
+    }
+}
+
+/// The kernel in few values.
+pub(super) struct Few {
+    pub to: Quantiser,
+    pub quantised: Quantised,
+}
+
+impl Few {
+    pub fn of(
+        to: Quantiser,
+        question: &Question<'_>,
+        design: &Design<'_>,
+    ) -> Result<Self, DesignError> {
+        let quantised = design.quantise(to, question.sum)?;
+        Ok(Self { to, quantised })
+    }
+}

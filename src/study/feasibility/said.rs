@@ -1,0 +1,111 @@
+//! What the sensors said of the scene.
+
+use super::{FeasibilityError, Question, Stream, Streams, Watched, stream::Window};
+use crate::{
+    array::{Arithmetic, Array},
+    event::Packet,
+    kernel::Kernel,
+    number::Format,
+    plane::{Plane, Size},
+    reference::MemoryRule,
+    rig,
+    scene::{Frame, Scene},
+    sensor::Sensor,
+    study::design::{Compiled, Design},
+    unit::Micros,
+};
+
+impl Question<'_> {
+    /// Shows the scene to the float sensor, to a plain DVS, and to the program's chips.
+    pub(super) fn watch(
+        &self,
+        design: &Design<'_>,
+        program: Option<&Compiled>,
+        scene: &mut dyn Scene,
+        seen: &mut dyn FnMut(&Frame),
+    ) -> Result<(Said, u64), FeasibilityError> {
+        let size = scene.size();
+        let alone = one_pixel();
+        let plain = Design {
+            kernel: &alone,
+            ..*design
+        };
+        let float =
+            |design: &Design<'_>| design.reference(size, MemoryRule::FilteredSnap, Format::F64);
+        let (mut float, mut dvs) = (float(design)?, float(&plain)?);
+        let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
+        if let Some(program) = program {
+            let silicon = Arithmetic::Silicon { seed: self.seed };
+            for arithmetic in [Arithmetic::Number(Format::F64), silicon] {
+                chips.push(program.chip(arithmetic, size, program.settings())?);
+            }
+        }
+        let mut sensors: Vec<&mut (dyn Sensor + Send)> = vec![&mut float, &mut dvs];
+        sensors.extend(
+            chips
+                .iter_mut()
+                .map(|chip| chip as &mut (dyn Sensor + Send)),
+        );
+        let mut frames = 0;
+        let packets = rig::watch(scene, &mut sensors, |frame| {
+            frames += 1;
+            seen(frame);
+        })?;
+        let mut packets = packets.into_iter();
+        let mut next = || packets.next();
+        let empty = || Packet::new(size, 1);
+        let said = Said {
+            float: next().unwrap_or_else(empty),
+            dvs: next().unwrap_or_else(empty),
+            exact: next(),
+            silicon: next(),
+        };
+        Ok((said, frames))
+    }
+}
+
+/// The kernel of a plain DVS.
+fn one_pixel() -> Kernel {
+    Kernel::new(Plane::ones((1, 1))).expect("one finite weight is a kernel")
+}
+
+/// What the sensors said.
+pub(super) struct Said {
+    pub float: Packet,
+    pub dvs: Packet,
+    pub exact: Option<Packet>,
+    pub silicon: Option<Packet>,
+}
+
+impl Said {
+    pub fn streams(&self, question: &Question<'_>, fps: f64) -> Result<Streams, FeasibilityError> {
+        let window = Window {
+            within: question.within,
+            frame: Micros::from_seconds(1.0 / fps),
+            seed: question.seed,
+        };
+        let judged = |packet: &Packet| Stream::of(packet, Some(&self.float), &window);
+        Ok(Streams {
+            float: Stream::of(&self.float, None, &window)?,
+            dvs: judged(&self.dvs)?,
+            exact: self.exact.as_ref().map(judged).transpose()?,
+            silicon: self.silicon.as_ref().map(judged).transpose()?,
+        })
+    }
+}
+
+impl Watched {
+    pub(super) fn of(name: &str, scene: &dyn Scene, frames: u64, packet: &Packet) -> Self {
+        let Size { height, width } = scene.size();
+        let (from, to) = packet.span;
+        Self {
+            name: name.to_owned(),
+            width,
+            height,
+            frames,
+            seconds: Micros(to.0.saturating_sub(from.0)).seconds(),
+            fps: scene.fps(),
+            fps_is_assumed: scene.fps_is_assumed(),
+        }
+    }
+}

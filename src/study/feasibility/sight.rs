@@ -1,0 +1,59 @@
+//! What there is to look at: the busiest frame, and the events in it.
+
+use super::FeasibilityError;
+use crate::{
+    event::{Event, Packet},
+    plane::Plane,
+    scene::Scene,
+    unit::Micros,
+};
+
+/// One moment of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sight {
+    /// When.
+    pub at: Micros,
+    /// Light, `[y, x]`.
+    pub light: Plane<f64>,
+    /// Events of the float sensor at this time.
+    pub float: Vec<Event>,
+    /// Events of the chip; none where there is no program.
+    pub chip: Option<Vec<Event>>,
+}
+
+impl Sight {
+    /// The frame at which the float sensor has most events; the first where it has none. The
+    /// scene is read up to it.
+    pub(super) fn of(
+        float: &Packet,
+        chip: Option<&Packet>,
+        scene: &mut dyn Scene,
+    ) -> Result<Self, FeasibilityError> {
+        let mut at = float.span.0;
+        let mut most = 0;
+        for frame in float.events.chunk_by(|a, b| a.t == b.t) {
+            if let Some(event) = frame.first()
+                && frame.len() > most
+            {
+                (most, at) = (frame.len(), event.t);
+            }
+        }
+        let mut light = Plane::zeros((0, 0));
+        while let Some(frame) = scene.next_frame()? {
+            light = frame.light;
+            if Micros::from_seconds(frame.seconds) >= at {
+                break;
+            }
+        }
+        let then = |packet: &Packet| {
+            let events = packet.events.iter().filter(|event| event.t == at);
+            events.copied().collect()
+        };
+        Ok(Self {
+            at,
+            light,
+            float: then(float),
+            chip: chip.map(then),
+        })
+    }
+}

@@ -1,0 +1,101 @@
+//! Events and bits, against the float kernel and against a plain DVS.
+
+use maud::{Markup, html};
+
+use super::{bars, number, part, wide};
+use crate::study::feasibility::{Feasibility, Stream, stream::Scored};
+
+/// Two tables: how much is said, and how much of it is right.
+pub(super) fn section(all: &Feasibility) -> Markup {
+    let streams = &all.streams;
+    let rows: Vec<(&str, &str, &Stream)> = [
+        ("Plain DVS", "/streams/dvs", Some(&streams.dvs)),
+        ("Float kernel", "/streams/float", Some(&streams.float)),
+        (
+            "Program, no errors",
+            "/streams/exact",
+            streams.exact.as_ref(),
+        ),
+        (
+            "Program on the chip",
+            "/streams/silicon",
+            streams.silicon.as_ref(),
+        ),
+    ]
+    .into_iter()
+    .filter_map(|(name, at, stream)| Some((name, at, stream?)))
+    .collect();
+    let most = rows
+        .iter()
+        .map(|(.., s)| s.events)
+        .max()
+        .unwrap_or(0)
+        .max(1);
+    part(
+        "events",
+        "Events and bits",
+        &html! {
+            p { "All sensors decide once a frame, at the same threshold. The plain DVS sees each pixel alone; an event costs one address word of row, column and sign." }
+            (wide("Events and bits", &html! {
+                table {
+                    caption { "How much each sensor says" }
+                    thead { tr {
+                        th scope="col" { "Sensor" }
+                        th.n scope="col" { "Events" }
+                        th.n scope="col" { "a pixel and s" }
+                        th.n scope="col" { "kbit/s" }
+                        th.n scope="col" { "kbit/s, busiest frame" }
+                        th.n scope="col" { "no slot" }
+                    } }
+                    tbody {
+                        @for (name, at, stream) in &rows {
+                            tr {
+                                th scope="row" { (name) (bars::bar(stream.events as f64 / most as f64)) }
+                                td.n { (number::plain(&format!("{at}/events"), stream.events as f64)) }
+                                td.n { (number::maybe(&format!("{at}/per_pixel_s"), stream.per_pixel_s)) }
+                                td.n { (number::maybe(&format!("{at}/mean_kbit_s"), stream.mean_kbit_s)) }
+                                td.n { (number::plain(&format!("{at}/peak_kbit_s"), stream.peak_kbit_s)) }
+                                td.n { (number::plain(&format!("{at}/dropped"), stream.dropped as f64)) }
+                            }
+                        }
+                    }
+                }
+            }))
+            p { "How much of it the float kernel says too: an event matches one of the same pixel and sign within "
+                (number::plain("/within_us", all.within_us.0 as f64)) " \u{b5}s. The floor is what a sensor scores that is right by accident: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
+            (wide("Scores", &html! {
+                table {
+                    caption { "Scores against the float kernel, each with its floor" }
+                    thead { tr {
+                        th scope="col" { "Sensor" }
+                        th.n scope="col" { "Precision" }
+                        th.n scope="col" { "Recall" }
+                        th.n scope="col" { "F1" }
+                        th.n scope="col" { "Floor of F1" }
+                        th.n scope="col" { "F1, a frame apart" }
+                    } }
+                    tbody {
+                        @for (name, at, stream) in &rows {
+                            @if let Some(judged) = &stream.judged {
+                                @let at = format!("{at}/judged");
+                                tr {
+                                    th scope="row" { (name) (bars::score(judged.f1.value, judged.f1.floor)) }
+                                    (scored(&format!("{at}/precision"), &judged.precision))
+                                    (scored(&format!("{at}/recall"), &judged.recall))
+                                    (scored(&format!("{at}/f1"), &judged.f1))
+                                    td.n { (number::fixed(&format!("{at}/f1/floor"), judged.f1.floor, 3)) }
+                                    (scored(&format!("{at}/f1_a_frame_apart"), &judged.f1_a_frame_apart))
+                                }
+                            }
+                        }
+                    }
+                }
+            }))
+            p.note { "The mark in each bar is the floor. In the last column an event may be a frame early or late: what it has more than F1 was there, but not then." }
+        },
+    )
+}
+
+fn scored(at: &str, score: &Scored) -> Markup {
+    html! { td.n { (number::fixed(&format!("{at}/value"), score.value, 3)) } }
+}

@@ -1,0 +1,104 @@
+//! The kernel in few values: which, and what others would cost and lose.
+
+use maud::{Markup, html};
+
+use super::{number, part, weights, wide};
+use crate::study::{
+    feasibility::Feasibility,
+    quantisation::{OnChip, Outcome, Row, Score},
+};
+
+/// The kernel and its levels as pictures, and the table.
+pub(super) fn section(all: &Feasibility) -> Markup {
+    let chosen = &all.chosen;
+    let most = weights::most(&all.kernel.weights);
+    let (height, width) = (
+        all.kernel.weights.len(),
+        all.kernel.weights.first().map_or(0, Vec::len),
+    );
+    let alt = |what: &str| {
+        format!("{what}, {height} rows of {width} weights; blue above zero, orange below.")
+    };
+    part(
+        "quantisation",
+        "The kernel in few values",
+        &html! {
+            p {
+                "The chip adds, subtracts, halves and shifts; it does not multiply. The kernel became " strong { (chosen.to) }
+                @if chosen.asked_for { ", as asked for" } @else { ", which keeps most events on this scene of those in the table" }
+                ": levels and one scale, " (number::plain("/chosen/scale", chosen.scale))
+                ", by which the threshold is divided. Its relative error is " (number::fixed("/chosen/relative_error", chosen.relative_error, 4)) "."
+            }
+            div.panels.kernels {
+                figure {
+                    (weights::picture(&all.kernel.weights, 1.0, most, &alt(&format!("The kernel {}", all.kernel.name))))
+                    figcaption { "The kernel, sum " (number::plain("/kernel/sum", all.kernel.sum)) }
+                }
+                figure {
+                    (weights::picture(&chosen.levels.weights, chosen.scale, most, &alt(&format!("The kernel in {}, times its scale", chosen.to))))
+                    figcaption { "In " (chosen.to) ", times the scale" }
+                }
+                figure {
+                    (weights::picture(&chosen.levels.weights, 1.0, weights::most(&chosen.levels.weights), &alt("The levels that the chip computes with")))
+                    figcaption { "The levels, sum " (number::plain("/chosen/levels/sum", chosen.levels.sum)) }
+                }
+            }
+            (wide("Quantisers", &html! {
+                table {
+                    caption { "Each compiled, and run on this scene beside the float kernel" }
+                    thead {
+                        tr {
+                            th scope="col" rowspan="2" { "Values" }
+                            th.n scope="col" rowspan="2" { "Relative error" }
+                            th.n scope="col" rowspan="2" { "Words a frame" }
+                            th.n scope="col" rowspan="2" { "\u{b5}s a frame" }
+                            th.n scope="col" rowspan="2" { "Registers" }
+                            th.group scope="colgroup" colspan="2" { "No errors" }
+                            th.group scope="colgroup" colspan="2" { "On the chip" }
+                        }
+                        tr {
+                            th.n scope="col" { "F1" } th.n scope="col" { "events" }
+                            th.n scope="col" { "F1" } th.n scope="col" { "events" }
+                        }
+                    }
+                    tbody {
+                        @for (i, row) in all.quantisation.iter().enumerate() {
+                            (self::row(i, row, row.to == chosen.to))
+                        }
+                    }
+                }
+            }))
+            p.note { "Events are for each of the float kernel's. Microseconds are those of the array, without readout; registers those of the filter. Words, times and scores are emulated (modelled)." }
+        },
+    )
+}
+
+fn row(i: usize, row: &Row, chosen: bool) -> Markup {
+    let at = |key: &str| format!("/quantisation/{i}/{key}");
+    html! {
+        tr class=[chosen.then_some("chosen")] {
+            th scope="row" { (row.to) @if chosen { span.source { "chosen" } } }
+            td.n { (number::fixed(&at("relative_error"), row.relative_error, 4)) }
+            @match &row.outcome {
+                Outcome::Refused(why) => { td colspan="7" { (why) } }
+                Outcome::OnChip(chip) => { (on_chip(&at("on_chip"), chip)) }
+            }
+        }
+    }
+}
+
+fn on_chip(at: &str, chip: &OnChip) -> Markup {
+    let score = |key: &str, score: &Score| {
+        html! {
+            td.n { (number::fixed(&format!("{at}/{key}/f1"), score.f1, 3)) }
+            td.n { (number::maybe(&format!("{at}/{key}/event_ratio"), score.event_ratio)) }
+        }
+    };
+    html! {
+        td.n { (number::plain(&format!("{at}/words"), chip.words as f64)) }
+        td.n { (number::plain(&format!("{at}/array_us"), chip.array_us)) }
+        td.n { (number::plain(&format!("{at}/registers"), chip.registers as f64)) }
+        (score("exact", &chip.exact))
+        (score("silicon", &chip.silicon))
+    }
+}

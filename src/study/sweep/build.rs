@@ -1,0 +1,227 @@
+//! From a point to a sensor that can watch: a float model in its number format, or a chip with
+//! its program.
+
+use miette::Diagnostic;
+use serde_json::json;
+
+use super::{plan::Entry, sensor, shared::Shared, study::Settings, table::Row};
+use crate::{
+    array::{Arithmetic, Schedule},
+    compile::{Effort, Kind, Memory, Request, SensorProgram},
+    kernel::{
+        Kernel,
+        quantise::{Quantiser, Sum},
+    },
+    number::{Format, Number, Visitor},
+    plane::Size,
+    program::{Code, Cost, Overrides, Program},
+    reference::{Description, MemoryRule, Reference},
+    sensor::{Sensor, SensorError},
+    study::design::Compiled,
+};
+
+/// Why a point cannot be.
+#[derive(Debug)]
+pub(super) struct Refusal(pub String);
+
+impl<E: Diagnostic> From<E> for Refusal {
+    fn from(error: E) -> Self {
+        let help = error.help().map(|help| format!(" ({help})"));
+        Self(format!("{error}{}", help.unwrap_or_default()))
+    }
+}
+
+/// The sensor of a float point.
+pub(super) fn float(entry: &Entry, row: &mut Row) -> Result<Box<dyn Sensor + Send>, Refusal> {
+    struct Make(Description, Size, u64);
+    impl Visitor for Make {
+        type Output = Result<Box<dyn Sensor + Send>, SensorError>;
+        fn visit<N: Number>(self, number: N) -> Self::Output {
+            let made = Reference::with_number(number, self.0, self.1, self.2)?;
+            Ok(Box::new(made))
+        }
+    }
+    let point = &entry.point;
+    let format: Format = point.word("format").unwrap_or("f64").parse()?;
+    let description = sensor::description(point, &entry.kernel)?;
+    let size = entry.scene.size;
+    let bytes = float_state(&description, format) * size.pixels() as u64;
+    row.insert("state_memory_bytes".to_owned(), json!(bytes));
+    let seed = point.whole("seed").unwrap_or(0);
+    Ok(format.visit(Make(description, size, seed))?)
+}
+
+/// Bytes of one value.
+const fn bytes(format: Format) -> u64 {
+    match format {
+        Format::F64 => 8,
+        Format::F32 => 4,
+        Format::F16 | Format::Bf16 => 2,
+        Format::Fixed(fixed) => fixed.bits() as u64 / 8,
+    }
+}
+
+/// Bytes of a cell that must last from one frame to the next: its memory, for a memory that
+/// steps a count and the drive of the frame before, the time of its last event under a dead
+/// time, its share of a low-pass and of a sheet.
+fn float_state(description: &Description, format: Format) -> u64 {
+    let held = bytes(format);
+    let channel = description.channels.first();
+    let step = description.memory == MemoryRule::FilteredStep;
+    let sheets = channel.and_then(|channel| channel.surrounds.as_ref());
+    let moving = sheets.map_or(0, |s| {
+        s.sheets.iter().filter(|sheet| sheet.tau > 0.0).count()
+    });
+    held + if step { 4 + held } else { 0 }
+        + if description.refractory.us > 0.0 {
+            8
+        } else {
+            0
+        }
+        + if description.noise.cutoff_hz > 0.0 {
+            8
+        } else {
+            0
+        }
+        + 8 * moving as u64
+}
+
+/// The chip of an array point.
+pub(super) fn array(
+    settings: &Settings,
+    entry: &Entry,
+    shared: &Shared,
+    row: &mut Row,
+) -> Result<Box<dyn Sensor + Send>, Refusal> {
+    let point = &entry.point;
+    let word = |key: &str| point.word(key).unwrap_or_default().to_owned();
+    let [on, off, _] = point.thresholds().unwrap_or([1.0; 3]);
+    let seed = point.whole("seed").unwrap_or(0);
+    let device = entry
+        .chip
+        .as_ref()
+        .ok_or_else(|| Refusal("there is no chip".to_owned()))?;
+    let weights: Vec<f64> = entry.kernel.weights().iter().copied().collect();
+    let rounding = if word("quantise").ends_with(":stochastic") {
+        seed
+    } else {
+        0
+    };
+    // A program does not depend on its thresholds, but on whether they are one or two.
+    let key = format!(
+        "{weights:?} {:?} {} {} {} {} {rounding} {}",
+        entry.kernel.weights().dim(),
+        word("chip"),
+        word("quantise"),
+        word("sum"),
+        word("memory"),
+        on == off,
+    );
+    let made = shared.program(&key, || {
+        let made = compiled(settings, &entry.kernel, entry, rounding, on == off);
+        made.map_err(|Refusal(why)| why)
+    });
+    let (compiled, scale, lost) = match made.get() {
+        Some(Ok(made)) => made,
+        Some(Err(why)) => return Err(Refusal(why.clone())),
+        None => return Err(Refusal("the program was not made".to_owned())),
+    };
+    let unit = compiled.program.scale / scale;
+    let constants: &[(&str, f64)] = if on == off {
+        &[("threshold", on)]
+    } else {
+        &[("on_threshold", on), ("off_threshold", off)]
+    };
+    let overrides: Overrides = constants
+        .iter()
+        .map(|(name, light)| ((*name).to_owned(), light * unit))
+        .collect();
+    let text = Program::parse(&compiled.title, &compiled.program.text)?;
+    let code = text.expand(device, &overrides)?.code;
+    let compiled = Compiled {
+        code,
+        ..compiled.clone()
+    };
+    let cost = Cost::of(&compiled.code.frame, device);
+    let arithmetic: Arithmetic = word("domain").parse()?;
+    let size = entry.scene.size;
+    let mut put = |name: &str, value: serde_json::Value| row.insert(name.to_owned(), value);
+    put("words", json!(cost.words.0));
+    put("array_us", json!(cost.array_us));
+    put("registers", json!(compiled.registers()));
+    put("prescale_bits", json!(compiled.program.filter.prescale));
+    put("quantisation_error", json!(lost));
+    let cell = match arithmetic {
+        Arithmetic::Number(format) => bytes(format),
+        Arithmetic::Silicon { .. } => size_of::<f32>() as u64,
+    };
+    // Every analogue register and PIX, every one-bit register and FLAG.
+    let analog = device.registers().analog.len() as u64 + 1;
+    let digital = device.registers().digital.len() as u64 + 1;
+    let pixels = size.pixels() as u64;
+    put(
+        "state_memory_bytes",
+        json!(analog * cell * pixels + (digital * pixels).div_ceil(8)),
+    );
+    let mut chip = compiled.chip(arithmetic.with_seed(seed), size, compiled.settings())?;
+    let schedule: Schedule = word("schedule").parse()?;
+    chip.set_schedule(schedule, 1);
+    if word("readout") == "all" {
+        return Ok(Box::new(compiled.all_events(chip)));
+    }
+    Ok(chip)
+}
+
+/// The program of a kernel with thresholds of 1; the scale of its levels, and what they lose.
+fn compiled(
+    settings: &Settings,
+    kernel: &Kernel,
+    entry: &Entry,
+    seed: u64,
+    one_threshold: bool,
+) -> Result<(Compiled, f64, f64), Refusal> {
+    let point = &entry.point;
+    let device = entry
+        .chip
+        .as_ref()
+        .ok_or_else(|| Refusal("there is no chip".to_owned()))?;
+    let name = point.word("quantise").unwrap_or("none");
+    let (levels, scale, lost) = if name == "none" {
+        (kernel.clone(), 1.0, 0.0)
+    } else {
+        let to: Quantiser = name.parse()?;
+        let sum = match point.word("sum") {
+            Some("zero") => Sum::Zero,
+            Some("kept") => Sum::Kept,
+            _ => Sum::Free,
+        };
+        let quantised = to.quantise(kernel, sum, seed)?.within_one();
+        let lost = quantised.relative_error(kernel);
+        (quantised.levels, quantised.scale, lost)
+    };
+    let kernels = [levels.clone()];
+    let mut request = Request::new(&kernels, device)?;
+    request.effort = Effort {
+        states: settings.effort,
+    };
+    let kind = Kind {
+        kernel: levels,
+        on: 1.0,
+        off: if one_threshold { 1.0 } else { 0.5 },
+    };
+    let memory = point
+        .word("memory")
+        .and_then(|word| word.strip_prefix("bits:"));
+    let memory = memory.and_then(|bits| bits.parse().ok());
+    let memory = memory.map_or(Memory::Analogue, Memory::Bits);
+    let title = format!("{} as {name}", point.word("kernel").unwrap_or_default());
+    let program = SensorProgram::new(&[kind], memory, &title, &request)?;
+    let compiled = Compiled {
+        cost: Cost::default(),
+        code: Code::default(),
+        device: device.as_ref().clone(),
+        title,
+        program,
+    };
+    Ok((compiled, scale, lost))
+}

@@ -1,0 +1,195 @@
+//! Scenes that many points watch: read once, held in memory while they are small enough.
+
+use std::{fmt::Write as _, path::Path, sync::Arc};
+
+use sha2::{Digest, Sha256};
+
+use crate::{
+    plane::Size,
+    scene::{
+        Frame, OpenOptions, Scene, SceneError, bundled, open,
+        upsample::{Bound, Upsampled, Upsampling},
+    },
+};
+
+/// A scene as a study names it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Wanted {
+    /// `bundled`, or what `scene::open` takes.
+    pub spec: String,
+    pub fps: Option<f64>,
+    pub frames: Option<u64>,
+    pub upsample: Option<f64>,
+}
+
+/// A scene that can be watched again and again.
+#[derive(Debug)]
+pub(super) struct Footage {
+    wanted: Wanted,
+    /// What is opened.
+    spec: String,
+    pub size: Size,
+    /// Frames, those that were inserted among them.
+    pub frames: u64,
+    /// A digest of its light: two files of the same pictures are one scene.
+    pub digest: String,
+    held: Option<Arc<Vec<Frame>>>,
+}
+
+/// What one scene may take in memory, in bytes.
+const HELD: usize = 512 << 20;
+
+impl Footage {
+    /// Opens a scene; files are looked for in `folder`. It is watched once, for its digest.
+    pub fn open(wanted: &Wanted, folder: &Path) -> Result<Self, SceneError> {
+        let spec = located(&wanted.spec, folder);
+        let mut digest = Sha256::new();
+        let mut held = Some(Vec::new());
+        let (mut frames, mut size) = (0, Size::new(0, 0));
+        let mut bytes = Vec::new();
+        play(&spec, wanted, &mut |frame| {
+            size = Size::of(&frame.light);
+            bytes.clear();
+            bytes.extend(frame.seconds.to_le_bytes());
+            bytes.extend(frame.light.iter().flat_map(|light| light.to_le_bytes()));
+            digest.update(&bytes);
+            frames += 1;
+            let room = HELD / (size.pixels() * size_of::<f64>()).max(1);
+            held = held.take().filter(|held| held.len() < room);
+            if let Some(held) = &mut held {
+                held.push(frame);
+            }
+            Ok::<(), SceneError>(())
+        })?;
+        digest.update(size.height.to_le_bytes());
+        digest.update(size.width.to_le_bytes());
+        Ok(Self {
+            wanted: wanted.clone(),
+            spec,
+            size,
+            frames,
+            digest: hex(&digest.finalize()),
+            held: held.map(Arc::new),
+        })
+    }
+
+    /// Shows every frame.
+    pub fn play<E: From<SceneError>>(
+        &self,
+        mut see: impl FnMut(&Frame) -> Result<(), E>,
+    ) -> Result<(), E> {
+        match &self.held {
+            Some(held) => held.iter().try_for_each(see),
+            None => play(&self.spec, &self.wanted, &mut |frame| see(&frame)),
+        }
+    }
+}
+
+/// Files are beside the study.
+fn located(spec: &str, folder: &Path) -> String {
+    if spec == "bundled" || spec.starts_with("pattern:") {
+        return spec.to_owned();
+    }
+    folder.join(spec).display().to_string()
+}
+
+/// Plays a scene from its start.
+fn play<E: From<SceneError>>(
+    spec: &str,
+    wanted: &Wanted,
+    see: &mut dyn FnMut(Frame) -> Result<(), E>,
+) -> Result<(), E> {
+    let scene = if spec == "bundled" && wanted.fps.is_none() {
+        bundled()?
+    } else if spec == "bundled" {
+        // Only its times are others.
+        Box::new(Retimed(bundled()?, wanted.fps.unwrap_or(1.0)))
+    } else {
+        open(spec, &OpenOptions { fps: wanted.fps })?
+    };
+    let read = Source {
+        scene,
+        left: wanted.frames.unwrap_or(u64::MAX),
+    };
+    let Some(contrast) = wanted.upsample else {
+        let mut read = read;
+        while let Some(frame) = read.next_frame()? {
+            see(frame)?;
+        }
+        return Ok(());
+    };
+    let bound = Bound::Contrast {
+        contrast,
+        offset: 1.0,
+    };
+    let how = Upsampling {
+        bound,
+        ..Upsampling::default()
+    };
+    let mut upsampled = Upsampled::new(read, how)?;
+    while let Some(frame) = upsampled.next_frame()? {
+        see(frame)?;
+    }
+    Ok(())
+}
+
+/// The first frames of a scene.
+struct Source {
+    scene: Box<dyn Scene>,
+    left: u64,
+}
+
+impl Scene for Source {
+    fn size(&self) -> Size {
+        self.scene.size()
+    }
+
+    fn fps(&self) -> f64 {
+        self.scene.fps()
+    }
+
+    fn frames(&self) -> Option<u64> {
+        self.scene.frames().map(|frames| frames.min(self.left))
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        if self.left == 0 {
+            return Ok(None);
+        }
+        self.left -= 1;
+        self.scene.next_frame()
+    }
+}
+
+/// A scene at another rate.
+struct Retimed(Box<dyn Scene>, f64);
+
+impl Scene for Retimed {
+    fn size(&self) -> Size {
+        self.0.size()
+    }
+
+    fn fps(&self) -> f64 {
+        self.1
+    }
+
+    fn frames(&self) -> Option<u64> {
+        self.0.frames()
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let frame = self.0.next_frame()?;
+        Ok(frame.map(|frame| Frame {
+            seconds: frame.index as f64 / self.1,
+            ..frame
+        }))
+    }
+}
+
+/// Bytes as text.
+pub(super) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}

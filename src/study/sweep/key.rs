@@ -1,0 +1,378 @@
+//! The keys of a study file: one table, from which the file is read, its JSON Schema is made,
+//! and the documentation is checked.
+
+use std::{fmt, str::FromStr};
+
+use miette::Diagnostic;
+
+use crate::{array::Arithmetic, kernel::quantise::Quantiser, number::Format};
+
+/// Which sensor a point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Side {
+    /// The float model.
+    Reference,
+    /// A compiled program on the array.
+    Array,
+    /// The float model behind a resistor mesh in place of a kernel.
+    Mesh,
+}
+
+impl Side {
+    /// All, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::Reference, Self::Array, Self::Mesh];
+
+    /// As it is written in a study.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Reference => "reference",
+            Self::Array => "array",
+            Self::Mesh => "mesh",
+        }
+    }
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// One key whose values are an axis of the grid.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// As it is written.
+    pub name: &'static str,
+    /// The sides that have it.
+    pub sides: &'static [Side],
+    /// What it takes.
+    pub kind: Kind,
+    /// What it is when it is left out.
+    pub default: Absent,
+    /// What it is, with its unit.
+    pub what: &'static str,
+}
+
+/// A key that is left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Absent {
+    /// It must not be.
+    Required,
+    /// Then there is none.
+    None,
+    /// Then it is this, as TOML.
+    Is(&'static str),
+}
+
+/// A name in its canonical spelling; or what is wrong with it, and what to do.
+pub type Spell = fn(&str) -> Result<String, (String, String)>;
+
+/// What a key takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// The name of something that is opened.
+    Name,
+    /// A number from `least` on, or above it.
+    Number {
+        /// The least.
+        least: f64,
+        /// Whether the least itself is out.
+        above: bool,
+    },
+    /// A whole number.
+    Whole {
+        /// The least.
+        least: u64,
+        /// The most.
+        most: u64,
+    },
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// A name with a grammar of its own.
+    Spelled(Spell),
+    /// A number, or `{ on, off, sigma }`.
+    Threshold,
+    /// `{ us, rule }`.
+    Refractory,
+    /// A preset, or the keys of a sensor file's `[noise]`.
+    Noise,
+    /// The `response` of a sensor file.
+    Response,
+}
+
+const ANY: &[Side] = &Side::ALL;
+const FLOAT: &[Side] = &[Side::Reference, Side::Mesh];
+const KERNEL: &[Side] = &[Side::Reference, Side::Array];
+const REFERENCE: &[Side] = &[Side::Reference];
+const ARRAY: &[Side] = &[Side::Array];
+const MESH: &[Side] = &[Side::Mesh];
+
+/// The largest whole number that TOML has.
+const MOST: u64 = i64::MAX as u64;
+
+/// Every axis. The grid runs through them in this order, the last one fastest.
+pub const KEYS: &[Key] = &[
+    Key {
+        name: "scene",
+        sides: ANY,
+        kind: Kind::Name,
+        default: Absent::Required,
+        what: "`bundled` (the clip that comes with the program), a clip, a `.npy`, a folder of pictures beside the study, or `pattern:NAME?key=value`",
+    },
+    Key {
+        name: "fps",
+        sides: ANY,
+        kind: Kind::Number {
+            least: 0.0,
+            above: true,
+        },
+        default: Absent::None,
+        what: "frames per second, instead of what the scene says",
+    },
+    Key {
+        name: "frames",
+        sides: ANY,
+        kind: Kind::Whole {
+            least: 2,
+            most: MOST,
+        },
+        default: Absent::None,
+        what: "only so many frames of the scene, at least 2; all when left out",
+    },
+    Key {
+        name: "upsample",
+        sides: ANY,
+        kind: Kind::Number {
+            least: 0.0,
+            above: false,
+        },
+        default: Absent::Is("0"),
+        what: "insert frames so that no pixel's light changes by more than this from one to the next, in ln units; 0 inserts none",
+    },
+    Key {
+        name: "kernel",
+        sides: KERNEL,
+        kind: Kind::Name,
+        default: Absent::Required,
+        what: "a built-in kernel, or a kernel file (`.toml`, `.npy`) beside the study",
+    },
+    Key {
+        name: "lambda",
+        sides: MESH,
+        kind: Kind::Number {
+            least: 0.0,
+            above: false,
+        },
+        default: Absent::Required,
+        what: "space constant of the resistor mesh, in pixels",
+    },
+    Key {
+        name: "lambda-y",
+        sides: MESH,
+        kind: Kind::Number {
+            least: 0.0,
+            above: false,
+        },
+        default: Absent::None,
+        what: "space constant down the columns, in pixels; as `lambda` when left out",
+    },
+    Key {
+        name: "tau-us",
+        sides: MESH,
+        kind: Kind::Number {
+            least: 0.0,
+            above: false,
+        },
+        default: Absent::Is("0"),
+        what: "time constant of the mesh, in microseconds; 0 settles at once",
+    },
+    Key {
+        name: "threshold",
+        sides: ANY,
+        kind: Kind::Threshold,
+        default: Absent::Required,
+        what: "an event where kernel times light (0 to 255) moved by more than this; a number, or `{ on = 8, off = 8, sigma = 0 }` with the deviation of its mismatch. Under a logarithmic response in ln units",
+    },
+    Key {
+        name: "response",
+        sides: FLOAT,
+        kind: Kind::Response,
+        default: Absent::Is("\"identity\""),
+        what: "the photoreceptor, as in a sensor file. Thresholds stay in light units under `{ linear = … }`",
+    },
+    Key {
+        name: "border",
+        sides: REFERENCE,
+        kind: Kind::Choice(&["zero", "replicate"]),
+        default: Absent::Is("\"zero\""),
+        what: "what the kernel reads off the array; the array itself reads zero",
+    },
+    Key {
+        name: "memory",
+        sides: FLOAT,
+        kind: Kind::Choice(&["filtered-snap", "filtered-step", "raw-snap"]),
+        default: Absent::Is("\"filtered-snap\""),
+        what: "what an event does to the memory, as in a sensor file",
+    },
+    Key {
+        name: "polarity",
+        sides: FLOAT,
+        kind: Kind::Choice(&["filtered", "pixel"]),
+        default: Absent::Is("\"filtered\""),
+        what: "where the sign of an event comes from, as in a sensor file",
+    },
+    Key {
+        name: "refractory",
+        sides: FLOAT,
+        kind: Kind::Refractory,
+        default: Absent::Is("{ us = 0 }"),
+        what: "dead time after an event, `{ us = 1000, rule = \"dead-time\" }` or `rule = \"authors\"`, in microseconds",
+    },
+    Key {
+        name: "noise",
+        sides: FLOAT,
+        kind: Kind::Noise,
+        default: Absent::Is("\"none\""),
+        what: "`\"none\"`, `\"noisy\"` (the `[noise]` of `sensors/dvs-noisy.toml`), or a table with the keys of a sensor file's `[noise]`",
+    },
+    Key {
+        name: "format",
+        sides: FLOAT,
+        kind: Kind::Spelled(spelled::<Format>),
+        default: Absent::Is("\"f64\""),
+        what: "number format of signals, weights and memory: f64, f32, f16, bf16, qM.N",
+    },
+    Key {
+        name: "solver",
+        sides: MESH,
+        kind: Kind::Choice(&["ramp", "step", "v2e"]),
+        default: Absent::Is("\"ramp\""),
+        what: "how the mesh is moved on: the `rule` of a sensor file's `mesh`",
+    },
+    Key {
+        name: "chip",
+        sides: ARRAY,
+        kind: Kind::Name,
+        default: Absent::Is("\"scamp5\""),
+        what: "a shipped chip, or the folder of another beside the study",
+    },
+    Key {
+        name: "quantise",
+        sides: ARRAY,
+        kind: Kind::Spelled(quantiser),
+        default: Absent::Is("\"none\""),
+        what: "the kernel in few values, as in `amacrine quantise --to`; `none` takes its weights as they are",
+    },
+    Key {
+        name: "sum",
+        sides: ARRAY,
+        kind: Kind::Choice(&["free", "zero", "kept"]),
+        default: Absent::Is("\"free\""),
+        what: "what a quantised kernel must sum to",
+    },
+    Key {
+        name: "memory",
+        sides: ARRAY,
+        kind: Kind::Spelled(remembered),
+        default: Absent::Is("\"analogue\""),
+        what: "where the drives of the last events are kept: `analogue`, or `bits:N` for N one-bit registers",
+    },
+    Key {
+        name: "readout",
+        sides: ARRAY,
+        kind: Kind::Choice(&["chip", "all"]),
+        default: Absent::Is("\"chip\""),
+        what: "`chip`: 4000 events of either sign a frame at most, more are dropped and counted; `all`: every event",
+    },
+    Key {
+        name: "domain",
+        sides: ARRAY,
+        kind: Kind::Spelled(spelled::<Arithmetic>),
+        default: Absent::Is("\"exact\""),
+        what: "arithmetic of the array: exact, f32, f16, bf16, qM.N, silicon",
+    },
+    Key {
+        name: "schedule",
+        sides: ARRAY,
+        kind: Kind::Choice(&["plain", "tiled", "active"]),
+        default: Absent::Is("\"tiled\""),
+        what: "in which order the array is worked on, which changes only the speed",
+    },
+    Key {
+        name: "seed",
+        sides: ANY,
+        kind: Kind::Whole {
+            least: 0,
+            most: MOST,
+        },
+        default: Absent::Is("0"),
+        what: "chooses mismatch, noise and stochastic rounding; points without chance have none",
+    },
+];
+
+impl Key {
+    /// The keys of a side, in the order of the grid.
+    pub fn of(side: Side) -> impl Iterator<Item = &'static Self> {
+        KEYS.iter().filter(move |key| key.sides.contains(&side))
+    }
+
+    /// Whether it takes `{ from, to, steps }`.
+    #[must_use]
+    pub const fn ranges(&self) -> bool {
+        matches!(
+            self.kind,
+            Kind::Number { .. } | Kind::Whole { .. } | Kind::Threshold
+        )
+    }
+}
+
+fn spelled<T>(name: &str) -> Result<String, (String, String)>
+where
+    T: FromStr + fmt::Display,
+    T::Err: Diagnostic,
+{
+    match name.parse::<T>() {
+        Ok(known) => Ok(known.to_string()),
+        Err(fault) => {
+            let help = fault.help().map(|help| help.to_string());
+            Err((fault.to_string(), help.unwrap_or_default()))
+        }
+    }
+}
+
+fn quantiser(name: &str) -> Result<String, (String, String)> {
+    if name == "none" {
+        return Ok(name.to_owned());
+    }
+    spelled::<Quantiser>(name).map_err(|(what, help)| (what, format!("none, {help}")))
+}
+
+fn remembered(name: &str) -> Result<String, (String, String)> {
+    let bits = name.strip_prefix("bits:").and_then(|n| n.parse().ok());
+    match bits {
+        _ if name == "analogue" => Ok(name.to_owned()),
+        Some(bits @ 1_u8..=8) => Ok(format!("bits:{bits}")),
+        _ => Err((
+            format!("`{name}` is no memory of the array"),
+            "give analogue, or bits:N with N from 1 to 8; the rule is always filtered-snap"
+                .to_owned(),
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_side_has_a_key_twice() {
+        for side in Side::ALL {
+            let mut names: Vec<_> = Key::of(side).map(|key| key.name).collect();
+            let all = names.len();
+            names.sort_unstable();
+            names.dedup();
+            assert_eq!(names.len(), all, "{side}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! One point: its sensor is made, watches its scene, and is measured.
+
+use serde_json::json;
+
+use super::{
+    build::{Refusal, array, float},
+    key::Side,
+    plan::{Entry, Plan},
+    sensor,
+    shared::Shared,
+    study::Settings,
+    table::{self, Row},
+};
+use crate::{
+    compare::{
+        Pair, counts, intervals, matching, rates, ruler::Metric, van_rossum, victor_purpura, voxel,
+    },
+    event::{Packet, Polarity, address},
+    plane::Size,
+    reference::Reference,
+    scene::SceneError,
+    sensor::{Sensor, SensorError},
+};
+
+/// Seconds since some moment.
+pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
+
+/// Computes a point; what came of it, as a row.
+pub(super) fn measure(plan: &Plan, entry: &Entry, shared: &Shared, clock: Clock<'_>) -> Row {
+    let settings = &plan.study.settings;
+    let mut row = entry.point.columns();
+    row.insert("id".to_owned(), json!(entry.id));
+    row.insert("task".to_owned(), json!(entry.task));
+    row.insert("against".to_owned(), json!(settings.against));
+    let Size { height, width } = entry.scene.size;
+    row.insert("width".to_owned(), json!(width));
+    row.insert("height".to_owned(), json!(height));
+    row.insert("frames_seen".to_owned(), json!(entry.scene.frames));
+    let outcome = match run(settings, entry, shared, clock, &mut row) {
+        Ok(()) => "done",
+        Err(Refusal(why)) => {
+            row.insert("reason".to_owned(), json!(why));
+            "refused"
+        }
+    };
+    row.insert("outcome".to_owned(), json!(outcome));
+    row
+}
+
+fn run(
+    settings: &Settings,
+    entry: &Entry,
+    shared: &Shared,
+    clock: Clock<'_>,
+    row: &mut Row,
+) -> Result<(), Refusal> {
+    let mut sensor = match entry.point.side() {
+        Side::Reference | Side::Mesh => float(entry, row)?,
+        Side::Array => array(settings, entry, shared, row)?,
+    };
+    let (packet, seconds) = watch(entry, &mut *sensor, clock)?;
+    let made = shared.reference(&entry.task, || ideal(settings, entry, clock));
+    let truth = match made.get() {
+        Some(Ok(packet)) => packet,
+        Some(Err(why)) => return Err(Refusal(format!("the f64 sensor: {why}"))),
+        None => return Err(Refusal("the f64 sensor was not made".to_owned())),
+    };
+    let pair = Pair::of(truth, &packet)?;
+    let frames = entry.scene.frames as f64;
+    let on = packet
+        .events
+        .iter()
+        .filter(|e| e.polarity == Polarity::On)
+        .count();
+    let mut put = |name: &str, value: serde_json::Value| row.insert(name.to_owned(), value);
+    put("events", json!(packet.events.len()));
+    put("on", json!(on));
+    put("off", json!(packet.events.len() - on));
+    put("dropped", json!(packet.dropped.total()));
+    put("bits", json!(address::bits(&packet)));
+    put("reference_events", json!(truth.events.len()));
+    let first = settings.within.first().copied().unwrap_or_default();
+    put("error", json!(1.0 - matching::matches(&pair, first).f1()));
+    for metric in table::metrics(settings) {
+        put(&metric.key(), json!(value(metric, &pair)));
+    }
+    put("seconds_per_frame", json!(seconds / frames));
+    put("frames_per_s", json!(frames / seconds));
+    put("events_per_s", json!(packet.events.len() as f64 / seconds));
+    Ok(())
+}
+
+/// Shows the scene; the packet, and the seconds that the sensor took.
+fn watch(
+    entry: &Entry,
+    sensor: &mut (dyn Sensor + Send),
+    clock: Clock<'_>,
+) -> Result<(Packet, f64), Refusal> {
+    let mut packet = Packet::new(sensor.size(), sensor.channels());
+    let mut spent = 0.0;
+    entry.scene.play(|frame| {
+        let start = clock();
+        sensor.watch(frame, &mut packet)?;
+        spent += clock() - start;
+        Ok::<(), Stop>(())
+    })?;
+    // A clock may be too coarse for a small scene.
+    Ok((packet, f64::max(spent, 1e-9)))
+}
+
+/// A scene or a sensor stopped.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+enum Stop {
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Sensor(#[from] SensorError),
+}
+
+/// The packet that points of this task are measured against.
+fn ideal(settings: &Settings, entry: &Entry, clock: Clock<'_>) -> Result<Packet, String> {
+    let make = || -> Result<Packet, Refusal> {
+        let description = sensor::ideal(&entry.point, &entry.kernel, settings.against)?;
+        let mut sensor = Reference::new(description, entry.scene.size, 0)?;
+        Ok(watch(entry, &mut sensor, clock)?.0)
+    };
+    make().map_err(|Refusal(why)| why)
+}
+
+/// One metric; none where it has no value.
+fn value(metric: Metric, pair: &Pair) -> Option<f64> {
+    let bins = || voxel::voxels(pair, voxel::Bins::over(pair, 8));
+    match metric {
+        Metric::F1(within) => Some(matching::matches(pair, within).f1()),
+        Metric::Precision(within) => Some(matching::matches(pair, within).precision()),
+        Metric::Recall(within) => Some(matching::matches(pair, within).recall()),
+        Metric::VanRossum(tau) => Some(van_rossum::distance(pair, tau)),
+        Metric::VictorPurpura(shift) => Some(victor_purpura::distance(pair, shift)),
+        Metric::VoxelL1 => Some(bins().l1),
+        Metric::VoxelL1SignsApart => Some(bins().l1_signs_apart),
+        Metric::VoxelRmse => Some(bins().rmse),
+        Metric::CountPearson => counts::cells(pair).pearson,
+        Metric::CountL1 => Some(pair.per_event(counts::cells(pair).l1 as f64 / 2.0)),
+        Metric::RatePearson => rates::rates(pair).unsigned.pearson,
+        Metric::RateL1 => Some(rates::rates(pair).unsigned.l1),
+        Metric::SignedRatePearson => rates::rates(pair).signed.pearson,
+        Metric::SignedRateL1 => Some(rates::rates(pair).signed.l1),
+        Metric::Intervals => intervals::divergence(pair).map(|d| d.forward),
+        Metric::IntervalsBack => intervals::divergence(pair).map(|d| d.back),
+        Metric::Events | Metric::Bits => None,
+    }
+}

@@ -1,0 +1,287 @@
+//! A study whose scenes, kernels and chips have been opened: every point with its identity.
+//!
+//! A point's identity is a hash (SHA-256, of which 128 bits are kept) of its canonical
+//! description, of the content of all that it names (the light of its scene, the weights of
+//! its kernel, the data of its chip), of what is measured, and of the version of the results.
+//! Two ways to write the same point have one identity, and one row.
+
+use std::{
+    collections::{BTreeMap, HashSet},
+    fs,
+    path::Path,
+    sync::Arc,
+};
+
+use miette::Diagnostic;
+use serde_json::{Value as Json, json};
+use sha2::{Digest, Sha256};
+
+use super::{
+    SCHEMA,
+    footage::{Footage, Wanted, hex},
+    grid::Axes,
+    key::Side,
+    point::Point,
+    sensor,
+    store::Manifest,
+    study::Study,
+    table,
+};
+use crate::{
+    isa::{
+        Device,
+        text::{Fault, Faults, Place},
+    },
+    kernel::Kernel,
+};
+
+/// Everything there is to compute.
+#[derive(Debug)]
+pub struct Plan {
+    /// The study.
+    pub study: Study,
+    /// The points in their fixed order, each once.
+    pub entries: Vec<Entry>,
+    /// Points that the study names; more than there are, where some are the same.
+    pub named: u64,
+}
+
+/// One point, ready to be computed.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// What it is.
+    pub point: Point,
+    /// Its identity.
+    pub id: String,
+    /// What its events are measured against: the same for points of one task.
+    pub task: String,
+    pub(super) scene: Arc<Footage>,
+    pub(super) kernel: Arc<Kernel>,
+    pub(super) chip: Option<Arc<Device>>,
+}
+
+/// What was opened, by name.
+struct Opened<'a> {
+    study: &'a Study,
+    folder: &'a Path,
+    scenes: Vec<(Wanted, Arc<Footage>)>,
+    kernels: BTreeMap<String, Arc<Kernel>>,
+    chips: BTreeMap<String, (Arc<Device>, String)>,
+}
+
+impl Plan {
+    /// Opens all that a study names, files in `folder`, and checks every point.
+    ///
+    /// # Errors
+    /// When something that is named cannot be opened, settings contradict each other, or
+    /// there are too many points.
+    pub fn new(study: Study, folder: &Path) -> Result<Self, Faults> {
+        let points = study.points()?;
+        let named = points.len() as u64;
+        check(&study, &points)?;
+        let mut opened = Opened {
+            study: &study,
+            folder,
+            scenes: Vec::new(),
+            kernels: BTreeMap::new(),
+            chips: BTreeMap::new(),
+        };
+        let mut entries = Vec::new();
+        let mut known = HashSet::new();
+        for point in points {
+            let entry = opened.entry(point)?;
+            if known.insert(entry.id.clone()) {
+                entries.push(entry);
+            }
+        }
+        Ok(Self {
+            study,
+            entries,
+            named,
+        })
+    }
+
+    /// What a folder of results says about itself.
+    #[must_use]
+    pub fn manifest(&self) -> Manifest {
+        let points: Vec<String> = self.entries.iter().map(|entry| entry.id.clone()).collect();
+        let mut digest = Sha256::new();
+        for id in &points {
+            digest.update(id.as_bytes());
+        }
+        Manifest {
+            amacrine: env!("CARGO_PKG_VERSION").to_owned(),
+            schema: SCHEMA,
+            study: hex(&digest.finalize()[..16]),
+            title: self.study.title.clone(),
+            columns: table::names(&self.study.settings),
+            points,
+        }
+    }
+}
+
+/// Looks for settings that contradict each other.
+fn check(study: &Study, points: &[Point]) -> Result<(), Faults> {
+    let mut seen = HashSet::new();
+    for point in points {
+        let found = sensor::contradiction(point, study.settings.against, &mut seen);
+        if let Some((key, fault)) = found {
+            let fault = Fault {
+                place: place(&study.sides, point, &key),
+                ..fault
+            };
+            return Err(study.fault(fault));
+        }
+    }
+    Ok(())
+}
+
+/// Where a key of a point has got its value.
+fn place(sides: &[Axes], point: &Point, key: &str) -> Place {
+    let mut own = sides.iter().filter(|axes| axes.side == point.side());
+    let value = point.get(key);
+    let found = own.clone().find_map(|axes| {
+        let axis = axes.axes.iter().find(|axis| axis.key.name == key)?;
+        let has = value.is_some_and(|value| match &axis.values {
+            super::value::Values::List(list) => list.iter().any(|(listed, _)| listed == value),
+            super::value::Values::Ramp(_) => true,
+        });
+        has.then(|| value.map_or(axis.place, |value| axis.place_of(value)))
+    });
+    found
+        .or_else(|| own.next().map(|axes| axes.place))
+        .unwrap_or_default()
+}
+
+impl Opened<'_> {
+    fn entry(&mut self, point: Point) -> Result<Entry, Faults> {
+        let settings = &self.study.settings;
+        let scene = self.scene(&point)?;
+        let kernel = self.kernel(&point)?;
+        let chip = self.chip(&point)?;
+        let mut description: BTreeMap<String, Json> = point.columns().into_iter().collect();
+        // Names are replaced by what they stand for.
+        for name in ["scene", "fps", "frames", "upsample", "kernel", "chip"] {
+            description.remove(name);
+        }
+        description.insert("light".to_owned(), json!(scene.digest));
+        let weights = kernel.weights().rows().into_iter().map(|row| row.to_vec());
+        description.insert("weights".to_owned(), weights.collect::<Vec<_>>().into());
+        if let Some((_, data)) = &chip {
+            description.insert("device".to_owned(), json!(data));
+            description.insert("effort".to_owned(), json!(settings.effort));
+        }
+        let whole = json!([SCHEMA, description, settings.measured()]);
+        let task = sensor::task(&point, &kernel, settings.against);
+        let task = json!([scene.digest, task]);
+        Ok(Entry {
+            id: identity(&whole),
+            task: identity(&task),
+            scene,
+            kernel,
+            chip: chip.map(|(device, _)| device),
+            point,
+        })
+    }
+
+    fn wrong(&self, point: &Point, key: &str, what: &str, help: Option<String>) -> Faults {
+        let place = place(&self.study.sides, point, key);
+        let fault = Fault::error(place, what, "named here");
+        self.study.fault(Fault { help, ..fault })
+    }
+
+    fn scene(&mut self, point: &Point) -> Result<Arc<Footage>, Faults> {
+        let wanted = Wanted {
+            spec: point.word("scene").unwrap_or_default().to_owned(),
+            fps: point.number("fps"),
+            frames: point.whole("frames"),
+            upsample: point.number("upsample"),
+        };
+        if let Some((_, footage)) = self.scenes.iter().find(|(known, _)| *known == wanted) {
+            return Ok(Arc::clone(footage));
+        }
+        let footage = Footage::open(&wanted, self.folder).map_err(|e| {
+            let help = e.help().map(|help| help.to_string());
+            self.wrong(point, "scene", &e.to_string(), help)
+        })?;
+        if footage.frames < 2 {
+            let what = format!("{} has {} frame", wanted.spec, footage.frames);
+            let help = "events happen between frames: give a scene of two at least";
+            return Err(self.wrong(point, "scene", &what, Some(help.to_owned())));
+        }
+        let footage = Arc::new(footage);
+        self.scenes.push((wanted, Arc::clone(&footage)));
+        Ok(footage)
+    }
+
+    fn kernel(&mut self, point: &Point) -> Result<Arc<Kernel>, Faults> {
+        let name = match point.side() {
+            // The pixel alone; the mesh is its surround.
+            Side::Mesh => "dvs",
+            Side::Reference | Side::Array => point.word("kernel").unwrap_or_default(),
+        };
+        if let Some(kernel) = self.kernels.get(name) {
+            return Ok(Arc::clone(kernel));
+        }
+        let kernel = match Kernel::builtin(name) {
+            Some(kernel) => kernel,
+            None => self.kernel_file(point, name)?,
+        };
+        let kernel = Arc::new(kernel);
+        self.kernels.insert(name.to_owned(), Arc::clone(&kernel));
+        Ok(kernel)
+    }
+
+    fn kernel_file(&self, point: &Point, name: &str) -> Result<Kernel, Faults> {
+        let path = self.folder.join(name);
+        let bytes = fs::read(&path).map_err(|cause| {
+            let known: Vec<_> = Kernel::builtin_names().collect();
+            let help = format!(
+                "give a kernel file (.toml, .npy) beside the study or one of {}",
+                known.join(", ")
+            );
+            let what = format!("cannot read the kernel {}: {cause}", path.display());
+            self.wrong(point, "kernel", &what, Some(help))
+        })?;
+        let kernel = if bytes.starts_with(b"\x93NUMPY") {
+            Kernel::from_npy(&bytes)
+        } else {
+            Kernel::from_toml_bytes(&bytes)
+        };
+        kernel.map_err(|e| {
+            let what = format!("{}: {e}", path.display());
+            self.wrong(point, "kernel", &what, None)
+        })
+    }
+
+    /// The chip, and its data as text.
+    fn chip(&mut self, point: &Point) -> Result<Option<(Arc<Device>, String)>, Faults> {
+        let Some(name) = point.word("chip") else {
+            return Ok(None);
+        };
+        if let Some(known) = self.chips.get(name) {
+            return Ok(Some(known.clone()));
+        }
+        let beside = self.folder.join(name);
+        let shipped = Device::shipped().any(|shipped| shipped == name);
+        let found = if !shipped && beside.is_dir() {
+            Device::load(&beside)
+        } else {
+            Device::find(name)
+        };
+        let device = found.map_err(|e| {
+            let help = e.help().map(|help| help.to_string());
+            self.wrong(point, "chip", &e.to_string(), help)
+        })?;
+        // All that was read, as one text; what it extends is in it.
+        let data = hex(&Sha256::digest(format!("{device:?}").as_bytes())[..16]);
+        let known = (Arc::new(device), data);
+        self.chips.insert(name.to_owned(), known.clone());
+        Ok(Some(known))
+    }
+}
+
+/// 128 bits of the hash of a description.
+fn identity(description: &Json) -> String {
+    hex(&Sha256::digest(description.to_string().as_bytes())[..16])
+}

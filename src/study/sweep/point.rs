@@ -1,0 +1,185 @@
+//! A point: one sensor on one scene, fully described.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value as Json, json};
+
+use super::{
+    key::{Key, Kind, Side},
+    value::Value,
+};
+
+/// One sensor on one scene. What plays no part in it is not in it, so that two ways to write
+/// the same point are equal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    side: Side,
+    values: BTreeMap<&'static str, Value>,
+}
+
+impl Point {
+    /// A point of these values.
+    #[must_use]
+    pub fn new(side: Side, values: impl IntoIterator<Item = (&'static str, Value)>) -> Self {
+        let mut point = Self {
+            side,
+            values: values.into_iter().collect(),
+        };
+        if !point.has_chance() {
+            point.values.remove("seed");
+        }
+        if point.word("quantise") == Some("none") {
+            point.values.remove("sum");
+        }
+        if point.values.get("lambda-y") == point.values.get("lambda") {
+            point.values.remove("lambda-y");
+        }
+        if point.number("upsample") == Some(0.0) {
+            point.values.remove("upsample");
+        }
+        point
+    }
+
+    /// Whether a seed can change anything.
+    fn has_chance(&self) -> bool {
+        match self.side {
+            Side::Array => {
+                let rounds = |name: &str| name.ends_with(":stochastic");
+                self.word("domain") == Some("silicon") || self.word("quantise").is_some_and(rounds)
+            }
+            Side::Reference | Side::Mesh => {
+                let mismatch = matches!(
+                    self.values.get("threshold"),
+                    Some(Value::Threshold { sigma, .. }) if *sigma > 0.0
+                );
+                mismatch || self.word("noise").is_some_and(|noise| noise != "none")
+            }
+        }
+    }
+
+    /// Which sensor.
+    #[must_use]
+    pub const fn side(&self) -> Side {
+        self.side
+    }
+
+    /// What a key is set to; none where it plays no part.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&Value> {
+        self.values.get(key)
+    }
+
+    /// A name.
+    #[must_use]
+    pub fn word(&self, key: &str) -> Option<&str> {
+        match self.get(key)? {
+            Value::Word(word) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// A number.
+    #[must_use]
+    pub fn number(&self, key: &str) -> Option<f64> {
+        match self.get(key)? {
+            Value::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// A whole number.
+    #[must_use]
+    pub fn whole(&self, key: &str) -> Option<u64> {
+        match self.get(key)? {
+            Value::Whole(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// Thresholds for ON and OFF and their deviation, in light units.
+    #[must_use]
+    pub fn thresholds(&self) -> Option<[f64; 3]> {
+        match self.get("threshold")? {
+            Value::Threshold { on, off, sigma } => Some([*on, *off, *sigma]),
+            _ => None,
+        }
+    }
+
+    /// The description as columns of a row, as it is written.
+    #[must_use]
+    pub fn columns(&self) -> Map<String, Json> {
+        let mut row = Map::new();
+        row.insert("side".to_owned(), json!(self.side.name()));
+        for key in Key::of(self.side) {
+            let name = key.name.replace('-', "_");
+            match self.get(key.name) {
+                None => {}
+                Some(Value::Number(number)) => {
+                    row.insert(name, json!(number));
+                }
+                Some(Value::Whole(number)) => {
+                    row.insert(name, json!(number));
+                }
+                Some(Value::Word(word)) => {
+                    let name = match (key.name, self.side) {
+                        ("memory", Side::Array) => "kept_in".to_owned(),
+                        ("memory", _) => "rule".to_owned(),
+                        _ => name,
+                    };
+                    let shown = if matches!(key.kind, Kind::Response) {
+                        word.trim_matches('"')
+                    } else {
+                        word
+                    };
+                    row.insert(name, json!(shown));
+                }
+                Some(Value::Threshold { on, off, sigma }) => {
+                    row.insert("threshold_on".to_owned(), json!(on));
+                    row.insert("threshold_off".to_owned(), json!(off));
+                    row.insert("threshold_sigma".to_owned(), json!(sigma));
+                }
+                Some(Value::Refractory { us, rule }) => {
+                    row.insert("refractory_us".to_owned(), json!(us));
+                    row.insert("refractory_rule".to_owned(), json!(rule));
+                }
+            }
+        }
+        row
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn word(text: &str) -> Value {
+        Value::Word(text.to_owned())
+    }
+
+    #[test]
+    fn what_plays_no_part_is_not_in_a_point() {
+        let array = |domain: &str, seed| {
+            let values = [
+                ("domain", word(domain)),
+                ("quantise", word("none")),
+                ("sum", word("zero")),
+                ("seed", Value::Whole(seed)),
+            ];
+            Point::new(Side::Array, values)
+        };
+        assert_eq!(array("exact", 1), array("exact", 2));
+        assert_ne!(array("silicon", 1), array("silicon", 2));
+        assert_eq!(array("exact", 1).get("sum"), None);
+        let float = |sigma, seed| {
+            let (on, off) = (8.0, 8.0);
+            let values = [
+                ("threshold", Value::Threshold { on, off, sigma }),
+                ("noise", word("none")),
+                ("seed", Value::Whole(seed)),
+            ];
+            Point::new(Side::Reference, values)
+        };
+        assert_eq!(float(0.0, 1), float(0.0, 2));
+        assert_ne!(float(0.1, 1), float(0.1, 2));
+    }
+}

@@ -1,0 +1,298 @@
+//! What a sweep says: which sensors no other beats in both error and cost.
+//!
+//! A sensor is all of a point but its task (scene, receptive field, thresholds) and its seed.
+//! Its error and its costs are means over its points. Only sensors that were given the same
+//! tasks are compared: each set of tasks has a front of its own.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use super::{
+    store::Manifest,
+    table::{self, Row},
+};
+use crate::study::front::{Cost, dominators};
+
+/// The columns that make a sensor.
+const SENSOR: [&str; 18] = [
+    "side",
+    "response",
+    "border",
+    "rule",
+    "polarity",
+    "refractory_us",
+    "refractory_rule",
+    "noise",
+    "threshold_sigma",
+    "format",
+    "solver",
+    "chip",
+    "quantise",
+    "sum",
+    "kept_in",
+    "readout",
+    "domain",
+    "schedule",
+];
+
+/// What error is weighed against.
+pub const COSTS: [&str; 4] = ["seconds_per_frame", "bits", "words", "state_memory_bytes"];
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// What the study is called.
+    pub title: String,
+    /// The column that error is weighed against.
+    pub cost: String,
+    /// Points of the study.
+    pub points: usize,
+    /// Of which results are there.
+    pub finished: usize,
+    /// Sensors that were given the same tasks, the largest group first.
+    pub groups: Vec<Group>,
+    /// Sensors that cannot be, each with the first reason.
+    pub refused: Vec<Refused>,
+    /// Sensors that do not have this cost: only programs have words.
+    pub without: Vec<String>,
+}
+
+/// Sensors that can be compared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Group {
+    /// Tasks that all of them were given.
+    pub tasks: usize,
+    /// In order of cost.
+    pub sensors: Vec<Standing>,
+}
+
+/// One sensor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Standing {
+    /// What sets it apart.
+    pub name: String,
+    /// Reference, array or mesh.
+    pub side: String,
+    /// Its points.
+    pub points: usize,
+    /// Mean error.
+    pub error: f64,
+    /// Its worst error.
+    pub worst_error: f64,
+    /// Mean cost.
+    pub cost: f64,
+    /// Mean bits of a scene.
+    pub bits: f64,
+    /// Instruction words of a frame, the mean over kernels; of arrays only.
+    pub words: Option<f64>,
+    /// The sensor on the front that beats it; none: it is on the front.
+    pub dominated_by: Option<String>,
+}
+
+/// A sensor with points that cannot be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Refused {
+    /// What sets it apart.
+    pub name: String,
+    /// How many points.
+    pub points: usize,
+    /// Why the first of them cannot be.
+    pub reason: String,
+}
+
+impl Report {
+    /// Weighs error against a cost, a column of [`COSTS`]. `pool` compares all sensors,
+    /// whatever their tasks.
+    #[must_use]
+    pub fn of(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {
+        let varying = varying(rows);
+        let mut sensors: BTreeMap<Vec<String>, Vec<&Row>> = BTreeMap::new();
+        for row in rows {
+            let key = SENSOR.map(|column| table::cell(row, column)).to_vec();
+            sensors.entry(key).or_default().push(row);
+        }
+        let mut groups: BTreeMap<BTreeSet<String>, Vec<Standing>> = BTreeMap::new();
+        let (mut refused, mut without) = (Vec::new(), Vec::new());
+        for (key, rows) in &sensors {
+            let name = name(key, &varying);
+            let (cannot, done): (Vec<&Row>, Vec<&Row>) = rows
+                .iter()
+                .partition(|row| table::cell(row, "outcome") != "done");
+            if let Some(first) = cannot.first() {
+                refused.push(Refused {
+                    name: name.clone(),
+                    points: cannot.len(),
+                    reason: table::cell(first, "reason"),
+                });
+            }
+            if done.is_empty() {
+                continue;
+            }
+            let Some(standing) = standing(&name, key, &done, cost) else {
+                without.push(name);
+                continue;
+            };
+            let tasks = done.iter().map(|row| table::cell(row, "task"));
+            let tasks = if pool {
+                BTreeSet::new()
+            } else {
+                tasks.collect()
+            };
+            groups.entry(tasks).or_default().push(standing);
+        }
+        let mut groups: Vec<Group> = groups
+            .into_iter()
+            .map(|(tasks, sensors)| judged(tasks.len(), sensors))
+            .collect();
+        groups.sort_by_key(|group| std::cmp::Reverse(group.sensors.len()));
+        Self {
+            title: manifest.title.clone(),
+            cost: cost.to_owned(),
+            points: manifest.points.len(),
+            finished: rows.len(),
+            groups,
+            refused,
+            without,
+        }
+    }
+}
+
+/// For each side the columns in which its sensors differ.
+fn varying(rows: &[Row]) -> BTreeMap<String, Vec<bool>> {
+    let mut seen: BTreeMap<String, Vec<BTreeSet<String>>> = BTreeMap::new();
+    for row in rows {
+        let own = seen.entry(table::cell(row, "side")).or_default();
+        own.resize(SENSOR.len(), BTreeSet::new());
+        for (values, column) in own.iter_mut().zip(SENSOR) {
+            values.insert(table::cell(row, column));
+        }
+    }
+    let several = |values: Vec<BTreeSet<String>>| values.iter().map(|v| v.len() > 1).collect();
+    seen.into_iter()
+        .map(|(side, values)| (side, several(values)))
+        .collect()
+}
+
+/// The side, its arithmetic, and what else differs among its sensors.
+fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
+    let side = key.first().map_or("", String::as_str);
+    let own = varying.get(side);
+    let mut words = vec![side.to_owned()];
+    for (i, (column, value)) in SENSOR.iter().zip(key).enumerate().skip(1) {
+        let differs = own.and_then(|own| own.get(i)).copied().unwrap_or(false);
+        let always = ["format", "domain"].contains(column);
+        if value.is_empty() || !(differs || always) {
+            continue;
+        }
+        words.push(match *column {
+            "refractory_us" => format!("dead {value} us"),
+            "threshold_sigma" => format!("sigma {value}"),
+            "noise" if value == "none" => "no noise".to_owned(),
+            "noise" => format!("noise {value}"),
+            "sum" if value == "free" => continue,
+            "sum" => format!("sum {value}"),
+            "readout" => format!("readout {value}"),
+            "quantise" if value == "none" => "as is".to_owned(),
+            _ => value.clone(),
+        });
+    }
+    words.join(" ")
+}
+
+fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Standing> {
+    let numbers = |column: &str| -> Vec<f64> {
+        let numbers = rows.iter().filter_map(|row| row.get(column)?.as_f64());
+        numbers.filter(|number| number.is_finite()).collect()
+    };
+    let mean = |column: &str| {
+        let numbers = numbers(column);
+        let all = numbers.len();
+        (all == rows.len() && all > 0).then(|| numbers.iter().sum::<f64>() / all as f64)
+    };
+    Some(Standing {
+        name: name.to_owned(),
+        side: key.first().cloned().unwrap_or_default(),
+        points: rows.len(),
+        error: mean("error")?,
+        worst_error: numbers("error").into_iter().fold(0.0, f64::max),
+        cost: mean(cost)?,
+        bits: mean("bits")?,
+        words: mean("words"),
+        dominated_by: None,
+    })
+}
+
+/// Says who is beaten by whom.
+fn judged(tasks: usize, mut sensors: Vec<Standing>) -> Group {
+    sensors.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error)));
+    let costs: Vec<Cost> = sensors
+        .iter()
+        .map(|s| Cost {
+            x: s.cost,
+            y: s.error,
+        })
+        .collect();
+    let names: Vec<String> = sensors.iter().map(|s| s.name.clone()).collect();
+    for (sensor, by) in sensors.iter_mut().zip(dominators(&costs)) {
+        sensor.dominated_by = by.and_then(|by| names.get(by).cloned());
+    }
+    Group { tasks, sensors }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn row(side: &str, format: &str, task: &str, error: f64, seconds: f64) -> Row {
+        let row = json!({
+            "side": side, "format": format, "task": task, "outcome": "done", "error": error,
+            "bits": 10, "seconds_per_frame": seconds, "border": "zero",
+        });
+        row.as_object().unwrap().clone()
+    }
+
+    fn manifest(points: usize) -> Manifest {
+        Manifest {
+            amacrine: String::new(),
+            schema: 1,
+            study: String::new(),
+            title: "t".to_owned(),
+            columns: Vec::new(),
+            points: vec![String::new(); points],
+        }
+    }
+
+    #[test]
+    fn only_sensors_with_the_same_tasks_are_compared() {
+        let rows = [
+            row("reference", "f64", "a", 0.0, 2.0),
+            row("reference", "f64", "b", 0.2, 4.0),
+            row("reference", "f32", "a", 0.2, 1.0),
+            row("reference", "f32", "b", 0.2, 1.0),
+            row("reference", "f16", "a", 0.3, 3.0),
+            row("reference", "f16", "b", 0.5, 5.0),
+            row("reference", "bf16", "a", 0.9, 9.0),
+        ];
+        let report = Report::of(&manifest(8), &rows, "seconds_per_frame", false);
+        assert_eq!((report.points, report.finished), (8, 7));
+        let names = |group: &Group| -> Vec<(String, Option<String>)> {
+            let both = |s: &Standing| (s.name.clone(), s.dominated_by.clone());
+            group.sensors.iter().map(both).collect()
+        };
+        let f = |format: &str| format!("reference {format}");
+        assert_eq!(
+            names(&report.groups[0]),
+            [
+                (f("f32"), None),
+                (f("f64"), None),
+                (f("f16"), Some(f("f64"))),
+            ]
+        );
+        assert_eq!(names(&report.groups[1]), [(f("bf16"), None)]);
+        let pooled = Report::of(&manifest(8), &rows, "seconds_per_frame", true);
+        assert_eq!(pooled.groups.len(), 1);
+        assert_eq!(names(&pooled.groups[0])[3].1, Some(f("f64")));
+    }
+}

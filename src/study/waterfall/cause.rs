@@ -1,0 +1,82 @@
+//! The steps from the float sensor to the chip, in the order in which they are added.
+
+use serde::Serialize;
+
+/// One step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cause {
+    /// A cell says one event a frame at most, at the frame's time.
+    Frames,
+    /// The memory snaps to the drive, where it moved by whole thresholds.
+    Memory,
+    /// The kernel in few values.
+    Kernel,
+    /// The compiled program on the array, in the cells' number format.
+    Format,
+    /// The host sets thresholds in steps of its converter.
+    Converter,
+    /// Registers have a range.
+    Saturation,
+    /// Every store errs and loses a part, and a bus that splits errs more.
+    Transfer,
+    /// No two cells are alike.
+    Mismatch,
+    /// Every store is noisy.
+    Noise,
+    /// Registers forget.
+    Decay,
+    /// What the readout loses, and when events arrive.
+    Readout,
+}
+
+impl Cause {
+    /// Those of an array of analogue cells.
+    pub const SILICON: [Self; 11] = [
+        Self::Frames,
+        Self::Memory,
+        Self::Kernel,
+        Self::Format,
+        Self::Converter,
+        Self::Saturation,
+        Self::Transfer,
+        Self::Mismatch,
+        Self::Noise,
+        Self::Decay,
+        Self::Readout,
+    ];
+
+    /// Those of an array whose cells hold numbers.
+    pub const NUMBERS: [Self; 6] = [
+        Self::Frames,
+        Self::Memory,
+        Self::Kernel,
+        Self::Format,
+        Self::Saturation,
+        Self::Readout,
+    ];
+
+    /// A few words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Frames => "one event a frame",
+            Self::Memory => "memory rule",
+            Self::Kernel => "kernel in few values",
+            Self::Format => "number format",
+            Self::Converter => "threshold in steps",
+            Self::Saturation => "saturation",
+            Self::Transfer => "transfer and division",
+            Self::Mismatch => "mismatch",
+            Self::Noise => "temporal noise",
+            Self::Decay => "decay",
+            Self::Readout => "readout",
+        }
+    }
+
+    /// Whether it belongs to the float model; the others are the chip's.
+    #[must_use]
+    pub const fn is_float(self) -> bool {
+        matches!(self, Self::Frames | Self::Memory | Self::Kernel)
+    }
+}

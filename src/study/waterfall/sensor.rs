@@ -1,0 +1,274 @@
+//! The sensor that is left when some steps are switched on and the others off.
+
+use std::collections::BTreeSet;
+
+use super::{Cause, Question};
+use crate::{
+    array::{Arithmetic, Errors, Settings},
+    event::{Event, Packet},
+    number::Format,
+    plane::Size,
+    reference::MemoryRule,
+    scene::Frame,
+    sensor::{Sensor, SensorError},
+    study::design::{Compiled, Design, DesignError},
+    unit::Micros,
+};
+
+/// Steps that are switched on.
+pub(super) type Switches = BTreeSet<Cause>;
+
+/// A sensor, short of its readout.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Setup {
+    /// The float model.
+    Float {
+        /// One event a frame.
+        frames: bool,
+        /// Whether the memory snaps.
+        memory: bool,
+        /// Whether the kernel is the quantised one.
+        kernel: bool,
+    },
+    /// The program, cells that hold numbers.
+    Numbers {
+        /// Their format.
+        format: Format,
+        /// Whether they saturate.
+        clip: bool,
+    },
+    /// The program, analogue cells.
+    Silicon {
+        /// How they err.
+        errors: Errors,
+        /// Whether they saturate.
+        clip: bool,
+    },
+}
+
+impl Setup {
+    /// `None` where there is no such sensor: a memory that snaps speaks once a frame, the chip
+    /// has one memory and runs the levels alone, and analogue cells are computed in f32.
+    pub(super) fn of(question: &Question<'_>, on: &Switches) -> Option<Self> {
+        let is = |cause| on.contains(&cause);
+        let (frames, memory, kernel) = (is(Cause::Frames), is(Cause::Memory), is(Cause::Kernel));
+        let on_chip = on.iter().any(|c| !c.is_float() && *c != Cause::Readout);
+        if !on_chip {
+            let float = Self::Float {
+                frames,
+                memory,
+                kernel,
+            };
+            return (frames || !memory).then_some(float);
+        }
+        if !(frames && memory && kernel) {
+            return None;
+        }
+        let clip = is(Cause::Saturation);
+        let format = match question.arithmetic {
+            Arithmetic::Number(_) if !is(Cause::Format) => Format::F64,
+            Arithmetic::Number(format) => format,
+            Arithmetic::Silicon { .. } if !is(Cause::Format) => return None,
+            Arithmetic::Silicon { .. } => {
+                let plain = on.iter().all(|c| *c <= Cause::Format);
+                return Some(if plain {
+                    Self::Numbers {
+                        format: Format::F32,
+                        clip,
+                    }
+                } else {
+                    Self::Silicon {
+                        errors: errors(question, on),
+                        clip,
+                    }
+                });
+            }
+        };
+        Some(Self::Numbers { format, clip })
+    }
+
+    /// Makes it.
+    pub(super) fn sensor(
+        self,
+        question: &Question<'_>,
+        levels: &Design<'_>,
+        program: &Compiled,
+        size: Size,
+    ) -> Result<Box<dyn Sensor + Send>, DesignError> {
+        let settings = |clip| Settings {
+            clip,
+            ..program.settings()
+        };
+        Ok(match self {
+            Self::Float {
+                frames,
+                memory,
+                kernel,
+            } => {
+                let design = if kernel { levels } else { &question.design };
+                let rule = if memory {
+                    MemoryRule::FilteredSnap
+                } else {
+                    MemoryRule::FilteredStep
+                };
+                let sensor = design.reference(size, rule, Format::F64)?;
+                if frames {
+                    Box::new(OncePerFrame::new(sensor))
+                } else {
+                    sensor
+                }
+            }
+            Self::Numbers { format, clip } => {
+                let chip = program.chip(Arithmetic::Number(format), size, settings(clip))?;
+                Box::new(program.all_events(chip))
+            }
+            Self::Silicon { errors, clip } => {
+                let seed = match question.arithmetic {
+                    Arithmetic::Silicon { seed } => seed,
+                    Arithmetic::Number(_) => 0,
+                };
+                let chip = program.silicon(errors, seed, size, settings(clip))?;
+                Box::new(program.all_events(chip))
+            }
+        })
+    }
+}
+
+/// The chip's errors, those that are switched off as if it had none.
+fn errors(question: &Question<'_>, on: &Switches) -> Errors {
+    let mut errors = Errors::of(question.design.device);
+    let off = |cause| !on.contains(&cause);
+    if off(Cause::Converter) {
+        errors.input_step = 0.0;
+    }
+    if off(Cause::Saturation) {
+        errors.range = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    if off(Cause::Transfer) {
+        (errors.transfer, errors.loss, errors.division) = (0.0, 0.0, 0.0);
+    }
+    if off(Cause::Mismatch) {
+        (errors.gain_mismatch, errors.offset_mismatch) = (0.0, 0.0);
+        errors.division_mismatch = 0.0;
+    }
+    if off(Cause::Noise) {
+        errors.noise = 0.0;
+    }
+    if off(Cause::Decay) {
+        (errors.decay, errors.retention) = (0.0, f64::INFINITY);
+    }
+    errors
+}
+
+/// A sensor whose cells say one event a frame at most, at the frame's time.
+struct OncePerFrame<S> {
+    sensor: S,
+    /// What was said since the frame before.
+    said: Packet,
+}
+
+impl<S: Sensor> OncePerFrame<S> {
+    fn new(sensor: S) -> Self {
+        Self {
+            said: Packet::new(sensor.size(), sensor.channels()),
+            sensor,
+        }
+    }
+}
+
+impl<S: Sensor> Sensor for OncePerFrame<S> {
+    fn name(&self) -> &str {
+        self.sensor.name()
+    }
+
+    fn size(&self) -> Size {
+        self.sensor.size()
+    }
+
+    fn channels(&self) -> u8 {
+        self.sensor.channels()
+    }
+
+    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        let said = &mut self.said;
+        said.events.clear();
+        self.sensor.watch(frame, said)?;
+        packet.span = said.span;
+        // Between two frames the events of a cell have one sign.
+        let cell = |e: &Event| (e.y, e.channel, e.x);
+        said.events.sort_unstable_by_key(cell);
+        said.events.dedup_by_key(|e| cell(e));
+        let t = Micros::from_seconds(frame.seconds);
+        let stamped = said.events.iter().map(|e| Event { t, ..*e });
+        packet.events.extend(stamped);
+        packet.dropped = said.dropped;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{event::Polarity, plane::Plane};
+
+    /// Says what it was told to, frame by frame.
+    struct Script(Vec<Vec<Event>>);
+
+    impl Sensor for Script {
+        fn name(&self) -> &'static str {
+            "script"
+        }
+        fn size(&self) -> Size {
+            Size::new(2, 2)
+        }
+        fn channels(&self) -> u8 {
+            2
+        }
+        fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+            packet.span.1 = Micros::from_seconds(frame.seconds);
+            packet.events.append(&mut self.0[frame.index as usize]);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn what_a_cell_says_between_two_frames_is_one_event() {
+        let event = |t, x, channel, polarity| Event {
+            t: Micros(t),
+            x,
+            y: 1,
+            polarity,
+            channel,
+        };
+        let (on, off) = (Polarity::On, Polarity::Off);
+        let script = vec![
+            Vec::new(),
+            vec![
+                event(300, 1, 0, on),
+                event(400, 0, 0, off),
+                event(600, 1, 0, on),
+                event(700, 1, 1, on),
+                event(900, 1, 0, on),
+            ],
+            vec![event(1000, 1, 0, off)],
+        ];
+        let mut sensor = OncePerFrame::new(Script(script));
+        let mut packet = Packet::new(sensor.size(), sensor.channels());
+        for index in 0..3_u32 {
+            let frame = Frame {
+                index: index.into(),
+                seconds: f64::from(index) * 1e-3,
+                light: Plane::zeros((2, 2)),
+            };
+            sensor.watch(&frame, &mut packet).unwrap();
+        }
+        let expected = [
+            event(1000, 0, 0, off),
+            event(1000, 1, 0, on),
+            event(1000, 1, 1, on),
+            event(2000, 1, 0, off),
+        ];
+        assert_eq!(packet.events, expected);
+        assert_eq!(packet.span.1, Micros(2000));
+    }
+}

@@ -1,0 +1,508 @@
+//! The waterfall from the float sensor to the chip: its classes part every packet; a step that
+//! is switched off, or cannot matter, changes nothing; a loss that is put in lands on its own
+//! step and on no other; both ends are the sensors that they are called, made anew; the answer
+//! does not depend on the number of threads; and the verb `waterfall` from outside.
+
+use amacrine::{
+    array::{Arithmetic, Errors},
+    compare::{Pair, fate::Fate, matching},
+    compile::Effort,
+    event::readout::{Ideal, Readout, Scan, scan::Order},
+    isa::{Device, Figure},
+    kernel::{
+        Kernel,
+        quantise::{Quantiser, Sum},
+    },
+    number::Format,
+    reference::MemoryRule,
+    rig,
+    scene::{self, OpenOptions, Scene},
+    sensor::Sensor,
+    study::{
+        design::{Design, DesignError},
+        waterfall::{Cause, Question, Step, Waterfall, WaterfallError, ask},
+    },
+    unit::{Micros, Picos},
+};
+
+/// Blobs that drift; light of 51 to 204, which the program of a small kernel holds.
+const SCENE: &str = "pattern:noise?width=48&height=32&frames=10&grain=3&speed=400";
+
+fn scene() -> Box<dyn Scene> {
+    scene::open(SCENE, &OpenOptions::default()).unwrap()
+}
+
+/// Levels of -1, 0 and 1 already.
+fn ternary() -> Kernel {
+    Kernel::from_rows(&[[0.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec::from))
+        .unwrap()
+}
+
+/// A chip without errors, but for these numbers.
+fn perfect(but: &[(Figure, f64)]) -> Device {
+    let none = [
+        Figure::TransferError,
+        Figure::StoreLoss,
+        Figure::DivisionError,
+        Figure::GainMismatch,
+        Figure::OffsetMismatch,
+        Figure::DivisionMismatch,
+        Figure::StoreNoise,
+        Figure::AnalogueDecay,
+    ];
+    let none = none.map(|figure| (figure, 0.0));
+    none.iter()
+        .chain(but)
+        .fold(Device::scamp5(), |device, (figure, value)| {
+            device.what_if(*figure, *value).unwrap()
+        })
+}
+
+fn design<'a>(kernel: &'a Kernel, device: &'a Device, threshold: f64) -> Design<'a> {
+    Design {
+        kernel,
+        threshold,
+        device,
+        effort: Effort { states: 4_000 },
+        seed: 1,
+    }
+}
+
+/// As silicon, ideally read out.
+fn question(design: Design<'_>) -> Question<'_> {
+    Question {
+        design,
+        to: Quantiser::Ternary,
+        sum: Sum::Free,
+        arithmetic: Arithmetic::Silicon { seed: 1 },
+        readout: Readout::Ideal(Ideal),
+        within: Micros(100),
+    }
+}
+
+fn fall(question: &Question<'_>) -> Waterfall {
+    ask(question, &mut scene(), |_| ()).unwrap()
+}
+
+/// The steps that change anything, in either order.
+fn culprits(waterfall: &Waterfall) -> Vec<Cause> {
+    let changes = |step: &&Step| {
+        let backward = step.backward.map_or(0, Fate::changed);
+        step.forward.changed() + backward > 0
+    };
+    waterfall
+        .steps
+        .iter()
+        .filter(changes)
+        .map(|step| step.cause)
+        .collect()
+}
+
+fn step(waterfall: &Waterfall, cause: Cause) -> &Step {
+    waterfall
+        .steps
+        .iter()
+        .find(|step| step.cause == cause)
+        .unwrap()
+}
+
+/// The chip as its data have it, a threshold that its converter cannot set, a kernel that is
+/// not ternary, and few slots: everything happens.
+fn everything(device: &Device, run: impl FnOnce(&Question<'_>)) {
+    let kernel = Kernel::builtin("csdvs-5").unwrap();
+    let readout = Readout::Scan(Scan {
+        slots: 40,
+        slot: Picos(910_000),
+        period: Micros(0),
+        order: Order::default(),
+    });
+    run(&Question {
+        to: Quantiser::Whole(4),
+        readout,
+        ..question(design(&kernel, device, 12.3))
+    });
+}
+
+#[test]
+fn the_classes_part_every_packet() {
+    everything(&Device::scamp5(), |question| {
+        let all = fall(question);
+        let causes: Vec<_> = all.steps.iter().map(|step| step.cause).collect();
+        assert_eq!(causes, Cause::SILICON);
+        let mut events = all.float_events;
+        for Step { forward, cause, .. } in &all.steps {
+            assert_eq!(forward.before(), events, "{cause:?}");
+            events = forward.after();
+        }
+        assert_eq!(events, all.chip_events);
+        assert_eq!(all.ends.before(), all.float_events);
+        assert_eq!(all.ends.after(), all.chip_events);
+        // The float model's steps end in one sensor, the chip's in another.
+        let float = step(&all, Cause::Kernel).forward.after();
+        for Step {
+            backward, cause, ..
+        } in &all.steps
+        {
+            let end = if cause.is_float() {
+                float
+            } else {
+                all.chip_events
+            };
+            if let Some(backward) = backward {
+                assert_eq!(backward.after(), end, "{cause:?}");
+            }
+        }
+        let none = |cause| step(&all, cause).backward.is_none();
+        assert!(none(Cause::Frames) && none(Cause::Format) && !none(Cause::Memory));
+        // Added last, a step does the same in order and alone.
+        let readout = step(&all, Cause::Readout);
+        assert_eq!(readout.backward, Some(readout.forward));
+        assert!(readout.forward.lost > 0 && readout.forward.extra == 0);
+        let changed: Vec<_> = culprits(&all);
+        for cause in [
+            Cause::Frames,
+            Cause::Kernel,
+            Cause::Converter,
+            Cause::Mismatch,
+        ] {
+            assert!(changed.contains(&cause), "{cause:?} changed nothing");
+        }
+    });
+}
+
+/// Both ends made anew, without the waterfall; and what can be said of the way between them
+/// from the ends alone.
+#[test]
+fn the_ends_are_the_sensors_that_they_are_called() {
+    let device = Device::scamp5();
+    everything(&device, |question| {
+        let all = fall(question);
+        let design = question.design;
+        let quantised = design.quantise(question.to, question.sum).unwrap();
+        let program = design.in_levels(&quantised).compile("end").unwrap();
+        let mut scene = scene();
+        let size = scene.size();
+        let mut float = design
+            .reference(size, MemoryRule::FilteredStep, Format::F64)
+            .unwrap();
+        let mut chip = program
+            .silicon(Errors::of(&device), 1, size, program.settings())
+            .unwrap();
+        let mut sensors: [&mut (dyn Sensor + Send); 2] = [&mut float, &mut chip];
+        let packets = rig::watch(&mut scene, &mut sensors, |_| ()).unwrap();
+        let last = question.readout.read(&packets[1]).packet;
+        let pair = Pair::of(&packets[0], &last).unwrap();
+        assert_eq!(Fate::of(&pair, all.windows), all.ends);
+        assert_eq!(last.events.len() as u64, all.chip_events);
+
+        // Net change adds up; what is lost on the way may be made up for by something extra,
+        // so that the steps' sum is a bound: an event that no step lost or turned is still
+        // there, no further away than a wide window for each step.
+        let sum = |class: fn(Fate) -> u64| -> u64 {
+            all.steps.iter().map(|step| class(step.forward)).sum()
+        };
+        let (lost, extra) = (sum(|f| f.lost), sum(|f| f.extra));
+        assert_eq!(all.float_events + extra, all.chip_events + lost);
+        let far = Micros(all.windows.wide.0 * all.steps.len() as u64);
+        let survived = matching::matched(&pair, far);
+        assert!(all.float_events - survived <= lost + sum(|f| f.wrong_sign));
+        assert!(all.chip_events - survived <= extra + sum(|f| f.wrong_sign));
+    });
+}
+
+/// A ternary kernel, a whole threshold, registers that hold it, a perfect chip: only the two
+/// steps of the float model that are always there change anything, and none of the chip does
+/// so to the last event.
+#[test]
+fn what_cannot_matter_changes_nothing() {
+    let (kernel, device) = (ternary(), perfect(&[]));
+    let plain = question(design(&kernel, &device, 32.0));
+    let all = fall(&plain);
+    assert_eq!(all.program.threshold_lsb.fract(), 0.0, "{:?}", all.program);
+    assert!(all.float_events > 1000, "{}", all.float_events);
+    assert_eq!(culprits(&all), [Cause::Frames, Cause::Memory]);
+    // The same in numbers; there the float model is the same, and no cell is analogue.
+    let numbers = Question {
+        arithmetic: Arithmetic::Number("q8.24".parse().unwrap()),
+        ..plain
+    };
+    let in_numbers = fall(&numbers);
+    let causes: Vec<_> = in_numbers.steps.iter().map(|step| step.cause).collect();
+    assert_eq!(causes, Cause::NUMBERS);
+    assert_eq!(culprits(&in_numbers), [Cause::Frames, Cause::Memory]);
+    assert_eq!(in_numbers.ends, all.ends);
+    assert_eq!(in_numbers.steps[..3], all.steps[..3]);
+}
+
+#[test]
+fn a_loss_that_is_put_in_lands_on_its_own_step() {
+    let kernel = ternary();
+    let float = [Cause::Frames, Cause::Memory];
+    let only = |question: &Question<'_>, cause: Cause| {
+        let all = fall(question);
+        let found = culprits(&all);
+        let own: Vec<_> = found.iter().filter(|c| !float.contains(c)).collect();
+        assert_eq!(own, [&cause]);
+        // Alone as in order: nothing else of the chip is there for it to meet.
+        let step = step(&all, cause);
+        assert_eq!(
+            step.backward.unwrap_or(step.forward),
+            step.forward,
+            "{cause:?}"
+        );
+    };
+    for (figure, value, cause) in [
+        (Figure::StoreNoise, 4.0, Cause::Noise),
+        (Figure::OffsetMismatch, 4.0, Cause::Mismatch),
+        (Figure::StoreLoss, 0.1, Cause::Transfer),
+        (Figure::AnalogueDecay, 2000.0, Cause::Decay),
+        (Figure::Lowest, -40.0, Cause::Saturation),
+    ] {
+        let device = perfect(&[(Figure::Headroom, 0.0), (figure, value)]);
+        only(&question(design(&kernel, &device, 32.0)), cause);
+    }
+    let device = perfect(&[]);
+    let plain = question(design(&kernel, &device, 32.0));
+    only(&question(design(&kernel, &device, 33.0)), Cause::Converter);
+    let slots = Scan {
+        slots: 3,
+        slot: Picos(0),
+        period: Micros(0),
+        order: Order::default(),
+    };
+    let few = Question {
+        readout: Readout::Scan(slots),
+        ..plain
+    };
+    only(&few, Cause::Readout);
+    let coarse = Question {
+        arithmetic: Arithmetic::Number("q8.0".parse().unwrap()),
+        ..plain
+    };
+    only(&coarse, Cause::Format);
+    // As large, and of a scale that the threshold takes in: in few values it is another.
+    let uneven =
+        Kernel::from_rows(&[[0.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.6]].map(Vec::from))
+            .unwrap();
+    let quantised = Quantiser::Ternary.quantise(&uneven, Sum::Free, 1).unwrap();
+    let device = perfect(&[]);
+    only(
+        &question(design(&uneven, &device, 32.0 * quantised.scale)),
+        Cause::Kernel,
+    );
+}
+
+#[test]
+fn one_thread_or_four() {
+    everything(&Device::scamp5(), |question| {
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| fall(question))
+        };
+        assert_eq!(on(1), on(4));
+    });
+}
+
+/// Mean, spread and noise come from the seed: another chip, another answer, the float model's
+/// steps the same.
+#[test]
+fn another_seed_is_another_chip() {
+    everything(&Device::scamp5(), |question| {
+        let (one, other) = (
+            fall(question),
+            fall(&Question {
+                arithmetic: Arithmetic::Silicon { seed: 2 },
+                ..*question
+            }),
+        );
+        // Up to the errors that all cells share; a step alone meets the other chip's.
+        let shared = |all: &Waterfall| all.steps[..7].iter().map(|s| s.forward).collect::<Vec<_>>();
+        assert_eq!(shared(&one), shared(&other));
+        assert_ne!(step(&one, Cause::Mismatch), step(&other, Cause::Mismatch));
+    });
+}
+
+#[test]
+fn what_does_not_fit_is_said() {
+    let (kernel, device) = (ternary(), Device::scamp5());
+    let asked = |question: &Question<'_>| ask(question, &mut scene(), |_| ()).unwrap_err();
+    let plain = question(design(&kernel, &device, 32.0));
+    let dense = Kernel::new(ndarray::Array2::from_shape_fn((15, 15), |(y, x)| {
+        ((y * 37 + x * 101) % 89) as f64 / 89.0 - 0.4
+    }))
+    .unwrap();
+    let large = Question {
+        design: design(&dense, &device, 40.0),
+        to: "q1.7".parse().unwrap(),
+        ..plain
+    };
+    let error = asked(&large);
+    assert!(
+        matches!(&error, WaterfallError::Design(design) if design.is_refusal()),
+        "{error}"
+    );
+    assert!(error.to_string().contains("words"), "{error}");
+    let nothing = Question {
+        design: design(&kernel, &device, 0.0),
+        ..plain
+    };
+    let error = asked(&nothing);
+    assert!(matches!(
+        error,
+        WaterfallError::Design(DesignError::Threshold(0.0))
+    ));
+    let silent = Question {
+        arithmetic: Arithmetic::Number(Format::F64),
+        design: design(&kernel, &device, 250.0),
+        ..plain
+    };
+    let scene = "pattern:static?width=16&height=16&frames=3";
+    let mut scene = scene::open(scene, &OpenOptions::default()).unwrap();
+    let error = ask(&silent, &mut scene, |_| ()).unwrap_err();
+    assert!(matches!(error, WaterfallError::Silent { .. }), "{error}");
+}
+
+#[cfg(feature = "cli")]
+mod verb {
+    use std::{fs, path::Path};
+
+    use assert_cmd::Command;
+    use serde_json::Value;
+    use tempfile::TempDir;
+
+    const SCENE: &str = "pattern:disc?width=32&height=24&frames=8&radius=6";
+
+    fn amacrine(folder: &Path, arguments: &[&str]) -> Command {
+        let mut command = Command::cargo_bin("amacrine").unwrap();
+        command.current_dir(folder).env("NO_COLOR", "1");
+        command.arg("waterfall").args(arguments);
+        command
+    }
+
+    fn asked<'a>(more: &[&'a str]) -> Vec<&'a str> {
+        let ask = [
+            "csdvs-3",
+            "--threshold",
+            "20",
+            "--scene",
+            SCENE,
+            "--effort",
+            "0.01",
+        ];
+        [&ask[..], more].concat()
+    }
+
+    #[test]
+    fn it_prints_draws_and_tells_machines() {
+        let folder = TempDir::new().unwrap();
+        let at = folder.path();
+        let said = amacrine(at, &asked(&["-o", "fall.svg"])).assert().success();
+        let text = String::from_utf8_lossy(&said.get_output().stdout).into_owned();
+        for word in [
+            "memory rule",
+            "temporal noise",
+            "first to last at once",
+            "scan readout",
+        ] {
+            assert!(text.contains(word), "no {word} in {text}");
+        }
+        let drawn = fs::read_to_string(at.join("fall.svg")).unwrap();
+        assert!(drawn.starts_with("<svg") && drawn.contains("temporal noise"));
+        let said = amacrine(at, &asked(&["--json", "-o", "fall.png"]))
+            .assert()
+            .success();
+        let json: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
+        let steps = json["steps"].as_array().unwrap();
+        assert_eq!(steps.len(), 11);
+        assert_eq!(steps[10]["cause"], "readout");
+        assert!(steps[0]["backward"].is_null() && steps[1]["backward"]["kept"].is_u64());
+        let events = json["float_events"].as_u64().unwrap();
+        let lost = steps[2]["forward"]["lost"].as_u64().unwrap();
+        let share = steps[2]["forward_share"]["lost"].as_f64().unwrap();
+        assert_eq!(share, lost as f64 / events as f64);
+        let picture = image::open(at.join("fall.png")).unwrap();
+        assert!(picture.width() > 1000 && picture.height() > 800);
+        // A format, a what-if, a readout.
+        let more = ["--format", "q8.8", "--readout", "ideal", "--json"];
+        let said = amacrine(at, &asked(&more)).assert().success();
+        let json: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
+        assert_eq!(json["steps"].as_array().unwrap().len(), 6);
+        assert_eq!(json["steps"][5]["forward"]["lost"], 0);
+        let more = ["--set", "error.analogue_decay=500", "--json"];
+        let said = amacrine(at, &asked(&more)).assert().success();
+        let json: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
+        assert_eq!(json["steps"][9]["cause"], "decay");
+        assert!(json["steps"][9]["forward"]["kept"] != json["steps"][8]["forward"]["kept"]);
+    }
+
+    #[test]
+    fn mistakes_are_named_and_leave_no_file() {
+        let folder = TempDir::new().unwrap();
+        let at = folder.path();
+        let refused = |arguments: &[&str], words: &[&str]| {
+            let said = amacrine(at, arguments).assert().code(2);
+            let message = String::from_utf8_lossy(&said.get_output().stderr).into_owned();
+            let message = message.replace('│', " ");
+            let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+            for word in words {
+                assert!(message.contains(word), "no {word:?} in: {message}");
+            }
+            assert!(!message.contains("panicked"), "{message}");
+        };
+        refused(&["nosuch", "--threshold", "9"], &["nosuch", "csdvs-3"]);
+        refused(&["csdvs-3"], &["--threshold"]);
+        refused(&asked(&["--to", "trinary"]), &["trinary", "ternary"]);
+        refused(&asked(&["--format", "q9.9"]), &["q9.9", "qM.N"]);
+        refused(&asked(&["--chip", "scamp9"]), &["scamp9", "scamp5"]);
+        refused(&asked(&["--readout", "scam"]), &["scam", "arbiter"]);
+        refused(
+            &asked(&["--set", "error.nose=1"]),
+            &["error.nose", "error.noise"],
+        );
+        refused(&asked(&["-o", "fall.pdf"]), &["fall.pdf", ".svg"]);
+        refused(
+            &["csdvs-3", "--threshold", "0", "-o", "fall.svg"],
+            &["threshold is 0", "positive"],
+        );
+        refused(
+            &[
+                "csdvs-3",
+                "--threshold",
+                "9",
+                "--scene",
+                "pattern:static?width=16&height=16&frames=3",
+                "-o",
+                "fall.svg",
+            ],
+            &["no event", "lower the threshold"],
+        );
+        let dense: Vec<Vec<f64>> = (0..15)
+            .map(|y| {
+                (0..15)
+                    .map(|x| f64::from((y * 37 + x * 101) % 89) / 89.0 - 0.4)
+                    .collect()
+            })
+            .collect();
+        let text = format!("name = \"dense\"\nsource = \"test\"\nweights = {dense:?}\n");
+        fs::write(at.join("dense.toml"), text).unwrap();
+        refused(
+            &[
+                "dense.toml",
+                "--threshold",
+                "40",
+                "--to",
+                "q1.7",
+                "--effort",
+                "0.01",
+                "-o",
+                "fall.svg",
+            ],
+            &[
+                "no waterfall of dense.toml on scamp5",
+                "instruction words",
+                "--chip",
+            ],
+        );
+        assert_eq!(at.read_dir().unwrap().count(), 1, "files were left");
+    }
+}
