@@ -9,6 +9,7 @@ pub mod demo;
 pub mod disasm;
 pub mod exec;
 pub mod feasibility;
+mod fidelity;
 mod kernels;
 pub mod merge;
 pub mod mesh;

@@ -30,7 +30,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::{plan, progress::Progress, readout};
+use super::{fidelity::Fidelity, progress::Progress, readout};
 
 /// What `run` is asked to do.
 #[derive(Clone, Debug, clap::Args)]
@@ -62,7 +62,7 @@ pub struct Arguments {
     #[command(flatten)]
     readout: readout::Choice,
     #[command(flatten)]
-    fidelity: plan::Fidelity,
+    fidelity: Fidelity,
     /// Write signed event counts, int32 (P,K,H,W)
     #[arg(long, value_name = "C.npy")]
     counts: Option<PathBuf>,

@@ -15,8 +15,9 @@ use crate::{
 
 use super::{
     PlanError,
+    cell::Pair,
     perturbation::Perturbation,
-    row::{Pair, Row, Rules},
+    row::{Row, Rules},
     survey::Light,
 };
 

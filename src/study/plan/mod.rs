@@ -14,12 +14,14 @@
 
 pub mod bounds;
 mod burst;
+mod cell;
 pub mod chance;
 pub mod cost;
 pub mod effect;
 mod fate;
 pub mod follow;
 pub mod model;
+mod models;
 pub mod perturbation;
 mod row;
 pub mod survey;
@@ -157,7 +159,7 @@ impl Bounds {
         };
         let contrast = question.upsample.filter(|_| upsampled);
         let light = Light::of(&mut *scene()?, description, contrast, &mut seen)?;
-        let models = bounds::Models::of(present, description, &light, question.formats, upsampled);
+        let models = models::Models::of(present, description, &light, question.formats, upsampled);
         let readout = question.readout;
         let readout = readout.filter(|r| !matches!(r, Readout::Ideal(_)));
         let within = bounds::within(question.within, &present, readout.is_some(), upsampled);

@@ -20,7 +20,7 @@ use crate::{
     reference::{Channel, Description},
 };
 
-use super::survey::Light;
+use super::{chance::MOST_SIGMAS, survey::Light};
 
 /// What second-order terms of roundings can add to first-order bounds, as a factor: bfloat16,
 /// the coarsest, has a unit roundoff of 2^-9.
@@ -178,7 +178,8 @@ fn rounded(format: Format, description: &Description, light: &Light) -> Perturba
     let mut drives = Vec::new();
     for channel in &description.channels {
         let (error, size) = drive(format, channel, light);
-        let top = channel.thresholds.iter().flat_map(|t| [t.on, t.off]);
+        let top = channel.thresholds.iter();
+        let top = top.map(|t| t.on.max(t.off) + MOST_SIGMAS * t.sigma);
         let top = top.fold(0.0, f64::max);
         // What has leaked before the first frame is taken off the memory.
         let leaked = if description.noise.leak_hz > 0.0 {
