@@ -89,10 +89,10 @@ pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut Trai
     numbers
 }
 
-/// Neither infinite nor NaN: of those the difference from itself is NaN.
+/// Neither infinite nor NaN: of those no part is 0.
 #[inline]
 pub(super) fn is_number<R: Real>(d: R) -> bool {
-    d - d == R::ZERO
+    d * R::ZERO == R::ZERO
 }
 
 #[cfg(test)]
