@@ -74,7 +74,7 @@ pub const MOST_SIGNAL: f64 = 1e290;
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum MeshError {
     /// A space constant that is none.
-    #[error("the space constant is {value}")]
+    #[error("the space constant is {value:?}")]
     #[diagnostic(help(
         "give a number of pixels from 0 (no surround) to {most:e}; λ² is transverse over lateral resistance"
     ))]
@@ -94,7 +94,7 @@ pub enum MeshError {
         value: f64,
     },
     /// A signal that is no number, or too large to be summed.
-    #[error("the pixel at x = {x}, y = {y} is {value}")]
+    #[error("the pixel at x = {x}, y = {y} is {value:?}")]
     #[diagnostic(help(
         "every pixel must be a finite number, at most {most:e} in size; a node without a signal cannot be solved for"
     ))]

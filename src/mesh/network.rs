@@ -544,7 +544,10 @@ impl Nearest {
         };
         let transverse = middle(own);
         let lambda = |values: &[f64]| (middle(values) / transverse).sqrt();
-        let sheet = Sheet::anisotropic(lambda(down), lambda(across))?;
+        let sheet = Sheet::anisotropic(lambda(down), lambda(across));
+        let sheet = sheet.map_err(|_| MeshError::Unsettled {
+            error: f64::INFINITY,
+        })?;
         Ok(Self {
             steady: Steady::new(sheet, size)?,
             transverse,
