@@ -27,7 +27,6 @@ pub trait Real:
     /// The relative difference under which two results of a few operations are a tie:
     /// 2^12 units in the last place of f64, 2^5 of f32.
     const TIE: Self;
-
     /// Whole numbers below this are integers by [`Real::small_i32`].
     const SMALL: Self;
 
@@ -43,8 +42,8 @@ pub trait Real:
     /// The whole part; saturates.
     fn to_i32(self) -> i32;
 
-    /// A whole number below [`Real::SMALL`], whatever its sign, as an integer; anything else as
-    /// anything. The same as `as`, whose checks would keep loops from being vectorised.
+    /// A whole number below [`Real::SMALL`], whatever its sign, as an integer: the lowest 32 bits
+    /// of it. The same as `as`, whose checks would keep loops from being vectorised.
     fn small_i32(self) -> i32;
 
     /// The largest whole number not above.

@@ -298,7 +298,7 @@ impl Stretch {
 #[derive(Clone, Copy, Debug, Default)]
 struct Note(u64);
 
-/// Events of every channel and sign, whose halves of an event are then written as one.
+/// An event of every channel and sign: copied from here, the two are written at once.
 static KINDS: [Event; 512] = kinds();
 
 const fn kinds() -> [Event; 512] {

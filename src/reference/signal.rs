@@ -303,7 +303,7 @@ mod tests {
     use crate::number::{F16, F32, F64};
     use proptest::prelude::*;
 
-    /// Or the short way would never be gone.
+    /// Or the short way would never be taken.
     #[test]
     fn bytes_need_no_division() {
         let response = Response::new(Curve::Linear { white: 255.0 });
