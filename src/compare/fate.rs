@@ -186,7 +186,10 @@ mod tests {
         Fate::of(&pair, WINDOWS)
     }
 
-    fn stream() -> impl Strategy<Value = Vec<(u64, u16, bool)>> {
+    /// Time, column and sign.
+    type Short = (u64, u16, bool);
+
+    fn stream() -> impl Strategy<Value = Vec<Short>> {
         prop::collection::vec((0..1500_u64, 0..3_u16, any::<bool>()), 0..40)
     }
 
@@ -195,7 +198,7 @@ mod tests {
         let all: Vec<_> = (0..60)
             .map(|i| (i * 1000, (i % 3) as u16, i % 2 == 0))
             .collect();
-        let changed = |change: fn((u64, u16, bool)) -> Option<(u64, u16, bool)>| {
+        let changed = |change: fn(Short) -> Option<Short>| {
             let judged: Vec<_> = all.iter().filter_map(|e| change(*e)).collect();
             fate(&all, &judged)
         };
