@@ -123,7 +123,7 @@ pub fn points(sides: &[Axes]) -> Result<Vec<Point>, Fault> {
     let all = sides
         .iter()
         .fold(0_u128, |all, axes| all.saturating_add(axes.count()));
-    if all > MOST_POINTS.into() {
+    if all > u128::from(MOST_POINTS) {
         return Err(too_many(sides, all));
     }
     let mut points = Vec::new();
