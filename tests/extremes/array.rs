@@ -440,8 +440,10 @@ fn kernels(table: &mut Table) {
 /// Which values are possible.
 fn ranges(table: &mut Table) {
     let of = |steps: &[Step], most: f64| {
-        let mut inputs = range::Inputs::default();
-        inputs.light = range::Interval::new(1e-6, most);
+        let inputs = range::Inputs {
+            light: range::Interval::new(1e-6, most),
+            ..range::Inputs::default()
+        };
         range::of(steps, device(), settings(), inputs).unwrap()
     };
     for most in [255.0, 1e9] {

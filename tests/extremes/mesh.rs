@@ -379,11 +379,12 @@ fn unequal(table: &mut Table) {
     table.refused("network", "parts spread by a factor e^10000", error);
 }
 
+type Kind = fn(f64) -> Laterals;
+
 /// Laterals that bend: the currents that are left bound the error, since each node is tied to
 /// its signal by a conductance of 1.
 fn bending(table: &mut Table) {
     let size = Size::new(8, 9);
-    type Kind = fn(f64) -> Laterals;
     let kinds: [(&str, Kind); 2] = [
         ("saturating laterals", |scale| Laterals::Saturating {
             scale,

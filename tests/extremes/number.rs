@@ -208,7 +208,11 @@ fn subnormals<N: Number>(number: &N) -> Option<Worst> {
     let down = 2f64.powi((normal.log2() / 2.0).floor() as i32 - 2);
     let mut worst = Worst::default();
     for seed in 0..200 {
-        let ordinary = |seed| draws(seed, 25).into_iter().map(|d| (d.abs() + 1.0) / 2.0);
+        let ordinary = |seed| {
+            draws(seed, 25)
+                .into_iter()
+                .map(|d| f64::midpoint(d.abs(), 1.0))
+        };
         let signs = draws(seed + 900, 25);
         let terms: Vec<_> = ordinary(seed)
             .zip(ordinary(seed + 500))

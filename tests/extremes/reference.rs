@@ -231,13 +231,11 @@ fn formats(name: &str, table: &mut Table) {
     }
     let mut happens = format!("{} counts, {} cannot be counted", worst.cases(), refused[0]);
     if refused[1] > 0 {
-        happens += &format!(
-            ", in {} the format is left, and they are refused",
-            refused[1]
-        );
+        let left = refused[1];
+        happens = format!("{happens}, in {left} the format is left, and they are refused");
     }
     if saturated > 0 {
-        happens += &format!(", in {saturated} the light saturates");
+        happens = format!("{happens}, in {saturated} the light saturates");
     }
     table.within(
         &format!("`filtered-step`, {name}"),
