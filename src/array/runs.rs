@@ -98,7 +98,7 @@ const BITS: [u16; 16] = [
     1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
 ];
 
-/// Takes `new` where the bit is 1. What is left in `new` has no meaning.
+/// Takes `new` where the bit is 1.
 #[inline(always)]
 pub(super) fn merge<D: Domain>(
     domain: &D,
@@ -127,9 +127,8 @@ pub(super) fn merge<D: Domain>(
             if size_of::<D::Cell>() < 4 {
                 *cells = merged;
             } else {
-                // By way of `new`, or wide lanes are stored under a mask, which is slow.
-                *new = merged;
-                cells.clone_from_slice(new);
+                // By way of memory, or wide lanes are stored under a mask, which is slow.
+                cells.clone_from(black_box(&merged));
             }
         }
     }
