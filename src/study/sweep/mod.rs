@@ -8,13 +8,6 @@
 //!            report ─ front ─ tables ─ [store] one file a point ─ [run] measured on all cores
 //! ```
 //!
-//! [study]: Study
-//! [grid]: grid
-//! [sample]: sample
-//! [plan]: plan
-//! [store]: store
-//! [run]: mod@run
-//!
 //! `docs/sweeps.md` has a worked example, every key and every column.
 
 mod build;
