@@ -30,18 +30,26 @@ impl Piece<'_> {
 
     /// Whether it is one-bit logic of each pixel alone.
     pub(super) fn is_bits(&self) -> bool {
-        match self {
-            Self::Word { issued, .. } => matches!(
-                issued.word,
-                Primitive::Or { .. }
-                    | Primitive::Nor { .. }
-                    | Primitive::WhereBit { .. }
-                    | Primitive::Set { .. }
-                    | Primitive::Clear { .. }
-                    | Primitive::All
-                    | Primitive::Nop
-            ),
-            Self::Copy(_) => false,
+        let Self::Word { issued, .. } = self else {
+            return false;
+        };
+        match issued.word {
+            Primitive::Or { .. }
+            | Primitive::Nor { .. }
+            | Primitive::WhereBit { .. }
+            | Primitive::Set { .. }
+            | Primitive::Clear { .. }
+            | Primitive::All
+            | Primitive::Nop => true,
+            Primitive::ResetPix
+            | Primitive::Bus { .. }
+            | Primitive::Square { .. }
+            | Primitive::Where { .. }
+            | Primitive::BlurSet
+            | Primitive::Blur { .. }
+            | Primitive::Dnews { .. }
+            | Primitive::PropRead
+            | Primitive::Prop { .. } => false,
         }
     }
 }
