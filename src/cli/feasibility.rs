@@ -6,7 +6,6 @@ use miette::{IntoDiagnostic, miette};
 
 use crate::{
     compile::Effort,
-    event::readout::settings::Description,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
     plane::Size,
@@ -19,7 +18,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::{progress::Progress, quantise::Total};
+use super::{progress::Progress, quantise::Total, readout::Choice};
 
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -117,7 +116,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         link: [least, most],
         effort: Effort::seconds(arguments.effort),
         seed: arguments.seed,
-        readout: Description::shipped("scan")?.readout()?,
+        readout: Choice::default().open_compiled()?.readout()?,
         within: arguments.within,
         scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
         command: &command,

@@ -4,9 +4,12 @@ use std::{fs, path::Path};
 
 use miette::miette;
 
-use crate::event::{
-    Packet,
-    readout::{ReadOut, Statistics, settings::Description},
+use crate::{
+    compile::SLOTS,
+    event::{
+        Packet,
+        readout::{ReadOut, Statistics, settings::Description},
+    },
 };
 
 /// Which readout, and with which settings.
@@ -48,6 +51,16 @@ impl Choice {
             description.set(key, value)?;
         }
         Ok(Some(description))
+    }
+
+    /// As [`Choice::open`]; else the scan that a compiled program asks for.
+    pub fn open_compiled(&self) -> miette::Result<Description> {
+        if let Some(description) = self.open()? {
+            return Ok(description);
+        }
+        let mut scan = Description::shipped("scan")?;
+        scan.set("slots", &SLOTS.to_string())?;
+        Ok(scan)
     }
 
     /// Reads a packet out, if that was asked for.

@@ -8,7 +8,6 @@ use crate::{
     array::{Arithmetic, ArithmeticError},
     compare::fate::Fate,
     compile::Effort,
-    event::readout::settings::Description,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
     picture::write_drawing,
@@ -53,7 +52,7 @@ pub struct Arguments {
     /// format alone
     #[arg(long, default_value = "silicon", value_parser = arithmetic)]
     format: Arithmetic,
-    /// How events leave the chip; scan unless said otherwise
+    /// How events leave the chip; unless said otherwise the scan that a compiled program asks for
     #[command(flatten)]
     readout: Choice,
     /// Events of one pixel and sign that are closer than this are the same
@@ -124,10 +123,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for (figure, value) in &arguments.sets {
         device = device.what_if(*figure, *value)?;
     }
-    let readout = match arguments.readout.open()? {
-        Some(description) => description,
-        None => Description::shipped("scan")?,
-    };
+    let readout = arguments.readout.open_compiled()?;
     let question = Question {
         design: Design {
             kernel,

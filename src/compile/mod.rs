@@ -37,7 +37,7 @@ mod walk;
 
 pub use error::CompileError;
 pub use noise::Noise;
-pub use sensor::{Kind, Memory, SensorProgram, Steps};
+pub use sensor::{Kind, Memory, SLOTS, SensorProgram, Steps};
 pub use snake::snake_words;
 
 use crate::{

@@ -8,6 +8,9 @@ use crate::{
     kernel::Kernel,
 };
 
+/// The slots of a readout that a compiled program asks for: all that there are.
+pub const SLOTS: u32 = 4000;
+
 /// One kind of cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kind {
@@ -218,7 +221,10 @@ impl Writer<'_> {
         if !self.steps.is_empty() {
             text += "const zero = 0; // what the drive is in the dark, LSB: on a chip, its transfer errors\n";
         }
-        text += "const slots = 4000; // the most that one readout can deliver\n\n";
+        let _ = write!(
+            text,
+            "const slots = {SLOTS}; // the most that one readout can deliver\n\n"
+        );
         let list = |registers: &[Analog]| registers.iter().map(name).collect::<Vec<_>>().join(", ");
         let _ = writeln!(
             text,

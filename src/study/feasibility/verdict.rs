@@ -346,7 +346,7 @@ fn mesh(all: &Feasibility) -> Option<Finding> {
         about: "mesh",
         word,
         says: format!(
-            "A resistor mesh of {} {says}: {} of it stays out of reach ({} at any price).",
+            "A resistor mesh of {} {says}: {} of it stays out of reach, and {} of it of any mesh.",
             match best.sheets.len() {
                 1 => "one sheet".to_owned(),
                 n => format!("{n} sheets"),
