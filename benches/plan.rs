@@ -102,6 +102,10 @@ fn main() {
     );
     part("sheet", least(&mesh("")) - one);
     part(
+        "settling",
+        least(&mesh(", tau-us = 500")) - least(&mesh("")),
+    );
+    part(
         "sheet-noise",
         least(&mesh(", noise = 0.001")) - least(&mesh("")),
     );

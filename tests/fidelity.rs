@@ -425,6 +425,26 @@ fn inserted_frames_go_where_they_say_nothing_new() {
     }
 }
 
+/// A mesh that is much faster than the scene is taken as settled, a slow one is not.
+#[test]
+fn a_quick_mesh_is_taken_as_settled() {
+    let source =
+        Source::Pattern("pattern:noise?width=40&height=32&frames=12&fps=100&speed=60".to_owned());
+    for (tau, goes) in [(1, true), (20_000, false)] {
+        let description = read(&format!(
+            "response = {{ linear = 255 }}\nmemory = \"filtered-step\"\n[[channel]]\nmesh = {{ lambda = 3, tau-us = {tau} }}\nthreshold = {{ on = 0.05, off = 0.05 }}"
+        ));
+        let question = Question {
+            tolerance: 0.05,
+            ..question(&description, 0)
+        };
+        let plan = plan(&question, &mut || source.open(), || ()).unwrap();
+        assert_eq!(plan.choice.leaves_out(Effect::Settling), goes, "{tau} us");
+        let used = hold(&question, &source).unwrap();
+        assert!(used[0].2 > 1000.0);
+    }
+}
+
 /// A window of the array holds all events, to the bit.
 #[test]
 fn still_surroundings_go_without_a_trace() {

@@ -108,6 +108,24 @@ impl DesignError {
     }
 }
 
+/// The float model as a sensor, its signals, weights and memory in a number format.
+pub(super) fn float(
+    description: Description,
+    size: Size,
+    seed: u64,
+    format: Format,
+) -> Result<Box<dyn Sensor + Send>, SensorError> {
+    struct Make(Description, Size, u64);
+    impl Visitor for Make {
+        type Output = Result<Box<dyn Sensor + Send>, SensorError>;
+        fn visit<N: Number>(self, number: N) -> Self::Output {
+            let made = Reference::with_number(number, self.0, self.1, self.2)?;
+            Ok(Box::new(made))
+        }
+    }
+    format.visit(Make(description, size, seed))
+}
+
 impl<'a> Design<'a> {
     /// The float model of it, in `filtered-snap`, `filtered-step` or another memory.
     ///
@@ -154,16 +172,8 @@ impl<'a> Design<'a> {
         memory: MemoryRule,
         format: Format,
     ) -> Result<Box<dyn Sensor + Send>, DesignError> {
-        struct Make(Description, Size, u64);
-        impl Visitor for Make {
-            type Output = Result<Box<dyn Sensor + Send>, SensorError>;
-            fn visit<N: Number>(self, number: N) -> Self::Output {
-                let made = Reference::with_number(number, self.0, self.1, self.2)?;
-                Ok(Box::new(made))
-            }
-        }
         let description = self.description(memory)?;
-        Ok(format.visit(Make(description, size, self.seed))?)
+        Ok(float(description, size, self.seed, format)?)
     }
 
     /// Its kernel in few values, none above 1.

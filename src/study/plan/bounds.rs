@@ -153,6 +153,7 @@ impl Bounds {
                 Some((followed.crossings - followed.events) as f64)
             }
             Effect::LowPass if present.low_pass => Some(0.0),
+            Effect::Settling if present.settling => Some(0.0),
             Effect::SheetNoise if present.sheet_noise => Some(0.0),
             Effect::Mismatch if present.mismatch => Some(0.0),
             Effect::Upsampling if self.upsampled => Some(0.0),

@@ -27,6 +27,7 @@ pub struct Costs {
     strays: f64,
     jitter: f64,
     sheet: f64,
+    settling: f64,
     sheet_noise: f64,
     event: f64,
     readout: f64,
@@ -85,6 +86,9 @@ impl Costs {
             if let Some(surrounds) = &channel.surrounds {
                 for sheet in &surrounds.sheets {
                     pixel += self.sheet;
+                    if has(sheet.tau > 0.0, Effect::Settling) {
+                        pixel += self.settling;
+                    }
                     if has(sheet.noise > 0.0, Effect::SheetNoise) {
                         pixel += self.sheet_noise;
                     }
@@ -126,6 +130,13 @@ pub fn plainer(description: &Description, choice: &Choice) -> Description {
             Effect::Jitter => plain.noise.jitter_us = 0.0,
             Effect::Refractory => plain.refractory.us = 0.0,
             Effect::LowPass => plain.noise.cutoff_hz = 0.0,
+            Effect::Settling => {
+                let channels = plain.channels.iter_mut();
+                let surrounds = channels.filter_map(|c| c.surrounds.as_mut());
+                for sheet in surrounds.flat_map(|s| &mut s.sheets) {
+                    sheet.tau = 0.0;
+                }
+            }
             Effect::SheetNoise => {
                 let channels = plain.channels.iter_mut();
                 let surrounds = channels.filter_map(|c| c.surrounds.as_mut());

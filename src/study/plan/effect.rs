@@ -25,6 +25,8 @@ pub enum Effect {
     Upsampling,
     /// The photoreceptors' bandwidth.
     LowPass,
+    /// The time that resistor sheets take to settle.
+    Settling,
     /// The noise of the resistor sheets.
     SheetNoise,
     /// The mismatch of the thresholds.
@@ -33,7 +35,7 @@ pub enum Effect {
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Surroundings,
         Self::Readout,
         Self::Strays,
@@ -41,6 +43,7 @@ impl Effect {
         Self::Refractory,
         Self::Upsampling,
         Self::LowPass,
+        Self::Settling,
         Self::SheetNoise,
         Self::Mismatch,
     ];
@@ -56,6 +59,7 @@ impl Effect {
             Self::Refractory => "dead time",
             Self::Upsampling => "inserted frames",
             Self::LowPass => "bandwidth",
+            Self::Settling => "settling of the mesh",
             Self::SheetNoise => "noise of the mesh",
             Self::Mismatch => "threshold mismatch",
         }
@@ -65,7 +69,11 @@ impl Effect {
     #[must_use]
     pub const fn perturbs(self) -> bool {
         match self {
-            Self::Upsampling | Self::LowPass | Self::SheetNoise | Self::Mismatch => true,
+            Self::Upsampling
+            | Self::LowPass
+            | Self::Settling
+            | Self::SheetNoise
+            | Self::Mismatch => true,
             Self::Surroundings | Self::Readout | Self::Strays | Self::Jitter | Self::Refractory => {
                 false
             }
@@ -100,6 +108,8 @@ pub struct Present {
     pub mismatch: bool,
     /// Resistor sheets.
     pub sheets: bool,
+    /// Sheets that take their time.
+    pub settling: bool,
     /// Sheets with noise.
     pub sheet_noise: bool,
     /// A memory whose cells can be followed: it holds the filtered signal and steps, and what a
@@ -136,6 +146,7 @@ impl Present {
             leak: noise.leak_hz > 0.0,
             mismatch: thresholds().any(|t| t.sigma > 0.0),
             sheets: sheets().next().is_some(),
+            settling: sheets().any(|(_, sheet)| sheet.tau > 0.0),
             sheet_noise: sheets().any(|(_, sheet)| sheet.noise > 0.0),
             followed: description.memory == MemoryRule::FilteredStep
                 && description.refractory.rule == RefractoryRule::DeadTime,
@@ -162,6 +173,12 @@ impl Present {
                 (self.strays, Effect::Strays),
                 (self.jitter, Effect::Jitter),
                 (self.mismatch, Effect::Mismatch),
+            ]),
+            // A sheet's noise goes with its time constant.
+            Some(Effect::Settling) => with(&[
+                (self.strays, Effect::Strays),
+                (self.jitter, Effect::Jitter),
+                (self.sheet_noise, Effect::SheetNoise),
             ]),
             Some(
                 Effect::Refractory

@@ -57,6 +57,10 @@ impl Models {
             let off = Perturbation::of_signal(description, light.low_pass);
             steps.push((Effect::LowPass, off));
         }
+        if present.settling {
+            let off = Perturbation::of_settling(description, light);
+            steps.push((Effect::Settling, off));
+        }
         if present.sheet_noise {
             let sigmas = chance::sigmas(2.0 * draws);
             let off = Perturbation::of_sheet_noise(description, sigmas);

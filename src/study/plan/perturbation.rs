@@ -96,6 +96,19 @@ impl Perturbation {
         all
     }
 
+    /// Sheets that settle at once, in place of those that take their time.
+    #[must_use]
+    pub fn of_settling(description: &Description, light: &Light) -> Self {
+        let mut all = Self::none(description.channels.len());
+        for (drive, channel) in all.drive.iter_mut().zip(&description.channels) {
+            let sheets = channel.surrounds.iter().flat_map(|s| &s.sheets);
+            let slow = sheets.filter(|sheet| sheet.tau > 0.0);
+            let gains: f64 = slow.map(|sheet| sheet.gain.abs()).sum();
+            *drive = gains * (light.settling + 4.0 * TRANSFORM * light.signal);
+        }
+        all
+    }
+
     /// Sheets whose nodes' noise is never more than `sigmas` standard deviations.
     #[must_use]
     pub fn of_sheet_noise(description: &Description, sigmas: f64) -> Self {

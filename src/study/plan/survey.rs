@@ -39,6 +39,8 @@ pub struct Light {
     pub changing: (Range<usize>, Range<usize>),
     /// Most that a photoreceptor without its low-pass is off, in the signal's unit.
     pub low_pass: f64,
+    /// Most that a resistor sheet which settles at once is off, in the signal's unit.
+    pub settling: f64,
     /// Mean number of shot noise events of one kind of cell, all pixels together; a bound where
     /// the photoreceptors have a low-pass.
     pub shots: f64,
@@ -63,6 +65,8 @@ struct Sums {
     time: [f64; 2],
     /// How far a photoreceptor without its low-pass is off at this frame.
     off: f64,
+    /// The same of a resistor sheet that settles at once.
+    lag: f64,
 }
 
 /// A frame, and what photoreceptors make of it.
@@ -98,6 +102,7 @@ impl Light {
             temporal_frequency: 0.0,
             changing: (size.height..0, size.width..0),
             low_pass: 0.0,
+            settling: 0.0,
             shots: 0.0,
             upsampled: 0.0,
         };
@@ -170,6 +175,19 @@ impl Light {
             self.upsampled += (steepest / most).ceil().max(1.0) - 1.0;
         }
         let noise = description.noise;
+        let slowest = slowest_sheet(description);
+        if slowest > 0.0 {
+            // What a photoreceptor is behind by, it may make good at once.
+            let moved = moved + sums.off;
+            let times = dt / slowest;
+            // Inserted frames bend the line between two frames, at worst into a step.
+            let late = match contrast {
+                Some(_) => 1.0,
+                None => -(-times).exp_m1() / times,
+            };
+            sums.lag = (-times).exp() * sums.lag + late * moved;
+            self.settling = self.settling.max(sums.lag);
+        }
         if noise.cutoff_hz > 0.0 {
             // The darker, the slower: none is slower than in the least light of the scene.
             let darkest = now.light.iter().fold(f64::INFINITY, |a, b| a.min(*b));
@@ -235,6 +253,16 @@ impl Light {
             self.changing = (0..0, 0..0);
         }
     }
+}
+
+/// The longest time constant of a description's sheets, in seconds; 0 without any.
+fn slowest_sheet(description: &Description) -> f64 {
+    let surrounds = description
+        .channels
+        .iter()
+        .filter_map(|c| c.surrounds.as_ref());
+    let sheets = surrounds.flat_map(|s| &s.sheets);
+    sheets.map(|sheet| sheet.tau).fold(0.0, f64::max)
 }
 
 impl Seen {

@@ -59,6 +59,7 @@ impl Bounds {
             Effect::Refractory => present.dead_time,
             Effect::Upsampling => self.inserts,
             Effect::LowPass => present.low_pass,
+            Effect::Settling => present.settling,
             Effect::SheetNoise => present.sheet_noise,
             Effect::Mismatch => present.mismatch,
         }
@@ -106,6 +107,10 @@ impl Bounds {
             Effect::LowPass => self.why_ladder(
                 effect,
                 &format!("a photoreceptor lags by at most {:.2e}", self.light.low_pass),
+            ),
+            Effect::Settling => self.why_ladder(
+                effect,
+                &format!("a sheet lags by at most {:.2e}", self.light.settling),
             ),
             Effect::SheetNoise => {
                 self.why_ladder(effect, &format!("no node is off by more than its noise allows, {seed}"))

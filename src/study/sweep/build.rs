@@ -12,11 +12,11 @@ use crate::{
         Kernel,
         quantise::{Quantiser, Sum},
     },
-    number::{Format, Number, Visitor},
-    plane::Size,
+    number::Format,
     program::{Code, Cost, Overrides, Program},
-    reference::{Description, MemoryRule, Reference},
-    sensor::{Sensor, SensorError},
+    reference::{Description, MemoryRule},
+    sensor::Sensor,
+    study::design,
     study::design::Compiled,
 };
 
@@ -33,14 +33,6 @@ impl<E: Diagnostic> From<E> for Refusal {
 
 /// The sensor of a float point.
 pub(super) fn float(entry: &Entry, row: &mut Row) -> Result<Box<dyn Sensor + Send>, Refusal> {
-    struct Make(Description, Size, u64);
-    impl Visitor for Make {
-        type Output = Result<Box<dyn Sensor + Send>, SensorError>;
-        fn visit<N: Number>(self, number: N) -> Self::Output {
-            let made = Reference::with_number(number, self.0, self.1, self.2)?;
-            Ok(Box::new(made))
-        }
-    }
     let point = &entry.point;
     let format: Format = point.word("format").unwrap_or("f64").parse()?;
     let description = sensor::description(point, &entry.kernel)?;
@@ -48,7 +40,7 @@ pub(super) fn float(entry: &Entry, row: &mut Row) -> Result<Box<dyn Sensor + Sen
     let bytes = float_state(&description, format) * size.pixels() as u64;
     row.insert("state_memory_bytes".to_owned(), json!(bytes));
     let seed = point.whole("seed").unwrap_or(0);
-    Ok(format.visit(Make(description, size, seed))?)
+    Ok(design::float(description, size, seed, format)?)
 }
 
 /// Bytes of one value.
