@@ -7,15 +7,16 @@
 //! One sheet with `c = 1`, `a = -1` is the Center Surround DVS (Delbruck et al., ICIP 2022);
 //! two sheets of different space constants with `c = 0` are a difference of surrounds. Memory,
 //! thresholds and noise come after the subtraction. A sheet moves between frames exactly
-//! ([`crate::mesh::Flow`]), in double precision, and starts settled; `rule = "v2e"` steps it as
-//! v2e does. The border is always the open end of the resistors.
+//! ([`crate::mesh::Flow`]), in double precision, and starts settled; one that takes no time is
+//! solved for each frame ([`crate::mesh::Steady`]); `rule = "v2e"` steps it as v2e does. The
+//! border is always the open end of the resistors.
 
 use serde::Deserialize;
 
 use super::{noise::Fault, signal::Light};
 use crate::{
     chance::{GOLDEN, mix},
-    mesh::{Between, Euler, Flow, MeshError, Sheet},
+    mesh::{Between, Euler, Flow, MeshError, Sheet, Steady},
     number::Number,
     plane::{Plane, Size},
     sensor::SensorError,
@@ -206,6 +207,8 @@ struct Running {
 
 #[derive(Clone, Debug)]
 enum Moved {
+    /// A sheet that takes no time, and where it stands.
+    Settled(Box<(Steady, Plane<f64>)>),
     Exact(Box<Flow>),
     V2e(Euler),
 }
@@ -291,6 +294,7 @@ impl Running {
         if let Some(passed) = passed {
             for moved in &mut self.moved {
                 match moved {
+                    Moved::Settled(at) => at.0.solve_into(signal, &mut at.1)?,
                     Moved::Exact(flow) => flow.advance(signal, passed, between)?,
                     Moved::V2e(euler) => euler.advance(signal, passed)?,
                 }
@@ -302,6 +306,11 @@ impl Running {
                 } = *sheet;
                 if self.what.rule == SheetRule::V2e {
                     return Ok(Moved::V2e(Euler::begin(sheet, tau, signal)?));
+                }
+                if tau <= 0.0 && noise <= 0.0 {
+                    let mut steady = Steady::new(sheet, Size::of(signal))?;
+                    let surround = steady.solve(signal)?;
+                    return Ok(Moved::Settled(Box::new((steady, surround))));
                 }
                 let mut flow = Flow::settled(sheet, tau, signal)?;
                 if noise > 0.0 {
@@ -316,6 +325,7 @@ impl Running {
             .zip_mut_with(signal, |drive, u| *drive = self.what.centre * u);
         for (Surround { gain, .. }, moved) in self.what.sheets.iter().zip(&self.moved) {
             let surround = match moved {
+                Moved::Settled(at) => &at.1,
                 Moved::Exact(flow) => flow.surround(),
                 Moved::V2e(euler) => euler.surround(),
             };
