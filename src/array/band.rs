@@ -15,7 +15,8 @@ use crate::isa::{Analog, Bit, Digital};
 pub(super) struct Constants<C> {
     /// What lies off the array.
     pub(super) edge: C,
-    /// What the global input held, one after the other, each so often as is worked on at once.
+    /// That, and then what the global input held, one after the other, each so often as is
+    /// worked on at once.
     pub(super) inputs: Vec<Vec<C>>,
 }
 
@@ -23,19 +24,30 @@ impl<C: Clone> Constants<C> {
     pub(super) fn of(state: &State<C>) -> Self {
         Self {
             edge: state.edge.clone(),
-            inputs: vec![inputs(state)],
+            inputs: vec![many(state, &state.edge), many(state, &state.input)],
         }
+    }
+
+    /// What the global input holds: which of the inputs.
+    pub(super) const fn last(&self) -> usize {
+        self.inputs.len() - 1
+    }
+
+    /// Only what the global input holds now is needed.
+    pub(super) fn forget(&mut self) {
+        let last = self.last();
+        self.inputs.drain(1..last);
     }
 
     /// The global input holds something else.
     pub(super) fn input(&mut self, state: &State<C>) {
-        self.inputs.push(inputs(state));
+        self.inputs.push(many(state, &state.input));
     }
 }
 
-/// What the global input holds, as often as it is worked on at once.
-fn inputs<C: Clone>(state: &State<C>) -> Vec<C> {
-    vec![state.input.clone(); PIECE.min(state.layout.size.pixels())]
+/// The same cell, as often as is worked on at once.
+fn many<C: Clone>(state: &State<C>, cell: &C) -> Vec<C> {
+    vec![cell.clone(); PIECE.min(state.layout.size.pixels())]
 }
 
 /// Planes beside the registers: of one that a word reads at neighbours and writes itself,

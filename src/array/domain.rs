@@ -105,7 +105,7 @@ pub trait Domain: Sync {
     /// Whether the sum is above zero; `None` where this domain has no answer.
     fn positive(&self, sum: &Self::Sum) -> Option<bool>;
 
-    /// Sets each of at most 64 bytes to 1 where the sum of what the operands have there is
+    /// Sets each byte to 1 where the sum of what the operands have there is
     /// above zero, else to 0; whether this domain has an answer for all of them.
     #[inline(always)]
     fn positives<const N: usize>(&self, operands: [&[Self::Cell]; N], bytes: &mut [u8]) -> bool {
@@ -318,20 +318,22 @@ macro_rules! single_bus {
             }
             #[inline(always)]
             fn positives<const N: usize>(&self, operands: [&[$cell]; N], bytes: &mut [u8]) -> bool {
-                if bytes.len() == 64 {
+                let mut at = 0;
+                let (blocks, rest) = bytes.as_chunks_mut::<64>();
+                for bytes in blocks {
                     let mut sums = [0.0; 64];
                     for operand in operands {
-                        for (sum, cell) in sums.iter_mut().zip(&operand[..64]) {
+                        for (sum, cell) in sums.iter_mut().zip(&operand[at..at + 64]) {
                             *sum += $wide(*cell);
                         }
                     }
                     for (byte, sum) in bytes.iter_mut().zip(sums) {
                         *byte = (sum > 0.0).into();
                     }
-                } else {
-                    for (i, byte) in bytes.iter_mut().enumerate() {
-                        *byte = (self.sum(&operands, i) > 0.0).into();
-                    }
+                    at += 64;
+                }
+                for (i, byte) in rest.iter_mut().enumerate() {
+                    *byte = (self.sum(&operands, at + i) > 0.0).into();
                 }
                 true
             }

@@ -109,6 +109,22 @@ impl<'a, C> Field<'_, 'a, C> {
         starts
     }
 
+    /// Where the wires of the buses of one row lead, which may lie off the array.
+    #[inline(always)]
+    pub(super) fn beyond<const N: usize>(&self, wires: &[Wire; N], y: usize) -> [Wire; N] {
+        let mut wires = *wires;
+        for wire in &mut wires {
+            if y >= self.size.height || y.wrapping_add_signed(wire.beside.0) >= self.size.height {
+                // The first of the inputs is what lies there.
+                *wire = Wire {
+                    plane: self.planes.len(),
+                    beside: (0, 0),
+                };
+            }
+        }
+        wires
+    }
+
     /// What comes along each wire: `n` cells, at most a [`PIECE`], so many after its start.
     #[inline(always)]
     pub(super) fn sources<const N: usize>(

@@ -97,6 +97,9 @@ impl<T: Width> Domain for Fixed<T> {
         cells: &mut [T],
     ) {
         match self.number.overflow() {
+            Overflow::Saturate if between.is_none() && (N, M) != (2, 1) => {
+                saturated_pair(operands, extra, cells);
+            }
             Overflow::Saturate => {
                 let second = |first, extra: [T; M]| match extra[..] {
                     [extra] => saturated_sum([first, extra]),
@@ -121,11 +124,12 @@ impl<T: Width> Domain for Fixed<T> {
     }
     #[inline(always)]
     fn positives<const N: usize>(&self, operands: [&[T]; N], bytes: &mut [u8]) -> bool {
-        let n = bytes.len();
-        if n == 64 {
-            let from = blocks(operands, 0);
+        let (blocks, rest) = bytes.as_chunks_mut::<64>();
+        let done = 64 * blocks.len();
+        let whole = operands.map(|operand| operand.as_chunks::<64>().0);
+        for (k, bytes) in blocks.iter_mut().enumerate() {
             for (i, byte) in bytes.iter_mut().enumerate() {
-                let operands = picked(from.each_ref(), i);
+                let operands = picked(whole.map(|whole| &whole[k]), i);
                 // What saturates keeps its sign.
                 *byte = if N <= 2 {
                     saturated_sum(operands) < T::ZERO
@@ -134,10 +138,9 @@ impl<T: Width> Domain for Fixed<T> {
                 }
                 .into();
             }
-        } else {
-            for (i, byte) in bytes.iter_mut().enumerate() {
-                *byte = (wide_part(picked(operands, i), 1) < T::Wide::default()).into();
-            }
+        }
+        for (i, byte) in rest.iter_mut().enumerate() {
+            *byte = (wide_part(picked(operands, done + i), 1) < T::Wide::default()).into();
         }
         true
     }
@@ -220,14 +223,25 @@ fn pairwise<T: Width, const N: usize, const M: usize>(
     }
 }
 
-/// 64 cells of each operand.
+/// Two saturating stores, where nobody reads what the first stores: what it would store, taken
+/// from nought, is the sum, but for the lowest number.
 #[inline(always)]
-fn blocks<T: Width, const N: usize>(operands: [&[T]; N], first: usize) -> [[T; 64]; N] {
-    let mut blocks = [[T::ZERO; 64]; N];
-    for (block, operand) in blocks.iter_mut().zip(operands) {
-        block.copy_from_slice(&operand[first..first + 64]);
-    }
-    blocks
+fn saturated_pair<T: Width, const N: usize, const M: usize>(
+    operands: [&[T]; N],
+    extra: [&[T]; M],
+    cells: &mut [T],
+) {
+    let lowest = T::ZERO.less(T::LIMITS.1);
+    let sum = |operands: [T; N]| match operands[..] {
+        [a, b] => a.more(b).max(lowest),
+        [a] => a.max(lowest),
+        _ => T::ZERO,
+    };
+    let second = |sum: T, extra: [T; M]| match extra[..] {
+        [extra] => sum.less(extra),
+        _ => sum,
+    };
+    pairwise(operands, extra, None, cells, sum, second);
 }
 
 /// The cells `i` of all operands.
@@ -256,18 +270,10 @@ fn wide_part<T: Width, const N: usize>(operands: [T; N], by: u32) -> T::Wide {
 /// `-(sum)` of at most two, saturated; without leaving the width.
 #[inline(always)]
 fn saturated_sum<T: Width, const N: usize>(operands: [T; N]) -> T {
-    let (low, _) = T::LIMITS;
     match operands[..] {
-        [a, b] => {
-            // One step too low where the first difference saturates, which is for the lowest
-            // number alone; and then one more saturates rightly.
-            let less = T::ZERO.less(a).less(b);
-            if a == low {
-                less.less(T::MINUS_ONE)
-            } else {
-                less
-            }
-        }
+        // The first difference would be one too low for the lowest number, which is the larger
+        // only where both are; and then the second saturates anyway.
+        [a, b] => T::ZERO.less(a.max(b)).less(a.min(b)),
         [a] => T::ZERO.less(a),
         _ => T::ZERO,
     }

@@ -33,12 +33,18 @@ impl Live {
     fn before(mut self, word: &Primitive, whole: bool, news: Analog) -> Self {
         match word {
             Primitive::Bus { targets, sources } => {
+                let stored = |target: &Target| match target {
+                    Target::Register(register) => *register,
+                    // All cells: those at the border are driven from off the array.
+                    Target::Neighbour(_) => news,
+                };
+                let lost = whole && !targets.iter().any(|target| self.has(stored(target)));
+                if lost {
+                    // Nobody reads what it reads, either.
+                    return self;
+                }
                 for target in targets.iter().filter(|_| whole) {
-                    self.remove(match target {
-                        Target::Register(register) => *register,
-                        // All cells: those at the border are driven from off the array.
-                        Target::Neighbour(_) => news,
-                    });
+                    self.remove(stored(target));
                 }
                 self.read(sources, news);
             }

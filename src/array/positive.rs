@@ -9,10 +9,14 @@ use multiversion::multiversion;
 
 use super::{
     Domain, Undecided,
+    bits::cut,
     field::Field,
     wire::{Border, Wire},
 };
 use crate::bits::packed;
+
+/// Words of bits that are made together.
+const BATCH: usize = 16;
 
 /// Sets the bits of these rows where the bus is above zero; `bits` are theirs alone.
 ///
@@ -68,28 +72,25 @@ fn positive_n<D: Domain, const N: usize>(
     } else {
         1
     };
-    // Some blocks at once: bytes that were just written are slow to read in another width.
-    let mut bytes = [[0; 64]; 8];
+    // Many at once: bytes that were just written are slow to read in another width.
+    let mut bytes = [0; 64 * BATCH];
     for y in inner.clone().step_by(run) {
         let starts = field.starts(&wires, field.cell(y, 0), (0, 0));
         let (first, last) = (border.left, run * width - border.right);
         let bits = &mut bits[(y - top) * words..][..run * words];
-        for (batch, bits) in bits.chunks_mut(bytes.len()).enumerate() {
-            for (k, bytes) in (batch * 8..).zip(&mut bytes[..bits.len()]) {
-                let from = (64 * k).max(first);
-                let n = (64 * k + 64).min(last) - from;
-                let sources = field.sources(&wires, &starts, from, n);
-                decided &= if n == 64 {
-                    domain.positives(sources, bytes)
-                } else {
-                    bytes.fill(0);
-                    domain.positives(sources, &mut bytes[from % 64..][..n])
-                };
-            }
-            for (word, bytes) in bits.iter_mut().zip(&bytes) {
+        for (batch, bits) in bits.chunks_mut(BATCH).enumerate() {
+            let from = 64 * BATCH * batch;
+            let bytes = &mut bytes[..64 * bits.len()];
+            // What needs something from off the array is done afterwards.
+            let (begin, end) = (from.max(first), (from + bytes.len()).min(last).max(from));
+            let sources = field.sources(&wires, &starts, begin, end - begin);
+            decided &= domain.positives(sources, &mut bytes[begin - from..end - from]);
+            let blocks = bytes.as_chunks::<64>().0;
+            for (word, bytes) in bits.iter_mut().zip(blocks) {
                 *word = packed(bytes);
             }
         }
+        cut(bits, width);
     }
     for x in (0..border.left).chain(width - border.right..width) {
         for y in inner.clone() {

@@ -49,7 +49,6 @@ impl<'a> Runs<'a> {
     }
 
     /// The bits of 64 cells.
-    #[inline(always)]
     fn word(&self, i: usize) -> u64 {
         let bit = self.offset + i;
         let low = self.flags[bit / 64] >> (bit % 64);
@@ -58,6 +57,22 @@ impl<'a> Runs<'a> {
         } else {
             low | self.flags.get(bit / 64 + 1).unwrap_or(&0) << (64 - bit % 64)
         }
+    }
+
+    /// Bits that do not begin where a word does, or end inside one; whether any of them is 1, and
+    /// whether all are.
+    #[inline(never)]
+    fn across(&self, from: usize, to: usize) -> ([u64; WORDS], u64, u64) {
+        let mut words = [0; WORDS];
+        let (mut any, mut all) = (0, !0);
+        for (word, i) in words.iter_mut().zip((from..to).step_by(64)) {
+            *word = self.word(i);
+            // What lies beyond the end is none of the cells.
+            let beyond = if to - i < 64 { !0 << (to - i) } else { 0 };
+            any |= *word & !beyond;
+            all &= *word | beyond;
+        }
+        (words, any, all)
     }
 
     /// The next cells of which at least one is to be stored.
@@ -75,15 +90,18 @@ impl<'a> Runs<'a> {
             }
             let to = (from + RUN).min(self.cells);
             self.next = to;
-            let mut words = [0; WORDS];
-            let (mut any, mut all) = (0, !0);
-            for (word, i) in words.iter_mut().zip((from..to).step_by(64)) {
-                *word = self.word(i);
-                // What lies beyond the end is none of the cells.
-                let beyond = if to - i < 64 { !0 << (to - i) } else { 0 };
-                any |= *word & !beyond;
-                all &= *word | beyond;
-            }
+            let at = (self.offset + from) / 64;
+            let (words, any, all) = match self.flags[at..].as_chunks::<WORDS>().0.first() {
+                Some(words) if self.offset == 0 && to - from == RUN => {
+                    let (mut any, mut all) = (0, !0);
+                    for word in words {
+                        any |= *word;
+                        all &= *word;
+                    }
+                    (*words, any, all)
+                }
+                _ => self.across(from, to),
+            };
             if any != 0 {
                 let some = (all != !0).then_some(words);
                 return Some(Run { from, to, some });

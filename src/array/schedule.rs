@@ -129,12 +129,21 @@ impl<C: Clone + Send + Sync> Plan<C> {
             }
         }
         let mut known = &all[..];
-        while !rest.is_empty() {
-            let walk = Walk::new(rest, known, &state.layout, rows);
-            let constants = segment.constants();
-            walk.run(array, threads, state, &mut self.copies, constants)?;
-            (rest, known) = (&rest[walk.len()..], &known[walk.len()..]);
+        let copies = &mut self.copies;
+        let mut walks = || {
+            while !rest.is_empty() {
+                let walk = Walk::new(rest, known, &state.layout, rows);
+                let constants = segment.constants();
+                walk.run(array, threads, state, copies, constants)?;
+                (rest, known) = (&rest[walk.len()..], &known[walk.len()..]);
+            }
+            Ok(())
+        };
+        if threads > 1 {
+            // Among the threads, so that they need not be woken for every walk.
+            rayon::scope(|_| walks())
+        } else {
+            walks()
         }
-        Ok(())
     }
 }

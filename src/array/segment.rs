@@ -78,7 +78,7 @@ impl<'a, C: Clone> Segment<'a, C> {
         let issued = Issued {
             word,
             step,
-            input: self.constants.inputs.len() - 1,
+            input: self.constants.last(),
             copied: copied.is_some(),
         };
         self.pieces.push(Piece::Word { issued, line });
@@ -96,8 +96,7 @@ impl<'a, C: Clone> Segment<'a, C> {
     /// All have run.
     pub(super) fn clear(&mut self) {
         self.pieces.clear();
-        let last = self.constants.inputs.len() - 1;
-        self.constants.inputs.drain(..last);
+        self.constants.forget();
     }
 
     pub(super) fn pieces(&self) -> &[Piece<'a>] {

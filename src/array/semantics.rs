@@ -62,16 +62,16 @@ pub fn execute<D: Domain>(
     let copied = copied(word, state.layout.news);
     let mut copies = Copies::default();
     make_copies(&mut copies, state, copied);
+    let constants = Constants::of(state);
     let issued = Issued {
         word,
         step,
-        input: 0,
+        input: constants.last(),
         copied: copied.is_some(),
     };
     let mut jobs = Jobs::default();
     jobs.jobs.extend(copied.map(Job::Copy));
     jobs.word(issued, &state.layout, Known::NOTHING);
-    let constants = Constants::of(state);
     let mut band = Band::whole(state, &mut copies, &constants);
     let rows = band.rows.clone();
     let array = Array { domain, settings };

@@ -60,48 +60,44 @@ fn store_n<D: Domain, const N: usize>(
     room: &mut [D::Cell],
 ) {
     let cells = field.take(store.register);
-    let inner = store.border.inside(field.size, &rows);
-    if inner != rows {
-        all(
-            domain,
-            field,
-            wires,
-            store,
-            cells,
-            clip,
-            rows.start..inner.start,
-        );
-        all(
-            domain,
-            field,
-            wires,
-            store,
-            cells,
-            clip,
-            inner.end..rows.end,
-        );
+    let (border, width) = (store.border, field.size.width);
+    let inner = border.inside(field.size, &rows);
+    let edges = border.left + border.right;
+    if width <= edges {
+        all(domain, field, wires, store, cells, clip, rows);
+        field.put(store.register, cells);
+        return;
     }
-    if !inner.is_empty() {
-        let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
-        let edges = store.border.left + store.border.right;
-        // One run, over the ends of the rows between, if the words of bits are.
-        let level = store.whole
-            || (edges == 0 && store.beside.1 == 0 && field.size.width.is_multiple_of(64));
-        let run = if level { inner.len() } else { 1 };
-        for y in inner.clone().step_by(run) {
-            run_n(domain, field, &wires, store, cells, clip, y..y + run, room);
-        }
-        if edges > 0 {
-            let border = store.border;
-            columns(
-                domain, field, &wires, store, border, cells, clip, &inner, room,
-            );
+    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    // One run, over the ends of the rows between, if the words of bits are.
+    let level =
+        store.whole || (edges == 0 && store.beside.1 == 0 && width.is_multiple_of(64));
+    let mut y = rows.start;
+    while y < rows.end {
+        let inside = inner.contains(&y);
+        let end = if inside && level { inner.end } else { y + 1 };
+        let run = if inside {
+            wires
+        } else {
+            field.beyond(&wires, y.wrapping_add_signed(-store.beside.0))
+        };
+        run_n(domain, field, &run, store, cells, clip, (y..end, inside), room);
+        y = end;
+    }
+    if edges > 0 {
+        columns(
+            domain, field, &wires, store, border, cells, clip, &inner, room,
+        );
+        for y in (rows.start..inner.start).chain(inner.end..rows.end) {
+            for x in (0..border.left).chain(width - border.right..width) {
+                one(domain, field, &wires, store, cells, clip, y, x);
+            }
         }
     }
     field.put(store.register, cells);
 }
 
-/// Rows as one run.
+/// Rows as one run, inside the border or one that is not.
 #[allow(clippy::too_many_arguments)]
 #[inline(always)]
 fn run_n<D: Domain, const N: usize>(
@@ -111,20 +107,22 @@ fn run_n<D: Domain, const N: usize>(
     store: &Store,
     cells: &mut [D::Cell],
     clip: bool,
-    rows: Range<usize>,
+    (rows, inside): (Range<usize>, bool),
     room: &mut [D::Cell],
 ) {
     let (down, right) = store.beside;
-    let Stretch { left, at, n } = if store.whole {
+    let Stretch { left, at, n } = if store.whole && inside {
         field.stretch(wires, store.beside, store.border, &rows)
     } else {
         field.between(store.border, &rows)
     };
     let starts = field.starts(wires, at, store.beside);
-    let mut runs = if store.whole {
+    let driver = rows.start.wrapping_add_signed(-down);
+    // Off the array FLAG is 1.
+    let mut runs = if store.whole || driver >= field.size.height {
         Runs::all(n)
     } else {
-        let flags = field.flags(rows.start.wrapping_add_signed(-down), rows.len());
+        let flags = field.flags(driver, rows.len());
         Runs::new(flags, left.wrapping_add_signed(-right), n)
     };
     while let Some(Run { from, to, some }) = runs.next() {
@@ -266,6 +264,25 @@ fn column<D: Domain, const N: usize>(
     let (down, right) = store.beside;
     let width = field.size.width;
     let from_x = x.wrapping_add_signed(-right);
+    let off = |wire: &Wire| from_x.wrapping_add_signed(wire.beside.1) >= width;
+    if from_x >= width || wires.iter().all(off) {
+        // The same all along.
+        let place = Place {
+            y: rows.start,
+            x,
+            register: store.register,
+            step: store.step,
+        };
+        let sum = field.sum(domain, wires, rows.start.wrapping_add_signed(-down), from_x);
+        let new = domain.limited(domain.store(&sum, store.share, place), clip);
+        let column = cells[field.cell(rows.start, x)..].iter_mut().step_by(width);
+        for (y, cell) in rows.clone().zip(column) {
+            if store.whole || field.flagged(y.wrapping_add_signed(-down), from_x) {
+                cell.clone_from(&new);
+            }
+        }
+        return;
+    }
     for top in rows.clone().step_by(64) {
         let n = (rows.end - top).min(64);
         let from_y = top.wrapping_add_signed(-down);

@@ -41,6 +41,9 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     /// The difference, saturated.
     #[must_use]
     fn less(self, other: Self) -> Self;
+    /// The sum, saturated.
+    #[must_use]
+    fn more(self, other: Self) -> Self;
     /// The difference, wrapped.
     #[must_use]
     fn wrapping_less(self, other: Self) -> Self;
@@ -149,6 +152,10 @@ macro_rules! width {
             #[inline]
             fn less(self, other: Self) -> Self {
                 self.saturating_sub(other)
+            }
+            #[inline]
+            fn more(self, other: Self) -> Self {
+                self.saturating_add(other)
             }
             #[inline]
             fn wrapping_less(self, other: Self) -> Self {
