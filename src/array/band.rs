@@ -13,6 +13,8 @@ use crate::isa::{Analog, Bit, Digital};
 /// What every part of the array needs besides its own rows.
 #[derive(Clone, Debug)]
 pub(super) struct Constants<C> {
+    /// The number of the first word since power-on.
+    pub(super) first: u64,
     /// What lies off the array.
     pub(super) edge: C,
     /// That, and then what the global input held, one after the other, each so often as is
@@ -21,8 +23,9 @@ pub(super) struct Constants<C> {
 }
 
 impl<C: Clone> Constants<C> {
-    pub(super) fn of(state: &State<C>) -> Self {
+    pub(super) fn of(state: &State<C>, first: u64) -> Self {
         Self {
+            first,
             edge: state.edge.clone(),
             inputs: vec![many(state, &state.edge), many(state, &state.input)],
         }
@@ -171,6 +174,11 @@ impl<'a, C> Band<'a, C> {
         self.layout.size.width.div_ceil(64)
     }
 
+    /// The number of the first word since power-on.
+    pub(super) const fn first(&self) -> u64 {
+        self.constants.first
+    }
+
     /// Takes a register out, to be put back.
     pub(super) fn take(&mut self, register: Analog) -> &'a mut [C] {
         std::mem::take(&mut self.analog[usize::from(register.0)])
@@ -277,6 +285,7 @@ impl<'a, C> Band<'a, C> {
 
 impl<C> Band<'_, C> {
     /// One-bit logic on some rows.
+    #[inline(always)]
     pub(super) fn logic(&mut self, logic: &Logic, rows: Range<usize>) {
         let words = self.row_words(rows);
         let target = std::mem::take(&mut self.digital[logic.target]);

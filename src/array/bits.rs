@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
-
 use super::cells::Cells;
 use crate::{
     isa::Direction,
@@ -226,6 +224,7 @@ pub(super) fn or_seen(
 }
 
 /// OR of `others` and, where kept, of what was there; with `not` the other way.
+#[inline(always)]
 pub(super) fn or(words: &mut [u64], others: [Option<&[u64]>; 4], kept: bool, not: bool) {
     let turn = if not { !0 } else { 0 };
     match others {
@@ -238,7 +237,7 @@ pub(super) fn or(words: &mut [u64], others: [Option<&[u64]>; 4], kept: bool, not
 }
 
 /// OR of `others` and, where kept, of what was there; then XOR `turn`.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[inline(always)]
 fn or_all<const N: usize>(words: &mut [u64], others: [&[u64]; N], kept: bool, turn: u64) {
     let others = others.map(|other| &other[..words.len()]);
     if kept {

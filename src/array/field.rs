@@ -6,9 +6,9 @@
 use std::ops::Range;
 
 use super::{
-    Domain,
+    Domain, Place,
     band::Constants,
-    wire::{Border, Wire},
+    wire::{Border, Store, Wire},
 };
 use crate::{isa::Analog, plane::Size};
 
@@ -36,6 +36,17 @@ pub(super) struct Field<'b, 'a, C> {
 }
 
 impl<'a, C> Field<'_, 'a, C> {
+    /// Where a cell lies that is stored into, and when that is.
+    #[inline(always)]
+    pub(super) fn place(&self, store: &Store, y: usize, x: usize) -> Place {
+        Place {
+            y,
+            x,
+            register: store.register,
+            step: self.constants.first + store.step,
+        }
+    }
+
     /// Takes a register out, to be put back.
     pub(super) fn take(&mut self, register: Analog) -> &'a mut [C] {
         std::mem::take(&mut self.planes[usize::from(register.0)])

@@ -46,6 +46,7 @@ mod state;
 mod store;
 pub mod taps;
 mod tiled;
+mod walks;
 mod wire;
 
 pub use arithmetic::{Arithmetic, ArithmeticError};

@@ -6,8 +6,6 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
-
 use super::{
     Domain, Place, Share,
     field::{Field, PIECE, Stretch},
@@ -18,7 +16,8 @@ use super::{
 
 /// Does both in these rows, where FLAG is 1 in all pixels. `room` is for
 /// [`ROOM`](super::store::ROOM) cells.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[allow(clippy::too_many_arguments)]
+#[inline(always)]
 pub(super) fn pair<D: Domain>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
@@ -114,17 +113,11 @@ fn by_way<D: Domain>(
     room: &mut [D::Cell],
 ) {
     let Stretch { left, at, n } = field.stretch(wires, pair.first.beside, pair.first.border, rows);
-    let place = |store: &Store, along: usize| Place {
-        y: rows.start,
-        x: left + along,
-        register: store.register,
-        step: store.step,
-    };
     let mut done = 0;
     while done < n {
         let some = (n - done).min(RUN);
         let between = &mut room[..some];
-        let one = place(&pair.first, done);
+        let one = field.place(&pair.first, rows.start, left + done);
         let from = at + done;
         match wires.len() {
             0 => first::<D, 0>(domain, field, wires, pair, from, one, clip, between),
@@ -138,7 +131,8 @@ fn by_way<D: Domain>(
         }
         let cells = field.take(pair.second.register);
         let new = &mut cells[from..][..some];
-        let (between, two) = (&*between, place(&pair.second, done));
+        let between = &*between;
+        let two = field.place(&pair.second, rows.start, left + done);
         if let Some(extra) = pair.extra {
             let starts = field.starts(&[extra], from, (0, 0));
             let [extra] = field.sources(&[extra], &starts, 0, some);

@@ -5,8 +5,6 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
-
 use super::{
     Domain, Undecided,
     bits::cut,
@@ -22,7 +20,8 @@ const BATCH: usize = 16;
 ///
 /// # Errors
 /// In domains that have no answer.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[allow(clippy::too_many_arguments)]
+#[inline(always)]
 pub(super) fn positive<D: Domain>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,

@@ -5,10 +5,10 @@ use std::{fmt, str::FromStr};
 use super::{
     Domain, State, Undecided,
     band::Copies,
-    live::{self, Live},
     segment::{Piece, Segment},
     semantics::{self, Array},
-    tiled::{self, Walk},
+    tiled,
+    walks::Walks,
 };
 use crate::plane::Size;
 
@@ -81,6 +81,7 @@ pub(super) struct Plan<C> {
     schedule: Schedule,
     threads: usize,
     copies: Copies<C>,
+    walks: Walks,
 }
 
 impl<C: Clone + Send + Sync> Plan<C> {
@@ -89,6 +90,7 @@ impl<C: Clone + Send + Sync> Plan<C> {
             schedule,
             threads: threads.max(1),
             copies: Copies::default(),
+            walks: Walks::default(),
         }
     }
 
@@ -120,30 +122,21 @@ impl<C: Clone + Send + Sync> Plan<C> {
             }
         };
         let whole = state.flag.count() == size.pixels() as u64;
-        let mut rest = segment.pieces();
-        let mut all = live::known(rest, whole, &state.layout);
-        if self.schedule == Schedule::Plain {
-            // Word after word, all of each.
-            for known in &mut all {
-                known.live = Live::ALL;
-            }
-        }
-        let mut known = &all[..];
-        let copies = &mut self.copies;
-        let mut walks = || {
-            while !rest.is_empty() {
-                let walk = Walk::new(rest, known, &state.layout, rows);
-                let constants = segment.constants();
-                walk.run(array, threads, state, copies, constants)?;
-                (rest, known) = (&rest[walk.len()..], &known[walk.len()..]);
-            }
-            Ok(())
+        // Word after word, all of each.
+        let stores_all = self.schedule == Schedule::Plain;
+        let walks = self
+            .walks
+            .of(segment, whole, &state.layout, rows, stores_all);
+        let (copies, constants) = (&mut self.copies, segment.constants());
+        let mut run = || {
+            let mut walks = walks.iter();
+            walks.try_for_each(|walk| walk.run(array, threads, state, copies, constants))
         };
         if threads > 1 {
             // Among the threads, so that they need not be woken for every walk.
-            rayon::scope(|_| walks())
+            rayon::scope(|_| run())
         } else {
-            walks()
+            run()
         }
     }
 }

@@ -66,18 +66,24 @@ impl<'a, C: Clone> Segment<'a, C> {
     pub(super) fn new(state: &State<C>) -> Self {
         Self {
             pieces: Vec::new(),
-            constants: Constants::of(state),
+            constants: Constants::of(state, 0),
             news: state.layout.news,
         }
     }
 
     /// One more word.
     pub(super) fn push(&mut self, word: &'a Primitive, step: u64, line: u32) {
+        if self.pieces.is_empty() {
+            self.constants.first = step;
+        }
+        if self.pieces.is_empty() {
+            self.constants.first = step;
+        }
         let copied = reach::copied(word, self.news);
         self.pieces.extend(copied.map(Piece::Copy));
         let issued = Issued {
             word,
-            step,
+            step: step - self.constants.first,
             input: self.constants.last(),
             copied: copied.is_some(),
         };

@@ -21,7 +21,12 @@
 //! [`Schedule`](super::Schedule). What reaches a row from its neighbours is at most `reach`
 //! rows away.
 
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
 use std::ops::Range;
+
+use multiversion::multiversion;
 
 use super::{
     Domain, Place, Settings, Share, State, Undecided,
@@ -62,10 +67,10 @@ pub fn execute<D: Domain>(
     let copied = copied(word, state.layout.news);
     let mut copies = Copies::default();
     make_copies(&mut copies, state, copied);
-    let constants = Constants::of(state);
+    let constants = Constants::of(state, step);
     let issued = Issued {
         word,
-        step,
+        step: 0,
         input: constants.last(),
         copied: copied.is_some(),
     };
@@ -75,15 +80,15 @@ pub fn execute<D: Domain>(
     let mut band = Band::whole(state, &mut copies, &constants);
     let rows = band.rows.clone();
     let array = Array { domain, settings };
-    let mut run = |job| array.execute(&mut band, job, &jobs.wires, rows.clone());
-    jobs.jobs.iter().try_for_each(&mut run)
+    let spans = vec![rows; jobs.jobs.len()];
+    sweep(array, &mut band, &jobs, &spans).map_err(|(_, undecided)| undecided)
 }
 
 /// A word as it is given to the array.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Issued<'a> {
     pub(super) word: &'a Primitive,
-    /// Its number since power-on.
+    /// Its number, counted from the first that was given with it.
     pub(super) step: u64,
     /// Which of the band's inputs the global input holds.
     pub(super) input: usize,
@@ -115,6 +120,27 @@ pub(super) fn copy<C: Clone>(band: &mut Band<'_, C>, register: Register, rows: R
     }
 }
 
+/// Does each job on the rows that it is given: those are the rows that it writes. What it reads
+/// beside them must lie in the band, or off the array.
+///
+/// # Errors
+/// Which job has no answer in this domain.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn sweep<D: Domain>(
+    array: Array<'_, D>,
+    band: &mut Band<'_, D::Cell>,
+    jobs: &Jobs,
+    spans: &[Range<usize>],
+) -> Result<(), (usize, Undecided)> {
+    for (k, (job, rows)) in jobs.jobs.iter().zip(spans).enumerate() {
+        if !rows.is_empty() {
+            let done = array.execute(band, job, &jobs.wires, rows.clone());
+            done.map_err(|undecided| (k, undecided))?;
+        }
+    }
+    Ok(())
+}
+
 /// What words mean, in one domain.
 pub(super) struct Array<'a, D> {
     pub(super) domain: &'a D,
@@ -130,12 +156,12 @@ impl<D> Clone for Array<'_, D> {
 impl<D> Copy for Array<'_, D> {}
 
 impl<D: Domain> Array<'_, D> {
-    /// Does a job on some rows: those are the rows that it writes. What it reads beside them
-    /// must lie in the band, or off the array.
-    pub(super) fn execute(
+    /// A job of a [`sweep`].
+    #[inline(always)]
+    fn execute(
         self,
         band: &mut Band<'_, D::Cell>,
-        job: &Job<'_>,
+        job: &Job,
         wires: &[Wire],
         rows: Range<usize>,
     ) -> Result<(), Undecided> {
@@ -154,9 +180,15 @@ impl<D: Domain> Array<'_, D> {
                 wires: bus,
                 driven,
                 step,
-            } => self.drive(band, &wires[bus.clone()], driven, *step, &rows),
+            } => self.drive(
+                band,
+                &wires[bus.clone()],
+                driven,
+                band.first() + step,
+                &rows,
+            ),
             Job::Square { wires: bus, step } => {
-                self.square(band, &wires[bus.clone()], *step, rows)?;
+                self.square(band, &wires[bus.clone()], band.first() + step, rows)?;
             }
             Job::Positive { wires: bus, border } => {
                 let words = band.row_words(rows.clone());
@@ -169,15 +201,16 @@ impl<D: Domain> Array<'_, D> {
                 result?;
             }
             Job::Logic(logic) => band.logic(logic, rows),
-            Job::Word(issued) => self.word(band, *issued, rows),
+            Job::Word { word, step } => self.word(band, word, band.first() + step, rows),
             Job::Copy(register) => copy(band, *register, rows),
         }
         Ok(())
     }
 
     /// A word that has no bus. PROP has no rows: see [`propagate`].
-    fn word(self, band: &mut Band<'_, D::Cell>, issued: Issued<'_>, rows: Range<usize>) {
-        match issued.word {
+    #[inline(never)]
+    fn word(self, band: &mut Band<'_, D::Cell>, word: &Primitive, step: u64, rows: Range<usize>) {
+        match word {
             Primitive::Nop
             | Primitive::BlurSet
             | Primitive::PropRead
@@ -204,7 +237,6 @@ impl<D: Domain> Array<'_, D> {
                 horizontal,
                 vertical,
             } => {
-                let step = issued.step;
                 self.blur(band, *target, *source, (*horizontal, *vertical), step, rows);
             }
             Primitive::Set { targets } => fill(band, targets, true, rows),
@@ -228,6 +260,7 @@ impl<D: Domain> Array<'_, D> {
     }
 
     /// NEWS cells that several pixels drive: each holds the sum of what they put in.
+    #[inline(never)]
     fn drive(
         self,
         band: &mut Band<'_, D::Cell>,
@@ -266,6 +299,7 @@ impl<D: Domain> Array<'_, D> {
     }
 
     /// `gain` times the square of the bus, where FLAG is 1.
+    #[inline(never)]
     fn square(
         self,
         band: &mut Band<'_, D::Cell>,

@@ -10,8 +10,6 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
-
 use super::{
     Domain, Place, Share,
     field::{Field, Stretch},
@@ -24,7 +22,8 @@ pub(super) const ROOM: usize = RUN;
 
 /// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `room` is
 /// for [`ROOM`] cells.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[allow(clippy::too_many_arguments)]
+#[inline(always)]
 pub(super) fn store<D: Domain>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
@@ -70,8 +69,7 @@ fn store_n<D: Domain, const N: usize>(
     }
     let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
     // One run, over the ends of the rows between, if the words of bits are.
-    let level =
-        store.whole || (edges == 0 && store.beside.1 == 0 && width.is_multiple_of(64));
+    let level = store.whole || (edges == 0 && store.beside.1 == 0 && width.is_multiple_of(64));
     let mut y = rows.start;
     while y < rows.end {
         let inside = inner.contains(&y);
@@ -81,7 +79,16 @@ fn store_n<D: Domain, const N: usize>(
         } else {
             field.beyond(&wires, y.wrapping_add_signed(-store.beside.0))
         };
-        run_n(domain, field, &run, store, cells, clip, (y..end, inside), room);
+        run_n(
+            domain,
+            field,
+            &run,
+            store,
+            cells,
+            clip,
+            (y..end, inside),
+            room,
+        );
         y = end;
     }
     if edges > 0 {
@@ -134,12 +141,7 @@ fn run_n<D: Domain, const N: usize>(
         } else {
             &mut *old
         };
-        let place = Place {
-            y: rows.start,
-            x: left + from,
-            register: store.register,
-            step: store.step,
-        };
+        let place = field.place(store, rows.start, left + from);
         store_cells(domain, sources, new, store.share, place, clip);
         if let Some(some) = some {
             merge(domain, old, &mut room[..n], &some);
@@ -201,12 +203,7 @@ fn one<D: Domain>(
     if !field.flagged(from_y, from_x) {
         return;
     }
-    let place = Place {
-        y,
-        x,
-        register: store.register,
-        step: store.step,
-    };
+    let place = field.place(store, y, x);
     let sum = field.sum(domain, wires, from_y, from_x);
     let stored = domain.store(&sum, store.share, place);
     cells[field.cell(y, x)] = domain.limited(stored, clip);
@@ -267,12 +264,7 @@ fn column<D: Domain, const N: usize>(
     let off = |wire: &Wire| from_x.wrapping_add_signed(wire.beside.1) >= width;
     if from_x >= width || wires.iter().all(off) {
         // The same all along.
-        let place = Place {
-            y: rows.start,
-            x,
-            register: store.register,
-            step: store.step,
-        };
+        let place = field.place(store, rows.start, x);
         let sum = field.sum(domain, wires, rows.start.wrapping_add_signed(-down), from_x);
         let new = domain.limited(domain.store(&sum, store.share, place), clip);
         let column = cells[field.cell(rows.start, x)..].iter_mut().step_by(width);
@@ -293,12 +285,7 @@ fn column<D: Domain, const N: usize>(
             field.column(*wire, from_y, from_x, &mut block[..n]);
             *source = &block[..n];
         }
-        let place = Place {
-            y: top,
-            x,
-            register: store.register,
-            step: store.step,
-        };
+        let place = field.place(store, top, x);
         let new = &mut new[..n];
         domain.store_row(sources, store.share, place, clip, new);
         let column = cells[field.cell(top, x)..].iter_mut().step_by(width);

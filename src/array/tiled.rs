@@ -24,7 +24,7 @@ use super::{
     Domain, Layout, State, Undecided,
     band::{Band, Constants, Copies},
     segment::Piece,
-    semantics::Array,
+    semantics::{self, Array},
     wire::{Job, Jobs, Known},
 };
 use crate::plane::Size;
@@ -42,8 +42,9 @@ pub(super) fn rows(size: Size, cell: usize) -> usize {
 }
 
 /// Words that the bands go through, and how far the bands have moved up at each.
-pub(super) struct Walk<'a> {
-    jobs: Jobs<'a>,
+#[derive(Clone, Debug)]
+pub(super) struct Walk {
+    jobs: Jobs,
     /// Of each job.
     shifts: Vec<usize>,
     lines: Vec<u32>,
@@ -51,9 +52,9 @@ pub(super) struct Walk<'a> {
     pieces: usize,
 }
 
-impl<'a> Walk<'a> {
+impl Walk {
     /// As many of the pieces as can go together, in bands of so many rows.
-    pub(super) fn new(pieces: &[Piece<'a>], known: &[Known], layout: &Layout, rows: usize) -> Self {
+    pub(super) fn new(pieces: &[Piece<'_>], known: &[Known], layout: &Layout, rows: usize) -> Self {
         let mut walk = Self {
             jobs: Jobs::default(),
             shifts: Vec::with_capacity(pieces.len()),
@@ -131,11 +132,21 @@ impl<'a> Walk<'a> {
         })?;
         let mut band = Band::whole(state, copies, constants);
         for seam in seams {
-            for (k, shift) in self.shifts.iter().enumerate() {
-                self.job(array, &mut band, k, seam - shift..seam + shift)?;
-            }
+            let spans = self.shifts.iter().map(|shift| seam - shift..seam + shift);
+            self.sweep(array, &mut band, &spans.collect::<Vec<_>>())?;
         }
         Ok(())
+    }
+
+    /// Each job on its rows.
+    fn sweep<D: Domain>(
+        &self,
+        array: Array<'_, D>,
+        band: &mut Band<'_, D::Cell>,
+        spans: &[Range<usize>],
+    ) -> Result<(), (u32, Undecided)> {
+        let done = semantics::sweep(array, band, &self.jobs, spans);
+        done.map_err(|(k, undecided)| (self.lines[k], undecided))
     }
 
     /// One thread's rows, band after band.
@@ -146,10 +157,12 @@ impl<'a> Walk<'a> {
         part: Range<usize>,
     ) -> Result<(), (u32, Undecided)> {
         let height = band.layout.size.height;
+        let mut spans = Vec::with_capacity(self.shifts.len());
         let mut top = part.start;
         while top < part.end {
             let bottom = top + self.rows;
-            for (k, shift) in self.shifts.iter().enumerate() {
+            spans.clear();
+            spans.extend(self.shifts.iter().map(|shift| {
                 let from = if top == part.start {
                     top
                 } else {
@@ -163,27 +176,11 @@ impl<'a> Walk<'a> {
                 // Away from the seams; the array's own borders are none.
                 let first = part.start + if part.start == 0 { 0 } else { *shift };
                 let last = part.end - if part.end == height { 0 } else { *shift };
-                let rows = from.max(first)..to.min(last);
-                if !rows.is_empty() {
-                    self.job(array, band, k, rows)?;
-                }
-            }
+                from.max(first)..to.min(last)
+            }));
+            self.sweep(array, band, &spans)?;
             top = bottom;
         }
         Ok(())
-    }
-
-    /// One job on some rows.
-    #[inline]
-    fn job<D: Domain>(
-        &self,
-        array: Array<'_, D>,
-        band: &mut Band<'_, D::Cell>,
-        k: usize,
-        rows: Range<usize>,
-    ) -> Result<(), (u32, Undecided)> {
-        array
-            .execute(band, &self.jobs.jobs[k], &self.jobs.wires, rows)
-            .map_err(|undecided| (self.lines[k], undecided))
     }
 }

@@ -73,6 +73,7 @@ pub(super) struct Store {
     pub(super) border: Border,
     /// Whether FLAG is known to be 1 in all pixels.
     pub(super) whole: bool,
+    /// Counted from the first word of all: see [`Constants::first`](super::band::Constants).
     pub(super) step: u64,
 }
 
@@ -165,7 +166,7 @@ impl Logic {
 
 /// What there is to do on some rows.
 #[derive(Clone, Debug)]
-pub(super) enum Job<'a> {
+pub(super) enum Job {
     /// One target of a bus.
     Store(Store),
     Pair(Box<Pair>),
@@ -187,15 +188,27 @@ pub(super) enum Job<'a> {
     },
     Logic(Logic),
     /// Any other word that has no bus.
-    Word(Issued<'a>),
+    Word {
+        word: Box<Primitive>,
+        step: u64,
+    },
     /// A register into its copy.
     Copy(Register),
 }
 
+impl From<Issued<'_>> for Job {
+    fn from(issued: Issued<'_>) -> Self {
+        Self::Word {
+            word: Box::new(issued.word.clone()),
+            step: issued.step,
+        }
+    }
+}
+
 /// Words taken apart, in order.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Jobs<'a> {
-    pub(super) jobs: Vec<Job<'a>>,
+pub(super) struct Jobs {
+    pub(super) jobs: Vec<Job>,
     pub(super) wires: Vec<Wire>,
 }
 
@@ -216,9 +229,9 @@ impl Known {
     };
 }
 
-impl<'a> Jobs<'a> {
+impl Jobs {
     /// One more word.
-    pub(super) fn word(&mut self, issued: Issued<'a>, layout: &Layout, known: Known) {
+    pub(super) fn word(&mut self, issued: Issued<'_>, layout: &Layout, known: Known) {
         match issued.word {
             Primitive::Bus { targets, sources } => {
                 let wires = self.wires(sources, issued, layout);
@@ -243,7 +256,7 @@ impl<'a> Jobs<'a> {
             Primitive::WhereBit { sources } => {
                 self.logic(Bit::Flag, sources, false, issued, layout);
             }
-            _ => self.jobs.push(Job::Word(issued)),
+            _ => self.jobs.push(issued.into()),
         }
     }
 
@@ -266,11 +279,12 @@ impl<'a> Jobs<'a> {
         target: Bit,
         sources: &[Bit],
         not: bool,
-        issued: Issued<'a>,
+        issued: Issued<'_>,
         layout: &Layout,
     ) {
         let logic = Logic::of(target, sources, not, layout);
-        self.jobs.push(logic.map_or(Job::Word(issued), Job::Logic));
+        self.jobs
+            .push(logic.map_or_else(|| issued.into(), Job::Logic));
     }
 
     fn bus(
