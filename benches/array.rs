@@ -209,20 +209,22 @@ fn sequences() -> Vec<Sequence> {
     const PLAIN: &[(Schedule, usize)] = &[(Schedule::Plain, 1)];
     const BOTH: &[(Schedule, usize)] = &[(Schedule::Plain, 1), (TILED, 1)];
     const ALL: &[(Schedule, usize)] = &[(Schedule::Plain, 1), (TILED, 1), (TILED, 2)];
-    let movx = vec![drive(Direction::East, 0), bus(&[1], &[r(NEWS)])];
-    let movy = vec![drive(Direction::South, 1), bus(&[2], &[r(NEWS)])];
-    let divq = vec![bus(&[1, NEWS], &[r(0)]), bus(&[1], &[r(NEWS)])];
+    // Each word's result is read by another, in the next round if not in this.
+    let twice = |one: fn(u8, u8) -> [Primitive; 2]| [one(1, 0), one(0, 1)].concat();
+    let movx = |to, from| [drive(Direction::East, from), bus(&[to], &[r(NEWS)])];
+    let movy = |to, from| [drive(Direction::South, from), bus(&[to], &[r(NEWS)])];
+    let divq = |to, from| [bus(&[to, NEWS], &[r(from)]), bus(&[to], &[r(NEWS)])];
     let sum = bus(&[2], &[r(0), r(1)]);
-    let mut mixed = [movx.clone(), movy, divq.clone()].concat();
+    let mut mixed = [movx(1, 0), movy(2, 2), divq(4, 0)].concat();
     mixed.extend([
-        sum.clone(),
-        bus(&[3], &[r(2), r(0)]),
-        drive(Direction::North, 3),
-        bus(&[4], &[r(NEWS), r(1)]),
-        bus(&[0], &[r(4), Source::Neighbour(Direction::West)]),
+        bus(&[0], &[r(4), r(1)]),
+        bus(&[4], &[r(2), r(0)]),
+        drive(Direction::North, 4),
+        bus(&[1], &[r(NEWS), r(0)]),
+        bus(&[4], &[r(1), Source::Neighbour(Direction::West)]),
         positive(&[5]),
-        bus(&[1], &[r(2), r(3)]),
-        bus(&[2], &[r(1)]),
+        bus(&[3], &[r(4), r(1)]),
+        bus(&[2], &[r(3)]),
         or(5, &[6, 7]),
         or(6, &[5, 8]),
         Primitive::All,
@@ -231,7 +233,7 @@ fn sequences() -> Vec<Sequence> {
             sources: vec![Bit::Register(Digital(6))],
         },
         or(8, &[7, 5]),
-        bus(&[3], &[r(1)]),
+        bus(&[0], &[r(3)]),
     ]);
     assert_eq!(mixed.len(), 20);
     // No neighbours, no mask: add, subtract, negate.
@@ -265,8 +267,8 @@ fn sequences() -> Vec<Sequence> {
             PLAIN,
         ),
         sequence("where", vec![positive(&[5])], PLAIN),
-        sequence("movx", movx, BOTH),
-        sequence("divq", divq, BOTH),
+        sequence("movx", twice(movx), BOTH),
+        sequence("divq", twice(divq), BOTH),
         sequence("pointwise, 8 words", pointwise, ALL),
         sequence("mixed, 20 words", mixed, ALL),
     ]

@@ -79,13 +79,14 @@ pub trait Domain: Sync {
         false
     }
 
-    /// Two stores at once, undivided and not limited: what the first makes of the operands goes
-    /// to `between`, if that is asked for; what the second makes of that and of the extra
-    /// operands goes to the cells.
+    /// Two stores at once, not limited: what the first makes of the operands, divided by 1 or 2,
+    /// goes to `between`, if that is asked for; what the second makes of that and of the extra
+    /// operands, undivided, goes to the cells.
     #[inline(always)]
     fn store_pair<const N: usize, const M: usize>(
         &self,
         _operands: [&[Self::Cell]; N],
+        _by: u32,
         _extra: [&[Self::Cell]; M],
         _between: Option<&mut [Self::Cell]>,
         _cells: &mut [Self::Cell],
@@ -391,6 +392,7 @@ single_bus!(
         fn store_pair<const N: usize, const M: usize>(
             &self,
             operands: [&[f32]; N],
+            by: u32,
             extra: [&[f32]; M],
             between: Option<&mut [f32]>,
             cells: &mut [f32],
@@ -403,12 +405,12 @@ single_bus!(
             if let Some(between) = between {
                 let between = &mut between[..cells.len()];
                 for (i, cell) in cells.iter_mut().enumerate() {
-                    between[i] = undivided(&operands, i);
+                    between[i] = undivided(&operands, i) / by as f32;
                     *cell = second(between[i], i);
                 }
             } else {
                 for (i, cell) in cells.iter_mut().enumerate() {
-                    *cell = second(undivided(&operands, i), i);
+                    *cell = second(undivided(&operands, i) / by as f32, i);
                 }
             }
         }

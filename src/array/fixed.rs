@@ -92,24 +92,34 @@ impl<T: Width> Domain for Fixed<T> {
     fn store_pair<const N: usize, const M: usize>(
         &self,
         operands: [&[T]; N],
+        by: u32,
         extra: [&[T]; M],
         between: Option<&mut [T]>,
         cells: &mut [T],
     ) {
         match self.number.overflow() {
-            Overflow::Saturate if between.is_none() && (N, M) != (2, 1) => {
-                saturated_pair(operands, extra, cells);
+            Overflow::Saturate if between.is_none() && (by == 2 || (N, M) != (2, 1)) => {
+                saturated_pair(operands, by, extra, cells);
             }
             Overflow::Saturate => {
                 let second = |first, extra: [T; M]| match extra[..] {
                     [extra] => saturated_sum([first, extra]),
                     _ => saturated_sum([first]),
                 };
-                pairwise(operands, extra, between, cells, saturated_sum, second);
+                if by == 2 {
+                    pairwise(operands, extra, between, cells, saturated_half, second);
+                } else {
+                    pairwise(operands, extra, between, cells, saturated_sum, second);
+                }
             }
             Overflow::Wrap => {
                 let second = |first, extra: [T; M]| wrapped_sum(extra).wrapping_less(first);
-                pairwise(operands, extra, between, cells, wrapped_sum, second);
+                if by == 2 {
+                    let half = |operands| T::wrap_wide(wide_part(operands, 2));
+                    pairwise(operands, extra, between, cells, half, second);
+                } else {
+                    pairwise(operands, extra, between, cells, wrapped_sum, second);
+                }
             }
         }
     }
@@ -224,10 +234,11 @@ fn pairwise<T: Width, const N: usize, const M: usize>(
 }
 
 /// Two saturating stores, where nobody reads what the first stores: what it would store, taken
-/// from nought, is the sum, but for the lowest number.
+/// from nought, is the sum, but for the lowest number, or half the sum.
 #[inline(always)]
 fn saturated_pair<T: Width, const N: usize, const M: usize>(
     operands: [&[T]; N],
+    by: u32,
     extra: [&[T]; M],
     cells: &mut [T],
 ) {
@@ -241,7 +252,16 @@ fn saturated_pair<T: Width, const N: usize, const M: usize>(
         [extra] => sum.less(extra),
         _ => sum,
     };
-    pairwise(operands, extra, None, cells, sum, second);
+    if by == 2 {
+        let half = |operands: [T; N]| match operands[..] {
+            [a, b] => a.middle(b).max(lowest),
+            [a] => a.middle(T::ZERO),
+            _ => T::ZERO,
+        };
+        pairwise(operands, extra, None, cells, half, second);
+    } else {
+        pairwise(operands, extra, None, cells, sum, second);
+    }
 }
 
 /// The cells `i` of all operands.

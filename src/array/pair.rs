@@ -92,7 +92,11 @@ fn at_once<D: Domain, const N: usize, const M: usize>(
         let extra = field.sources(&extra, &more, done, some);
         let new = &mut cells[at + done..][..some];
         let between = between.get_mut(at + done..at + done + some);
-        domain.store_pair(operands, extra, between, new);
+        // A division by a constant is not a division.
+        match pair.first.share.by {
+            1 => domain.store_pair(operands, 1, extra, between, new),
+            _ => domain.store_pair(operands, 2, extra, between, new),
+        }
         done += some;
     }
     if pair.kept {
@@ -164,5 +168,5 @@ fn first<D: Domain, const N: usize>(
     let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
     let starts = field.starts(&wires, from, pair.first.beside);
     let operands = field.sources(&wires, &starts, 0, cells.len());
-    domain.store_row(operands, UNDIVIDED, place, clip, cells);
+    domain.store_row(operands, pair.first.share, place, clip, cells);
 }

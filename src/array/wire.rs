@@ -114,7 +114,7 @@ impl Pair {
             && second.beside == (0, 0)
             && first.whole
             && second.whole
-            && first.share.by == 1
+            && first.share.by <= 2
             && second.share.by == 1;
         fits.then(|| Self {
             first: first.clone(),
