@@ -10,11 +10,12 @@ use super::{
     Domain, Place, Share,
     field::{Field, PIECE, Stretch},
     runs::RUN,
-    store::{columns, store},
+    store::columns,
     wire::{Pair, Store, Wire},
 };
 
-/// Does both in these rows, where FLAG is 1 in all pixels. `room` is for
+/// Does both in these rows, where FLAG is 1 in all pixels and nothing comes from above or below
+/// the array. `room` is for
 /// [`ROOM`](super::store::ROOM) cells.
 #[allow(clippy::too_many_arguments)]
 #[inline(always)]
@@ -27,29 +28,20 @@ pub(super) fn pair<D: Domain>(
     rows: Range<usize>,
     room: &mut [D::Cell],
 ) {
-    let inner = pair.first.border.inside(field.size, &rows);
-    if inner != rows {
-        for rows in [rows.start..inner.start, inner.end..rows.end] {
-            for one in [&pair.first, &pair.second] {
-                let wires = &wires[one.wires.clone()];
-                store(domain, field, wires, one, clip, rows.clone(), room);
-            }
-        }
-    }
-    if inner.is_empty() {
+    if rows.is_empty() {
         return;
     }
     let one = &wires[pair.first.wires.clone()];
     if pair.in_place || clip || !domain.pairs() {
-        by_way(domain, field, one, pair, clip, &inner, room);
+        by_way(domain, field, one, pair, clip, &rows, room);
     } else {
         match (one.len(), pair.extra) {
-            (0, None) => at_once::<D, 0, 0>(domain, field, one, [], pair, &inner),
-            (1, None) => at_once::<D, 1, 0>(domain, field, one, [], pair, &inner),
-            (_, None) => at_once::<D, 2, 0>(domain, field, one, [], pair, &inner),
-            (0, Some(extra)) => at_once::<D, 0, 1>(domain, field, one, [extra], pair, &inner),
-            (1, Some(extra)) => at_once::<D, 1, 1>(domain, field, one, [extra], pair, &inner),
-            (_, Some(extra)) => at_once::<D, 2, 1>(domain, field, one, [extra], pair, &inner),
+            (0, None) => at_once::<D, 0, 0>(domain, field, one, [], pair, &rows),
+            (1, None) => at_once::<D, 1, 0>(domain, field, one, [], pair, &rows),
+            (_, None) => at_once::<D, 2, 0>(domain, field, one, [], pair, &rows),
+            (0, Some(extra)) => at_once::<D, 0, 1>(domain, field, one, [extra], pair, &rows),
+            (1, Some(extra)) => at_once::<D, 1, 1>(domain, field, one, [extra], pair, &rows),
+            (_, Some(extra)) => at_once::<D, 2, 1>(domain, field, one, [extra], pair, &rows),
         }
     }
     if pair.first.border.left + pair.first.border.right > 0 {
@@ -58,7 +50,7 @@ pub(super) fn pair<D: Domain>(
             let wires = &wires[store.wires.clone()];
             let border = pair.first.border;
             columns(
-                domain, field, wires, store, border, cells, clip, &inner, room,
+                domain, field, wires, store, border, cells, clip, &rows, room,
             );
             field.put(store.register, cells);
         }

@@ -38,7 +38,7 @@ use super::{
     reach::{Register, copied},
     rows::{self, Links},
     store::store,
-    wire::{Job, Jobs, Known, Wire},
+    wire::{Job, Jobs, Known, Store, Wire},
 };
 use crate::{
     isa::{Analog, Bit, Direction, Primitive},
@@ -141,6 +141,30 @@ pub(super) fn sweep<D: Domain>(
     Ok(())
 }
 
+/// The single stores of a job: where something comes from off the array, a pair is two.
+#[inline(always)]
+fn stores<'a>(
+    job: &'a Job,
+    size: Size,
+    rows: &Range<usize>,
+) -> [Option<(&'a Store, Range<usize>)>; 4] {
+    match job {
+        Job::Store(store) => [Some((store, rows.clone())), None, None, None],
+        Job::Pair(both) => {
+            let inner = both.first.border.inside(size, rows);
+            let single = |store, rows: Range<usize>| (!rows.is_empty()).then_some((store, rows));
+            let (above, below) = (rows.start..inner.start, inner.end..rows.end);
+            [
+                single(&both.first, above.clone()),
+                single(&both.second, above),
+                single(&both.first, below.clone()),
+                single(&both.second, below),
+            ]
+        }
+        _ => [None, None, None, None],
+    }
+}
+
 /// What words mean, in one domain.
 pub(super) struct Array<'a, D> {
     pub(super) domain: &'a D,
@@ -166,13 +190,16 @@ impl<D: Domain> Array<'_, D> {
         rows: Range<usize>,
     ) -> Result<(), Undecided> {
         let clip = self.settings.clip;
+        for (target, rows) in stores(job, band.layout.size, &rows).into_iter().flatten() {
+            let wires = &wires[target.wires.clone()];
+            let (mut field, room) = band.field();
+            store(self.domain, &mut field, wires, target, clip, rows, room);
+        }
         match job {
-            Job::Store(target) => {
-                let wires = &wires[target.wires.clone()];
-                let (mut field, room) = band.field();
-                store(self.domain, &mut field, wires, target, clip, rows, room);
-            }
+            // They are among those above.
+            Job::Store(_) => {}
             Job::Pair(both) => {
+                let rows = both.first.border.inside(band.layout.size, &rows);
                 let (mut field, room) = band.field();
                 pair(self.domain, &mut field, wires, both, clip, rows, room);
             }
