@@ -258,6 +258,9 @@ fn column<D: Domain, const N: usize>(
     x: usize,
     room: &mut [D::Cell],
 ) {
+    if rows.is_empty() {
+        return;
+    }
     let (down, right) = store.beside;
     let width = field.size.width;
     let from_x = x.wrapping_add_signed(-right);
