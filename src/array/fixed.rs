@@ -368,6 +368,77 @@ mod tests {
         formats([&a, &b, &a[..]]);
     }
 
+    /// Two stores at once against the one and then the other.
+    fn pairs_agree<T: Width + PartialEq, const N: usize, const M: usize>(
+        operands: [&[T]; N],
+        extra: [&[T]; M],
+    ) {
+        let place = Place {
+            y: 0,
+            x: 0,
+            register: Analog(0),
+            step: 0,
+        };
+        let n = operands
+            .iter()
+            .chain(&extra)
+            .map(|v| v.len())
+            .next()
+            .unwrap_or(70);
+        let nought = || vec![T::ZERO; n];
+        for overflow in [Overflow::Saturate, Overflow::Wrap] {
+            let domain = Fixed::new(Q::<T>::new(0).with_overflow(overflow));
+            for by in [1, 2] {
+                let (mut first, mut second) = (nought(), nought());
+                let share = Share { by, part: None };
+                domain.store_row(operands, share, place, false, &mut first);
+                let share = Share { by: 1, part: None };
+                match extra[..] {
+                    [extra] => {
+                        domain.store_row([&first, extra], share, place, false, &mut second);
+                    }
+                    _ => domain.store_row([&first], share, place, false, &mut second),
+                }
+                let (mut between, mut cells) = (nought(), nought());
+                domain.store_pair(operands, by, extra, Some(&mut between), &mut cells);
+                assert_eq!(
+                    (&between, &cells),
+                    (&first, &second),
+                    "{overflow:?} by {by}"
+                );
+                let mut cells = nought();
+                domain.store_pair(operands, by, extra, None, &mut cells);
+                assert_eq!(cells, second, "{overflow:?} by {by}, only the second");
+            }
+        }
+    }
+
+    #[test]
+    fn two_stores_at_once_are_as_one_after_the_other() {
+        let near = |end: i16| (-3i16..=3).map(move |d| end.saturating_add(d));
+        let values: Vec<i16> = near(i16::MIN)
+            .chain(near(0))
+            .chain(near(i16::MAX))
+            .collect();
+        let mut all = [vec![], vec![], vec![]];
+        for a in &values {
+            for b in &values {
+                for c in &values {
+                    all[0].push(*a);
+                    all[1].push(*b);
+                    all[2].push(*c);
+                }
+            }
+        }
+        let [a, b, c] = &all;
+        pairs_agree::<i16, 0, 0>([], []);
+        pairs_agree([], [c]);
+        pairs_agree([a], []);
+        pairs_agree([a], [c]);
+        pairs_agree([a, b], []);
+        pairs_agree([a, b], [c]);
+    }
+
     #[test]
     fn the_edges_of_words_are_as_the_wide_sum_says() {
         fn edges<T: Width + PartialEq>() {

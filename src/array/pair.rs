@@ -11,7 +11,7 @@ use super::{
     field::{Field, PIECE, Stretch},
     runs::RUN,
     store::columns,
-    wire::{Pair, Store, Wire},
+    wire::{Pair, Wire},
 };
 
 /// Does both in these rows, where FLAG is 1 in all pixels and nothing comes from above or below
