@@ -276,7 +276,7 @@ mod tests {
             }).collect();
             let pair = Pair { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };
             let slow = one_by_one(&rows, pair);
-            for threads in [1, 2] {
+            for threads in [1, 2, 5] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut packet = Packet::new(Size::new(12, 7), 1);
                 let bands: Vec<_> = (0..12).map(|y| y..y + 1).collect();

@@ -29,7 +29,8 @@ impl Part {
     pub(super) fn begin(&mut self, clock: Clock, room: u64) {
         (self.clock, self.room, self.total) = (clock, room, 0);
         self.events.clear();
-        self.stretches.resize_with(clock.stretches(), Stretch::default);
+        self.stretches
+            .resize_with(clock.stretches(), Stretch::default);
         for stretch in &mut self.stretches {
             stretch.len = 0;
         }
