@@ -1,4 +1,4 @@
-//! Strays: the events of cells that nothing in the scene made, from shot noise and hot pixels.
+//! Strays: events that nothing in the scene made, from shot noise and hot pixels.
 
 use crate::event::Polarity;
 
@@ -7,7 +7,7 @@ use super::{
     noise::Noise,
 };
 
-/// Those between two frames.
+/// The strays between two frames.
 pub(super) struct Strays<'a> {
     noise: &'a Noise,
     pair: u64,

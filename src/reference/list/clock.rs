@@ -27,7 +27,7 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// The clock of a pair, with a stretch at least for each thread.
+    /// The clock of a pair, in equal stretches that so many threads can share.
     pub(super) fn of(pair: Pair, threads: usize) -> Self {
         let from = pair.from * 1e6;
         let clock = Self {
@@ -58,7 +58,7 @@ impl Clock {
         (self.span / self.stretch) as usize + 1
     }
 
-    /// When stretch `k` begins, and how many microseconds it has, in microseconds since the start.
+    /// When stretch `k` begins, in microseconds since the start, and how long it is.
     pub(super) fn stretch(&self, k: usize) -> (u64, u64) {
         let since = k as u64 * self.stretch;
         (since, self.stretch.min(self.span + 1 - since))
