@@ -20,6 +20,7 @@ use super::{
     refractory::{self, awake},
     signal::{Light, Padded},
     step::Seen,
+    stray::Strays,
     surround::{self, Sheets},
     train::{BandSink, Pair, Train, TrainRow},
 };
@@ -449,6 +450,7 @@ impl<N: Number> Band<N> {
         let Scratch { trains, rested, .. } = &mut self.scratch;
         let fired = &mut self.channels[channel].fired;
         let seen = self.signal.inner(y);
+        let all = Strays::new(noise, plan.seed, pair.index, dt);
         let mut strays = Vec::new();
         for x in 0..self.width {
             let place = Place {
@@ -457,8 +459,11 @@ impl<N: Number> Band<N> {
                 y,
                 x,
             };
+            if !all.may_be(place) {
+                continue;
+            }
             let light = || response.light(plan.number.value(seen[x]));
-            for (u, polarity) in noise.strays(place, pair.index, dt, light) {
+            for (u, polarity) in all.of(place, light) {
                 if refractory > 0.0 {
                     let before = (rested[x] - pair.from) / dt;
                     if !awake(u, trains.get(x).as_ref(), before, refractory / dt) {

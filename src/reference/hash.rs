@@ -33,12 +33,7 @@ impl Place {
 
     /// The same for the `turn`-th number of a step.
     pub(super) fn uniform_at(self, why: Why, step: u64, turn: u64) -> f64 {
-        let cell = ((self.channel as u64) << 48) | ((self.y as u64) << 24) | self.x as u64;
-        let mut h = mix(self.seed.wrapping_add(GOLDEN));
-        for part in [why as u64, cell, step ^ turn.rotate_left(32)] {
-            h = mix((h ^ part).wrapping_add(GOLDEN));
-        }
-        chance::uniform(h)
+        Draws::new(self.seed, why).uniform_at(self, step, turn)
     }
 
     /// A standard normal number (Box & Muller, 1958).
@@ -47,6 +42,31 @@ impl Place {
         let angle = self.uniform(why, 2 * step + 1);
         (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
     }
+}
+
+/// All numbers of one reason: what they have in common is mixed once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Draws(u64);
+
+impl Draws {
+    pub(super) fn new(seed: u64, why: Why) -> Self {
+        Self(next(mix(seed.wrapping_add(GOLDEN)), why as u64))
+    }
+
+    /// As [`Place::uniform_at`], of a place with the same seed.
+    #[inline]
+    pub(super) fn uniform_at(self, place: Place, step: u64, turn: u64) -> f64 {
+        let Place { channel, y, x, .. } = place;
+        let cell = ((channel as u64) << 48) | ((y as u64) << 24) | x as u64;
+        let h = next(next(self.0, cell), step ^ turn.rotate_left(32));
+        chance::uniform(h)
+    }
+}
+
+/// Mixes in one more word.
+#[inline]
+fn next(h: u64, word: u64) -> u64 {
+    mix((h ^ word).wrapping_add(GOLDEN))
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ mod refractory;
 mod signal;
 mod sinks;
 mod step;
+mod stray;
 mod surround;
 mod tally;
 mod train;

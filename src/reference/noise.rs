@@ -34,7 +34,6 @@ use ndarray::ArrayView1;
 use serde::Deserialize;
 
 use crate::{
-    event::Polarity,
     number::Real,
     plane::{Plane, Size},
     scene::Frame,
@@ -170,43 +169,6 @@ impl Noise {
     /// How much of a threshold a cell has leaked before its first frame.
     pub(super) fn leaked(place: Place) -> f64 {
         place.uniform(Why::LeakPhase, 0)
-    }
-
-    /// The events of a cell in a pair of `dt` seconds that nothing in the scene made, in order
-    /// of time: 0 at the earlier frame, 1 at the later.
-    ///
-    /// The waiting times of a Poisson process are exponential and forget, so every pair starts
-    /// anew. Shot noise is drawn at its rate in the dark and thinned by the light.
-    pub(super) fn strays(
-        &self,
-        place: Place,
-        pair: u64,
-        dt: f64,
-        light: impl Fn() -> f64,
-    ) -> impl Iterator<Item = (f64, Polarity)> {
-        let hot = self.hot_fraction > 0.0 && place.uniform(Why::HotPixel, 0) < self.hot_fraction;
-        let rate = if hot { self.hot_hz } else { self.shot_hz };
-        let mean = rate * dt;
-        let (mut u, mut turn) = (0.0, 0);
-        let arrivals = std::iter::from_fn(move || {
-            // 1 - u is never 0. At a mean of 0 the wait is infinite, or not a number.
-            u -= (1.0 - place.uniform_at(Why::StrayWait, pair, turn)).ln() / mean;
-            turn += 1;
-            (u < 1.0).then_some((u, turn))
-        });
-        arrivals.filter_map(move |(u, turn)| {
-            if hot {
-                return Some((u, Polarity::On));
-            }
-            let sign = if place.uniform_at(Why::StraySign, pair, turn) < 0.5 {
-                Polarity::On
-            } else {
-                Polarity::Off
-            };
-            let kept = self.shot_at_white >= 1.0
-                || place.uniform_at(Why::StrayKept, pair, turn) < self.shot_share(light());
-            kept.then_some((u, sign))
-        })
     }
 
     /// The share of shot noise that is left in this light, 0 to 1; linear up to light 255.

@@ -228,15 +228,16 @@ fn product<R: Real>(light: R, (long, rest): (R, R)) -> R {
     light * long + light * rest
 }
 
-/// Which of 0, 1, … 255 a light is: bits that are 0 if it is one of them, and where it stands
-/// in a table.
+/// Which of 0, 1, … 255 a light is, if it is one of them: then the second is 0, and the first is
+/// it.
 #[inline]
-fn byte(light: f64) -> (u64, usize) {
+fn byte(light: f64) -> (u64, u64) {
     // Added to 2^52, a whole number stands in the lowest bits, and comes back whole.
     let sum = light + MAGIC;
-    let place = sum.to_bits() ^ MAGIC.to_bits();
-    let wrong = place & !0xff | (sum - MAGIC).to_bits() ^ light.to_bits();
-    (wrong, place as usize & 0xff)
+    (
+        sum.to_bits() ^ MAGIC.to_bits(),
+        (sum - MAGIC).to_bits() ^ light.to_bits(),
+    )
 }
 
 /// Multiplies light that is 0, 1, … 255, as it is in 8-bit video; whether all of it was.
@@ -247,12 +248,14 @@ fn multiply<N: Number>(
     light: &[f64],
     out: &mut [N::Held],
 ) -> bool {
-    let mut all = 0;
+    let (mut all, mut wrong) = (0, 0);
     for (out, &light) in out.iter_mut().zip(light) {
-        all |= byte(light).0;
+        let (place, rest) = byte(light);
+        all |= place;
+        wrong |= rest;
         *out = number.hold_real(product(N::Real::of(light), slope));
     }
-    all == 0
+    all <= 0xff && wrong == 0
 }
 
 /// Looks up light that is 0, 1, … 255; whether all of it was.
@@ -260,17 +263,18 @@ fn multiply<N: Number>(
 fn from_table<H: Copy>(table: &[H; 256], light: &[f64], out: &mut [H]) -> bool {
     for (light, out) in light.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
         let mut places = [0; BLOCK];
-        let mut all = 0;
+        let (mut all, mut wrong) = (0, 0);
         for (place, &light) in places.iter_mut().zip(light) {
-            let (wrong, at) = byte(light);
-            *place = at;
-            all |= wrong;
+            let rest;
+            (*place, rest) = byte(light);
+            all |= *place;
+            wrong |= rest;
         }
-        if all != 0 {
+        if all > 0xff || wrong != 0 {
             return false;
         }
         for (out, place) in out.iter_mut().zip(&places) {
-            *out = table[*place & 0xff];
+            *out = table[*place as usize & 0xff];
         }
     }
     true

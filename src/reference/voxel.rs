@@ -200,11 +200,8 @@ fn share_out_block<R: Real, const FRESH: bool>(
 /// A train's shares; none without a train, whose place and spacing may be anything.
 #[inline]
 fn given<R: Real>(count: i32, first: R, spacing: R) -> (R, R) {
-    let (e, l) = share(R::of_i32(count), first, spacing);
-    (
-        if count == 0 { R::ZERO } else { e },
-        if count == 0 { R::ZERO } else { l },
-    )
+    let given = |what| if count == 0 { R::ZERO } else { what };
+    share(R::of_i32(count), given(first), given(spacing))
 }
 
 /// Adds to a bin, or writes it.

@@ -1,0 +1,147 @@
+//! Strays: events that nothing in the scene made, from shot noise and hot pixels.
+
+use crate::event::Polarity;
+
+use super::{
+    hash::{Draws, Place, Why},
+    noise::Noise,
+};
+
+/// The strays between two frames.
+pub(super) struct Strays<'a> {
+    noise: &'a Noise,
+    pair: u64,
+    /// How many a cell has on average: with shot noise, and if it is hot.
+    shot: Mean,
+    hot: Mean,
+    wait: Draws,
+}
+
+/// A mean number of arrivals.
+#[derive(Clone, Copy)]
+struct Mean {
+    mean: f64,
+    /// The probability of at least one, and a hair.
+    any: f64,
+}
+
+impl Mean {
+    fn new(mean: f64) -> Self {
+        let any = -(-mean).exp_m1();
+        Self {
+            mean,
+            // Far more than rounding can do to a time, so that none is missed.
+            any: any + any * 1e-9,
+        }
+    }
+}
+
+impl<'a> Strays<'a> {
+    /// In a pair of `dt` seconds.
+    pub(super) fn new(noise: &'a Noise, seed: u64, pair: u64, dt: f64) -> Self {
+        Self {
+            noise,
+            pair,
+            shot: Mean::new(noise.shot_hz * dt),
+            hot: Mean::new(noise.hot_hz * dt),
+            wait: Draws::new(seed, Why::StrayWait),
+        }
+    }
+
+    /// Whether a cell may have strays: most have none, which needs no logarithm to see.
+    #[inline]
+    pub(super) fn may_be(&self, place: Place) -> bool {
+        let Mean { any, .. } = if self.is_hot(place) {
+            self.hot
+        } else {
+            self.shot
+        };
+        self.wait.uniform_at(place, self.pair, 0) <= any
+    }
+
+    #[inline]
+    fn is_hot(&self, place: Place) -> bool {
+        let share = self.noise.hot_fraction;
+        share > 0.0 && place.uniform(Why::HotPixel, 0) < share
+    }
+
+    /// The strays of a cell, in order of time: 0 at the earlier frame, 1 at the later.
+    ///
+    /// The waiting times of a Poisson process are exponential and forget, so every pair starts
+    /// anew. Shot noise is drawn at its rate in the dark and thinned by the light.
+    pub(super) fn of(
+        &self,
+        place: Place,
+        light: impl Fn() -> f64,
+    ) -> impl Iterator<Item = (f64, Polarity)> {
+        let Self { noise, pair, .. } = *self;
+        let hot = self.is_hot(place);
+        let Mean { mean, .. } = if hot { self.hot } else { self.shot };
+        self.arrivals(place, mean).filter_map(move |(u, turn)| {
+            if hot {
+                return Some((u, Polarity::On));
+            }
+            let sign = if place.uniform_at(Why::StraySign, pair, turn) < 0.5 {
+                Polarity::On
+            } else {
+                Polarity::Off
+            };
+            let kept = noise.shot_at_white >= 1.0
+                || place.uniform_at(Why::StrayKept, pair, turn) < noise.shot_share(light());
+            kept.then_some((u, sign))
+        })
+    }
+
+    /// When a process with so many arrivals on average has one, and the number of each from 1.
+    fn arrivals(&self, place: Place, mean: f64) -> impl Iterator<Item = (f64, u64)> {
+        let Self { pair, wait, .. } = *self;
+        let (mut u, mut turn) = (0.0, 0);
+        std::iter::from_fn(move || {
+            // 1 - u is never 0. At a mean of 0 the wait is infinite, or not a number.
+            u -= (1.0 - wait.uniform_at(place, pair, turn)).ln() / mean;
+            turn += 1;
+            (u < 1.0).then_some((u, turn))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Cells that are passed over have no arrivals, rare or frequent.
+        #[test]
+        fn nothing_is_passed_over(seed: u64, pair in 0u64..1_000_000, rate in prop_oneof![Just(0.0), 1e-9f64..1e6], dt in 1e-6f64..10.0) {
+            let noise = Noise { shot_hz: rate, ..Noise::NONE };
+            let strays = Strays::new(&noise, seed, pair, dt);
+            for x in 0..500 {
+                let place = Place { seed, channel: 1, y: 7, x };
+                let slow = strays.arrivals(place, rate * dt).take(3).map(|(u, _)| u);
+                prop_assert!(strays.may_be(place) || slow.count() == 0);
+            }
+        }
+    }
+
+    /// At the edge: the largest number of all that can be drawn that makes an arrival.
+    #[test]
+    fn the_edge_lies_within_the_hair() {
+        let drawn = |k: u64| k as f64 / (1u64 << 53) as f64;
+        for mean in [1e-9, 1e-3, 0.02, 0.5, 1.0, 7.0, 30.0] {
+            let arrives = |k| -(1.0 - drawn(k)).ln() / mean < 1.0;
+            let (mut low, mut high) = (0, (1u64 << 53) - 1);
+            while low + 1 < high {
+                let middle = u64::midpoint(low, high);
+                if arrives(middle) {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let Mean { any, .. } = Mean::new(mean);
+            assert!(drawn(low) <= any, "{mean}: {} arrives", drawn(low));
+            assert!(any - drawn(low) < 1e-6 * any, "{mean}: {any} is far off");
+        }
+    }
+}
