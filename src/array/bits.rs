@@ -83,15 +83,6 @@ impl BitPlane {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
     }
 
-    /// The columns of a row that hold a 1, from the left.
-    pub(super) fn ones_of(&self, y: usize) -> impl Iterator<Item = usize> {
-        self.row(y).iter().enumerate().flat_map(|(i, word)| {
-            std::iter::successors(Some(*word), |word| Some(word & word.wrapping_sub(1)))
-                .take_while(|word| *word != 0)
-                .map(move |word| 64 * i + word.trailing_zeros() as usize)
-        })
-    }
-
     /// The words of one row.
     #[must_use]
     pub fn row(&self, y: usize) -> &[u64] {
@@ -117,16 +108,15 @@ impl BitPlane {
             .collect()
     }
 
-    /// Copies a part of the plane; it begins at a word, and ends at one or at the border.
-    pub(super) fn cut(&self, ys: &Range<usize>, xs: &Range<usize>, to: &mut Self) {
-        for (y, row) in ys.clone().zip(to.words.chunks_exact_mut(to.stride)) {
-            row.copy_from_slice(&self.row(y)[xs.start / 64..xs.end.div_ceil(64)]);
+    /// Whether all pixels are 1.
+    pub(super) fn is_full(&self) -> bool {
+        let beyond = 64 * self.stride - self.size.width;
+        if beyond == 0 {
+            return self.words.iter().fold(!0, |all, word| all & word) == !0;
         }
-    }
-
-    /// Its rows and columns.
-    pub(super) const fn size(&self) -> Size {
-        self.size
+        let last = |i: usize| i % self.stride == self.stride - 1;
+        let full = |(i, word): (usize, &u64)| *word == if last(i) { !0 >> beyond } else { !0 };
+        self.words.iter().enumerate().all(full)
     }
 
     /// The words of all rows.

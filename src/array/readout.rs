@@ -3,10 +3,7 @@
 
 use super::BitPlane;
 pub use crate::event::readout::scan::Address;
-use crate::{
-    event::readout::scan::Order,
-    plane::{At, Size},
-};
+use crate::plane::{At, Size};
 
 /// One readout of set pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,41 +28,165 @@ impl Scan {
         from_left: bool,
         from_bottom: bool,
     ) -> Self {
-        let order = Order {
-            from_left,
-            from_bottom,
-        };
-        // Where the pixels of each column begin in the list.
-        let mut of_column = vec![0; size.width];
-        for y in 0..size.height {
-            for x in bits.ones_of(y) {
-                of_column[x] += 1;
+        let (all, slots) = (bits.count() as usize, slots as usize);
+        let mut found = Vec::with_capacity(all.min(slots));
+        let blocks = size.width.div_ceil(64);
+        let mut columns = Columns::new(size);
+        for k in 0..blocks {
+            let left = if from_left { k } else { blocks - 1 - k };
+            if found.len() < slots && columns.turn(bits, left) {
+                for x in 0..64 {
+                    let x = if from_left { x } else { 63 - x };
+                    columns.take(x, from_bottom, slots, &mut found);
+                }
             }
         }
-        let mut all = 0;
-        for x in order.columns(size) {
-            all += std::mem::replace(&mut of_column[x], all);
-        }
-        let slots = slots as usize;
-        let origin = At {
-            y: 0,
-            x: size.width - 1,
-        };
         let mut scan = Self {
-            found: vec![origin; all.min(slots)],
-            missed: all.saturating_sub(slots) as u64,
+            missed: (all - found.len()) as u64,
+            found,
             ambiguous: false,
         };
-        for y in order.rows(size) {
-            for x in bits.ones_of(y) {
-                let at = At { y, x };
-                if let Some(slot) = scan.found.get_mut(of_column[x]) {
-                    *slot = at;
-                    scan.ambiguous |= Address::of(at, size) == Address::ORIGIN;
+        let origin = Address::ORIGIN.at(size);
+        scan.ambiguous = origin.is_some_and(|at| bits.get(at.y, at.x) && scan.found.contains(&at));
+        scan
+    }
+}
+
+/// Sixty-four columns, each as bits of its own, from the top.
+struct Columns {
+    height: usize,
+    /// The first.
+    left: usize,
+    /// Words of a column.
+    words: usize,
+    /// Column by column.
+    bits: Vec<u64>,
+    /// Which words hold a 1 in any column.
+    any: Vec<bool>,
+}
+
+impl Columns {
+    fn new(size: Size) -> Self {
+        let words = size.height.div_ceil(64);
+        Self {
+            height: size.height,
+            left: 0,
+            words,
+            bits: vec![0; 64 * words],
+            any: vec![false; words],
+        }
+    }
+
+    /// Takes those in word `left` of each row; whether any pixel is 1.
+    fn turn(&mut self, plane: &BitPlane, left: usize) -> bool {
+        let across = plane.words().len() / self.height;
+        self.left = 64 * left;
+        let squares = plane.words().chunks(64 * across);
+        for ((k, any), rows) in self.any.iter_mut().enumerate().zip(squares) {
+            let mut square = [0; 64];
+            for (row, word) in square.iter_mut().zip(rows.iter().skip(left).step_by(across)) {
+                *row = *word;
+            }
+            *any = square.iter().fold(0, |any, row| any | row) != 0;
+            if *any {
+                transpose(&mut square);
+                let words = self.bits.iter_mut().skip(k).step_by(self.words);
+                for (word, column) in words.zip(square) {
+                    *word = column;
                 }
-                of_column[x] += 1;
             }
         }
-        scan
+        self.any.contains(&true)
+    }
+
+    /// Adds the pixels of a column that are 1, as long as there are slots.
+    fn take(&self, x: usize, from_bottom: bool, slots: usize, found: &mut Vec<At>) {
+        let column = &self.bits[x * self.words..][..self.words];
+        for k in 0..self.words {
+            let k = if from_bottom { self.words - 1 - k } else { k };
+            let mut word = if self.any[k] { column[k] } else { 0 };
+            if from_bottom {
+                word = word.reverse_bits();
+            }
+            let free = slots - found.len();
+            let ones = std::iter::from_fn(|| {
+                let bit = word.trailing_zeros() as usize;
+                word &= word.wrapping_sub(1);
+                (bit < 64).then_some(bit)
+            });
+            let x = self.left + x;
+            found.extend(ones.take(free).map(|bit| {
+                let bit = if from_bottom { 63 - bit } else { bit };
+                At { y: 64 * k + bit, x }
+            }));
+        }
+    }
+}
+
+/// Rows become columns: blocks of 32, of 16, down to one, change places.
+fn transpose(square: &mut [u64; 64]) {
+    let mut by = 32;
+    let mut mask = 0xFFFF_FFFF;
+    while by != 0 {
+        for block in square.chunks_exact_mut(2 * by) {
+            let (upper, lower) = block.split_at_mut(by);
+            for (upper, lower) in upper.iter_mut().zip(lower) {
+                let moved = (*upper >> by ^ *lower) & mask;
+                *upper ^= moved << by;
+                *lower ^= moved;
+            }
+        }
+        by /= 2;
+        mask ^= mask << by;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::event::readout::scan::Order;
+    use proptest::prelude::*;
+
+    #[test]
+    fn rows_become_columns() {
+        let hash = |i: u64| (i + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let rows: [u64; 64] = std::array::from_fn(|i| hash(i as u64) ^ hash(i as u64) >> 29);
+        let mut columns = rows;
+        transpose(&mut columns);
+        for (y, row) in rows.iter().enumerate() {
+            for (x, column) in columns.iter().enumerate() {
+                assert_eq!(row >> x & 1, column >> y & 1);
+            }
+        }
+    }
+
+    proptest! {
+        /// Against a walk over all pixels in order.
+        #[test]
+        fn pixels_are_found_in_order(
+            (height, width) in (1usize..140, 1usize..140), seed: u64, most in 1u64..40,
+            slots in 0u32..400, from_left: bool, from_bottom: bool
+        ) {
+            let size = Size::new(height, width);
+            let mut bits = BitPlane::zeros(size);
+            for y in 0..height {
+                for x in 0..width {
+                    let hash = (seed ^ (y * width + x) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                    bits.set(y, x, (hash >> 32) % most == 0);
+                }
+            }
+            let order = Order { from_left, from_bottom };
+            let all: Vec<_> = order
+                .columns(size)
+                .flat_map(|x| order.rows(size).map(move |y| At { y, x }))
+                .filter(|at| bits.get(at.y, at.x))
+                .collect();
+            let some = all.len().min(slots as usize);
+            let scan = Scan::new(&bits, size, slots, from_left, from_bottom);
+            prop_assert_eq!(&scan.found[..], &all[..some]);
+            prop_assert_eq!(scan.missed, (all.len() - some) as u64);
+            let origin = At { y: 0, x: width - 1 };
+            prop_assert_eq!(scan.ambiguous, all[..some].contains(&origin));
+        }
     }
 }
