@@ -49,7 +49,7 @@ pub(super) struct Active<C> {
     cone: Cone,
     size: Size,
     light: Light<C>,
-    /// Tiles whose light or registers are not what they were.
+    /// Where light or registers are not what they were.
     tiles: Tiles,
     input: Option<C>,
     /// Of each look of the host, if the register does not hold it any more after the body.
@@ -79,7 +79,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
     /// Nothing is as it was; the light has been seen.
     pub(super) fn forget(&mut self) {
         self.light.see();
-        self.tiles.fill(true);
+        self.tiles.mark_all();
     }
 
     pub(super) fn expose<D: Domain<Cell = C>>(
@@ -104,7 +104,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
     ) -> Result<(), (u32, Undecided)> {
         self.light.see();
         if self.input.as_ref() != Some(&state.input) {
-            self.tiles.fill(true);
+            self.tiles.mark_all();
             self.input = Some(state.input.clone());
         }
         let whole = state.flag.is_full();
@@ -118,7 +118,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
             self.run(array, plan, &mut patch, items)?;
             patches.push(patch);
         }
-        self.tiles.fill(false);
+        self.tiles.clear();
         if self.cone.written.contains(&Cell::Flag) {
             for patch in &patches {
                 patch.bits(&patch.copy.flag, &mut state.flag, Some(&mut self.tiles));
@@ -161,7 +161,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
     /// FLAG; else less of what is copied and worked on is thrown away.
     const fn step(&self, whole: bool) -> usize {
         let [words, masked] = self.cone.words;
-        if whole && 8 * masked < words { 16 } else { 64 }
+        if whole && 16 * masked < words { 16 } else { 64 }
     }
 
     /// A copy of no part of the array yet.
@@ -237,7 +237,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
         }
     }
 
-    /// What a window has come to; tiles are marked in which it has changed what the next frame
+    /// What a window has come to; pixels are marked where it has changed what the next frame
     /// depends on.
     fn put_back(&mut self, patch: &Patch<C>, state: &mut State<C>, whole: bool) {
         let new = &patch.copy;

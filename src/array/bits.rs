@@ -80,7 +80,7 @@ impl BitPlane {
     /// How many pixels are 1.
     #[must_use]
     pub fn count(&self) -> u64 {
-        self.words.iter().map(|w| u64::from(w.count_ones())).sum()
+        count(&self.words)
     }
 
     /// The words of one row.
@@ -134,6 +134,16 @@ impl BitPlane {
         or(&mut self.words, [None; 4], true, true);
         cut(&mut self.words, self.size.width);
     }
+}
+
+/// How many bits are 1.
+#[multiversion(targets("x86_64+avx2+popcnt", "aarch64+neon"))]
+fn count(words: &[u64]) -> u64 {
+    let mut count = 0;
+    for word in words {
+        count += u64::from(word.count_ones());
+    }
+    count
 }
 
 /// Clears what lies beyond the width, in all rows.

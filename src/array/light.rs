@@ -10,6 +10,7 @@ use super::{
     cells::Cells,
     rows,
     tiles::{TILE, Tiles},
+    window::Window,
 };
 use crate::plane::Size;
 
@@ -69,7 +70,7 @@ impl<C: Clone> Light<C> {
         let level = domain.hold(reset_level);
         self.cells = Cells::new(0, level, light.len());
         rows::expose(domain, reset_level, gain, light, &mut self.cells);
-        tiles.fill(true);
+        tiles.mark_all();
     }
 }
 
@@ -92,22 +93,24 @@ fn fall<D: Domain>(
         for (new, old) in light.chunks_exact(width).zip(fell.chunks_exact(width)) {
             differ(new, old, &mut differences);
         }
-        let marks = tiles.row_mut(k * TILE);
         let mut left = 0;
         // Tiles beside each other together.
         for run in differences.chunk_by(|one, other| changed(one) == changed(other)) {
-            let first = left;
+            let columns = left * TILE..((left + run.len()) * TILE).min(width);
             left += run.len();
             if !changed(&run[0]) {
                 continue;
             }
-            marks[first..left].fill(true);
-            let columns = first * TILE..(left * TILE).min(width);
             let rows = fell.chunks_exact_mut(width).zip(cells.chunks_exact_mut(width));
             for (new, (old, cells)) in light.chunks_exact(width).zip(rows) {
                 let (new, cells) = (&new[columns.clone()], &mut cells[columns.clone()]);
                 old[columns.clone()].copy_from_slice(new);
                 rows::hold(domain, settings.reset_level, settings.gain, new, cells);
+            }
+            let y = k * TILE..k * TILE + light.len() / width;
+            for left in columns.clone().step_by(TILE) {
+                let x = left..(left + TILE).min(columns.end);
+                tiles.mark(Window { y: y.clone(), x });
             }
         }
     }

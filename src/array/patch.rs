@@ -1,6 +1,8 @@
 //! A part of the array on its own: a window and a margin as wide as a body reaches, whose own
 //! values come out wrong.
 
+use std::{collections::BTreeSet, ops::Range};
+
 use super::{
     BitPlane, State,
     cells::Cells,
@@ -55,55 +57,92 @@ impl<C: Clone + PartialEq> Patch<C> {
         }
     }
 
-    /// Brings the inner part of a plane of the copy to the array; tiles in which it differed
-    /// are marked, if that is asked for.
-    pub(super) fn cells(
-        &self,
-        new: &[C],
-        old: &mut [C],
-        size: Size,
-        mut marks: Option<&mut Tiles>,
-    ) {
-        let Window { y: rows, x } = &self.inner;
-        for y in rows.clone() {
+    /// Brings the inner part of a plane of the copy to the array; pixels that differed are
+    /// marked, if that is asked for.
+    pub(super) fn cells(&self, new: &[C], old: &mut [C], size: Size, marks: Option<&mut Tiles>) {
+        let x = &self.inner.x;
+        let rows = |y: usize| {
             let new = &new[(y - self.outer.y.start) * self.outer.x.len()..];
-            let new = &new[x.start - self.outer.x.start..][..x.len()];
-            let old = &mut old[y * size.width..][x.clone()];
-            if let Some(tiles) = &mut marks {
-                let marks = tiles.row_mut(y);
-                for left in (x.start / TILE * TILE..x.end).step_by(TILE) {
-                    let tile = left.max(x.start) - x.start..(left + TILE).min(x.end) - x.start;
-                    let mark = &mut marks[left / TILE];
-                    *mark = *mark || differ(&new[tile.clone()], &old[tile]);
+            (&new[x.start - self.outer.x.start..][..x.len()], y * size.width)
+        };
+        if let Some(tiles) = marks {
+            for band in self.bands() {
+                let mut columns = vec![false; x.len()];
+                let mut differing = None;
+                for y in band {
+                    let (new, at) = rows(y);
+                    if differ(new, &old[at..][x.clone()], &mut columns) {
+                        extend(&mut differing, y);
+                    }
+                }
+                let Some(y) = differing else { continue };
+                let lead = x.start % TILE;
+                for left in (0..lead + x.len()).step_by(TILE) {
+                    let tile = left.saturating_sub(lead)..(left + TILE - lead).min(x.len());
+                    let mut set = tile.filter(|x| columns[*x]).map(|at| x.start + at);
+                    if let Some(first) = set.next() {
+                        let last = set.next_back().unwrap_or(first);
+                        let x = first..last + 1;
+                        tiles.mark(Window { y: y.clone(), x });
+                    }
                 }
             }
-            old.clone_from_slice(new);
+        }
+        for y in self.inner.y.clone() {
+            let (new, at) = rows(y);
+            old[at..][x.clone()].clone_from_slice(new);
         }
     }
 
     /// The same of bits.
     pub(super) fn bits(&self, new: &BitPlane, old: &mut BitPlane, mut marks: Option<&mut Tiles>) {
-        let Window { y: rows, x } = &self.inner;
-        for y in rows.clone() {
-            let from = new.row(y - self.outer.y.start);
-            let row = old.row_mut(y);
-            for (i, to) in (0..).zip(row).take(x.end.div_ceil(64)).skip(x.start / 64) {
-                // The bits of the inner window.
-                let low = x.start.saturating_sub(64 * i) as u32;
-                let high = (64 * i + 64).saturating_sub(x.end) as u32;
-                let mask = !0 << low & !0 >> high;
-                let differs = (*to ^ bits_from(from, 64 * i, self.outer.x.start)) & mask;
-                *to ^= differs;
-                let Some(tiles) = marks.as_deref_mut().filter(|_| differs != 0) else {
+        let x = &self.inner.x;
+        for i in x.start / 64..x.end.div_ceil(64) {
+            // The bits of the inner window.
+            let low = x.start.saturating_sub(64 * i) as u32;
+            let high = (64 * i + 64).saturating_sub(x.end) as u32;
+            let mask = !0 << low & !0 >> high;
+            for band in self.bands() {
+                let (mut columns, mut differing) = (0, None);
+                for y in band {
+                    let from = new.row(y - self.outer.y.start);
+                    let to = &mut old.row_mut(y)[i];
+                    let differs = (*to ^ bits_from(from, 64 * i, self.outer.x.start)) & mask;
+                    *to ^= differs;
+                    if differs != 0 {
+                        columns |= differs;
+                        extend(&mut differing, y);
+                    }
+                }
+                let (Some(tiles), Some(y)) = (marks.as_deref_mut(), differing) else {
                     continue;
                 };
-                let marks = tiles.row_mut(y).iter_mut().skip(64 * i / TILE);
-                for (mark, tile) in marks.zip((0..64).step_by(TILE)) {
-                    *mark |= differs >> tile & ((1 << TILE) - 1) != 0;
+                for left in (0..64).step_by(TILE) {
+                    let tile = columns >> left & ((1 << TILE) - 1);
+                    if tile != 0 {
+                        let at = 64 * i + left;
+                        let (first, last): (u32, u32) = (tile.trailing_zeros(), tile.ilog2());
+                        let x = at + first as usize..at + last as usize + 1;
+                        tiles.mark(Window { y: y.clone(), x });
+                    }
                 }
             }
         }
     }
+
+    /// The rows of the inner window, by tiles.
+    fn bands(&self) -> impl Iterator<Item = Range<usize>> {
+        let Range { start, end } = self.inner.y;
+        let first = start / TILE * TILE;
+        (first..end)
+            .step_by(TILE)
+            .map(move |y| y.max(start)..(y + TILE).min(end))
+    }
+}
+
+/// One more row, below the others.
+fn extend(rows: &mut Option<Range<usize>>, y: usize) {
+    rows.get_or_insert(y..y).end = y + 1;
 }
 
 /// The rows of `from` inside a window.
@@ -144,10 +183,16 @@ fn bits_from(row: &[u64], x: usize, start: usize) -> u64 {
     }
 }
 
-/// Whether any cell is another; without a way out, so that it runs in vectors.
-fn differ<C: PartialEq>(new: &[C], old: &[C]) -> bool {
+/// Where cells are others, and whether any is; without a way out, so that it runs in vectors.
+fn differ<C: PartialEq>(new: &[C], old: &[C], columns: &mut [bool]) -> bool {
     let both = new.iter().zip(old);
-    both.fold(false, |any, (new, old)| any | (new != old))
+    let any = both.clone().fold(false, |any, (new, old)| any | (new != old));
+    if any {
+        for ((new, old), column) in both.zip(columns) {
+            *column |= new != old;
+        }
+    }
+    any
 }
 
 impl<C: Clone> Patch<C> {
@@ -156,7 +201,7 @@ impl<C: Clone> Patch<C> {
     pub(super) fn blank(
         state: &State<C>,
         size: Size,
-        used: &std::collections::BTreeSet<Cell>,
+        used: &BTreeSet<Cell>,
     ) -> State<C> {
         let layout = super::Layout {
             size,

@@ -1,6 +1,11 @@
 //! One readout of the chip: the set pixels of a register, in the order of
 //! [`event::readout::scan`](crate::event::readout::scan).
 
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use multiversion::multiversion;
+
 use super::BitPlane;
 pub use crate::event::readout::scan::Address;
 use crate::plane::{At, Size};
@@ -28,27 +33,39 @@ impl Scan {
         from_left: bool,
         from_bottom: bool,
     ) -> Self {
-        let (all, slots) = (bits.count() as usize, slots as usize);
-        let mut found = Vec::with_capacity(all.min(slots));
-        let blocks = size.width.div_ceil(64);
-        let mut columns = Columns::new(size);
-        for k in 0..blocks {
-            let left = if from_left { k } else { blocks - 1 - k };
-            if found.len() < slots && columns.turn(bits, left) {
-                for x in 0..64 {
-                    let x = if from_left { x } else { 63 - x };
-                    columns.take(x, from_bottom, slots, &mut found);
-                }
-            }
+        let all = bits.count() as usize;
+        let some = all.min(slots as usize);
+        let mut found = vec![At { y: 0, x: 0 }; some];
+        if from_bottom {
+            find::<true>(bits, size, from_left, &mut found);
+        } else {
+            find::<false>(bits, size, from_left, &mut found);
         }
         let mut scan = Self {
-            missed: (all - found.len()) as u64,
+            missed: (all - some) as u64,
             found,
             ambiguous: false,
         };
         let origin = Address::ORIGIN.at(size);
         scan.ambiguous = origin.is_some_and(|at| bits.get(at.y, at.x) && scan.found.contains(&at));
         scan
+    }
+}
+
+/// The first pixels that are 1, as many as there is room for.
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt", "aarch64+neon"))]
+fn find<const FROM_BOTTOM: bool>(bits: &BitPlane, size: Size, from_left: bool, found: &mut [At]) {
+    let mut free = found.iter_mut();
+    let blocks = size.width.div_ceil(64);
+    let mut columns = Columns::new(size);
+    for k in 0..blocks {
+        let left = if from_left { k } else { blocks - 1 - k };
+        if free.len() > 0 && columns.turn(bits, left) {
+            for x in 0..64 {
+                let x = if from_left { x } else { 63 - x };
+                columns.each::<FROM_BOTTOM>(x, &mut free);
+            }
+        }
     }
 }
 
@@ -78,6 +95,7 @@ impl Columns {
     }
 
     /// Takes those in word `left` of each row; whether any pixel is 1.
+    #[inline(always)]
     fn turn(&mut self, plane: &BitPlane, left: usize) -> bool {
         let across = plane.words().len() / self.height;
         self.left = 64 * left;
@@ -99,31 +117,32 @@ impl Columns {
         self.any.contains(&true)
     }
 
-    /// Adds the pixels of a column that are 1, as long as there are slots.
-    fn take(&self, x: usize, from_bottom: bool, slots: usize, found: &mut Vec<At>) {
+    /// Puts the pixels of a column that are 1 into the free slots, as long as there are any.
+    #[inline(always)]
+    fn each<const FROM_BOTTOM: bool>(&self, x: usize, free: &mut std::slice::IterMut<'_, At>) {
         let column = &self.bits[x * self.words..][..self.words];
         for k in 0..self.words {
-            let k = if from_bottom { self.words - 1 - k } else { k };
+            let k = if FROM_BOTTOM { self.words - 1 - k } else { k };
             let mut word = if self.any[k] { column[k] } else { 0 };
-            if from_bottom {
-                word = word.reverse_bits();
+            while word != 0 {
+                let bit = if FROM_BOTTOM {
+                    word.ilog2()
+                } else {
+                    word.trailing_zeros()
+                };
+                word ^= 1 << bit;
+                let Some(slot) = free.next() else { return };
+                *slot = At {
+                    y: 64 * k + bit as usize,
+                    x: self.left + x,
+                };
             }
-            let free = slots - found.len();
-            let ones = std::iter::from_fn(|| {
-                let bit = word.trailing_zeros() as usize;
-                word &= word.wrapping_sub(1);
-                (bit < 64).then_some(bit)
-            });
-            let x = self.left + x;
-            found.extend(ones.take(free).map(|bit| {
-                let bit = if from_bottom { 63 - bit } else { bit };
-                At { y: 64 * k + bit, x }
-            }));
         }
     }
 }
 
 /// Rows become columns: blocks of 32, of 16, down to one, change places.
+#[inline(always)]
 fn transpose(square: &mut [u64; 64]) {
     let mut by = 32;
     let mut mask = 0xFFFF_FFFF;

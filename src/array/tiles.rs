@@ -13,32 +13,50 @@ const WINDOWS: usize = 64;
 #[derive(Clone, Debug)]
 pub(super) struct Tiles {
     size: Size,
-    /// Row by row.
-    changed: Vec<bool>,
+    /// Of each, row by row, the smallest window that holds all pixels that have changed.
+    changed: Vec<Option<Window>>,
 }
 
 impl Tiles {
     /// All of them have changed.
     pub(super) fn new(size: Size) -> Self {
         let tiles = size.height.div_ceil(TILE) * size.width.div_ceil(TILE);
-        Self {
+        let mut all = Self {
             size,
-            changed: vec![true; tiles],
+            changed: vec![None; tiles],
+        };
+        all.mark_all();
+        all
+    }
+
+    /// All have changed.
+    pub(super) fn mark_all(&mut self) {
+        let across = self.size.width.div_ceil(TILE);
+        for (i, changed) in self.changed.iter_mut().enumerate() {
+            let (y, x) = (i / across * TILE, i % across * TILE);
+            *changed = Some(Window {
+                y: y..(y + TILE).min(self.size.height),
+                x: x..(x + TILE).min(self.size.width),
+            });
         }
     }
 
-    /// Says the same of all.
-    pub(super) fn fill(&mut self, changed: bool) {
-        self.changed.fill(changed);
+    /// None has.
+    pub(super) fn clear(&mut self) {
+        self.changed.fill(None);
     }
 
-    /// Those in which the pixels of a row lie, from the left.
-    pub(super) fn row_mut(&mut self, y: usize) -> &mut [bool] {
+    /// Pixels of one tile have changed.
+    pub(super) fn mark(&mut self, window: Window) {
         let across = self.size.width.div_ceil(TILE);
-        &mut self.changed[y / TILE * across..][..across]
+        let tile = &mut self.changed[window.y.start / TILE * across + window.x.start / TILE];
+        *tile = Some(match tile {
+            Some(before) => before.with(&window),
+            None => window,
+        });
     }
 
-    /// Rectangles that hold all pixels within `reach` of a changed tile. Each is worked on in a
+    /// Rectangles that hold all pixels within `reach` of one that has changed. Each is worked on in a
     /// [copy](Window::outer) whose width is a multiple of `step`.
     pub(super) fn windows(&self, reach: [usize; 2], step: usize) -> Vec<Window> {
         let cost = |window: &Window| window.outer(reach, step, self.size).pixels();
@@ -48,26 +66,15 @@ impl Tiles {
             (cost(&both) <= cost(one) + cost(other)).then_some(both)
         };
         let mut windows: Vec<Window> = Vec::new();
-        'tiles: for (y, row) in (0..).zip(self.changed.chunks(self.size.width.div_ceil(TILE))) {
-            let mut x = 0;
-            for run in row.chunk_by(|one, other| one == other) {
-                let from = x;
-                x += run.len();
-                if !run[0] {
-                    continue;
-                }
-                let window = Window {
-                    y: y * TILE..((y + 1) * TILE).min(self.size.height),
-                    x: from * TILE..(x * TILE).min(self.size.width),
-                }
-                .grown(reach, self.size);
-                let with = |other: &mut Window| joined(other, &window).map(|both| *other = both);
-                if windows.iter_mut().find_map(with).is_none() {
-                    windows.push(window);
-                }
-                if windows.len() > WINDOWS {
-                    break 'tiles;
-                }
+        for tile in self.changed.iter().flatten() {
+            let window = tile.grown(reach, self.size);
+            // The last is beside it, if any is.
+            let with = |other: &mut Window| joined(other, &window).map(|both| *other = both);
+            if windows.iter_mut().rev().find_map(with).is_none() {
+                windows.push(window);
+            }
+            if windows.len() > WINDOWS {
+                break;
             }
         }
         let mut k = 0;
