@@ -219,9 +219,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
                     let cells = Cells::new(k, nothing, self.size.pixels());
                     Some(Look::Analog(register, cells))
                 }
-                Cell::Digital(register) => {
-                    Some(Look::Bits(register, BitPlane::zeros(self.size)))
-                }
+                Cell::Digital(register) => Some(Look::Bits(register, BitPlane::zeros(self.size))),
                 // The host does not read it.
                 Cell::Flag => None,
             });
@@ -242,7 +240,11 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
     fn put_back(&mut self, patch: &Patch<C>, state: &mut State<C>, whole: bool) {
         let new = &patch.copy;
         patch.cells(&new.pix, &mut state.pix, self.size, None);
-        let inputs = if whole { &self.cone.whole } else { &self.cone.partial };
+        let inputs = if whole {
+            &self.cone.whole
+        } else {
+            &self.cone.partial
+        };
         for cell in &self.cone.written {
             let marks = inputs.cells.contains(cell).then_some(&mut self.tiles);
             match *cell {

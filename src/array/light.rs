@@ -87,7 +87,10 @@ fn fall<D: Domain>(
 ) {
     let mut differences = vec![[0; LANES]; width.div_ceil(TILE)];
     let bands = light.chunks(TILE * width);
-    let bands = bands.zip(fell.chunks_mut(TILE * width).zip(cells.chunks_mut(TILE * width)));
+    let bands = bands.zip(
+        fell.chunks_mut(TILE * width)
+            .zip(cells.chunks_mut(TILE * width)),
+    );
     for (k, (light, (fell, cells))) in bands.enumerate() {
         differences.fill([0; LANES]);
         for (new, old) in light.chunks_exact(width).zip(fell.chunks_exact(width)) {
@@ -101,7 +104,9 @@ fn fall<D: Domain>(
             if !changed(&run[0]) {
                 continue;
             }
-            let rows = fell.chunks_exact_mut(width).zip(cells.chunks_exact_mut(width));
+            let rows = fell
+                .chunks_exact_mut(width)
+                .zip(cells.chunks_exact_mut(width));
             for (new, (old, cells)) in light.chunks_exact(width).zip(rows) {
                 let (new, cells) = (&new[columns.clone()], &mut cells[columns.clone()]);
                 old[columns.clone()].copy_from_slice(new);

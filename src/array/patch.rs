@@ -63,7 +63,10 @@ impl<C: Clone + PartialEq> Patch<C> {
         let x = &self.inner.x;
         let rows = |y: usize| {
             let new = &new[(y - self.outer.y.start) * self.outer.x.len()..];
-            (&new[x.start - self.outer.x.start..][..x.len()], y * size.width)
+            (
+                &new[x.start - self.outer.x.start..][..x.len()],
+                y * size.width,
+            )
         };
         if let Some(tiles) = marks {
             for band in self.bands() {
@@ -186,7 +189,9 @@ fn bits_from(row: &[u64], x: usize, start: usize) -> u64 {
 /// Where cells are others, and whether any is; without a way out, so that it runs in vectors.
 fn differ<C: PartialEq>(new: &[C], old: &[C], columns: &mut [bool]) -> bool {
     let both = new.iter().zip(old);
-    let any = both.clone().fold(false, |any, (new, old)| any | (new != old));
+    let any = both
+        .clone()
+        .fold(false, |any, (new, old)| any | (new != old));
     if any {
         for ((new, old), column) in both.zip(columns) {
             *column |= new != old;
@@ -198,11 +203,7 @@ fn differ<C: PartialEq>(new: &[C], old: &[C], columns: &mut [bool]) -> bool {
 impl<C: Clone> Patch<C> {
     /// An empty copy of a part of this size; registers that are not among the `used` have no
     /// cells.
-    pub(super) fn blank(
-        state: &State<C>,
-        size: Size,
-        used: &BTreeSet<Cell>,
-    ) -> State<C> {
+    pub(super) fn blank(state: &State<C>, size: Size, used: &BTreeSet<Cell>) -> State<C> {
         let layout = super::Layout {
             size,
             ..state.layout

@@ -102,7 +102,10 @@ impl Columns {
         let squares = plane.words().chunks(64 * across);
         for ((k, any), rows) in self.any.iter_mut().enumerate().zip(squares) {
             let mut square = [0; 64];
-            for (row, word) in square.iter_mut().zip(rows.iter().skip(left).step_by(across)) {
+            for (row, word) in square
+                .iter_mut()
+                .zip(rows.iter().skip(left).step_by(across))
+            {
                 *row = *word;
             }
             *any = square.iter().fold(0, |any, row| any | row) != 0;
