@@ -433,14 +433,19 @@ fn small_frames() -> impl Strategy<Value = Vec<Step>> {
         4 => moves().prop_map(|steps| steps.into_iter().take(7).collect()),
         2 => from_light.prop_map(move |word| step(Action::Word(word))),
         2 => bits.prop_map(move |word| step(Action::Word(word))),
+        1 => Just(step(Action::Word(Primitive::All))),
         1 => host.prop_map(move |host| step(Action::Host(host))),
     ];
-    let parts = prop::collection::vec(part, 1..7);
-    (parts, prop::bool::weighted(0.7)).prop_map(move |(parts, whole)| {
+    let last = prop_oneof![
+        3 => Just(Primitive::All),
+        1 => (0u8..6).prop_map(|register| Primitive::Where {
+            sources: vec![Source::Register(Analog(register))],
+        }),
+        1 => Just(Primitive::Nop),
+    ];
+    (prop::collection::vec(part, 1..7), last).prop_map(move |(parts, last)| {
         let mut steps = parts.concat();
-        if whole {
-            steps.extend(step(Action::Word(Primitive::All)));
-        }
+        steps.extend(step(Action::Word(last)));
         steps
     })
 }
@@ -455,7 +460,7 @@ fn large_cases(domain: &'static str) -> impl Strategy<Value = Case> {
 mod spots {
     use super::*;
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(40))]
+        #![proptest_config(ProptestConfig::with_cases(96))]
         #[test]
         fn exact(case in large_cases("exact"), frame in small_frames(), threads in 1usize..=3) {
             agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
