@@ -487,6 +487,51 @@ mod spots {
     }
 }
 
+/// FLAG as one frame leaves it masks the next, whose light is the same.
+#[test]
+fn flag_that_is_left_off_reaches_the_next_frame() {
+    let step = |action| Step { action, line: 1 };
+    let word = |word| step(Action::Word(word));
+    let settings = Settings::of(device());
+    // Above zero where the light is above 100.
+    let value = -(settings.reset_level + 100.0 * settings.gain);
+    let frame = vec![
+        step(Action::Host(Host::LoadIn { value })),
+        word(Primitive::Bus {
+            targets: vec![Target::Register(Analog(1))],
+            sources: vec![Source::Pix],
+        }),
+        word(Primitive::Where {
+            sources: vec![Source::Pix, Source::In],
+        }),
+    ];
+    let code = Code {
+        init: vec![],
+        frame,
+    };
+    let size = Size::new(150, 200);
+    let spot = |frame: usize| {
+        // Two frames each.
+        let (top, left) = (40 + 5 * (frame / 2), 97 + 9 * (frame / 2));
+        Plane::from_shape_fn(size.shape(), |(y, x)| {
+            let inside = (top..top + 13).contains(&y) && (left..left + 11).contains(&x);
+            if inside { 200.0 } else { 20.0 }
+        })
+    };
+    let lights: Vec<_> = (0..9).map(spot).collect();
+    for domain in ["exact", "q8.8"] {
+        let case = Case {
+            domain,
+            size,
+            settings,
+            seed: 3,
+        };
+        let plain = watched(&case, &code, Schedule::Plain, 1, &lights);
+        assert!(plain[4].analog != plain[5].analog, "not from light alone");
+        assert!(plain == watched(&case, &code, Schedule::Active, 1, &lights));
+    }
+}
+
 /// Movement, where most of the picture stays as it is, through a program that remembers.
 #[test]
 fn a_large_array_agrees_too() {

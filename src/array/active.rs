@@ -19,7 +19,6 @@ use super::{
     segment::Segment,
     semantics::Array,
     tiles::Tiles,
-    window::Window,
 };
 use crate::{
     isa::{Analog, Digital, Primitive},

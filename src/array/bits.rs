@@ -1,7 +1,5 @@
 //! One bit for every pixel, 64 pixels a word.
 
-use std::ops::Range;
-
 use multiversion::multiversion;
 
 use super::cells::Cells;

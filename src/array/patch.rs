@@ -188,12 +188,12 @@ fn bits_from(row: &[u64], x: usize, start: usize) -> u64 {
 
 /// Where cells are others, and whether any is; without a way out, so that it runs in vectors.
 fn differ<C: PartialEq>(new: &[C], old: &[C], columns: &mut [bool]) -> bool {
-    let both = new.iter().zip(old);
-    let any = both
-        .clone()
-        .fold(false, |any, (new, old)| any | (new != old));
+    let mut any = false;
+    for (new, old) in new.iter().zip(old) {
+        any |= new != old;
+    }
     if any {
-        for ((new, old), column) in both.zip(columns) {
+        for ((new, old), column) in new.iter().zip(old).zip(columns) {
             *column |= new != old;
         }
     }

@@ -194,7 +194,7 @@ mod tests {
             for y in 0..height {
                 for x in 0..width {
                     let hash = (seed ^ (y * width + x) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-                    bits.set(y, x, (hash >> 32) % most == 0);
+                    bits.set(y, x, (hash >> 32).is_multiple_of(most));
                 }
             }
             let order = Order { from_left, from_bottom };

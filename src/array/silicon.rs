@@ -223,15 +223,15 @@ impl Run<'_> {
     /// Stores what is on the bus of each cell, so many cells at once.
     #[inline(always)]
     fn store<const BLOCK: usize>(&self, sum: impl Fn(usize) -> f32, cells: &mut [f32]) {
+        let whole = |i: usize, error: f32| self.gain[i] * (sum(i) / self.by) + error;
         match self.more {
-            More::Whole => {
-                self.each::<BLOCK>(cells, |i, error| self.gain[i] * (sum(i) / self.by) + error)
-            }
+            More::Whole => self.each::<BLOCK>(cells, whole),
             More::First(first) => self.parts::<BLOCK>(sum, |i| first[i], cells),
             More::NotFirst(first) => self.parts::<BLOCK>(sum, |i| -first[i], cells),
             More::Second(second) => self.parts::<BLOCK>(sum, |i| second[i], cells),
             More::Neither(first, second) => {
-                self.parts::<BLOCK>(sum, |i| -first[i] - second[i], cells)
+                let more = |i: usize| -first[i] - second[i];
+                self.parts::<BLOCK>(sum, more, cells);
             }
             More::Even => self.parts::<BLOCK>(sum, |_| 0.0, cells),
         }
