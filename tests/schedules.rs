@@ -519,7 +519,7 @@ fn flag_that_is_left_off_reaches_the_next_frame() {
         })
     };
     let lights: Vec<_> = (0..9).map(spot).collect();
-    for domain in ["exact", "q8.8"] {
+    for domain in ["f32", "q8.8"] {
         let case = Case {
             domain,
             size,

@@ -129,11 +129,15 @@ impl Columns {
             let mut word = if self.any[k] { column[k] } else { 0 };
             while word != 0 {
                 let bit = if FROM_BOTTOM {
-                    word.ilog2()
+                    let bit = word.ilog2();
+                    word ^= 1 << bit;
+                    bit
                 } else {
-                    word.trailing_zeros()
+                    let bit = word.trailing_zeros();
+                    // Without its lowest 1.
+                    word &= word - 1;
+                    bit
                 };
-                word ^= 1 << bit;
                 let Some(slot) = free.next() else { return };
                 *slot = At {
                     y: 64 * k + bit as usize,
