@@ -171,6 +171,28 @@ fn lights(size: Size, seed: u64) -> Vec<Plane<f64>> {
         .collect()
 }
 
+/// A textured still life, in which now and then small rectangles change.
+fn spots(size: Size, seed: u64) -> Vec<Plane<f64>> {
+    let pixel = |y: usize, x: usize| (y * size.width + x) as u64;
+    let mut light = Plane::from_shape_fn(size.shape(), |(y, x)| {
+        value(seed, pixel(y, x)).abs().round()
+    });
+    (0..9u64)
+        .map(|frame| {
+            let chance = |k: u64| value(seed ^ 0xABCD, 16 * frame + k).abs() as usize;
+            for k in 0..chance(0) as u64 % 4 {
+                let (top, left) = (chance(4 * k + 1) * 31, chance(4 * k + 2) * 37);
+                let (rows, columns) = (1 + chance(4 * k + 3) % 19, 1 + chance(4 * k + 4) % 23);
+                for (dy, dx) in (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))) {
+                    let at = ((top + dy) % size.height, (left + dx) % size.width);
+                    light[at] = (light[at] + 61.0) % 255.0;
+                }
+            }
+            light.clone()
+        })
+        .collect()
+}
+
 /// All that can be seen after a frame.
 #[derive(Debug, PartialEq)]
 struct Seen {
@@ -276,9 +298,18 @@ fn agree(
     schedule: Schedule,
     threads: usize,
 ) -> Result<(), TestCaseError> {
-    let lights = lights(case.size, case.seed);
-    let plain = watched(case, code, Schedule::Plain, 1, &lights);
-    let other = watched(case, code, schedule, threads, &lights);
+    agree_in(&lights(case.size, case.seed), case, code, schedule, threads)
+}
+
+fn agree_in(
+    lights: &[Plane<f64>],
+    case: &Case,
+    code: &Code,
+    schedule: Schedule,
+    threads: usize,
+) -> Result<(), TestCaseError> {
+    let plain = watched(case, code, Schedule::Plain, 1, lights);
+    let other = watched(case, code, schedule, threads, lights);
     for (frame, (plain, other)) in plain.iter().zip(&other).enumerate() {
         for (r, (plain, other)) in plain.analog.iter().zip(&other.analog).enumerate() {
             let first = plain.iter().zip(other).position(|(a, b)| a != b);
@@ -357,6 +388,148 @@ every_domain! {
     q8_0: "q8.0";
     q16_16: "q16.16";
     silicon: "silicon";
+}
+
+/// What a frame of a program does: values on their way, masks, bits, and a host that looks in
+/// between; FLAG is 1 everywhere in the end, or it is not.
+fn small_frames() -> impl Strategy<Value = Vec<Step>> {
+    let bits = word().prop_filter("one-bit logic", |word| {
+        matches!(
+            word,
+            Primitive::Or { .. }
+                | Primitive::Nor { .. }
+                | Primitive::WhereBit { .. }
+                | Primitive::Set { .. }
+                | Primitive::Clear { .. }
+                | Primitive::Dnews { .. }
+                | Primitive::Blur { .. }
+                | Primitive::ResetPix
+        )
+    });
+    let host = prop_oneof![
+        (-120.0..120.0).prop_map(|value: f64| Host::LoadIn {
+            value: value.round()
+        }),
+        (digital(), 0u32..4000).prop_map(|(source, slots)| Host::ScanEvents {
+            source,
+            polarity: Polarity::On,
+            channel: 1,
+            slots,
+        }),
+        (0u8..7).prop_map(|source| Host::ReadAnalog {
+            source: Analog(source)
+        }),
+        (0u8..7).prop_map(|source| Host::GlobalSum {
+            source: Analog(source),
+            over: SumOver::Whole
+        }),
+    ];
+    let from_light = (0u8..6).prop_map(|target| Primitive::Bus {
+        targets: vec![Target::Register(Analog(target))],
+        sources: vec![Source::Pix, Source::In],
+    });
+    let step = |action| vec![Step { action, line: 3 }];
+    let part = prop_oneof![
+        4 => moves().prop_map(|steps| steps.into_iter().take(7).collect()),
+        2 => from_light.prop_map(move |word| step(Action::Word(word))),
+        2 => bits.prop_map(move |word| step(Action::Word(word))),
+        1 => Just(step(Action::Word(Primitive::All))),
+        1 => host.prop_map(move |host| step(Action::Host(host))),
+    ];
+    let last = prop_oneof![
+        3 => Just(Primitive::All),
+        1 => (0u8..6).prop_map(|register| Primitive::Where {
+            sources: vec![Source::Register(Analog(register))],
+        }),
+        1 => Just(Primitive::Nop),
+    ];
+    (prop::collection::vec(part, 1..7), last).prop_map(move |(parts, last)| {
+        let mut steps = parts.concat();
+        steps.extend(step(Action::Word(last)));
+        steps
+    })
+}
+
+/// Arrays so large that what changes is a small part.
+fn large_cases(domain: &'static str) -> impl Strategy<Value = Case> {
+    let size = (100usize..190, 100usize..270).prop_map(|(height, width)| Size::new(height, width));
+    (cases(domain), size).prop_map(|(case, size)| Case { size, ..case })
+}
+
+/// Large arrays on which little changes.
+mod spots {
+    use super::*;
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(96))]
+        #[test]
+        fn exact(case in large_cases("exact"), frame in small_frames(), threads in 1usize..=3) {
+            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
+        }
+        #[test]
+        fn single(case in large_cases("f32"), frame in small_frames(), threads in 1usize..=3) {
+            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
+        }
+        #[test]
+        fn q8_8(case in large_cases("q8.8"), frame in small_frames(), threads in 1usize..=3) {
+            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
+        }
+        #[test]
+        fn silicon(case in large_cases("silicon"), frame in small_frames(), threads in 1usize..=3) {
+            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
+        }
+    }
+
+    fn frame_alone(frame: Vec<Step>) -> Code {
+        Code {
+            init: vec![],
+            frame,
+        }
+    }
+}
+
+/// FLAG as one frame leaves it masks the next, whose light is the same.
+#[test]
+fn flag_that_is_left_off_reaches_the_next_frame() {
+    let step = |action| Step { action, line: 1 };
+    let word = |word| step(Action::Word(word));
+    let settings = Settings::of(device());
+    // Above zero where the light is above 100.
+    let value = -(settings.reset_level + 100.0 * settings.gain);
+    let frame = vec![
+        step(Action::Host(Host::LoadIn { value })),
+        word(Primitive::Bus {
+            targets: vec![Target::Register(Analog(1))],
+            sources: vec![Source::Pix],
+        }),
+        word(Primitive::Where {
+            sources: vec![Source::Pix, Source::In],
+        }),
+    ];
+    let code = Code {
+        init: vec![],
+        frame,
+    };
+    let size = Size::new(150, 200);
+    let spot = |frame: usize| {
+        // Two frames each.
+        let (top, left) = (40 + 5 * (frame / 2), 97 + 9 * (frame / 2));
+        Plane::from_shape_fn(size.shape(), |(y, x)| {
+            let inside = (top..top + 13).contains(&y) && (left..left + 11).contains(&x);
+            if inside { 200.0 } else { 20.0 }
+        })
+    };
+    let lights: Vec<_> = (0..9).map(spot).collect();
+    for domain in ["f32", "q8.8"] {
+        let case = Case {
+            domain,
+            size,
+            settings,
+            seed: 3,
+        };
+        let plain = watched(&case, &code, Schedule::Plain, 1, &lights);
+        assert!(plain[4].analog != plain[5].analog, "not from light alone");
+        assert!(plain == watched(&case, &code, Schedule::Active, 1, &lights));
+    }
 }
 
 /// Movement, where most of the picture stays as it is, through a program that remembers.

@@ -1,5 +1,8 @@
 //! Rows of every plane of the array: what one thread may read and write.
 
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
 use std::ops::Range;
 
 use super::{

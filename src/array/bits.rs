@@ -1,6 +1,9 @@
 //! One bit for every pixel, 64 pixels a word.
 
-use std::ops::Range;
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use multiversion::multiversion;
 
 use super::cells::Cells;
 use crate::{
@@ -78,16 +81,7 @@ impl BitPlane {
     /// How many pixels are 1.
     #[must_use]
     pub fn count(&self) -> u64 {
-        self.words.iter().map(|w| u64::from(w.count_ones())).sum()
-    }
-
-    /// The columns of a row that hold a 1, from the left.
-    pub(super) fn ones_of(&self, y: usize) -> impl Iterator<Item = usize> {
-        self.row(y).iter().enumerate().flat_map(|(i, word)| {
-            std::iter::successors(Some(*word), |word| Some(word & word.wrapping_sub(1)))
-                .take_while(|word| *word != 0)
-                .map(move |word| 64 * i + word.trailing_zeros() as usize)
-        })
+        count(&self.words)
     }
 
     /// The words of one row.
@@ -115,16 +109,15 @@ impl BitPlane {
             .collect()
     }
 
-    /// Copies a part of the plane; it begins at a word, and ends at one or at the border.
-    pub(super) fn cut(&self, ys: &Range<usize>, xs: &Range<usize>, to: &mut Self) {
-        for (y, row) in ys.clone().zip(to.words.chunks_exact_mut(to.stride)) {
-            row.copy_from_slice(&self.row(y)[xs.start / 64..xs.end.div_ceil(64)]);
+    /// Whether all pixels are 1.
+    pub(super) fn is_full(&self) -> bool {
+        let beyond = 64 * self.stride - self.size.width;
+        if beyond == 0 {
+            return self.words.iter().fold(!0, |all, word| all & word) == !0;
         }
-    }
-
-    /// Its rows and columns.
-    pub(super) const fn size(&self) -> Size {
-        self.size
+        let last = |i: usize| i % self.stride == self.stride - 1;
+        let full = |(i, word): (usize, &u64)| *word == if last(i) { !0 >> beyond } else { !0 };
+        self.words.iter().enumerate().all(full)
     }
 
     /// The words of all rows.
@@ -142,6 +135,16 @@ impl BitPlane {
         or(&mut self.words, [None; 4], true, true);
         cut(&mut self.words, self.size.width);
     }
+}
+
+/// How many bits are 1.
+#[multiversion(targets("x86_64+avx2+popcnt", "aarch64+neon"))]
+fn count(words: &[u64]) -> u64 {
+    let mut count = 0;
+    for word in words {
+        count += u64::from(word.count_ones());
+    }
+    count
 }
 
 /// Clears what lies beyond the width, in all rows.

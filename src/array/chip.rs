@@ -284,7 +284,8 @@ impl<D: Domain> Chip<D> {
 
     /// Runs a body for a frame.
     fn frame(&mut self, body: &[Step], t: Micros, packet: &mut Packet) -> Result<(), RunError> {
-        let Some(active) = self.active.as_mut().filter(|active| active.is_exposed()) else {
+        let exposed = |active: &&mut Active<_>| active.unseen().is_some();
+        let Some(active) = self.active.as_mut().filter(exposed) else {
             self.forget();
             return self.run(body, t, packet);
         };
@@ -312,12 +313,9 @@ impl<D: Domain> Chip<D> {
 
     /// Something else than frames has changed the array: nothing is as it was.
     fn forget(&mut self) {
-        let Settings {
-            gain, reset_level, ..
-        } = self.settings;
         if let Some(active) = &mut self.active {
             if let Some(light) = active.unseen() {
-                rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
+                self.state.pix.clone_from_slice(light);
             }
             active.forget();
         }
@@ -565,15 +563,15 @@ impl<D: Domain> Array for Chip<D> {
 
     fn expose(&mut self, light: &Plane<f64>) -> Result<(), ShapeError> {
         self.fits(light)?;
-        let Settings {
-            gain, reset_level, ..
-        } = self.settings;
         let light = light.as_standard_layout();
         let light = light.as_slice().unwrap_or_default();
         if let Some(active) = &mut self.active {
-            active.expose(light);
+            active.expose(&self.domain, &self.settings, light);
             return Ok(());
         }
+        let Settings {
+            gain, reset_level, ..
+        } = self.settings;
         rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
         Ok(())
     }
@@ -620,7 +618,8 @@ impl<D: Domain> Array for Chip<D> {
     }
 
     fn pix(&self) -> Plane<f64> {
-        self.state.light(&self.domain)
+        let unseen = self.active.as_ref().and_then(Active::unseen);
+        self.state.light(&self.domain, unseen)
     }
 
     fn ledger(&self) -> Ledger {

@@ -12,14 +12,27 @@ use crate::{
 /// A body of a frame, taken apart, and how far it reaches.
 #[derive(Clone, Debug)]
 pub(super) struct Cone {
-    /// In rows and columns, where FLAG is 1 in all pixels beforehand.
-    pub(super) whole: [usize; 2],
-    /// The same, where it is not.
-    pub(super) partial: [usize; 2],
+    /// Where FLAG is 1 in all pixels beforehand.
+    pub(super) whole: Inputs,
+    /// Where it is not.
+    pub(super) partial: Inputs,
     /// Cells that the body reads or writes, or the host looks at.
     pub(super) used: BTreeSet<Cell>,
     /// Cells that the body writes.
     pub(super) written: BTreeSet<Cell>,
+    /// Of each look of the host: whether the body writes the cell afterwards.
+    pub(super) passing: Vec<bool>,
+    /// Words, and those among them for which FLAG may not be 1 in all pixels.
+    pub(super) words: [usize; 2],
+}
+
+/// What a body depends on, besides the light, FLAG and the global input.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Inputs {
+    /// How far away, in rows and columns.
+    pub(super) reach: [usize; 2],
+    /// Cells that are not overwritten, in all pixels, before they are read or the body ends.
+    pub(super) cells: BTreeSet<Cell>,
 }
 
 /// As many words are followed at most.
@@ -29,28 +42,31 @@ impl Cone {
     /// `None` where a pixel cannot be looked at with its surroundings alone: the host changes
     /// the array, a bit propagates, or it would take too long to find out.
     pub(super) fn of(body: &[Step], device: &Device) -> Option<Self> {
-        let (mut used, mut written) = (BTreeSet::new(), BTreeSet::new());
-        let mut along = |whole| {
+        let along = |whole| {
             let mut walk = Walk {
                 device,
                 far: BTreeMap::new(),
                 whole,
-                seen: [0; 2],
-                words: 0,
+                inputs: Inputs::default(),
+                words: [0; 2],
                 used: BTreeSet::new(),
                 written: BTreeSet::new(),
+                passing: Vec::new(),
+                looks: BTreeMap::new(),
             };
             walk.steps(body)?;
-            used.append(&mut walk.used);
-            written.append(&mut walk.written);
-            Some(walk.far.into_values().fold(walk.seen, farther))
+            let reach = &mut walk.inputs.reach;
+            *reach = walk.far.values().copied().fold(*reach, farther);
+            Some(walk)
         };
         let (whole, partial) = (along(true)?, along(false)?);
         Some(Self {
-            whole,
-            partial,
-            used,
-            written,
+            passing: whole.passing,
+            whole: whole.inputs,
+            partial: partial.inputs,
+            used: whole.used,
+            written: whole.written,
+            words: whole.words,
         })
     }
 }
@@ -65,11 +81,13 @@ struct Walk<'a> {
     far: BTreeMap<Cell, [usize; 2]>,
     /// Whether FLAG is 1 in all pixels.
     whole: bool,
-    /// Of what the host has read.
-    seen: [usize; 2],
-    words: usize,
+    inputs: Inputs,
+    words: [usize; 2],
     used: BTreeSet<Cell>,
     written: BTreeSet<Cell>,
+    passing: Vec<bool>,
+    /// Looks of the host at what each cell still holds.
+    looks: BTreeMap<Cell, Vec<usize>>,
 }
 
 impl Walk<'_> {
@@ -79,8 +97,11 @@ impl Walk<'_> {
                 Action::Word(word) => self.word(word)?,
                 Action::Host(host) => {
                     if let Some(cell) = looked_at(host) {
-                        self.seen = farther(self.seen, self.of(cell));
-                        self.used.insert(cell);
+                        self.count()?;
+                        self.inputs.reach = farther(self.inputs.reach, self.of(cell));
+                        self.read(cell);
+                        self.looks.entry(cell).or_default().push(self.passing.len());
+                        self.passing.push(false);
                     } else if !is_input(host) {
                         return None;
                     }
@@ -99,9 +120,24 @@ impl Walk<'_> {
         self.far.get(&cell).copied().unwrap_or([0; 2])
     }
 
+    /// One more word or look.
+    fn count(&mut self) -> Option<()> {
+        self.words[0] += 1;
+        self.words[1] += usize::from(!self.whole);
+        (self.words[0] <= WORDS).then_some(())
+    }
+
+    /// A cell is read.
+    fn read(&mut self, cell: Cell) {
+        self.used.insert(cell);
+        if !self.far.contains_key(&cell) {
+            self.inputs.cells.insert(cell);
+        }
+    }
+
     fn word(&mut self, word: &Primitive) -> Option<()> {
-        self.words += 1;
-        if self.words > WORDS || matches!(word, Primitive::Prop { .. }) {
+        self.count()?;
+        if matches!(word, Primitive::Prop { .. }) {
             return None;
         }
         let roles = self.device.registers().roles;
@@ -109,7 +145,9 @@ impl Walk<'_> {
         if matches!(word, Primitive::Blur { .. }) {
             read.extend(roles.enable.map(Cell::Digital));
         }
-        self.used.extend(&read);
+        for cell in &read {
+            self.read(*cell);
+        }
         let from = read.into_iter().map(|cell| self.of(cell));
         let from = from.fold([0; 2], farther);
         let reach = reach::reaches(word);
@@ -120,7 +158,16 @@ impl Walk<'_> {
                 Cell::Digital(register) => register != roles.propagated,
                 Cell::Flag => true,
             };
-            let old = if replaced { [0; 2] } else { self.of(cell) };
+            let old = if replaced {
+                [0; 2]
+            } else {
+                // What it held stays in some pixels.
+                self.read(cell);
+                self.of(cell)
+            };
+            for look in self.looks.remove(&cell).into_iter().flatten() {
+                self.passing[look] = true;
+            }
             self.far.insert(cell, farther(old, new));
             self.used.insert(cell);
             self.written.insert(cell);

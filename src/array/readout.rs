@@ -1,12 +1,14 @@
 //! One readout of the chip: the set pixels of a register, in the order of
 //! [`event::readout::scan`](crate::event::readout::scan).
 
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use multiversion::multiversion;
+
 use super::BitPlane;
 pub use crate::event::readout::scan::Address;
-use crate::{
-    event::readout::scan::Order,
-    plane::{At, Size},
-};
+use crate::plane::{At, Size};
 
 /// One readout of set pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,41 +33,186 @@ impl Scan {
         from_left: bool,
         from_bottom: bool,
     ) -> Self {
-        let order = Order {
-            from_left,
-            from_bottom,
-        };
-        // Where the pixels of each column begin in the list.
-        let mut of_column = vec![0; size.width];
-        for y in 0..size.height {
-            for x in bits.ones_of(y) {
-                of_column[x] += 1;
-            }
+        let all = bits.count() as usize;
+        let some = all.min(slots as usize);
+        let mut found = vec![At { y: 0, x: 0 }; some];
+        if from_bottom {
+            find::<true>(bits, size, from_left, &mut found);
+        } else {
+            find::<false>(bits, size, from_left, &mut found);
         }
-        let mut all = 0;
-        for x in order.columns(size) {
-            all += std::mem::replace(&mut of_column[x], all);
-        }
-        let slots = slots as usize;
-        let origin = At {
-            y: 0,
-            x: size.width - 1,
-        };
         let mut scan = Self {
-            found: vec![origin; all.min(slots)],
-            missed: all.saturating_sub(slots) as u64,
+            missed: (all - some) as u64,
+            found,
             ambiguous: false,
         };
-        for y in order.rows(size) {
-            for x in bits.ones_of(y) {
-                let at = At { y, x };
-                if let Some(slot) = scan.found.get_mut(of_column[x]) {
-                    *slot = at;
-                    scan.ambiguous |= Address::of(at, size) == Address::ORIGIN;
-                }
-                of_column[x] += 1;
+        let origin = Address::ORIGIN.at(size);
+        scan.ambiguous = origin.is_some_and(|at| bits.get(at.y, at.x) && scan.found.contains(&at));
+        scan
+    }
+}
+
+/// The first pixels that are 1, as many as there is room for.
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt", "aarch64+neon"))]
+fn find<const FROM_BOTTOM: bool>(bits: &BitPlane, size: Size, from_left: bool, found: &mut [At]) {
+    let mut free = found.iter_mut();
+    let blocks = size.width.div_ceil(64);
+    let mut columns = Columns::new(size);
+    for k in 0..blocks {
+        let left = if from_left { k } else { blocks - 1 - k };
+        if free.len() > 0 && columns.turn(bits, left) {
+            for x in 0..64 {
+                let x = if from_left { x } else { 63 - x };
+                columns.each::<FROM_BOTTOM>(x, &mut free);
             }
         }
-        scan
+    }
+}
+
+/// Sixty-four columns, each as bits of its own, from the top.
+struct Columns {
+    height: usize,
+    /// The first.
+    left: usize,
+    /// Words of a column.
+    words: usize,
+    /// Column by column.
+    bits: Vec<u64>,
+    /// Which words hold a 1 in any column.
+    any: Vec<bool>,
+}
+
+impl Columns {
+    fn new(size: Size) -> Self {
+        let words = size.height.div_ceil(64);
+        Self {
+            height: size.height,
+            left: 0,
+            words,
+            bits: vec![0; 64 * words],
+            any: vec![false; words],
+        }
+    }
+
+    /// Takes those in word `left` of each row; whether any pixel is 1.
+    #[inline(always)]
+    fn turn(&mut self, plane: &BitPlane, left: usize) -> bool {
+        let across = plane.words().len() / self.height;
+        self.left = 64 * left;
+        let squares = plane.words().chunks(64 * across);
+        for ((k, any), rows) in self.any.iter_mut().enumerate().zip(squares) {
+            let mut square = [0; 64];
+            for (row, word) in square
+                .iter_mut()
+                .zip(rows.iter().skip(left).step_by(across))
+            {
+                *row = *word;
+            }
+            *any = square.iter().fold(0, |any, row| any | row) != 0;
+            if *any {
+                transpose(&mut square);
+                let words = self.bits.iter_mut().skip(k).step_by(self.words);
+                for (word, column) in words.zip(square) {
+                    *word = column;
+                }
+            }
+        }
+        self.any.contains(&true)
+    }
+
+    /// Puts the pixels of a column that are 1 into the free slots, as long as there are any.
+    #[inline(always)]
+    fn each<const FROM_BOTTOM: bool>(&self, x: usize, free: &mut std::slice::IterMut<'_, At>) {
+        let column = &self.bits[x * self.words..][..self.words];
+        for k in 0..self.words {
+            let k = if FROM_BOTTOM { self.words - 1 - k } else { k };
+            let mut word = if self.any[k] { column[k] } else { 0 };
+            while word != 0 {
+                let bit = if FROM_BOTTOM {
+                    let bit = word.ilog2();
+                    word ^= 1 << bit;
+                    bit
+                } else {
+                    let bit = word.trailing_zeros();
+                    // Without its lowest 1.
+                    word &= word - 1;
+                    bit
+                };
+                let Some(slot) = free.next() else { return };
+                *slot = At {
+                    y: 64 * k + bit as usize,
+                    x: self.left + x,
+                };
+            }
+        }
+    }
+}
+
+/// Rows become columns: blocks of 32, of 16, down to one, change places.
+#[inline(always)]
+fn transpose(square: &mut [u64; 64]) {
+    let mut by = 32;
+    let mut mask = 0xFFFF_FFFF;
+    while by != 0 {
+        for block in square.chunks_exact_mut(2 * by) {
+            let (upper, lower) = block.split_at_mut(by);
+            for (upper, lower) in upper.iter_mut().zip(lower) {
+                let moved = (*upper >> by ^ *lower) & mask;
+                *upper ^= moved << by;
+                *lower ^= moved;
+            }
+        }
+        by /= 2;
+        mask ^= mask << by;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::event::readout::scan::Order;
+    use proptest::prelude::*;
+
+    #[test]
+    fn rows_become_columns() {
+        let hash = |i: u64| (i + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let rows: [u64; 64] = std::array::from_fn(|i| hash(i as u64) ^ hash(i as u64) >> 29);
+        let mut columns = rows;
+        transpose(&mut columns);
+        for (y, row) in rows.iter().enumerate() {
+            for (x, column) in columns.iter().enumerate() {
+                assert_eq!(row >> x & 1, column >> y & 1);
+            }
+        }
+    }
+
+    proptest! {
+        /// Against a walk over all pixels in order.
+        #[test]
+        fn pixels_are_found_in_order(
+            (height, width) in (1usize..140, 1usize..140), seed: u64, most in 1u64..40,
+            slots in 0u32..400, from_left: bool, from_bottom: bool
+        ) {
+            let size = Size::new(height, width);
+            let mut bits = BitPlane::zeros(size);
+            for y in 0..height {
+                for x in 0..width {
+                    let hash = (seed ^ (y * width + x) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                    bits.set(y, x, (hash >> 32).is_multiple_of(most));
+                }
+            }
+            let order = Order { from_left, from_bottom };
+            let all: Vec<_> = order
+                .columns(size)
+                .flat_map(|x| order.rows(size).map(move |y| At { y, x }))
+                .filter(|at| bits.get(at.y, at.x))
+                .collect();
+            let some = all.len().min(slots as usize);
+            let scan = Scan::new(&bits, size, slots, from_left, from_bottom);
+            prop_assert_eq!(&scan.found[..], &all[..some]);
+            prop_assert_eq!(scan.missed, (all.len() - some) as u64);
+            let origin = At { y: 0, x: width - 1 };
+            prop_assert_eq!(scan.ambiguous, all[..some].contains(&origin));
+        }
     }
 }

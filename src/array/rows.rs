@@ -1,5 +1,8 @@
 //! Rows of diffusion and of exposure, in vectors.
 
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
 use multiversion::multiversion;
 
 use super::{
@@ -71,6 +74,18 @@ pub(super) fn diffuse<D: Domain>(
 /// Sets pixels from light, as one exposure does.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn expose<D: Domain>(
+    domain: &D,
+    reset_level: f64,
+    gain: f64,
+    light: &[f64],
+    cells: &mut [D::Cell],
+) {
+    hold(domain, reset_level, gain, light, cells);
+}
+
+/// The same, within a loop that is compiled for the vectors already.
+#[inline(always)]
+pub(super) fn hold<D: Domain>(
     domain: &D,
     reset_level: f64,
     gain: f64,

@@ -163,21 +163,21 @@ impl Silicon {
     #[inline(always)]
     fn run(&self, share: Share, place: Place, cells: usize) -> Run<'_> {
         let (first, register) = (self.pixel(place), usize::from(place.register.0));
-        // What the others get more the last gets less.
-        let weights = match (share.part, share.by) {
-            (Some(0), 2..) => [1.0, 0.0],
-            (Some(1), 2) => [-1.0, 0.0],
-            (Some(1), _) => [0.0, 1.0],
-            (Some(2), 3) => [-1.0, -1.0],
-            _ => [0.0, 0.0],
-        };
+        let split = |part: usize| &self.split[part][first..][..cells];
         Run {
             first: first as u32,
             by: share.by as f32,
             gain: &self.gain[register][first..][..cells],
             offset: &self.offset[register][first..][..cells],
-            split: self.split.each_ref().map(|plane| &plane[first..][..cells]),
-            weights,
+            // What the others get more the last gets less.
+            more: match (share.part, share.by) {
+                (None, _) => More::Whole,
+                (Some(0), 2..) => More::First(split(0)),
+                (Some(1), 2) => More::NotFirst(split(0)),
+                (Some(1), _) => More::Second(split(1)),
+                (Some(2), 3) => More::Neither(split(0), split(1)),
+                _ => More::Even,
+            },
             division: self.errors.division as f32,
             draws: Draws::new(self.seed, NOISE, place.register.0, place.step),
             noise: self.errors.noise as f32,
@@ -186,41 +186,84 @@ impl Silicon {
     }
 }
 
+/// How much more than its share a cell gets of a bus.
+enum More<'a> {
+    /// All of it: the bus does not split.
+    Whole,
+    First(&'a [f32]),
+    NotFirst(&'a [f32]),
+    Second(&'a [f32]),
+    Neither(&'a [f32], &'a [f32]),
+    Even,
+}
+
 /// What all cells of a run have in common, and what is each one's own.
 struct Run<'a> {
     first: u32,
     by: f32,
     gain: &'a [f32],
     offset: &'a [f32],
-    split: [&'a [f32]; 2],
-    weights: [f32; 2],
+    more: More<'a>,
     division: f32,
     draws: Draws,
     noise: f32,
     range: (f32, f32),
 }
 
+/// Cells of a row that are worked on at once.
+const BLOCK: usize = 256;
+
 impl Run<'_> {
+    /// The error of a cell, from its offset and its chance.
     #[inline(always)]
-    fn error(&self, i: usize) -> f32 {
-        self.offset[i] + self.noise * self.draws.normal(self.first + i as u32)
+    fn error(&self, offset: f32, drawn: u32) -> f32 {
+        offset + self.noise * Draws::normal(drawn)
     }
 
-    /// The cell `i` after a store from a bus that does not split.
+    /// Stores what is on the bus of each cell, so many cells at once.
     #[inline(always)]
-    fn whole(&self, sum: f32, i: usize) -> f32 {
-        let value = self.gain[i] * (sum / self.by) + self.error(i);
-        value.clamp(self.range.0, self.range.1)
+    fn store<const BLOCK: usize>(&self, sum: impl Fn(usize) -> f32, cells: &mut [f32]) {
+        let whole = |i: usize, error: f32| self.gain[i] * (sum(i) / self.by) + error;
+        match self.more {
+            More::Whole => self.each::<BLOCK>(cells, whole),
+            More::First(first) => self.parts::<BLOCK>(sum, |i| first[i], cells),
+            More::NotFirst(first) => self.parts::<BLOCK>(sum, |i| -first[i], cells),
+            More::Second(second) => self.parts::<BLOCK>(sum, |i| second[i], cells),
+            More::Neither(first, second) => {
+                let more = |i: usize| -first[i] - second[i];
+                self.parts::<BLOCK>(sum, more, cells);
+            }
+            More::Even => self.parts::<BLOCK>(sum, |_| 0.0, cells),
+        }
     }
 
-    /// The cell `i` after a store from a bus that splits.
+    /// The same of a bus that splits.
     #[inline(always)]
-    fn part(&self, sum: f32, i: usize) -> f32 {
-        let current = sum / self.by;
-        let error = self.error(i) + self.division;
-        let more = self.weights[0] * self.split[0][i] + self.weights[1] * self.split[1][i];
-        let value = self.gain[i] * (current * (1.0 + more)) + error;
-        value.clamp(self.range.0, self.range.1)
+    fn parts<const BLOCK: usize>(
+        &self,
+        sum: impl Fn(usize) -> f32,
+        more: impl Fn(usize) -> f32,
+        cells: &mut [f32],
+    ) {
+        self.each::<BLOCK>(cells, |i, error| {
+            let current = sum(i) / self.by;
+            self.gain[i] * (current * (1.0 + more(i))) + (error + self.division)
+        });
+    }
+
+    /// Each cell, from its number and error; limited to the range.
+    #[inline(always)]
+    fn each<const BLOCK: usize>(&self, cells: &mut [f32], value: impl Fn(usize, f32) -> f32) {
+        let mut drawn = [0; BLOCK];
+        for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
+            let from = k * BLOCK;
+            let drawn = &mut drawn[..cells.len()];
+            self.draws.draw(self.first + from as u32, drawn);
+            for (j, cell) in cells.iter_mut().enumerate() {
+                let error = self.error(self.offset[from + j], drawn[j]);
+                *cell = value(from + j, error).clamp(self.range.0, self.range.1);
+            }
+        }
     }
 }
 
@@ -271,12 +314,9 @@ impl Domain for Silicon {
 
     #[inline]
     fn store(&self, sum: &f32, share: Share, place: Place) -> f32 {
-        let run = self.run(share, place, 1);
-        if share.part.is_some() {
-            run.part(*sum, 0)
-        } else {
-            run.whole(*sum, 0)
-        }
+        let mut cell = [0.0];
+        self.run(share, place, 1).store::<1>(|_| *sum, &mut cell);
+        cell[0]
     }
 
     #[inline(always)]
@@ -290,16 +330,8 @@ impl Domain for Silicon {
     ) {
         let n = cells.len();
         let operands = operands.map(|operand| &operand[..n]);
-        let run = self.run(share, place, n);
-        if share.part.is_some() {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = run.part(self.sum(&operands, i), i);
-            }
-        } else {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = run.whole(self.sum(&operands, i), i);
-            }
-        }
+        self.run(share, place, n)
+            .store::<BLOCK>(|i| self.sum(&operands, i), cells);
         if clip {
             for cell in cells {
                 *cell = self.limit(*cell);
@@ -323,7 +355,10 @@ impl Domain for Silicon {
 
     /// The squarer has no calibration; only the transfer error of its store is modelled.
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
-        let error = self.run(Share::of(1, 0), place, 1).error(0);
+        let run = self.run(Share::of(1, 0), place, 1);
+        let mut drawn = [0];
+        run.draws.draw(run.first, &mut drawn);
+        let error = run.error(run.offset[0], drawn[0]);
         Some(self.saturated(sum * sum * gain as f32 + error))
     }
 

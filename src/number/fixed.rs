@@ -30,8 +30,8 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     fn saturate(wide: i64) -> Self;
     /// The lowest bits of `wide`.
     fn wrap(wide: i64) -> Self;
-    /// The nearest of this width to a whole number; 0 for NaN.
-    fn of_whole(whole: f64) -> Self;
+    /// The nearest of this width, halves to even; 0 for NaN.
+    fn nearest(real: f64) -> Self;
     /// The same, wider.
     fn widen(self) -> Self::Wide;
     /// The nearest of this width.
@@ -126,16 +126,16 @@ macro_rules! width {
                 wide as $int
             }
             #[inline]
-            fn of_whole(whole: f64) -> Self {
-                // In a float so large, the lowest bits count ones: a sum, where a conversion
-                // would have no instruction on vectors.
+            fn nearest(real: f64) -> Self {
+                // In a float so large, the lowest bits count ones: a sum, which rounds, where a
+                // conversion would have no instruction on vectors.
                 const LARGE: f64 = 6_755_399_441_055_744.0;
-                let whole = if whole.is_nan() {
+                let limited = if real.is_nan() {
                     0.0
                 } else {
-                    whole.clamp(<$int>::MIN.into(), <$int>::MAX.into())
+                    real.clamp(<$int>::MIN.into(), <$int>::MAX.into())
                 };
-                (whole + LARGE).to_bits() as $int
+                (limited + LARGE).to_bits() as $int
             }
             #[inline]
             fn widen(self) -> $wide {
@@ -260,13 +260,13 @@ impl<T: Width> Number for Q<T> {
     #[inline]
     fn hold(&self, real: f64) -> T {
         // Scaling by a power of two is exact, or overflows to infinity, which saturates.
-        let steps = (real * self.one() as f64).round_ties_even();
+        let steps = real * self.one() as f64;
         match self.overflow {
             Overflow::Wrap if steps.is_finite() => {
                 // The remainder of floats is exact, so nothing of a huge number is lost.
-                T::wrap((steps % 2f64.powi(T::BITS.into())) as i64)
+                T::wrap((steps.round_ties_even() % 2f64.powi(T::BITS.into())) as i64)
             }
-            _ => T::of_whole(steps),
+            _ => T::nearest(steps),
         }
     }
 
