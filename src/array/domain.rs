@@ -74,7 +74,8 @@ pub trait Domain: Sync {
         }
     }
 
-    /// Whether [`Domain::store_pair`] can be asked.
+    /// Whether [`Domain::store_pair`] can be asked, which is worth it where a store costs more
+    /// than what is stored.
     fn pairs(&self) -> bool {
         false
     }
@@ -200,6 +201,48 @@ pub struct Undecided {
 /// The ends of the ADC scale, in LSB.
 pub(super) const LIMITS: (f64, f64) = (-128.0, 127.0);
 
+/// Two stores at once in floats, as one after the other leaves them.
+macro_rules! float_pair {
+    ($cell:ty) => {
+        fn pairs(&self) -> bool {
+            true
+        }
+        #[inline(always)]
+        fn store_pair<const N: usize, const M: usize>(
+            &self,
+            operands: [&[$cell]; N],
+            by: u32,
+            extra: [&[$cell]; M],
+            mut between: Option<&mut [$cell]>,
+            cells: &mut [$cell],
+        ) {
+            let n = cells.len();
+            let operands = operands.map(|operand| &operand[..n]);
+            let extra = extra.map(|operand| &operand[..n]);
+            let first = |i: usize| {
+                let mut sum = operands.first().map_or(0.0, |first| first[i]);
+                for operand in operands.iter().skip(1) {
+                    sum += operand[i];
+                }
+                (0.0 - sum) / by as $cell
+            };
+            let second =
+                |first, i: usize| 0.0 - extra.iter().fold(first, |sum, operand| sum + operand[i]);
+            if let Some(between) = between.as_deref_mut() {
+                let between = &mut between[..n];
+                for (i, cell) in cells.iter_mut().enumerate() {
+                    between[i] = first(i);
+                    *cell = second(between[i], i);
+                }
+            } else {
+                for (i, cell) in cells.iter_mut().enumerate() {
+                    *cell = second(first(i), i);
+                }
+            }
+        }
+    };
+}
+
 /// f64 everywhere: the arithmetic that the others are measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Exact;
@@ -239,6 +282,7 @@ impl Domain for Exact {
         let (old, new) = (old.to_bits(), new.to_bits());
         f64::from_bits(old ^ ((old ^ new) & u64::from(take).wrapping_neg()))
     }
+    float_pair!(f64);
     fn square(&self, sum: &f64, gain: f64, _: Place) -> Option<f64> {
         Some(sum * sum * gain)
     }
@@ -264,16 +308,6 @@ impl<T> Default for Halves<T> {
     fn default() -> Self {
         Self(std::marker::PhantomData)
     }
-}
-
-/// `-(sum)`, as one store leaves it.
-#[inline(always)]
-fn undivided<const N: usize>(operands: &[&[f32]; N], i: usize) -> f32 {
-    let mut sum = operands.first().map_or(0.0, |first| first[i]);
-    for operand in operands.iter().skip(1) {
-        sum += operand[i];
-    }
-    0.0 - sum
 }
 
 /// The domains whose bus is an f32.
@@ -385,35 +419,7 @@ single_bus!(
     std::convert::identity,
     std::convert::identity,
     {
-        fn pairs(&self) -> bool {
-            true
-        }
-        #[inline(always)]
-        fn store_pair<const N: usize, const M: usize>(
-            &self,
-            operands: [&[f32]; N],
-            by: u32,
-            extra: [&[f32]; M],
-            between: Option<&mut [f32]>,
-            cells: &mut [f32],
-        ) {
-            let operands = operands.map(|operand| &operand[..cells.len()]);
-            let extra = extra.map(|operand| &operand[..cells.len()]);
-            let second = |first: f32, i: usize| {
-                0.0 - extra.iter().fold(first, |sum, operand| sum + operand[i])
-            };
-            if let Some(between) = between {
-                let between = &mut between[..cells.len()];
-                for (i, cell) in cells.iter_mut().enumerate() {
-                    between[i] = undivided(&operands, i) / by as f32;
-                    *cell = second(between[i], i);
-                }
-            } else {
-                for (i, cell) in cells.iter_mut().enumerate() {
-                    *cell = second(undivided(&operands, i) / by as f32, i);
-                }
-            }
-        }
+        float_pair!(f32);
     }
 );
 single_bus!(

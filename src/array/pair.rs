@@ -32,7 +32,7 @@ pub(super) fn pair<D: Domain>(
         return;
     }
     let one = &wires[pair.first.wires.clone()];
-    if pair.in_place || clip || !domain.pairs() {
+    if pair.in_place || clip {
         by_way(domain, field, one, pair, clip, &rows, room);
     } else {
         match (one.len(), pair.extra) {

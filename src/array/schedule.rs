@@ -8,7 +8,7 @@ use super::{
     segment::{Piece, Segment},
     semantics::{self, Array},
     tiled,
-    walks::Walks,
+    walks::{How, Walks},
 };
 use crate::plane::Size;
 
@@ -123,10 +123,11 @@ impl<C: Clone + Send + Sync> Plan<C> {
         };
         let whole = state.flag.count() == size.pixels() as u64;
         // Word after word, all of each.
-        let stores_all = self.schedule == Schedule::Plain;
-        let walks = self
-            .walks
-            .of(segment, whole, &state.layout, rows, stores_all);
+        let how = How {
+            stores_all: self.schedule == Schedule::Plain,
+            pairs: array.domain.pairs(),
+        };
+        let walks = self.walks.of(segment, whole, &state.layout, rows, how);
         let (copies, constants) = (&mut self.copies, segment.constants());
         let mut run = || {
             let mut walks = walks.iter();

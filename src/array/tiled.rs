@@ -53,8 +53,15 @@ pub(super) struct Walk {
 }
 
 impl Walk {
-    /// As many of the pieces as can go together, in bands of so many rows.
-    pub(super) fn new(pieces: &[Piece<'_>], known: &[Known], layout: &Layout, rows: usize) -> Self {
+    /// As many of the pieces as can go together, in bands of so many rows; `pairs`: two stores
+    /// may be one.
+    pub(super) fn new(
+        pieces: &[Piece<'_>],
+        known: &[Known],
+        layout: &Layout,
+        rows: usize,
+        pairs: bool,
+    ) -> Self {
         let mut walk = Self {
             jobs: Jobs::default(),
             shifts: Vec::with_capacity(pieces.len()),
@@ -84,8 +91,8 @@ impl Walk {
             };
             walk.pieces += 1;
             // It writes nothing that the one before it reads, nor reads beside its own pixel.
-            if moves && walk.jobs.jobs.len() == walk.shifts.len() + 1 && walk.jobs.join(known.live)
-            {
+            let one_more = walk.jobs.jobs.len() == walk.shifts.len() + 1;
+            if moves && pairs && one_more && walk.jobs.join(known.live) {
                 continue;
             }
             if walk.jobs.jobs.len() > walk.shifts.len() {

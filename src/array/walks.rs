@@ -17,6 +17,15 @@ pub(super) struct Walks {
     kept: Vec<Kept>,
 }
 
+/// What a schedule and a domain make of words.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct How {
+    /// Also what nobody reads is stored.
+    pub(super) stores_all: bool,
+    /// Two stores may be one.
+    pub(super) pairs: bool,
+}
+
 /// The walks of one segment, and what they depend on.
 #[derive(Clone, Debug)]
 struct Kept {
@@ -50,15 +59,15 @@ impl Word {
 }
 
 impl Walks {
-    /// Those of a segment; `whole`: FLAG is 1 in all pixels before it; `stores_all`: also what
-    /// nobody reads.
+    /// Those of a segment; `whole`: FLAG is 1 in all pixels before it; `how` must be the same
+    /// every time.
     pub(super) fn of<C: Clone>(
         &mut self,
         segment: &Segment<'_, C>,
         whole: bool,
         layout: &Layout,
         rows: usize,
-        stores_all: bool,
+        how: How,
     ) -> &[Walk] {
         let pieces = segment.pieces();
         let same = |kept: &Kept| {
@@ -77,7 +86,7 @@ impl Walks {
                 size: layout.size,
                 whole,
                 rows,
-                walks: walks(pieces, whole, layout, rows, stores_all),
+                walks: walks(pieces, whole, layout, rows, how),
             });
             self.kept.len() - 1
         });
@@ -91,10 +100,10 @@ fn walks(
     whole: bool,
     layout: &Layout,
     rows: usize,
-    stores_all: bool,
+    how: How,
 ) -> Vec<Walk> {
     let mut known = live::known(pieces, whole, layout);
-    if stores_all {
+    if how.stores_all {
         for known in &mut known {
             known.live = Live::ALL;
         }
@@ -102,7 +111,7 @@ fn walks(
     let mut known = &known[..];
     let mut walks = Vec::new();
     while !pieces.is_empty() {
-        let walk = Walk::new(pieces, known, layout, rows);
+        let walk = Walk::new(pieces, known, layout, rows, how.pairs);
         (pieces, known) = (&pieces[walk.len()..], &known[walk.len()..]);
         walks.push(walk);
     }
