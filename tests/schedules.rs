@@ -532,6 +532,40 @@ fn flag_that_is_left_off_reaches_the_next_frame() {
     }
 }
 
+/// Steps from outside the program, one after the other at the same place.
+#[test]
+fn steps_that_are_handed_in_are_not_taken_for_those_before() {
+    let code = Code {
+        init: vec![],
+        frame: vec![],
+    };
+    let size = Size::new(64, 64);
+    let arithmetic: Arithmetic = "exact".parse().expect("a domain");
+    let mut chip = arithmetic
+        .chip("steps", code, device(), size, Settings::of(device()))
+        .expect("a legal program");
+    let mut packet = Packet::new(size, 1);
+    let flat = |value: f64| Plane::from_shape_fn(size.shape(), |_| value);
+    chip.set_analog(Analog(0), &flat(1.0)).expect("its size");
+    for k in 0..20 {
+        let (target, other) = (Analog(1 + k % 2), Analog(2 - k % 2));
+        for register in [target, other] {
+            chip.set_analog(register, &flat(5.0)).expect("its size");
+        }
+        let steps = vec![Step {
+            action: Action::Word(Primitive::Bus {
+                targets: vec![Target::Register(target)],
+                sources: vec![Source::Register(Analog(0))],
+            }),
+            line: 1,
+        }];
+        chip.run_steps(&steps, Micros(0), &mut packet)
+            .expect("numbers");
+        assert_eq!(chip.analog(target), flat(-1.0), "round {k}");
+        assert_eq!(chip.analog(other), flat(5.0), "round {k}");
+    }
+}
+
 /// Movement, where most of the picture stays as it is, through a program that remembers.
 #[test]
 fn a_large_array_agrees_too() {

@@ -600,6 +600,8 @@ impl<D: Domain> Array for Chip<D> {
         packet: &mut Packet,
     ) -> Result<(), RunError> {
         self.forget();
+        // Steps that are not the chip's own may lie where others lay before.
+        self.plan.forget();
         self.refresh(steps);
         self.run(steps, t, packet)
     }

@@ -94,6 +94,11 @@ impl<C: Clone + Send + Sync> Plan<C> {
         }
     }
 
+    /// Words may lie where others lay before.
+    pub(super) fn forget(&mut self) {
+        self.walks.forget();
+    }
+
     pub(super) const fn schedule(&self) -> Schedule {
         self.schedule
     }

@@ -141,17 +141,23 @@ pub(super) fn sweep<D: Domain>(
     Ok(())
 }
 
-/// The single stores of a job: where something comes from off the array, a pair is two.
+/// The single stores of a job: where something comes from off the array, or the domain knows no
+/// pairs, a pair is two.
 #[inline(always)]
 fn stores<'a>(
     job: &'a Job,
     size: Size,
+    pairs: bool,
     rows: &Range<usize>,
 ) -> [Option<(&'a Store, Range<usize>)>; 4] {
     match job {
         Job::Store(store) => [Some((store, rows.clone())), None, None, None],
         Job::Pair(both) => {
-            let inner = both.first.border.inside(size, rows);
+            let inner = if pairs {
+                both.first.border.inside(size, rows)
+            } else {
+                rows.start..rows.start
+            };
             let single = |store, rows: Range<usize>| (!rows.is_empty()).then_some((store, rows));
             let (above, below) = (rows.start..inner.start, inner.end..rows.end);
             [
@@ -161,7 +167,12 @@ fn stores<'a>(
                 single(&both.second, below),
             ]
         }
-        _ => [None, None, None, None],
+        Job::Drive { .. }
+        | Job::Positive { .. }
+        | Job::Square { .. }
+        | Job::Logic(_)
+        | Job::Word { .. }
+        | Job::Copy(_) => [None, None, None, None],
     }
 }
 
@@ -190,19 +201,23 @@ impl<D: Domain> Array<'_, D> {
         rows: Range<usize>,
     ) -> Result<(), Undecided> {
         let clip = self.settings.clip;
-        for (target, rows) in stores(job, band.layout.size, &rows).into_iter().flatten() {
+        let pairs = self.domain.pairs();
+        for (target, rows) in stores(job, band.layout.size, pairs, &rows)
+            .into_iter()
+            .flatten()
+        {
             let wires = &wires[target.wires.clone()];
             let (mut field, room) = band.field();
             store(self.domain, &mut field, wires, target, clip, rows, room);
         }
         match job {
-            // They are among those above.
-            Job::Store(_) => {}
-            Job::Pair(both) => {
+            Job::Pair(both) if pairs => {
                 let rows = both.first.border.inside(band.layout.size, &rows);
                 let (mut field, room) = band.field();
                 pair(self.domain, &mut field, wires, both, clip, rows, room);
             }
+            // They are among those above.
+            Job::Store(_) | Job::Pair(_) => {}
             Job::Drive {
                 wires: bus,
                 driven,

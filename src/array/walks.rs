@@ -36,7 +36,7 @@ struct Kept {
     walks: Vec<Walk>,
 }
 
-/// A word of a program, which stays where it is as long as the chip is there.
+/// A word of a program, by the place where it lies: it stays there as long as the chip does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Word {
     address: usize,
@@ -59,6 +59,11 @@ impl Word {
 }
 
 impl Walks {
+    /// Words may lie where others lay before.
+    pub(super) fn forget(&mut self) {
+        self.kept.clear();
+    }
+
     /// Those of a segment; `whole`: FLAG is 1 in all pixels before it; `how` must be the same
     /// every time.
     pub(super) fn of<C: Clone>(
