@@ -4,8 +4,8 @@
 
 use amacrine::{
     array::{
-        Address, Array, Chip, Domain, Exact, Fixed, Halves, Place, Propagation, Settings, Share,
-        Single,
+        Address, Arithmetic, Array, Chip, Domain, Exact, Fixed, Halves, Place, Propagation,
+        Settings, Share, Single,
     },
     event::{Packet, Polarity},
     isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
@@ -344,7 +344,11 @@ fn agrees<D: Domain + Clone>(
         }],
         frame: words(program),
     };
-    let mut chip = Chip::new("test", domain.clone(), code, device(), size, settings).unwrap();
+    // By name, as it is given on the command line.
+    let arithmetic: Arithmetic = domain.name().parse().unwrap();
+    let mut chip = arithmetic
+        .chip("test", code, device(), size, settings)
+        .unwrap();
     let planes: Vec<Plane<f64>> = (0..21)
         .map(|k| {
             let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);
