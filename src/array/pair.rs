@@ -15,9 +15,7 @@ use super::{
 };
 
 /// Does both in these rows, where FLAG is 1 in all pixels and nothing comes from above or below
-/// the array. `room` is for
-/// [`ROOM`](super::store::ROOM) cells.
-#[allow(clippy::too_many_arguments)]
+/// the array. `room` is for [`ROOM`](super::store::ROOM) cells.
 #[inline(always)]
 pub(super) fn pair<D: Domain>(
     domain: &D,

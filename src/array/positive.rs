@@ -20,7 +20,6 @@ const BATCH: usize = 16;
 ///
 /// # Errors
 /// In domains that have no answer.
-#[allow(clippy::too_many_arguments)]
 #[inline(always)]
 pub(super) fn positive<D: Domain>(
     domain: &D,

@@ -126,7 +126,7 @@ impl<C: Clone + Send + Sync> Plan<C> {
                 (tiled::rows(size, size_of::<C>()), self.threads)
             }
         };
-        let whole = state.flag.count() == size.pixels() as u64;
+        let whole = state.flag.is_full();
         // Word after word, all of each.
         let how = How {
             stores_all: self.schedule == Schedule::Plain,

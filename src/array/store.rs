@@ -22,7 +22,6 @@ pub(super) const ROOM: usize = RUN;
 
 /// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `room` is
 /// for [`ROOM`] cells.
-#[allow(clippy::too_many_arguments)]
 #[inline(always)]
 pub(super) fn store<D: Domain>(
     domain: &D,

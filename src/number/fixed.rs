@@ -22,8 +22,6 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     const BITS: u8;
     /// Nought.
     const ZERO: Self;
-    /// One step below nought.
-    const MINUS_ONE: Self;
     /// The smallest and the largest.
     const LIMITS: (Self, Self);
     /// The nearest of this width.
@@ -115,7 +113,6 @@ macro_rules! width {
             type Wide = $wide;
             const BITS: u8 = <$int>::BITS as u8;
             const ZERO: $int = 0;
-            const MINUS_ONE: $int = -1;
             const LIMITS: ($int, $int) = (<$int>::MIN, <$int>::MAX);
             #[inline]
             fn saturate(wide: i64) -> Self {
