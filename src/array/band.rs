@@ -292,16 +292,29 @@ impl<C> Band<'_, C> {
     pub(super) fn logic(&mut self, logic: &Logic, rows: Range<usize>) {
         let words = self.row_words(rows);
         let target = std::mem::take(&mut self.digital[logic.target]);
-        let other = |k: usize| {
-            let plane = &self.digital[logic.others[k]];
-            (k < logic.count).then(|| &plane[words.clone()])
-        };
         let bits = &mut target[words.clone()];
-        bits::or(bits, std::array::from_fn(other), logic.kept, logic.not);
+        let Logic { kept, not, .. } = *logic;
+        match logic.count {
+            0 => bits::or(bits, [], kept, not),
+            1 => bits::or(bits, self.others::<1>(logic, &words), kept, not),
+            2 => bits::or(bits, self.others::<2>(logic, &words), kept, not),
+            3 => bits::or(bits, self.others::<3>(logic, &words), kept, not),
+            _ => bits::or(bits, self.others::<4>(logic, &words), kept, not),
+        }
         if logic.not {
             bits::cut(bits, self.layout.size.width);
         }
         self.digital[logic.target] = target;
+    }
+
+    /// The first `N` other sources.
+    #[inline(always)]
+    fn others<const N: usize>(&self, logic: &Logic, words: &Range<usize>) -> [&[u64]; N] {
+        let mut others: [&[u64]; N] = [&[]; N];
+        for (other, plane) in others.iter_mut().zip(logic.others) {
+            *other = &self.digital[plane][words.clone()];
+        }
+        others
     }
 }
 

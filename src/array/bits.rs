@@ -132,7 +132,7 @@ impl BitPlane {
 
     /// Each pixel the other way.
     pub(super) fn not(&mut self) {
-        or(&mut self.words, [None; 4], true, true);
+        or(&mut self.words, [], true, true);
         cut(&mut self.words, self.size.width);
     }
 }
@@ -228,29 +228,42 @@ pub(super) fn or_seen(
 
 /// OR of `others` and, where kept, of what was there; with `not` the other way.
 #[inline(always)]
-pub(super) fn or(words: &mut [u64], others: [Option<&[u64]>; 4], kept: bool, not: bool) {
+pub(super) fn or<const N: usize>(words: &mut [u64], others: [&[u64]; N], kept: bool, not: bool) {
     let turn = if not { !0 } else { 0 };
-    match others {
-        [Some(a), Some(b), Some(c), Some(d)] => or_all(words, [a, b, c, d], kept, turn),
-        [Some(a), Some(b), Some(c), _] => or_all(words, [a, b, c], kept, turn),
-        [Some(a), Some(b), ..] => or_all(words, [a, b], kept, turn),
-        [Some(a), ..] => or_all(words, [a], kept, turn),
-        [None, ..] => or_all(words, [], kept, turn),
+    if kept {
+        or_all::<N, true>(words, others, turn);
+    } else {
+        or_all::<N, false>(words, others, turn);
     }
 }
 
-/// OR of `others` and, where kept, of what was there; then XOR `turn`.
+/// The same; then XOR `turn`.
 #[inline(always)]
-fn or_all<const N: usize>(words: &mut [u64], others: [&[u64]; N], kept: bool, turn: u64) {
-    let others = others.map(|other| &other[..words.len()]);
-    if kept {
-        for (i, word) in words.iter_mut().enumerate() {
-            *word = others.iter().fold(*word, |any, other| any | other[i]) ^ turn;
+fn or_all<const N: usize, const KEPT: bool>(words: &mut [u64], others: [&[u64]; N], turn: u64) {
+    let (blocks, last) = words.as_chunks_mut::<16>();
+    let done = 16 * blocks.len();
+    let mut whole: [&[[u64; 16]]; N] = [&[]; N];
+    for (whole, other) in whole.iter_mut().zip(others) {
+        *whole = &other.as_chunks().0[..blocks.len()];
+    }
+    for (k, block) in blocks.iter_mut().enumerate() {
+        let mut any = if KEPT { *block } else { [0; 16] };
+        for whole in &whole {
+            for (any, other) in any.iter_mut().zip(&whole[k]) {
+                *any |= other;
+            }
         }
-    } else {
-        for (i, word) in words.iter_mut().enumerate() {
-            *word = others.iter().fold(0, |any, other| any | other[i]) ^ turn;
+        for any in &mut any {
+            *any ^= turn;
         }
+        *block = any;
+    }
+    for (i, word) in last.iter_mut().enumerate() {
+        let mut any = if KEPT { *word } else { 0 };
+        for other in &others {
+            any |= other[done + i];
+        }
+        *word = any ^ turn;
     }
 }
 

@@ -94,6 +94,18 @@ pub trait Domain: Sync {
     ) {
     }
 
+    /// The bus of each cell, undivided, where its bit is 1, in one go; whether this domain does
+    /// so. Else nothing is stored.
+    #[inline(always)]
+    fn store_some<const N: usize>(
+        &self,
+        _operands: [&[Self::Cell]; N],
+        _words: &[u64],
+        _cells: &mut [Self::Cell],
+    ) -> bool {
+        false
+    }
+
     /// The new cell where `take` is 1, the old one where it is 0. Numbers choose without a
     /// branch.
     #[inline(always)]

@@ -87,15 +87,16 @@ impl<'a, C> Field<'_, 'a, C> {
         rows: &Range<usize>,
     ) -> Stretch {
         let (at, n) = (self.cell(rows.start, 0), rows.len() * self.size.width);
-        let fits = wires.iter().all(|wire| {
+        let mut fits = true;
+        for wire in wires {
             let (dy, dx) = (wire.beside.0 - beside.0, wire.beside.1 - beside.1);
-            let start = at.checked_add_signed(dy * self.size.width as isize + dx);
-            let cells = self
-                .planes
-                .get(wire.plane)
-                .map_or(usize::MAX, |plane| plane.len());
-            start.is_some_and(|start| start + n <= cells)
-        });
+            let start = at as isize + dy * self.size.width as isize + dx;
+            let cells = match self.planes.get(wire.plane) {
+                Some(plane) => plane.len(),
+                None => usize::MAX,
+            };
+            fits &= start >= 0 && start as usize + n <= cells;
+        }
         if fits {
             Stretch { left: 0, at, n }
         } else {
@@ -204,6 +205,15 @@ impl<'a, C> Field<'_, 'a, C> {
 }
 
 impl<C: Clone> Field<'_, '_, C> {
+    /// Writes cells of a register one below the other.
+    pub(super) fn put_column(&mut self, register: Analog, y: usize, x: usize, new: &[C]) {
+        let (from, width) = (self.cell(y, x), self.size.width);
+        let plane = &mut self.planes[usize::from(register.0)];
+        for (cell, new) in plane[from..].iter_mut().step_by(width).zip(new) {
+            cell.clone_from(new);
+        }
+    }
+
     /// What a wire leads to from the buses of one column, which may lie off the array; its rows
     /// and those where the wire leads do not.
     #[inline(always)]

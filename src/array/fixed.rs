@@ -3,7 +3,7 @@
 // What is not inlined into the loops of `rows` is not compiled for wide vectors.
 #![allow(clippy::inline_always)]
 
-use super::{Domain, Place, Share, domain::LIMITS};
+use super::{Domain, Place, Share, domain::LIMITS, runs::lanes};
 use crate::number::{Number, Overflow, Q, Wide, Width};
 
 /// Fixed point in the cells, an integer on the bus that holds every sum.
@@ -66,24 +66,33 @@ impl<T: Width> Domain for Fixed<T> {
         cells: &mut [T],
     ) {
         // Without a choice inside the loops.
-        macro_rules! each {
-            ($of:expr) => {
-                blockwise(operands, cells, $of)
-            };
-        }
         let saturates = self.number.overflow() == Overflow::Saturate;
         match (saturates, share.by) {
-            (true, 1) if N <= 2 => each!(saturated_sum),
-            (false, 1) => each!(wrapped_sum),
-            (true, 2) if N <= 2 => each!(saturated_half),
-            (true, by) => each!(|operands| T::saturate_wide(wide_part(operands, by))),
-            (false, by) => each!(|operands| T::wrap_wide(wide_part(operands, by))),
+            (true, 1) if N <= 2 => each(operands, cells, saturated_sum),
+            (false, 1) => each(operands, cells, wrapped_sum),
+            (true, 2) if N <= 2 => each(operands, cells, saturated_half),
+            (true, by) => each(operands, cells, |all| T::saturate_wide(wide_part(all, by))),
+            (false, by) => each(operands, cells, |all| T::wrap_wide(wide_part(all, by))),
         }
         if clip {
             for cell in cells {
                 *cell = self.limit(*cell);
             }
         }
+    }
+    #[inline(always)]
+    fn store_some<const N: usize>(
+        &self,
+        operands: [&[T]; N],
+        words: &[u64],
+        cells: &mut [T],
+    ) -> bool {
+        match self.number.overflow() {
+            Overflow::Saturate if N <= 2 => some(operands, words, cells, saturated_sum),
+            Overflow::Saturate => return false,
+            Overflow::Wrap => some(operands, words, cells, wrapped_sum),
+        }
+        true
     }
     fn pairs(&self) -> bool {
         true
@@ -107,18 +116,18 @@ impl<T: Width> Domain for Fixed<T> {
                     _ => saturated_sum([first]),
                 };
                 if by == 2 {
-                    pairwise(operands, extra, between, cells, saturated_half, second);
+                    twice(operands, extra, between, cells, saturated_half, second);
                 } else {
-                    pairwise(operands, extra, between, cells, saturated_sum, second);
+                    twice(operands, extra, between, cells, saturated_sum, second);
                 }
             }
             Overflow::Wrap => {
                 let second = |first, extra: [T; M]| wrapped_sum(extra).wrapping_less(first);
                 if by == 2 {
                     let half = |operands| T::wrap_wide(wide_part(operands, 2));
-                    pairwise(operands, extra, between, cells, half, second);
+                    twice(operands, extra, between, cells, half, second);
                 } else {
-                    pairwise(operands, extra, between, cells, wrapped_sum, second);
+                    twice(operands, extra, between, cells, wrapped_sum, second);
                 }
             }
         }
@@ -166,32 +175,72 @@ impl<T: Width> Domain for Fixed<T> {
 
 /// Sets each cell to what `of` makes of the operands.
 #[inline(always)]
-fn blockwise<T: Width, const N: usize>(
+fn each<T: Width, const N: usize>(operands: [&[T]; N], cells: &mut [T], of: impl Fn([T; N]) -> T) {
+    let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
+    let done = BLOCK * blocks.len();
+    for (k, cells) in blocks.iter_mut().enumerate() {
+        let operands = block(operands, k);
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = of(picked(operands, i));
+        }
+    }
+    for (i, cell) in (done..).zip(last) {
+        *cell = of(picked(operands, i));
+    }
+}
+
+/// So many cells at a time: a loop over them needs no end of its own.
+const BLOCK: usize = 64;
+
+/// The block `k` of each operand.
+#[inline(always)]
+fn block<T: Width, const N: usize>(operands: [&[T]; N], k: usize) -> [&[T; BLOCK]; N] {
+    operands.map(|operand| &operand.as_chunks().0[k])
+}
+
+/// The same where the bits of the cells are 1.
+#[inline(always)]
+fn some<T: Width, const N: usize>(
     operands: [&[T]; N],
+    words: &[u64],
     cells: &mut [T],
     of: impl Fn([T; N]) -> T,
 ) {
     let n = cells.len();
     let operands = operands.map(|operand| &operand[..n]);
     let whole = operands.map(|operand| operand.as_chunks::<64>().0);
-    for (k, cells) in cells.as_chunks_mut::<64>().0.iter_mut().enumerate() {
+    let bits = lanes();
+    let (blocks, last) = cells.as_chunks_mut::<64>();
+    for (k, (cells, word)) in blocks.iter_mut().zip(words).enumerate() {
         let mut from = [[T::ZERO; 64]; N];
         for (block, whole) in from.iter_mut().zip(whole) {
-            // By value: nothing that is read can be what was just written.
             *block = whole[k];
         }
-        for (i, cell) in cells.iter_mut().enumerate() {
-            *cell = of(picked(from.each_ref(), i));
+        let mut new = [T::ZERO; 64];
+        for (i, new) in new.iter_mut().enumerate() {
+            *new = of(picked(from.each_ref(), i));
+        }
+        let lanes = cells.as_chunks_mut::<16>().0.iter_mut();
+        for (k, (cells, new)) in lanes.zip(new.as_chunks::<16>().0).enumerate() {
+            let flags = (word >> (16 * k)) as u16;
+            let (old, mut merged) = (*cells, *new);
+            for (i, cell) in merged.iter_mut().enumerate() {
+                *cell = T::choose(old[i], new[i], u8::from(flags & bits[i] != 0));
+            }
+            *cells = merged;
         }
     }
-    for (i, cell) in cells.iter_mut().enumerate().skip(n / 64 * 64) {
-        *cell = of(picked(operands, i));
+    let word = words.get(n / 64).unwrap_or(&0);
+    for (i, cell) in last.iter_mut().enumerate() {
+        if word >> i & 1 == 1 {
+            *cell = of(picked(operands, n / 64 * 64 + i));
+        }
     }
 }
 
 /// The same twice: `first` of the operands, `second` of that and of the extra ones.
 #[inline(always)]
-fn pairwise<T: Width, const N: usize, const M: usize>(
+fn twice<T: Width, const N: usize, const M: usize>(
     operands: [&[T]; N],
     extra: [&[T]; M],
     mut between: Option<&mut [T]>,
@@ -199,32 +248,25 @@ fn pairwise<T: Width, const N: usize, const M: usize>(
     first: impl Fn([T; N]) -> T,
     second: impl Fn(T, [T; M]) -> T,
 ) {
-    let n = cells.len();
-    let operands = operands.map(|operand| &operand[..n]);
-    let extra = extra.map(|operand| &operand[..n]);
-    let whole = operands.map(|operand| operand.as_chunks::<64>().0);
-    let more = extra.map(|operand| operand.as_chunks::<64>().0);
-    for (k, cells) in cells.as_chunks_mut::<64>().0.iter_mut().enumerate() {
-        let mut from = [[T::ZERO; 64]; N];
-        for (block, whole) in from.iter_mut().zip(whole) {
-            *block = whole[k];
-        }
-        let mut with = [[T::ZERO; 64]; M];
-        for (block, more) in with.iter_mut().zip(more) {
-            *block = more[k];
-        }
-        let mut middle = [T::ZERO; 64];
-        for (i, cell) in middle.iter_mut().enumerate() {
-            *cell = first(picked(from.each_ref(), i));
-        }
+    let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
+    let done = BLOCK * blocks.len();
+    for (k, cells) in blocks.iter_mut().enumerate() {
+        let (operands, extra) = (block(operands, k), block(extra, k));
         if let Some(between) = between.as_deref_mut() {
-            between[64 * k..64 * k + 64].copy_from_slice(&middle);
-        }
-        for (i, cell) in cells.iter_mut().enumerate() {
-            *cell = second(middle[i], picked(with.each_ref(), i));
+            let between: &mut [T; BLOCK] = &mut between.as_chunks_mut().0[k];
+            for (i, middle) in between.iter_mut().enumerate() {
+                *middle = first(picked(operands, i));
+            }
+            for (i, cell) in cells.iter_mut().enumerate() {
+                *cell = second(between[i], picked(extra, i));
+            }
+        } else {
+            for (i, cell) in cells.iter_mut().enumerate() {
+                *cell = second(first(picked(operands, i)), picked(extra, i));
+            }
         }
     }
-    for (i, cell) in cells.iter_mut().enumerate().skip(n / 64 * 64) {
+    for (i, cell) in (done..).zip(last) {
         let middle = first(picked(operands, i));
         if let Some(between) = between.as_deref_mut() {
             between[i] = middle;
@@ -258,9 +300,9 @@ fn saturated_pair<T: Width, const N: usize, const M: usize>(
             [a] => a.middle(T::ZERO),
             _ => T::ZERO,
         };
-        pairwise(operands, extra, None, cells, half, second);
+        twice(operands, extra, None, cells, half, second);
     } else {
-        pairwise(operands, extra, None, cells, sum, second);
+        twice(operands, extra, None, cells, sum, second);
     }
 }
 

@@ -17,18 +17,14 @@ pub(super) fn any<C>(
     own: Bit,
     (kept, not): (bool, bool),
 ) {
-    let mut others = sources
-        .iter()
-        .filter(|bit| **bit != own)
-        .map(|bit| &band.bits(*bit, false)[rows.clone()]);
-    let few: [Option<&[u64]>; 4] = std::array::from_fn(|_| others.next());
-    bits::or(words, few, kept, not);
-    for more in others {
+    bits::or(words, [], kept, not);
+    for bit in sources.iter().filter(|bit| **bit != own) {
+        let other = &band.bits(*bit, false)[rows.clone()];
         // Not of all is not of each and of each.
         if not {
-            bits::clear_where(words, more);
+            bits::clear_where(words, other);
         } else {
-            bits::or(words, [Some(more), None, None, None], true, false);
+            bits::or(words, [other], true, false);
         }
     }
     if not {
@@ -88,7 +84,7 @@ pub(super) fn fill<C>(
         let mask = &band.digital(roles.mask)[words.clone()];
         let old = &mut bits[words.clone()];
         if value {
-            bits::or(old, [Some(mask), None, None, None], true, false);
+            bits::or(old, [mask], true, false);
         } else {
             bits::clear_where(old, mask);
         }

@@ -10,7 +10,6 @@ use super::{
     Domain, Place, Share,
     field::{Field, PIECE, Stretch},
     runs::RUN,
-    store::columns,
     wire::{Pair, Wire},
 };
 
@@ -42,18 +41,66 @@ pub(super) fn pair<D: Domain>(
             (_, Some(extra)) => at_once::<D, 2, 1>(domain, field, one, [extra], pair, &rows),
         }
     }
-    if pair.first.border.left + pair.first.border.right > 0 {
-        for store in [&pair.first, &pair.second] {
-            let cells = field.take(store.register);
-            let wires = &wires[store.wires.clone()];
-            let border = pair.first.border;
-            columns(
-                domain, field, wires, store, border, cells, clip, &rows, room,
-            );
-            field.put(store.register, cells);
+    let width = field.size.width;
+    let border = pair.first.border;
+    for x in (0..border.left).chain(width - border.right..width) {
+        match one.len() {
+            0 => column::<D, 0>(domain, field, one, pair, clip, &rows, x, room),
+            1 => column::<D, 1>(domain, field, one, pair, clip, &rows, x, room),
+            _ => column::<D, 2>(domain, field, one, pair, clip, &rows, x, room),
         }
     }
 }
+
+/// The cells of these rows in a column at the left or right border.
+#[allow(clippy::too_many_arguments)]
+#[inline(never)]
+fn column<D: Domain, const N: usize>(
+    domain: &D,
+    field: &mut Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    pair: &Pair,
+    clip: bool,
+    rows: &Range<usize>,
+    x: usize,
+    room: &mut [D::Cell],
+) {
+    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    let (down, right) = pair.first.beside;
+    for top in rows.clone().step_by(COLUMN) {
+        let n = (rows.end - top).min(COLUMN);
+        let (between, room) = room.split_at_mut(COLUMN);
+        let (new, room) = room.split_at_mut(COLUMN);
+        let (more, room) = room.split_at_mut(COLUMN);
+        let (between, new, more) = (&mut between[..n], &mut new[..n], &mut more[..n]);
+        let mut sources: [&[D::Cell]; N] = [&[]; N];
+        let blocks = room.chunks_exact_mut(COLUMN).zip(wires);
+        for (source, (block, wire)) in sources.iter_mut().zip(blocks) {
+            let (y, x) = (
+                top.wrapping_add_signed(-down),
+                x.wrapping_add_signed(-right),
+            );
+            field.column(wire, y, x, &mut block[..n]);
+            *source = &block[..n];
+        }
+        let place = field.place(&pair.first, top, x);
+        domain.store_row(sources, pair.first.share, place, clip, between);
+        let place = field.place(&pair.second, top, x);
+        if let Some(extra) = pair.extra {
+            field.column(extra, top, x, more);
+            domain.store_row([&*between, more], UNDIVIDED, place, clip, new);
+        } else {
+            domain.store_row([&*between], UNDIVIDED, place, clip, new);
+        }
+        if pair.kept {
+            field.put_column(pair.first.register, top, x, between);
+        }
+        field.put_column(pair.second.register, top, x, new);
+    }
+}
+
+/// Cells of a column that are worked on at once.
+const COLUMN: usize = 64;
 
 /// `N` wires on the first bus, `M` more on the second.
 #[inline(always)]

@@ -39,12 +39,12 @@ pub(super) fn diffuse<D: Domain>(
     };
     let width = cells.len();
     let mut runs = Runs::new(flags, 0, width);
-    while let Some(Run { from, to, some }) = runs.next() {
+    while let Some(Run { from, to, all }) = runs.next() {
         let cells = &mut cells[from..to];
-        let new = if some.is_some() {
-            &mut block[..to - from]
-        } else {
+        let new = if all {
             &mut *cells
+        } else {
+            &mut block[..to - from]
         };
         for (i, cell) in (from..).zip(new) {
             let mut sum = domain.nothing();
@@ -65,8 +65,8 @@ pub(super) fn diffuse<D: Domain>(
             let stored = domain.store(&sum, share, Place { x: i, ..place });
             *cell = domain.limited(stored, clip);
         }
-        if let Some(some) = some {
-            merge(domain, cells, &mut block[..to - from], &some);
+        if !all {
+            merge(domain, cells, &mut block[..to - from], runs.words());
         }
     }
 }

@@ -21,14 +21,16 @@ pub(super) struct Runs<'a> {
     offset: usize,
     cells: usize,
     next: usize,
+    /// The bits of the last run.
+    words: [u64; WORDS],
 }
 
 /// Some cells beside each other.
 pub(super) struct Run {
     pub(super) from: usize,
     pub(super) to: usize,
-    /// Which of at most [`RUN`]; none where it is all of them.
-    pub(super) some: Option<[u64; WORDS]>,
+    /// Whether it is all of them; else those of [`Runs::words`], at most [`RUN`].
+    pub(super) all: bool,
 }
 
 impl<'a> Runs<'a> {
@@ -39,6 +41,7 @@ impl<'a> Runs<'a> {
             offset,
             cells,
             next: 0,
+            words: [0; WORDS],
         }
     }
 
@@ -46,6 +49,12 @@ impl<'a> Runs<'a> {
     #[inline(always)]
     pub(super) fn all(cells: usize) -> Self {
         Self::new(&[], 0, cells)
+    }
+
+    /// The bits of the last run's cells.
+    #[inline(always)]
+    pub(super) const fn words(&self) -> &[u64; WORDS] {
+        &self.words
     }
 
     /// The bits of 64 cells.
@@ -59,20 +68,37 @@ impl<'a> Runs<'a> {
         }
     }
 
-    /// Bits that do not begin where a word does, or end inside one; whether any of them is 1, and
-    /// whether all are.
+    /// Takes the bits of some cells; whether any of them is 1, and whether all are.
+    #[inline(always)]
+    fn take(&mut self, from: usize, to: usize) -> (bool, bool) {
+        let at = (self.offset + from) / 64;
+        match self.flags[at..].as_chunks::<WORDS>().0.first() {
+            Some(words) if self.offset == 0 && to - from == RUN => {
+                let (mut any, mut all) = (0, !0);
+                for (own, word) in self.words.iter_mut().zip(words) {
+                    any |= *word;
+                    all &= *word;
+                    *own = *word;
+                }
+                (any != 0, all == !0)
+            }
+            _ => self.take_across(from, to),
+        }
+    }
+
+    /// The same where they do not begin where a word does, or end inside one.
     #[inline(never)]
-    fn across(&self, from: usize, to: usize) -> ([u64; WORDS], u64, u64) {
-        let mut words = [0; WORDS];
+    fn take_across(&mut self, from: usize, to: usize) -> (bool, bool) {
         let (mut any, mut all) = (0, !0);
-        for (word, i) in words.iter_mut().zip((from..to).step_by(64)) {
-            *word = self.word(i);
+        for (k, i) in (from..to).step_by(64).enumerate() {
+            let word = self.word(i);
             // What lies beyond the end is none of the cells.
             let beyond = if to - i < 64 { !0 << (to - i) } else { 0 };
-            any |= *word & !beyond;
-            all &= *word | beyond;
+            any |= word & !beyond;
+            all &= word | beyond;
+            self.words[k] = word;
         }
-        (words, any, all)
+        (any != 0, all == !0)
     }
 
     /// The next cells of which at least one is to be stored.
@@ -85,26 +111,14 @@ impl<'a> Runs<'a> {
                 return Some(Run {
                     from,
                     to: self.next,
-                    some: None,
+                    all: true,
                 });
             }
             let to = (from + RUN).min(self.cells);
             self.next = to;
-            let at = (self.offset + from) / 64;
-            let (words, any, all) = match self.flags[at..].as_chunks::<WORDS>().0.first() {
-                Some(words) if self.offset == 0 && to - from == RUN => {
-                    let (mut any, mut all) = (0, !0);
-                    for word in words {
-                        any |= *word;
-                        all &= *word;
-                    }
-                    (*words, any, all)
-                }
-                _ => self.across(from, to),
-            };
-            if any != 0 {
-                let some = (all != !0).then_some(words);
-                return Some(Run { from, to, some });
+            let (any, all) = self.take(from, to);
+            if any {
+                return Some(Run { from, to, all });
             }
         }
         None
@@ -116,6 +130,13 @@ const BITS: [u16; 16] = [
     1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
 ];
 
+/// The place of each of sixteen bits, not as a constant: so the compiler keeps sixteen lanes
+/// together.
+#[inline(always)]
+pub(super) fn lanes() -> [u16; 16] {
+    *black_box(&BITS)
+}
+
 /// Takes `new` where the bit is 1.
 #[inline(always)]
 pub(super) fn merge<D: Domain>(
@@ -124,8 +145,7 @@ pub(super) fn merge<D: Domain>(
     new: &mut [D::Cell],
     words: &[u64; WORDS],
 ) {
-    // Not as a constant: so the compiler keeps sixteen lanes together.
-    let bits = *black_box(&BITS);
+    let bits = lanes();
     let whole = cells.len() / 64 * 64;
     let (cells, last_cells) = cells.split_at_mut(whole);
     let (new, last_new) = new.split_at_mut(whole);
@@ -171,11 +191,13 @@ mod tests {
             for offset in [0, 1] {
                 let mut cells = vec![0.0; n];
                 let mut runs = Runs::new(&flags, offset, n);
-                while let Some(Run { from, to, some }) = runs.next() {
+                while let Some(Run { from, to, all }) = runs.next() {
                     let mut new: Vec<_> = (from + 1..=to).map(|i| i as f64).collect();
-                    match some {
-                        Some(some) => merge(&Exact, &mut cells[from..to], &mut new, &some),
-                        None => cells[from..to].clone_from_slice(&new),
+                    let cells = &mut cells[from..to];
+                    if all {
+                        cells.clone_from_slice(&new);
+                    } else {
+                        merge(&Exact, cells, &mut new, runs.words());
                     }
                 }
                 for (i, cell) in cells.iter().enumerate() {

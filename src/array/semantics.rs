@@ -141,38 +141,23 @@ pub(super) fn sweep<D: Domain>(
     Ok(())
 }
 
-/// The single stores of a job: where something comes from off the array, or the domain knows no
-/// pairs, a pair is two.
+/// The single stores of a job, one after the other, some of them on no row: where something
+/// comes from off the array, or the domain knows no pairs, a pair is two.
 #[inline(always)]
-fn stores<'a>(
+fn single<'a>(
     job: &'a Job,
-    size: Size,
-    pairs: bool,
+    k: usize,
     rows: &Range<usize>,
-) -> [Option<(&'a Store, Range<usize>)>; 4] {
-    match job {
-        Job::Store(store) => [Some((store, rows.clone())), None, None, None],
-        Job::Pair(both) => {
-            let inner = if pairs {
-                both.first.border.inside(size, rows)
-            } else {
-                rows.start..rows.start
-            };
-            let single = |store, rows: Range<usize>| (!rows.is_empty()).then_some((store, rows));
-            let (above, below) = (rows.start..inner.start, inner.end..rows.end);
-            [
-                single(&both.first, above.clone()),
-                single(&both.second, above),
-                single(&both.first, below.clone()),
-                single(&both.second, below),
-            ]
-        }
-        Job::Drive { .. }
-        | Job::Positive { .. }
-        | Job::Square { .. }
-        | Job::Logic(_)
-        | Job::Word { .. }
-        | Job::Copy(_) => [None, None, None, None],
+    inner: &Range<usize>,
+) -> Option<(&'a Store, Range<usize>)> {
+    match (job, k) {
+        (Job::Store(store), 0) => Some((store, rows.clone())),
+        (Job::Pair(_), _) if inner == rows => None,
+        (Job::Pair(both), 0) => Some((&both.first, rows.start..inner.start)),
+        (Job::Pair(both), 1) => Some((&both.second, rows.start..inner.start)),
+        (Job::Pair(both), 2) => Some((&both.first, inner.end..rows.end)),
+        (Job::Pair(both), 3) => Some((&both.second, inner.end..rows.end)),
+        _ => None,
     }
 }
 
@@ -201,20 +186,26 @@ impl<D: Domain> Array<'_, D> {
         rows: Range<usize>,
     ) -> Result<(), Undecided> {
         let clip = self.settings.clip;
-        let pairs = self.domain.pairs();
-        for (target, rows) in stores(job, band.layout.size, pairs, &rows)
-            .into_iter()
-            .flatten()
-        {
-            let wires = &wires[target.wires.clone()];
-            let (mut field, room) = band.field();
-            store(self.domain, &mut field, wires, target, clip, rows, room);
+        // Where a pair is one.
+        let inner = match job {
+            Job::Pair(both) if self.domain.pairs() => {
+                both.first.border.inside(band.layout.size, &rows)
+            }
+            _ => rows.start..rows.start,
+        };
+        let mut k = 0;
+        while let Some((target, rows)) = single(job, k, &rows, &inner) {
+            k += 1;
+            if !rows.is_empty() {
+                let wires = &wires[target.wires.clone()];
+                let (mut field, room) = band.field();
+                store(self.domain, &mut field, wires, target, clip, rows, room);
+            }
         }
         match job {
-            Job::Pair(both) if pairs => {
-                let rows = both.first.border.inside(band.layout.size, &rows);
+            Job::Pair(both) if self.domain.pairs() => {
                 let (mut field, room) = band.field();
-                pair(self.domain, &mut field, wires, both, clip, rows, room);
+                pair(self.domain, &mut field, wires, both, clip, inner, room);
             }
             // They are among those above.
             Job::Store(_) | Job::Pair(_) => {}

@@ -131,19 +131,19 @@ fn run_n<D: Domain, const N: usize>(
         let flags = field.flags(driver, rows.len());
         Runs::new(flags, left.wrapping_add_signed(-right), n)
     };
-    while let Some(Run { from, to, some }) = runs.next() {
+    while let Some(Run { from, to, all }) = runs.next() {
         let n = to - from;
         let sources = field.sources(wires, &starts, from, n);
         let old = &mut cells[at + from..][..n];
-        let new = if some.is_some() {
-            &mut room[..n]
-        } else {
-            &mut *old
-        };
+        let undivided = store.share.by == 1 && !clip;
+        if !all && undivided && domain.store_some(sources, runs.words(), old) {
+            continue;
+        }
+        let new = if all { &mut *old } else { &mut room[..n] };
         let place = field.place(store, rows.start, left + from);
         store_cells(domain, sources, new, store.share, place, clip);
-        if let Some(some) = some {
-            merge(domain, old, &mut room[..n], &some);
+        if !all {
+            merge(domain, old, &mut room[..n], runs.words());
         }
     }
 }

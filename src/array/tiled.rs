@@ -169,7 +169,7 @@ impl Walk {
         while top < part.end {
             let bottom = top + self.rows;
             spans.clear();
-            spans.extend(self.shifts.iter().map(|shift| {
+            for shift in &self.shifts {
                 let from = if top == part.start {
                     top
                 } else {
@@ -183,8 +183,8 @@ impl Walk {
                 // Away from the seams; the array's own borders are none.
                 let first = part.start + if part.start == 0 { 0 } else { *shift };
                 let last = part.end - if part.end == height { 0 } else { *shift };
-                from.max(first)..to.min(last)
-            }));
+                spans.push(from.max(first)..to.min(last));
+            }
             self.sweep(array, band, &spans)?;
             top = bottom;
         }
