@@ -306,13 +306,17 @@ fn light(register: u8) -> Plane<f64> {
     })
 }
 
-/// The fewest ns in which `work` is done, divided by `parts`; for so long, at least, that
-/// threads have found cores of their own.
-fn minimum(repetitions: usize, parts: usize, mut work: impl FnMut()) -> f64 {
+/// The fewest ns in which `work` is done, divided by `parts`.
+fn minimum(repetitions: usize, parts: usize, work: impl FnMut()) -> f64 {
+    minimum_of(repetitions, Duration::from_millis(50), parts, work)
+}
+
+/// The same, for so long at least.
+fn minimum_of(repetitions: usize, lasting: Duration, parts: usize, mut work: impl FnMut()) -> f64 {
     let begin = Instant::now();
     let mut least = f64::INFINITY;
     for k in 0.. {
-        if k >= repetitions && begin.elapsed() > Duration::from_millis(50) {
+        if k >= repetitions && begin.elapsed() > lasting {
             break;
         }
         let start = Instant::now();
@@ -354,7 +358,9 @@ fn measured(
             .expect("its size");
     }
     let mut packet = Packet::new(SIZE, 1);
-    minimum(repetitions, times as usize * words.len(), || {
+    // An operating system may take that long until threads have cores of their own.
+    let lasting = Duration::from_millis(if threads > 1 { 1500 } else { 50 });
+    minimum_of(repetitions, lasting, times as usize * words.len(), || {
         chip.run_frame(Micros(0), &mut packet).expect("numbers");
     })
 }

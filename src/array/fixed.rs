@@ -3,7 +3,11 @@
 // What is not inlined into the loops of `rows` is not compiled for wide vectors.
 #![allow(clippy::inline_always)]
 
-use super::{Domain, Place, Share, domain::LIMITS, runs::lanes};
+use super::{
+    Domain, Place, Share,
+    domain::LIMITS,
+    each::{each, picked, some, twice},
+};
 use crate::number::{Number, Overflow, Q, Wide, Width};
 
 /// Fixed point in the cells, an integer on the bus that holds every sum.
@@ -173,108 +177,6 @@ impl<T: Width> Domain for Fixed<T> {
     }
 }
 
-/// Sets each cell to what `of` makes of the operands.
-#[inline(always)]
-fn each<T: Width, const N: usize>(operands: [&[T]; N], cells: &mut [T], of: impl Fn([T; N]) -> T) {
-    let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
-    let done = BLOCK * blocks.len();
-    for (k, cells) in blocks.iter_mut().enumerate() {
-        let operands = block(operands, k);
-        for (i, cell) in cells.iter_mut().enumerate() {
-            *cell = of(picked(operands, i));
-        }
-    }
-    for (i, cell) in (done..).zip(last) {
-        *cell = of(picked(operands, i));
-    }
-}
-
-/// So many cells at a time: a loop over them needs no end of its own.
-const BLOCK: usize = 64;
-
-/// The block `k` of each operand.
-#[inline(always)]
-fn block<T: Width, const N: usize>(operands: [&[T]; N], k: usize) -> [&[T; BLOCK]; N] {
-    operands.map(|operand| &operand.as_chunks().0[k])
-}
-
-/// The same where the bits of the cells are 1.
-#[inline(always)]
-fn some<T: Width, const N: usize>(
-    operands: [&[T]; N],
-    words: &[u64],
-    cells: &mut [T],
-    of: impl Fn([T; N]) -> T,
-) {
-    let n = cells.len();
-    let operands = operands.map(|operand| &operand[..n]);
-    let whole = operands.map(|operand| operand.as_chunks::<64>().0);
-    let bits = lanes();
-    let (blocks, last) = cells.as_chunks_mut::<64>();
-    for (k, (cells, word)) in blocks.iter_mut().zip(words).enumerate() {
-        let mut from = [[T::ZERO; 64]; N];
-        for (block, whole) in from.iter_mut().zip(whole) {
-            *block = whole[k];
-        }
-        let mut new = [T::ZERO; 64];
-        for (i, new) in new.iter_mut().enumerate() {
-            *new = of(picked(from.each_ref(), i));
-        }
-        let lanes = cells.as_chunks_mut::<16>().0.iter_mut();
-        for (k, (cells, new)) in lanes.zip(new.as_chunks::<16>().0).enumerate() {
-            let flags = (word >> (16 * k)) as u16;
-            let (old, mut merged) = (*cells, *new);
-            for (i, cell) in merged.iter_mut().enumerate() {
-                *cell = T::choose(old[i], new[i], u8::from(flags & bits[i] != 0));
-            }
-            *cells = merged;
-        }
-    }
-    let word = words.get(n / 64).unwrap_or(&0);
-    for (i, cell) in last.iter_mut().enumerate() {
-        if word >> i & 1 == 1 {
-            *cell = of(picked(operands, n / 64 * 64 + i));
-        }
-    }
-}
-
-/// The same twice: `first` of the operands, `second` of that and of the extra ones.
-#[inline(always)]
-fn twice<T: Width, const N: usize, const M: usize>(
-    operands: [&[T]; N],
-    extra: [&[T]; M],
-    mut between: Option<&mut [T]>,
-    cells: &mut [T],
-    first: impl Fn([T; N]) -> T,
-    second: impl Fn(T, [T; M]) -> T,
-) {
-    let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
-    let done = BLOCK * blocks.len();
-    for (k, cells) in blocks.iter_mut().enumerate() {
-        let (operands, extra) = (block(operands, k), block(extra, k));
-        if let Some(between) = between.as_deref_mut() {
-            let between: &mut [T; BLOCK] = &mut between.as_chunks_mut().0[k];
-            for (i, middle) in between.iter_mut().enumerate() {
-                *middle = first(picked(operands, i));
-            }
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = second(between[i], picked(extra, i));
-            }
-        } else {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = second(first(picked(operands, i)), picked(extra, i));
-            }
-        }
-    }
-    for (i, cell) in (done..).zip(last) {
-        let middle = first(picked(operands, i));
-        if let Some(between) = between.as_deref_mut() {
-            between[i] = middle;
-        }
-        *cell = second(middle, picked(extra, i));
-    }
-}
-
 /// Two saturating stores, where nobody reads what the first stores: what it would store, taken
 /// from nought, is the sum, but for the lowest number, or half the sum.
 #[inline(always)]
@@ -304,19 +206,6 @@ fn saturated_pair<T: Width, const N: usize, const M: usize>(
     } else {
         twice(operands, extra, None, cells, sum, second);
     }
-}
-
-/// The cells `i` of all operands.
-#[inline(always)]
-fn picked<T: Width, const N: usize>(
-    operands: [&(impl std::ops::Index<usize, Output = T> + ?Sized); N],
-    i: usize,
-) -> [T; N] {
-    let mut cells = [T::ZERO; N];
-    for (cell, operand) in cells.iter_mut().zip(operands) {
-        *cell = operand[i];
-    }
-    cells
 }
 
 /// `-(sum) / by`.
@@ -388,7 +277,39 @@ mod tests {
                     let operands = values.map(|values| values[i]);
                     assert_eq!(cell, expected, "{operands:?} by {by}, {clip}");
                 }
+                if by == 1 && !clip {
+                    masked(&domain, values, n);
+                }
             }
+        }
+    }
+
+    /// Some of the row's cells, against the wide sum of each of them.
+    fn masked<T: Width + PartialEq, const N: usize>(
+        domain: &Fixed<T>,
+        values: [&[T]; N],
+        n: usize,
+    ) {
+        let place = Place {
+            y: 0,
+            x: 0,
+            register: Analog(0),
+            step: 0,
+        };
+        let share = Share { by: 1, part: None };
+        let word = |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let words: Vec<u64> = (0..n.div_ceil(64)).map(word).collect();
+        let mut row = vec![T::LIMITS.1; n];
+        if !domain.store_some(values, &words, &mut row) {
+            return;
+        }
+        for (i, cell) in row.into_iter().enumerate() {
+            let expected = if words[i / 64] >> (i % 64) & 1 == 1 {
+                domain.store(&domain.sum(&values, i), share, place)
+            } else {
+                T::LIMITS.1
+            };
+            assert_eq!(cell, expected, "cell {i}, under a mask");
         }
     }
 

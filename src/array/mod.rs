@@ -21,6 +21,7 @@ mod check;
 mod chip;
 mod cone;
 mod domain;
+mod each;
 mod field;
 mod fixed;
 mod form;
