@@ -346,13 +346,19 @@ fn mesh(all: &Feasibility) -> Option<Finding> {
         about: "mesh",
         word,
         says: format!(
-            "A resistor mesh of {} {says}: {} of it stays out of reach, and {} of it of any mesh.",
+            "A resistor mesh of {} {says}: {} of it is left over. {}",
             match best.sheets.len() {
                 1 => "one sheet".to_owned(),
                 n => format!("{n} sheets"),
             },
             percent(best.error),
-            percent(best.turned)
+            match &*percent(best.turned) {
+                "0 %" =>
+                    "Turned or mirrored it is the same, as equal resistors make it.".to_owned(),
+                turned => format!(
+                    "Any mesh of equal resistors would leave {turned}: turned or mirrored, the kernel is another."
+                ),
+            }
         ),
         rule: format!(
             "relative error of the better of one sheet and two; carries: up to {carried}; comes near: up to {near}; else cannot."
