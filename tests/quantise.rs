@@ -116,6 +116,30 @@ fn compiled_thresholds_are_divided_by_the_scale() {
     let threshold = format!("const threshold = {:?};", 12.0 * scale);
     let text = ternary["text"].as_str().unwrap();
     assert!(text.contains(&threshold), "no {threshold} in {text}");
+    assert_eq!(ternary["thresholds_lsb"][0][0], 12.0 * scale);
+}
+
+/// A threshold that the chip's converter rounds away is told of.
+#[test]
+fn a_threshold_of_nothing_is_told_of() {
+    let folder = folder();
+    let said = |threshold| {
+        let compile = [
+            "compile",
+            "k.toml",
+            "--effort",
+            "0.01",
+            "-o",
+            "out.scamp",
+            "--threshold",
+            threshold,
+        ];
+        let done = amacrine(folder.path(), &compile).assert().success();
+        String::from_utf8_lossy(&done.get_output().stdout).into_owned()
+    };
+    let fires = "any change fires; take thresholds from ";
+    assert!(said("0.1").contains(fires), "{}", said("0.1"));
+    assert!(!said("200").contains(fires), "{}", said("200"));
 }
 
 /// A kernel that loses nothing by being quantised loses no event in exact arithmetic, and one

@@ -11,7 +11,7 @@ use serde_json::json;
 
 use crate::{
     array::{
-        Array as _, Chip, Exact, Input, Settings,
+        Array as _, Chip, Errors, Exact, Input, Settings,
         range::{self, Inputs, Interval},
         taps,
     },
@@ -322,6 +322,8 @@ struct Compiled {
     kernels: Vec<Plane<f64>>,
     /// What the results may be, in LSB.
     results: Vec<Interval>,
+    /// ON and OFF of each kernel, in LSB of its result; of the filter alone none.
+    thresholds: Vec<[f64; 2]>,
     saturations: usize,
     results_in: Vec<Analog>,
     snake: u64,
@@ -380,6 +382,10 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         scale: program.scale,
     };
     let mut compiled = proof.compiled(program.text, program.filter, false)?;
+    let thresholds = asked.thresholds.iter();
+    compiled.thresholds = thresholds
+        .map(|(on, off)| [on * program.scale, off * program.scale])
+        .collect();
     let words = |steps: &[Step]| Cost::of(steps, device).words.0;
     let expectation = crate::program::Expectation {
         words: Some(crate::program::ExpectedWords {
@@ -521,6 +527,7 @@ impl Proof<'_> {
         }
         Ok(Compiled {
             results,
+            thresholds: Vec::new(),
             saturations,
             snake: snake_words(&self.asked.kernels)?,
             results_in: self.results.to_vec(),
@@ -648,6 +655,7 @@ impl Compiled {
             "array_us": cost.array_us,
             "host_us": cost.host_us,
             "results_lsb": results.collect::<Vec<_>>(),
+            "thresholds_lsb": self.thresholds,
             "saturating_stores": self.saturations,
             "holds_with_transfer_errors": self.filter.holds,
             "largest_input_lsb": 127.0 / self.filter.peak,
@@ -741,6 +749,9 @@ impl Compiled {
                 ),
             );
         }
+        for thresholds in &self.thresholds {
+            line("threshold", self.threshold(*thresholds, device));
+        }
         line("range", self.range());
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
         line(
@@ -784,6 +795,36 @@ impl Compiled {
         text.push_str("\nregisters live over the filter's words\n");
         text.push_str(&self.chart(device));
         text
+    }
+
+    /// What the chip makes of a kernel's thresholds.
+    fn threshold(&self, thresholds: [f64; 2], device: &Device) -> String {
+        let step = Errors::of(device).input_step;
+        let held = thresholds.map(|lsb| (lsb / step).round_ties_even() * step);
+        let both = |[on, off]: [f64; 2]| {
+            if on == off {
+                on.to_string()
+            } else {
+                format!("{on} ON and {off} OFF")
+            }
+        };
+        let lost = thresholds
+            .iter()
+            .zip(held)
+            .any(|(asked, held)| *asked > 0.0 && held == 0.0);
+        format!(
+            "{} LSB of the result, on the chip {}{}",
+            both(thresholds),
+            both(held),
+            if lost {
+                format!(
+                    ": any change fires; take thresholds from {} on, or a kernel that needs fewer halvings (--to)",
+                    step / self.scale
+                )
+            } else {
+                String::new()
+            }
+        )
     }
 
     /// Whether anything saturates, and what that costs.
