@@ -359,7 +359,7 @@ fn measured(
     }
     let mut packet = Packet::new(SIZE, 1);
     // An operating system may take that long until threads have cores of their own.
-    let lasting = Duration::from_millis(if threads > 1 { 1500 } else { 50 });
+    let lasting = Duration::from_millis(if threads > 1 { 1000 } else { 50 });
     minimum_of(repetitions, lasting, times as usize * words.len(), || {
         chip.run_frame(Micros(0), &mut packet).expect("numbers");
     })

@@ -12,7 +12,7 @@ use crate::{
 use super::{
     Report,
     description::{Description, MemoryRule, PolarityRule, RefractoryRule},
-    drive::{Weights, log_temporal},
+    drive::{Products, Weights, log_temporal},
     fire,
     hash::Place,
     memory::{self, Memory, Stepped},
@@ -115,6 +115,8 @@ pub(super) struct Band<N: Number> {
 #[derive(Clone, Debug)]
 struct Cells<N: Number> {
     memory: Memory<N>,
+    /// What the weights make of the signal, for a memory of what they see.
+    products: Products<N::Held>,
     /// `W * u` at the frame before, for a memory that steps.
     before: Vec<N::Held>,
     /// When each cell last fired, in seconds; only with a refractory period.
@@ -213,13 +215,14 @@ impl<N: Number> Band<N> {
     ) -> Result<(), SensorError> {
         if let Some(light) = sight.light {
             self.see(plan, light)?;
+            for (cells, weights) in self.channels.iter_mut().zip(&plan.weights) {
+                weights.multiply(&plan.number, &self.signal, &mut cells.products);
+            }
         }
         for y in self.rows.clone() {
             for channel in 0..plan.weights.len() {
-                self.row(plan, channel, y, sight)?;
-                let row = &self.scratch.trains;
-                self.report.events += row.events();
-                sink.row(row)?;
+                self.report.events += self.row(plan, channel, y, sight)?;
+                sink.row(&self.scratch.trains)?;
                 if plan.description.noise.fires() {
                     self.disturb(plan, channel, y, sight.pair, sink)?;
                 }
@@ -228,6 +231,7 @@ impl<N: Number> Band<N> {
         Ok(())
     }
 
+    /// One row of a channel; how many events it makes.
     #[expect(
         clippy::too_many_lines,
         reason = "one row from drive to memory, a paragraph for each memory rule"
@@ -238,7 +242,7 @@ impl<N: Number> Band<N> {
         channel: usize,
         y: usize,
         sight: Sight<'_, N>,
-    ) -> Result<(), SensorError> {
+    ) -> Result<u64, SensorError> {
         let Sight {
             pixels,
             sheets,
@@ -266,6 +270,7 @@ impl<N: Number> Band<N> {
         } = scratch;
         let Cells {
             memory: state,
+            products,
             before,
             fired,
             leak,
@@ -289,17 +294,19 @@ impl<N: Number> Band<N> {
         }
         (trains.channel, trains.y) = (channel, y);
 
-        let seen = match state {
-            Memory::RawSnap { .. } => &pixels[channel],
-            _ => signal,
-        };
-        surround::row(number, sheets, (channel, y), drive, |drive| {
-            plan.weights[channel].row(number, seen, y, drive, other);
+        let weights = &plan.weights[channel];
+        surround::row(number, sheets, (channel, y), drive, |drive| match state {
+            Memory::RawSnap { .. } => weights.row(number, &pixels[channel], y, drive, other),
+            Memory::PixelStep(_) => weights.row(number, signal, y, drive, other),
+            Memory::FilteredSnap { .. } | Memory::FilteredStep(_) => {
+                weights.row_of(number, (signal, products), y, drive, other);
+            }
         });
         if description.channels[channel].log_temporal {
             log_temporal(number, drive, 1e-8);
         }
         let mut snapped = true;
+        let mut events = None;
         match state {
             Memory::FilteredStep(stepped) if authors => {
                 stepped.values(number, range.clone(), on, off, memory);
@@ -315,16 +322,16 @@ impl<N: Number> Band<N> {
                 };
                 let times = times || !fired.is_empty();
                 let before = &mut before[range.clone()];
-                stepped
-                    .cross(number, range.clone(), before, &seen, times, (trains, to))
-                    .map_err(|x| {
-                        let base = stepped.base[range.start + x];
-                        beyond(x, number.real(number.sub(drive[x], base)))
-                    })?;
+                let crossed =
+                    stepped.cross(number, range.clone(), before, &seen, times, (trains, to));
+                events = Some(crossed.map_err(|x| {
+                    let base = stepped.base[range.start + x];
+                    beyond(x, number.real(number.sub(drive[x], base)))
+                })?);
             }
             Memory::PixelStep(_) => {
                 let Some(weights) = &plan.memory_weights[channel] else {
-                    return Ok(());
+                    return Ok(0);
                 };
                 weights.row(number, &pixels[channel], y, memory, other);
                 memory::distance(number, drive, memory, to);
@@ -410,7 +417,9 @@ impl<N: Number> Band<N> {
             let fired = &mut fired[range];
             let before = trains.events();
             refractory::dead_time(pair, plan.refractory(), fired, trains);
-            report.lost_to_refractory += before - trains.events();
+            let left = trains.events();
+            report.lost_to_refractory += before - left;
+            events = Some(left);
         }
         if description.noise.jitter_us > 0.0 && times {
             for x in 0..self.width {
@@ -431,7 +440,7 @@ impl<N: Number> Band<N> {
                 );
             }
         }
-        Ok(())
+        Ok(events.unwrap_or_else(|| trains.events()))
     }
 
     /// Tells of what noise makes the cells of a row fire, besides what the scene did: a row
@@ -588,6 +597,7 @@ impl<N: Number> Cells<N> {
         };
         Self {
             memory,
+            products: Products::default(),
             before,
             fired,
             leak,

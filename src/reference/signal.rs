@@ -59,8 +59,22 @@ impl<H: Copy> Padded<H> {
     /// The plane from `reach` above and left of the first pixel of row `y` on, and how far it is
     /// from one row to the next. Each row of a kernel of that reach finds whole blocks there.
     pub(super) fn from(&self, y: usize, reach: (usize, usize)) -> (&[H], usize) {
-        let start = self.start(y) - reach.0 * self.stride + self.rim.1 - reach.1;
-        (&self.values[start..], self.stride)
+        (&self.values[self.place(y, reach)..], self.stride)
+    }
+
+    /// Where in all values that begins.
+    pub(super) fn place(&self, y: usize, reach: (usize, usize)) -> usize {
+        self.start(y) - reach.0 * self.stride + self.rim.1 - reach.1
+    }
+
+    /// From one row to the next.
+    pub(super) const fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// All values, with the rim.
+    pub(super) fn all(&self) -> &[H] {
+        &self.values
     }
 
     /// The rows of the plane that are needed: these, and those in the rim.

@@ -32,8 +32,8 @@ pub(super) struct Seen<'a, N: Number> {
 impl<N: Number> Stepped<N> {
     /// Lets the cells in `range` cross thresholds on the way from the drive `before` to the
     /// one they see now, which takes its place, and moves their memory; with when, if `times`
-    /// are wanted. The column of the first cell that crossed more than are counted, if there
-    /// is one.
+    /// are wanted. How many events that is, or the column of the first cell that crossed more
+    /// than are counted, if there is one.
     pub(super) fn cross(
         &mut self,
         number: &N,
@@ -42,7 +42,7 @@ impl<N: Number> Stepped<N> {
         seen: &Seen<'_, N>,
         times: bool,
         (row, scratch): (&mut TrainRow<N::Real>, &mut [N::Real]),
-    ) -> Result<(), usize> {
+    ) -> Result<u64, usize> {
         let steps = Steps {
             base: &self.base[range.clone()],
             net: &self.net[range.clone()],
@@ -68,11 +68,10 @@ impl<N: Number> Stepped<N> {
         } else {
             count::<N::Real, false>(scratch, &mut row.counts, net)
         };
-        if counted {
-            return Ok(());
-        }
-        let column = net.iter().position(|net| memory::room(*net) < 0);
-        Err(column.unwrap_or(0))
+        counted.ok_or_else(|| {
+            let column = net.iter().position(|net| memory::room(*net) < 0);
+            column.unwrap_or(0)
+        })
     }
 }
 
@@ -137,11 +136,15 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     large == 0
 }
 
-/// From whole numbers to counts, small ones by a shorter way, and on to where memories are;
-/// whether all could be counted.
+/// From whole numbers to counts, small ones by a shorter way, and on to where memories are; how
+/// many events they are, if all could be counted.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn count<R: Real, const SMALL: bool>(whole: &[R], counts: &mut [i32], net: &mut [i32]) -> bool {
-    let mut room = 0;
+fn count<R: Real, const SMALL: bool>(
+    whole: &[R],
+    counts: &mut [i32],
+    net: &mut [i32],
+) -> Option<u64> {
+    let (mut room, mut few, mut any) = (0, 0u32, 0);
     for (&whole, (count, net)) in whole.iter().zip(counts.iter_mut().zip(net)) {
         *count = if SMALL {
             whole.small_i32()
@@ -150,6 +153,14 @@ fn count<R: Real, const SMALL: bool>(whole: &[R], counts: &mut [i32], net: &mut 
         };
         *net = net.wrapping_add(*count);
         room |= memory::room(*net);
+        few = few.wrapping_add(count.unsigned_abs());
+        any |= count.unsigned_abs();
     }
-    room >= 0
+    // As good as always their sum fits: a row is no longer than 2^16.
+    let events = if any < 1 << 15 {
+        few.into()
+    } else {
+        counts.iter().map(|n| u64::from(n.unsigned_abs())).sum()
+    };
+    (room >= 0).then_some(events)
 }
