@@ -217,6 +217,21 @@ proptest! {
     }
 }
 
+/// Found by the fuzzer: 928 bytes whose dictionaries are said to have billions of values.
+#[cfg(feature = "parquet")]
+#[test]
+fn no_room_is_made_for_values_that_are_not_there() {
+    let file = Path::new("tests/data/event/long_dictionary.parquet");
+    let opening = Opening {
+        format: Some(Format::Parquet),
+        size: None,
+    };
+    let reader = Reader::of_bytes(file, fs::read(file).unwrap(), &opening).unwrap();
+    let (_, fault) = file::all(reader);
+    let fault = fault.unwrap().to_string();
+    assert!(fault.contains("more values than bytes"), "{fault}");
+}
+
 /// A message has a place inside of the file, and advice.
 fn placed(error: &FileError, length: u64) -> Result<(), TestCaseError> {
     prop_assert!(error.help().is_some(), "{}", error);

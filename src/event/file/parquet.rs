@@ -15,7 +15,11 @@ use std::{
 use bytes::Bytes;
 use parquet::{
     basic::{Compression, ZstdLevel},
-    column::{reader::ColumnReader, writer::ColumnWriter},
+    column::{
+        page::{Page, PageMetadata, PageReader},
+        reader::{ColumnReader, get_column_reader},
+        writer::ColumnWriter,
+    },
     errors::{ParquetError, Result as ParquetResult},
     file::{
         metadata::KeyValue,
@@ -75,10 +79,53 @@ fn opened(
             let why = "a column lies before the start of the file";
             return Err(ParquetError::General(why.into()));
         }
-        open.push(group.get_column_reader(*number)?);
+        let pages = Pages(group.get_column_page_reader(*number)?);
+        open.push(get_column_reader(
+            column.column_descr_ptr(),
+            Box::new(pages),
+        ));
     }
     let rows = u64::try_from(group.metadata().num_rows()).unwrap_or(0);
     Ok((rows, open))
+}
+
+/// Pages of a column. The crate makes room for as many values as a dictionary says to have, which
+/// in a damaged file may be billions: there are no more than it has bytes.
+struct Pages(Box<dyn PageReader>);
+
+impl Iterator for Pages {
+    type Item = ParquetResult<Page>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.get_next_page().transpose()
+    }
+}
+
+impl PageReader for Pages {
+    fn get_next_page(&mut self) -> ParquetResult<Option<Page>> {
+        let page = self.0.get_next_page()?;
+        if let Some(Page::DictionaryPage {
+            buf, num_values, ..
+        }) = &page
+            && *num_values as usize > buf.len()
+        {
+            let why = "a dictionary is said to have more values than bytes";
+            return Err(ParquetError::General(why.into()));
+        }
+        Ok(page)
+    }
+
+    fn peek_next_page(&mut self) -> ParquetResult<Option<PageMetadata>> {
+        self.0.peek_next_page()
+    }
+
+    fn skip_next_page(&mut self) -> ParquetResult<()> {
+        self.0.skip_next_page()
+    }
+
+    fn at_record_boundary(&mut self) -> ParquetResult<bool> {
+        self.0.at_record_boundary()
+    }
 }
 
 /// Reads the events.
