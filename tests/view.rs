@@ -169,6 +169,16 @@ fn any_packet() -> impl Strategy<Value = Packet> {
     })
 }
 
+/// Without what is embedded, whose letters may spell anything.
+fn without_pictures(svg: &str) -> String {
+    let mut parts = svg.split("base64,");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        text.push_str(part.split_once('"').unwrap().1);
+    }
+    text
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
@@ -178,7 +188,7 @@ proptest! {
             let look = Look { at: at.map(Micros), ..look(view) };
             let drawing = view::draw(&packet, &look).unwrap();
             prop_assert!(raster(&drawing, 1).width() > 300);
-            let text = svg(&drawing);
+            let text = without_pictures(&svg(&drawing));
             prop_assert!(!text.contains("NaN") && !text.contains("inf\""), "{view:?}");
         }
     }
