@@ -749,8 +749,8 @@ impl Compiled {
                 ),
             );
         }
-        for thresholds in &self.thresholds {
-            line("threshold", self.threshold(*thresholds, device));
+        for (thresholds, scale) in self.thresholds.iter().zip(&asked.scales) {
+            line("threshold", self.threshold(*thresholds, *scale, device));
         }
         line("range", self.range());
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
@@ -797,33 +797,31 @@ impl Compiled {
         text
     }
 
-    /// What the chip makes of a kernel's thresholds.
-    fn threshold(&self, thresholds: [f64; 2], device: &Device) -> String {
+    /// What the chip makes of a kernel's thresholds; `scale`: times its weights the kernel is
+    /// the one asked for.
+    fn threshold(&self, thresholds: [f64; 2], scale: f64, device: &Device) -> String {
         let step = Errors::of(device).input_step;
         let held = thresholds.map(|lsb| (lsb / step).round_ties_even() * step);
-        let both = |[on, off]: [f64; 2]| {
+        let both = |[on, off]: [f64; 2], digits: usize| {
             if on == off {
-                on.to_string()
+                format!("{on:.digits$}")
             } else {
-                format!("{on} ON and {off} OFF")
+                format!("{on:.digits$} ON and {off:.digits$} OFF")
             }
         };
-        let lost = thresholds
-            .iter()
-            .zip(held)
-            .any(|(asked, held)| *asked > 0.0 && held == 0.0);
+        let lost = (0..2).any(|k| thresholds[k] > 0.0 && held[k] == 0.0);
+        let advice = if lost {
+            format!(
+                ": any change fires; take thresholds from {:.1} on, or a kernel that needs fewer halvings (--to)",
+                step / self.scale * scale
+            )
+        } else {
+            String::new()
+        };
         format!(
-            "{} LSB of the result, on the chip {}{}",
-            both(thresholds),
-            both(held),
-            if lost {
-                format!(
-                    ": any change fires; take thresholds from {} on, or a kernel that needs fewer halvings (--to)",
-                    step / self.scale
-                )
-            } else {
-                String::new()
-            }
+            "{} LSB of the result, on the chip {}{advice}",
+            both(thresholds, 3),
+            both(held, 0),
         )
     }
 
