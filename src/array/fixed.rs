@@ -256,23 +256,25 @@ mod tests {
     use crate::isa::Analog;
     use proptest::prelude::*;
 
+    /// Anywhere: fixed point is the same everywhere.
+    const PLACE: Place = Place {
+        y: 0,
+        x: 0,
+        register: Analog(0),
+        step: 0,
+    };
+
     /// The row's cells against the wide sum of each.
     fn agree<T: Width + PartialEq, const N: usize>(number: Q<T>, values: [&[T]; N]) {
         let domain = Fixed::new(number);
-        let place = Place {
-            y: 0,
-            x: 0,
-            register: Analog(0),
-            step: 0,
-        };
         for by in 1..=3 {
             for clip in [false, true] {
                 let share = Share { by, part: None };
                 let n = values.first().map_or(1, |values| values.len());
                 let mut row = vec![T::ZERO; n];
-                domain.store_row(values, share, place, clip, &mut row);
+                domain.store_row(values, share, PLACE, clip, &mut row);
                 for (i, cell) in row.into_iter().enumerate() {
-                    let stored = domain.store(&domain.sum(&values, i), share, place);
+                    let stored = domain.store(&domain.sum(&values, i), share, PLACE);
                     let expected = if clip { domain.limit(stored) } else { stored };
                     let operands = values.map(|values| values[i]);
                     assert_eq!(cell, expected, "{operands:?} by {by}, {clip}");
@@ -290,12 +292,6 @@ mod tests {
         values: [&[T]; N],
         n: usize,
     ) {
-        let place = Place {
-            y: 0,
-            x: 0,
-            register: Analog(0),
-            step: 0,
-        };
         let share = Share { by: 1, part: None };
         let word = |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let words: Vec<u64> = (0..n.div_ceil(64)).map(word).collect();
@@ -305,7 +301,7 @@ mod tests {
         }
         for (i, cell) in row.into_iter().enumerate() {
             let expected = if words[i / 64] >> (i % 64) & 1 == 1 {
-                domain.store(&domain.sum(&values, i), share, place)
+                domain.store(&domain.sum(&values, i), share, PLACE)
             } else {
                 T::LIMITS.1
             };
@@ -336,12 +332,6 @@ mod tests {
         operands: [&[T]; N],
         extra: [&[T]; M],
     ) {
-        let place = Place {
-            y: 0,
-            x: 0,
-            register: Analog(0),
-            step: 0,
-        };
         let n = operands
             .iter()
             .chain(&extra)
@@ -354,13 +344,13 @@ mod tests {
             for by in [1, 2] {
                 let (mut first, mut second) = (nought(), nought());
                 let share = Share { by, part: None };
-                domain.store_row(operands, share, place, false, &mut first);
+                domain.store_row(operands, share, PLACE, false, &mut first);
                 let share = Share { by: 1, part: None };
                 match extra[..] {
                     [extra] => {
-                        domain.store_row([&first, extra], share, place, false, &mut second);
+                        domain.store_row([&first, extra], share, PLACE, false, &mut second);
                     }
-                    _ => domain.store_row([&first], share, place, false, &mut second),
+                    _ => domain.store_row([&first], share, PLACE, false, &mut second),
                 }
                 let (mut between, mut cells) = (nought(), nought());
                 domain.store_pair(operands, by, extra, Some(&mut between), &mut cells);

@@ -76,9 +76,6 @@ impl<'a, C: Clone> Segment<'a, C> {
         if self.pieces.is_empty() {
             self.constants.first = step;
         }
-        if self.pieces.is_empty() {
-            self.constants.first = step;
-        }
         let copied = reach::copied(word, self.news);
         self.pieces.extend(copied.map(Piece::Copy));
         let issued = Issued {

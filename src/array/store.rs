@@ -211,7 +211,7 @@ fn one<D: Domain>(
 /// The cells of these rows at the left and right border.
 #[allow(clippy::too_many_arguments)]
 #[inline(never)]
-pub(super) fn columns<D: Domain>(
+fn columns<D: Domain>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],

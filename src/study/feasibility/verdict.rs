@@ -352,12 +352,13 @@ fn mesh(all: &Feasibility) -> Option<Finding> {
                 n => format!("{n} sheets"),
             },
             percent(best.error),
-            match &*percent(best.turned) {
-                "0 %" =>
-                    "Turned or mirrored it is the same, as equal resistors make it.".to_owned(),
-                turned => format!(
-                    "Any mesh of equal resistors would leave {turned}: turned or mirrored, the kernel is another."
-                ),
+            if best.turned <= 0.005 {
+                "Turned or mirrored it is the same, as equal resistors make it.".to_owned()
+            } else {
+                format!(
+                    "Any mesh of equal resistors would leave {}: turned or mirrored, the kernel is another.",
+                    percent(best.turned)
+                )
             }
         ),
         rule: format!(
