@@ -179,10 +179,28 @@ fn describe(text: &str) -> Description {
     .expect("the bench's own sensors are valid")
 }
 
-/// A sensor with `kinds` channels of one 5x5 kernel.
+/// A sensor with `kinds` channels of one 5x5 kernel, a centre and its surround.
 fn sensor(kinds: usize, more: &str) -> String {
+    described(kinds, "\"csdvs-5\"", more)
+}
+
+/// One channel of a 5x5 kernel of which no two weights are equal, much like that.
+fn uneven_sensor() -> String {
+    let weight = |k: usize| {
+        let centre = if k == 12 { 1.0 } else { 0.0 };
+        centre - (1.0 + (k as f64 - 12.0) * 1e-3) / 24.0
+    };
+    let row = |y: usize| {
+        let weights: Vec<_> = (0..5).map(|x| weight(5 * y + x).to_string()).collect();
+        format!("[{}]", weights.join(", "))
+    };
+    let rows: Vec<_> = (0..5).map(row).collect();
+    described(1, &format!("[{}]", rows.join(", ")), "")
+}
+
+fn described(kinds: usize, kernel: &str, more: &str) -> String {
     let channel = format!(
-        "[[channel]]\nkernel = \"csdvs-5\"\nthreshold = {{ on = {t}, off = {t} }}\n",
+        "[[channel]]\nkernel = {kernel}\nthreshold = {{ on = {t}, off = {t} }}\n",
         t = scene::THRESHOLD
     );
     format!(
@@ -250,6 +268,13 @@ fn main() {
         let label = format!("f32 {name}");
         let line = bench.line(F32, &sensor(1, more), &mut clip, Ask::List, 1);
         bench.show(&Line { label, ..line });
+    }
+    for ask in Ask::ALL {
+        let line = bench.line(F32, &uneven_sensor(), &mut clip, ask, 1);
+        bench.show(&Line {
+            label: "f32 25 weights".to_owned(),
+            ..line
+        });
     }
     let mut fine = clip.not_whole();
     let line = bench.line(F32, &plain_sensor, &mut fine, Ask::List, 1);

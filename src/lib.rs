@@ -17,6 +17,8 @@
 pub mod bits;
 pub mod chance;
 pub mod guard;
+#[cfg(not(fuzzing))]
+mod lined;
 pub mod plane;
 pub mod save;
 pub mod unit;

@@ -11,7 +11,7 @@
 
 use amacrine::{
     event::{Event, Packet, Polarity},
-    number::{Bf16, F16, F32, F64, Number, Q, Real},
+    number::{Bf16, F16, F32, F64, Format, Number, Q, Real},
     plane::{Plane, Size},
     reference::{
         Border, Channel, Counts, Description, EventList, Limit, MemoryRule, PolarityRule,
@@ -250,12 +250,24 @@ impl<'a> Twin<'a> {
     }
 }
 
-/// What a kernel sees at a pixel, summed row by row.
+/// The rows of a kernel, those with equal weights together.
+fn lines(weights: &Plane<f64>) -> Vec<Vec<usize>> {
+    let mut lines: Vec<Vec<usize>> = Vec::new();
+    for row in 0..weights.nrows() {
+        let equal = |line: &&mut Vec<usize>| weights.row(line[0]) == weights.row(row);
+        match lines.iter_mut().find(equal) {
+            Some(line) => line.push(row),
+            None => lines.push(vec![row]),
+        }
+    }
+    lines
+}
+
+/// What a kernel sees at a pixel, summed row by row; rows that are equal are added first.
 fn weighted(weights: &Plane<f64>, border: Border, u: &Plane<f64>, y: usize, x: usize) -> f64 {
     let (height, width) = u.dim();
     let (reach_y, reach_x) = (weights.nrows() / 2, weights.ncols() / 2);
-    let mut sum = 0.0;
-    for ((ky, kx), weight) in weights.indexed_iter() {
+    let seen = |ky: usize, kx: usize| {
         let inside = (reach_y..height + reach_y).contains(&(y + ky))
             && (reach_x..width + reach_x).contains(&(x + kx));
         let near = [
@@ -263,7 +275,16 @@ fn weighted(weights: &Plane<f64>, border: Border, u: &Plane<f64>, y: usize, x: u
             (x + kx).saturating_sub(reach_x).min(width - 1),
         ];
         if inside || border == Border::Replicate {
-            sum += weight * u[near];
+            u[near]
+        } else {
+            0.0
+        }
+    };
+    let mut sum = 0.0;
+    for rows in lines(weights) {
+        for kx in 0..weights.ncols() {
+            let seen: f64 = rows.iter().map(|ky| seen(*ky, kx)).sum();
+            sum += weights[[rows[0], kx]] * seen;
         }
     }
     sum
@@ -459,6 +480,11 @@ proptest! {
 fn step_in<N: Number>(number: &N, description: &Description, frames: &[Frame]) -> Vec<Plane<i32>> {
     let kernel = description.channels[0].kernels[0].weights();
     let theta = N::Real::of(description.channels[0].thresholds[0].on);
+    // In narrow formats each row on its own.
+    let lines = match number.format() {
+        Format::F32 | Format::F64 => lines(kernel),
+        _ => (0..kernel.nrows()).map(|row| vec![row]).collect(),
+    };
     let drive = |frame: &Frame| {
         let u = frame
             .light
@@ -466,10 +492,17 @@ fn step_in<N: Number>(number: &N, description: &Description, frames: &[Frame]) -
         let (height, width) = u.dim();
         Plane::from_shape_fn(u.dim(), |(y, x)| {
             let mut sum = N::ZERO;
-            for ((ky, kx), weight) in kernel.indexed_iter() {
-                let y = (y + ky).saturating_sub(kernel.nrows() / 2).min(height - 1);
-                let x = (x + kx).saturating_sub(kernel.ncols() / 2).min(width - 1);
-                sum = number.add(sum, number.mul(number.hold(*weight), u[[y, x]]));
+            for rows in &lines {
+                for kx in 0..kernel.ncols() {
+                    let x = (x + kx).saturating_sub(kernel.ncols() / 2).min(width - 1);
+                    let seen = rows.iter().map(|ky| {
+                        let y = (y + ky).saturating_sub(kernel.nrows() / 2).min(height - 1);
+                        u[[y, x]]
+                    });
+                    let seen = seen.reduce(|a, b| number.add(a, b)).unwrap();
+                    let weight = number.hold(kernel[[rows[0], kx]]);
+                    sum = number.add(sum, number.mul(weight, seen));
+                }
             }
             sum
         })

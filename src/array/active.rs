@@ -11,7 +11,6 @@
 
 use super::{
     BitPlane, Domain, Settings, State, Undecided,
-    cells::Cells,
     cone::{Cone, Inputs},
     light::Light,
     patch::Patch,
@@ -22,6 +21,7 @@ use super::{
 };
 use crate::{
     isa::{Analog, Digital, Primitive},
+    lined::Lined,
     plane::Size,
     program::Cell,
 };
@@ -38,7 +38,7 @@ pub(super) enum Item<'a, C> {
 /// What the host saw.
 #[derive(Clone, Debug)]
 enum Look<C> {
-    Analog(Analog, Cells<C>),
+    Analog(Analog, Lined<C>),
     Bits(Digital, BitPlane),
 }
 
@@ -215,7 +215,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
             self.looks.push(match cell {
                 Cell::Analog(register) => {
                     let nothing = patch.copy.edge.clone();
-                    let cells = Cells::new(k, nothing, self.size.pixels());
+                    let cells = Lined::new(k, nothing, self.size.pixels());
                     Some(Look::Analog(register, cells))
                 }
                 Cell::Digital(register) => Some(Look::Bits(register, BitPlane::zeros(self.size))),

@@ -5,9 +5,9 @@
 
 use multiversion::multiversion;
 
-use super::cells::Cells;
 use crate::{
     isa::Direction,
+    lined::Lined,
     plane::{Plane, Size},
 };
 
@@ -16,7 +16,7 @@ use crate::{
 pub struct BitPlane {
     size: Size,
     stride: usize,
-    words: Cells<u64>,
+    words: Lined<u64>,
 }
 
 impl BitPlane {
@@ -32,7 +32,7 @@ impl BitPlane {
         Self {
             size,
             stride,
-            words: Cells::new(k, 0, stride * size.height),
+            words: Lined::new(k, 0, stride * size.height),
         }
     }
 

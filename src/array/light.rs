@@ -6,13 +6,11 @@
 use multiversion::multiversion;
 
 use super::{
-    Domain, Settings,
-    cells::Cells,
-    rows,
+    Domain, Settings, rows,
     tiles::{TILE, Tiles},
     window::Window,
 };
-use crate::plane::Size;
+use crate::{lined::Lined, plane::Size};
 
 /// What fell on the photodiodes last, and what they hold of it.
 #[derive(Clone, Debug)]
@@ -20,7 +18,7 @@ pub(super) struct Light<C> {
     size: Size,
     /// None before the first exposure.
     fell: Vec<f64>,
-    cells: Cells<C>,
+    cells: Lined<C>,
     /// Whether no frame has seen it.
     unseen: bool,
 }
@@ -30,7 +28,7 @@ impl<C: Clone> Light<C> {
         Self {
             size,
             fell: Vec::new(),
-            cells: Cells::default(),
+            cells: Lined::default(),
             unseen: false,
         }
     }
@@ -68,7 +66,7 @@ impl<C: Clone> Light<C> {
             gain, reset_level, ..
         } = *settings;
         let level = domain.hold(reset_level);
-        self.cells = Cells::new(0, level, light.len());
+        self.cells = Lined::new(0, level, light.len());
         rows::expose(domain, reset_level, gain, light, &mut self.cells);
         tiles.mark_all();
     }

@@ -5,12 +5,12 @@ use std::{collections::BTreeSet, ops::Range};
 
 use super::{
     BitPlane, State,
-    cells::Cells,
     tiles::{TILE, Tiles},
     window::Window,
 };
 use crate::{
     isa::{Analog, Digital},
+    lined::Lined,
     plane::Size,
     program::Cell,
 };
@@ -210,9 +210,9 @@ impl<C: Clone> Patch<C> {
         };
         let cells = |k: u8| {
             if used.contains(&Cell::Analog(Analog(k))) {
-                Cells::new(k.into(), state.edge.clone(), size.pixels())
+                Lined::new(k.into(), state.edge.clone(), size.pixels())
             } else {
-                Cells::default()
+                Lined::default()
             }
         };
         let bits = |k: u8| {
@@ -225,7 +225,7 @@ impl<C: Clone> Patch<C> {
         State {
             layout,
             analog: (0..layout.analog).map(cells).collect(),
-            pix: Cells::new(layout.analog.into(), state.edge.clone(), size.pixels()),
+            pix: Lined::new(layout.analog.into(), state.edge.clone(), size.pixels()),
             input: state.input.clone(),
             edge: state.edge.clone(),
             digital: (0..layout.digital).map(bits).collect(),

@@ -1,8 +1,9 @@
 //! Everything that the array remembers.
 
-use super::{BitPlane, Domain, Layout, cells::Cells};
+use super::{BitPlane, Domain, Layout};
 use crate::{
     isa::{Analog, Bit, Digital},
+    lined::Lined,
     plane::Plane,
 };
 
@@ -12,9 +13,9 @@ pub struct State<C> {
     /// Size and registers.
     pub layout: Layout,
     /// Analogue registers, each row by row.
-    pub(super) analog: Vec<Cells<C>>,
+    pub(super) analog: Vec<Lined<C>>,
     /// The photodiodes, row by row.
-    pub(super) pix: Cells<C>,
+    pub(super) pix: Lined<C>,
     /// The global input (DAC).
     pub(super) input: C,
     /// What lies off the array.
@@ -29,7 +30,7 @@ impl<C: Clone> State<C> {
     /// As switched on: every register 0, FLAG 1 everywhere.
     pub fn new<D: Domain<Cell = C>>(domain: &D, layout: Layout, edge: f64) -> Self {
         let zero = domain.hold(0.0);
-        let plane = |k: u8| Cells::new(k.into(), zero.clone(), layout.size.pixels());
+        let plane = |k: u8| Lined::new(k.into(), zero.clone(), layout.size.pixels());
         Self {
             layout,
             analog: (0..layout.analog).map(plane).collect(),
@@ -77,7 +78,7 @@ impl<C: Clone> State<C> {
         &self.digital[usize::from(register.0)]
     }
 
-    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Cells<C> {
+    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Lined<C> {
         &mut self.analog[usize::from(register.0)]
     }
 

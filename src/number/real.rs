@@ -53,6 +53,14 @@ pub trait Real:
     /// Without its sign.
     #[must_use]
     fn abs(self) -> Self;
+
+    /// Times the sign of `other`, which nought has too.
+    #[must_use]
+    fn turned(self, other: Self) -> Self;
+
+    /// The larger of two that are not below nought, and not −0.
+    #[must_use]
+    fn most(self, other: Self) -> Self;
 }
 
 macro_rules! real {
@@ -93,6 +101,16 @@ macro_rules! real {
             fn abs(self) -> Self {
                 $float::abs(self)
             }
+            #[inline]
+            fn turned(self, other: Self) -> Self {
+                let sign = other.to_bits() & (-0.0 as $float).to_bits();
+                <$float>::from_bits(self.to_bits() ^ sign)
+            }
+            #[inline]
+            fn most(self, other: Self) -> Self {
+                // As integers they are in the same order, and a loop can be vectorised.
+                <$float>::from_bits(self.to_bits().max(other.to_bits()))
+            }
         }
     )*};
 }
@@ -106,6 +124,22 @@ real! {
 #[cfg(test)]
 mod tests {
     use super::Real;
+
+    #[test]
+    fn signs_turn_and_the_larger_is_found() {
+        assert_eq!(2f32.turned(-0.5), -2.0);
+        assert_eq!((-2f64).turned(-0.5), 2.0);
+        assert_eq!((-2f64).turned(0.0), -2.0);
+        assert_eq!(2f64.turned(-0.0), -2.0);
+        for (a, b) in [
+            (0.0, 1e-300),
+            (1e-300, 0.5),
+            (0.5, 2e9),
+            (2e9, f64::INFINITY),
+        ] {
+            assert_eq!((a.most(b), b.most(a)), (b, b));
+        }
+    }
 
     /// On both sides of zero, up to the last.
     fn small<R: Real>(most: i32) {

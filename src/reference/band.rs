@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use crate::{
+    lined::Lined,
     number::{Number, Real},
     plane::Size,
     sensor::SensorError,
@@ -12,7 +13,7 @@ use crate::{
 use super::{
     Report,
     description::{Description, MemoryRule, PolarityRule, RefractoryRule},
-    drive::{Products, Weights, log_temporal},
+    drive::{Parts, Products, Weights, log_temporal},
     fire,
     hash::Place,
     memory::{self, Memory, Stepped},
@@ -118,7 +119,7 @@ struct Cells<N: Number> {
     /// What the weights make of the signal, for a memory of what they see.
     products: Products<N::Held>,
     /// `W * u` at the frame before, for a memory that steps.
-    before: Vec<N::Held>,
+    before: Lined<N::Held>,
     /// When each cell last fired, in seconds; only with a refractory period.
     fired: Vec<f64>,
     /// How far each memory falls in a second; only with leak.
@@ -129,7 +130,7 @@ struct Cells<N: Number> {
 #[derive(Clone, Debug)]
 struct Scratch<N: Number> {
     drive: Vec<N::Held>,
-    other: Vec<N::Held>,
+    parts: Parts<N::Held>,
     memory: Vec<N::Held>,
     to: Vec<N::Real>,
     trains: TrainRow<N::Real>,
@@ -153,7 +154,7 @@ impl<N: Number> Band<N> {
         let width = signal.inner(rows.start).len();
         let mut scratch = Scratch {
             drive: vec![N::ZERO; width],
-            other: vec![N::ZERO; width],
+            parts: Parts::default(),
             memory: vec![N::ZERO; width],
             to: vec![N::Real::ZERO; width],
             trains: TrainRow::new(width),
@@ -262,7 +263,7 @@ impl<N: Number> Band<N> {
         } = self;
         let Scratch {
             drive,
-            other,
+            parts,
             memory,
             to,
             trains,
@@ -296,10 +297,10 @@ impl<N: Number> Band<N> {
 
         let weights = &plan.weights[channel];
         surround::row(number, sheets, (channel, y), drive, |drive| match state {
-            Memory::RawSnap { .. } => weights.row(number, &pixels[channel], y, drive, other),
-            Memory::PixelStep(_) => weights.row(number, signal, y, drive, other),
+            Memory::RawSnap { .. } => weights.row(number, &pixels[channel], y, drive, parts),
+            Memory::PixelStep(_) => weights.row(number, signal, y, drive, parts),
             Memory::FilteredSnap { .. } | Memory::FilteredStep(_) => {
-                weights.row_of(number, (signal, products), y, drive, other);
+                weights.row_of(number, (signal, products), y, drive, parts);
             }
         });
         if description.channels[channel].log_temporal {
@@ -317,6 +318,7 @@ impl<N: Number> Band<N> {
                     drive,
                     on,
                     off,
+                    per: plan.thresholds[channel].inverse(y),
                     leak: leak.get(range.clone()).unwrap_or_default(),
                     elapsed: (elapsed - pair.duration(), elapsed),
                 };
@@ -333,7 +335,7 @@ impl<N: Number> Band<N> {
                 let Some(weights) = &plan.memory_weights[channel] else {
                     return Ok(0);
                 };
-                weights.row(number, &pixels[channel], y, memory, other);
+                weights.row(number, &pixels[channel], y, memory, parts);
                 memory::distance(number, drive, memory, to);
             }
             Memory::FilteredSnap { filtered, .. } => {
@@ -536,9 +538,9 @@ impl<N: Number> Cells<N> {
         let mut filtered = Vec::with_capacity(cells);
         let mut pixels = Vec::with_capacity(cells);
         for y in rows.clone() {
-            let Scratch { drive, other, .. } = scratch;
+            let Scratch { drive, parts, .. } = scratch;
             surround::row(number, sheets, (channel, y), drive, |drive| {
-                plan.weights[channel].row(number, signal, y, drive, other);
+                plan.weights[channel].row(number, signal, y, drive, parts);
             });
             if description.channels[channel].log_temporal {
                 log_temporal(number, &mut scratch.drive, 0.0);
@@ -547,7 +549,11 @@ impl<N: Number> Cells<N> {
             pixels.extend_from_slice(signal.inner(y));
         }
         let steps = description.memory == MemoryRule::FilteredStep;
-        let before = if steps { filtered.clone() } else { Vec::new() };
+        let before = if steps {
+            Lined::of(5, &filtered)
+        } else {
+            Lined::default()
+        };
         let thresholds = &plan.thresholds[channel];
         let noise = description.noise;
         let place = |cell: usize| Place {
@@ -576,10 +582,10 @@ impl<N: Number> Cells<N> {
                 pixels: (description.polarity == PolarityRule::Pixel).then_some(pixels),
             },
             MemoryRule::FilteredStep => {
-                Memory::FilteredStep(Stepped::new(filtered, thresholds.equal))
+                Memory::FilteredStep(Stepped::new(&filtered, thresholds.equal))
             }
             MemoryRule::AuthorsPixelStep => {
-                Memory::PixelStep(Stepped::new(pixels, thresholds.equal))
+                Memory::PixelStep(Stepped::new(&pixels, thresholds.equal))
             }
         };
         let refractory = plan.refractory();

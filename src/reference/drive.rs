@@ -12,6 +12,10 @@
 //! every machine gives the same bits. A block of pixels is summed at a time, so that the sums
 //! stay in registers: one multiplication, one addition and one load for each weight and pixel.
 //!
+//! In f32 and f64, pixels that lie below each other and have the same weights are added first,
+//! where rows of a kernel are equal: of the five rows of a centre and its surround two are left.
+//! In narrower formats such a sum could leave their range.
+//!
 //! Where a product is many instructions, as in all formats but f32 and f64, and a kernel has few
 //! different weights, as a surround of equal ones has, each pixel is multiplied once by each of
 //! those, and a sum is additions alone: the same products in the same order.
@@ -23,7 +27,7 @@ use crate::{
     number::{Format, Number, Real},
 };
 
-use super::signal::Padded;
+use super::signal::{BLOCK, Padded};
 
 /// The kernels of a channel, as a number format holds them: one, or four in a 2x2 pattern.
 #[derive(Clone, Debug)]
@@ -31,12 +35,28 @@ pub(super) struct Weights<H> {
     kernels: Vec<Held<H>>,
 }
 
-/// One kernel: its rows of weights.
+/// One kernel: its weights.
 #[derive(Clone, Debug)]
 struct Held<H> {
-    rows: Vec<Vec<H>>,
+    lines: Vec<Line<H>>,
     reach: (usize, usize),
     shared: Option<Shared<H>>,
+}
+
+/// A row of weights, and the rows of the kernel that it is: one, or all that are equal.
+#[derive(Clone, Debug)]
+struct Line<H> {
+    weights: Vec<H>,
+    rows: Vec<usize>,
+}
+
+/// Room for what a row of drive is made of.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Parts<H> {
+    /// Sums of rows that are seen with equal weights, one after the other.
+    sums: Vec<H>,
+    /// What the second kernel of a pattern sees.
+    other: Vec<H>,
 }
 
 /// The weights of a kernel that has few different ones.
@@ -69,7 +89,7 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
             let rows: Vec<Vec<H>> = rows.collect();
             Held {
                 shared: Shared::new(number, &rows),
-                rows,
+                lines: Line::all(number, rows),
                 reach: kernel.reach(),
             }
         };
@@ -110,7 +130,7 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
         (padded, products): (&Padded<H>, &Products<H>),
         y: usize,
         out: &mut [H],
-        other: &mut [H],
+        parts: &mut Parts<H>,
     ) {
         match (&self.kernels[..], self.shared()) {
             ([one], Some(shared)) => {
@@ -121,7 +141,7 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
                 let places: Vec<_> = shared.places.iter().map(at).collect();
                 add_up(number, &places, &products.0, out);
             }
-            _ => self.row(number, padded, y, out, other),
+            _ => self.row(number, padded, y, out, parts),
         }
     }
 
@@ -133,13 +153,15 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
         padded: &Padded<H>,
         y: usize,
         out: &mut [H],
-        other: &mut [H],
+        parts: &mut Parts<H>,
     ) {
         match &self.kernels[..] {
-            [one] => one.row(number, padded, y, out),
+            [one] => one.row(number, padded, y, out, &mut parts.sums),
             four => {
-                four[2 * (y % 2)].row(number, padded, y, out);
-                four[2 * (y % 2) + 1].row(number, padded, y, other);
+                let Parts { sums, other } = parts;
+                other.resize(out.len(), N::ZERO);
+                four[2 * (y % 2)].row(number, padded, y, out, sums);
+                four[2 * (y % 2) + 1].row(number, padded, y, other, sums);
                 for (to, from) in out.iter_mut().zip(other).skip(1).step_by(2) {
                     *to = *from;
                 }
@@ -187,7 +209,6 @@ fn scale<N: Number>(number: &N, weight: N::Held, values: &[N::Held], out: &mut [
 /// Sums of what lies at these places of `source`, for each pixel of a row.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn add_up<N: Number>(number: &N, places: &[usize], source: &[N::Held], out: &mut [N::Held]) {
-    const BLOCK: usize = 64;
     for (block, out) in out.chunks_mut(BLOCK).enumerate() {
         let mut sums = [N::ZERO; BLOCK];
         for &at in places {
@@ -203,14 +224,80 @@ fn add_up<N: Number>(number: &N, places: &[usize], source: &[N::Held], out: &mut
     }
 }
 
+impl<H: Copy> Line<H> {
+    fn all<N: Number<Held = H>>(number: &N, rows: Vec<Vec<H>>) -> Vec<Self> {
+        let together = matches!(number.format(), Format::F32 | Format::F64);
+        let mut lines: Vec<Self> = Vec::new();
+        for (row, weights) in rows.into_iter().enumerate() {
+            let bits = |held: &H| number.value(*held).to_bits();
+            let equal =
+                |line: &&mut Self| line.weights.iter().map(bits).eq(weights.iter().map(bits));
+            match lines.iter_mut().find(equal) {
+                Some(line) if together => line.rows.push(row),
+                _ => lines.push(Self {
+                    weights,
+                    rows: vec![row],
+                }),
+            }
+        }
+        lines
+    }
+}
+
 impl<H: Copy + Default + Send + Sync> Held<H> {
-    fn row<N: Number<Held = H>>(&self, number: &N, padded: &Padded<H>, y: usize, out: &mut [H]) {
-        let source = padded.from(y, self.reach);
+    fn row<N: Number<Held = H>>(
+        &self,
+        number: &N,
+        padded: &Padded<H>,
+        y: usize,
+        out: &mut [H],
+        sums: &mut Vec<H>,
+    ) {
+        let (source, stride) = padded.from(y, self.reach);
+        let whole = out.len().next_multiple_of(BLOCK) + 2 * self.reach.1;
+        let summed = self.lines.iter().filter(|line| line.rows.len() > 1);
+        sums.resize(summed.clone().count() * whole, N::ZERO);
+        for (line, sum) in summed.zip(sums.chunks_mut(whole)) {
+            add_rows(number, &line.rows, (source, stride), sum);
+        }
+        let sums = (&sums[..], whole);
         // Eight vector registers of sums.
         if size_of::<H>() > 4 {
-            correlate::<N, 32>(number, &self.rows, source, out);
+            correlate::<N, 32>(number, &self.lines, (source, stride), sums, out);
         } else {
-            correlate::<N, 64>(number, &self.rows, source, out);
+            correlate::<N, 64>(number, &self.lines, (source, stride), sums, out);
+        }
+    }
+}
+
+/// Sums of rows of `source`, pixel by pixel.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn add_rows<N: Number>(
+    number: &N,
+    rows: &[usize],
+    (source, stride): (&[N::Held], usize),
+    out: &mut [N::Held],
+) {
+    const PART: usize = 32;
+    let Some((&first, rows)) = rows.split_first() else {
+        return;
+    };
+    let whole = out.len();
+    let row = |row: usize| source[row * stride..][..whole].as_chunks::<PART>();
+    let (parts, rest) = out.as_chunks_mut::<PART>();
+    for (n, part) in parts.iter_mut().enumerate() {
+        let mut sums = row(first).0[n];
+        for &next in rows {
+            for (sum, &value) in sums.iter_mut().zip(&row(next).0[n]) {
+                *sum = number.add(*sum, value);
+            }
+        }
+        *part = sums;
+    }
+    for (n, sum) in rest.iter_mut().enumerate() {
+        *sum = row(first).1[n];
+        for &next in rows {
+            *sum = number.add(*sum, row(next).1[n]);
         }
     }
 }
@@ -218,14 +305,22 @@ impl<H: Copy + Default + Send + Sync> Held<H> {
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn correlate<N: Number, const BLOCK: usize>(
     number: &N,
-    rows: &[Vec<N::Held>],
+    lines: &[Line<N::Held>],
     (source, stride): (&[N::Held], usize),
+    (summed, whole): (&[N::Held], usize),
     out: &mut [N::Held],
 ) {
-    for (block, out) in out.chunks_mut(BLOCK).enumerate() {
+    let sums = |block: usize| {
         let mut sums = [N::ZERO; BLOCK];
-        for (row, weights) in rows.iter().enumerate() {
-            let start = row * stride + block * BLOCK;
+        let mut seen = 0;
+        for Line { weights, rows } in lines {
+            let (source, start) = if let [row] = rows[..] {
+                (source, row * stride)
+            } else {
+                seen += 1;
+                (summed, (seen - 1) * whole)
+            };
+            let start = start + block * BLOCK;
             let Some(source) = source.get(start..start + weights.len() - 1 + BLOCK) else {
                 continue;
             };
@@ -235,7 +330,15 @@ fn correlate<N: Number, const BLOCK: usize>(
                 }
             }
         }
-        out.copy_from_slice(&sums[..out.len()]);
+        sums
+    };
+    let (blocks, rest) = out.as_chunks_mut::<BLOCK>();
+    let last = blocks.len();
+    for (block, out) in blocks.iter_mut().enumerate() {
+        *out = sums(block);
+    }
+    if !rest.is_empty() {
+        rest.copy_from_slice(&sums(last)[..rest.len()]);
     }
 }
 
@@ -289,9 +392,12 @@ mod tests {
     fn kernels() -> impl Strategy<Value = Kernel> {
         (0usize..4, 0usize..4).prop_flat_map(|(ry, rx)| {
             let (h, w) = (2 * ry + 1, 2 * rx + 1);
-            proptest::collection::vec(-9i8..9, h * w).prop_map(move |v| {
+            // Many have equal rows.
+            let weights = proptest::collection::vec(-9i8..9, h * w);
+            let rows = proptest::collection::vec(0..h, h);
+            (weights, rows).prop_map(move |(weights, rows)| {
                 Kernel::new(Plane::from_shape_fn((h, w), |(y, x)| {
-                    f64::from(v[y * w + x])
+                    f64::from(weights[rows[y] * w + x])
                 }))
                 .unwrap()
             })
@@ -315,16 +421,26 @@ mod tests {
         assert!(weights.shared().is_some());
         let mut products = Products::default();
         weights.multiply(number, &padded, &mut products);
-        let mut other = vec![N::ZERO; plane.ncols()];
-        let (mut once, mut anew) = (other.clone(), other.clone());
+        let mut parts = Parts::default();
+        let mut once = vec![N::ZERO; plane.ncols()];
+        let mut anew = once.clone();
         for y in rows {
-            weights.row_of(number, (&padded, &products), y, &mut once, &mut other);
-            weights.row(number, &padded, y, &mut anew, &mut other);
+            weights.row_of(number, (&padded, &products), y, &mut once, &mut parts);
+            weights.row(number, &padded, y, &mut anew, &mut parts);
             for (once, anew) in once.iter().zip(&anew) {
                 let bits = |held: &N::Held| number.value(*held).to_bits();
                 assert_eq!(bits(once), bits(anew));
             }
         }
+    }
+
+    #[test]
+    fn equal_rows_are_one_line_of_wide_floats() {
+        let kernel = [Kernel::builtin("csdvs-5").unwrap()];
+        let wide = Weights::new(&F64, &kernel);
+        let rows: Vec<_> = wide.kernels[0].lines.iter().map(|l| &l.rows[..]).collect();
+        assert_eq!(rows, [&[0, 1, 3, 4][..], &[2]]);
+        assert_eq!(Weights::new(&F16, &kernel).kernels[0].lines.len(), 5);
     }
 
     proptest! {
@@ -356,9 +472,9 @@ mod tests {
             }
             let weights = Weights::new(&F64, kernels);
             let mut out = vec![0.0; plane.ncols()];
-            let mut other = out.clone();
+            let mut parts = Parts::default();
             for y in 0..plane.nrows() {
-                weights.row(&F64, &padded, y, &mut out, &mut other);
+                weights.row(&F64, &padded, y, &mut out, &mut parts);
                 for (x, &value) in out.iter().enumerate() {
                     let kernel = &kernels[if pattern { 2 * (y % 2) + x % 2 } else { 0 }];
                     prop_assert_eq!(value, at(&plane, kernel, border, y, x));

@@ -5,7 +5,7 @@
 //!
 //! - a memory that **steps** counts whole thresholds, `N = floor(|d| / θ)`. A crossing by
 //!   equality fires: a relative tolerance ([`Real::TIE`]) absorbs what rounding does to
-//!   `0.6 / 0.2`.
+//!   `0.6 / 0.2`, and that `|d|` is multiplied by `1 / θ`, worked out once.
 //! - a memory that **snaps** decides once, when the frame is taken: `|d| > θ`, strictly, as
 //!   Eq. 2 of the paper and as the chip's `where` does.
 //!
@@ -25,19 +25,17 @@ use crate::number::Real;
 
 use super::train::TrainRow;
 
-/// Whole thresholds in a distance, with its sign; 2^31 of either sign if they are more, or the
+/// Whole thresholds in a distance, from one by each threshold; 2^31 if they are more, or the
 /// distance is not a number.
 #[inline]
-pub(super) fn whole<R: Real>(d: R, on: R, off: R) -> R {
-    let theta = if d >= R::ZERO { on } else { off };
-    let quotient = d.abs() / theta;
+pub(super) fn whole<R: Real>(d: R, per_on: R, per_off: R) -> R {
+    let quotient = d.abs() * if d >= R::ZERO { per_on } else { per_off };
     // In single precision the tolerance of a large count would be more than an event.
     let half = R::of(0.5);
     let hair = quotient * R::TIE;
     let whole = (quotient + if hair < half { hair } else { half }).floor();
     let beyond = R::of(2_147_483_648.0);
-    let whole = if whole < beyond { whole } else { beyond };
-    if d >= R::ZERO { whole } else { -whole }
+    if whole < beyond { whole } else { beyond }
 }
 
 /// Where a line from one distance to another meets the first threshold, and how far the next
@@ -47,10 +45,10 @@ pub(super) fn whole<R: Real>(d: R, on: R, off: R) -> R {
 #[inline]
 pub(super) fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
     let theta = if to >= R::ZERO { on } else { off };
-    let start = if to >= R::ZERO { from } else { -from };
+    let start = from.turned(to);
     let rise = to.abs() - start;
     let rises = rise > R::ZERO;
-    let per = R::ONE / if rises { rise } else { R::ONE };
+    let per = R::ONE / rise;
     let place = (theta - start) * per;
     let place = if place > R::ZERO { place } else { R::ZERO };
     let place = if place < R::ONE { place } else { R::ONE };
@@ -101,7 +99,8 @@ mod tests {
     }
 
     fn counted<R: Real>(d: R, on: R, off: R) -> i32 {
-        whole(d, on, off).to_f64().small_i32()
+        let whole = whole(d, R::ONE / on, R::ONE / off);
+        whole.turned(d).to_f64().small_i32()
     }
 
     fn snapped(d: f64) -> i32 {

@@ -22,7 +22,10 @@
 
 use multiversion::multiversion;
 
-use crate::number::{Number, Real};
+use crate::{
+    lined::Lined,
+    number::{Number, Real},
+};
 
 /// The memory of one channel in one band of rows, row after row.
 #[derive(Clone, Debug)]
@@ -44,20 +47,20 @@ pub(super) enum Memory<N: Number> {
 /// A memory that is moved by whole thresholds.
 #[derive(Clone, Debug)]
 pub(super) struct Stepped<N: Number> {
-    pub(super) base: Vec<N::Held>,
+    pub(super) base: Lined<N::Held>,
     /// ON steps less OFF steps.
-    pub(super) net: Vec<i32>,
+    pub(super) net: Lined<i32>,
     /// OFF steps, where the two thresholds differ.
     pub(super) off: Option<Vec<f64>>,
 }
 
 impl<N: Number> Stepped<N> {
     /// A memory that has not moved.
-    pub(super) fn new(base: Vec<N::Held>, equal_thresholds: bool) -> Self {
+    pub(super) fn new(base: &[N::Held], equal_thresholds: bool) -> Self {
         let cells = base.len();
         Self {
-            base,
-            net: vec![0; cells],
+            base: Lined::of(3, base),
+            net: Lined::new(4, 0, cells),
             off: (!equal_thresholds).then(|| vec![0.0; cells]),
         }
     }
@@ -180,7 +183,7 @@ mod tests {
     const MILLIARD: i32 = 1_000_000_000;
 
     fn after<N: Number>(number: &N, steps: &[i32], on: f64, off: f64) -> f64 {
-        let mut memory = Stepped::<N>::new(vec![number.hold(0.5)], on == off);
+        let mut memory = Stepped::<N>::new(&[number.hold(0.5)], on == off);
         for &count in steps {
             memory.take(0..1, &[count]).unwrap();
         }
@@ -216,7 +219,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_counted_is_refused() {
-        let mut memory = Stepped::<F64>::new(vec![0.0; 3], true);
+        let mut memory = Stepped::<F64>::new(&[0.0; 3], true);
         memory.take(0..3, &[1, MILLIARD, -MILLIARD]).unwrap();
         assert_eq!(memory.take(0..3, &[1, -1, -MILLIARD]), Err(2));
         assert_eq!(memory.take(0..3, &[1, MILLIARD, MILLIARD]), Err(1));

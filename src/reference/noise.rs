@@ -30,6 +30,8 @@
 //! most once a frame and are stamped with the frame's end; its leak starts in step in all
 //! cells; its low-pass is an Euler step that has to be clipped.
 
+use std::ops::Range;
+
 use ndarray::ArrayView1;
 use serde::Deserialize;
 
@@ -245,6 +247,8 @@ impl LowPass {
 pub(super) struct Thresholds<R> {
     on: Vec<R>,
     off: Vec<R>,
+    /// One by each.
+    inverse: (Vec<R>, Vec<R>),
     width: usize,
     /// How many different rows there are: 1, 2 for a 2x2 pattern, or all.
     rows: usize,
@@ -283,8 +287,10 @@ impl<R: Real> Thresholds<R> {
             }
         };
         let (on, off): (Vec<R>, Vec<R>) = cells.map(drawn).unzip();
+        let inverse = |of: &[R]| of.iter().map(|threshold| R::ONE / *threshold).collect();
         Self {
             equal: on == off,
+            inverse: (inverse(&on), inverse(&off)),
             on,
             off,
             width: size.width,
@@ -294,10 +300,18 @@ impl<R: Real> Thresholds<R> {
 
     /// The ON and OFF thresholds of row `y`.
     pub(super) fn row(&self, y: usize) -> (&[R], &[R]) {
+        let row = self.place(y);
+        (&self.on[row.clone()], &self.off[row])
+    }
+
+    /// One by each of them.
+    pub(super) fn inverse(&self, y: usize) -> (&[R], &[R]) {
+        let row = self.place(y);
+        (&self.inverse.0[row.clone()], &self.inverse.1[row])
+    }
+
+    fn place(&self, y: usize) -> Range<usize> {
         let start = y % self.rows * self.width;
-        (
-            &self.on[start..start + self.width],
-            &self.off[start..start + self.width],
-        )
+        start..start + self.width
     }
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use crate::{
+    lined::Lined,
     number::{Number, Real},
     photoreceptor::{Curve, Response},
     plane::Size,
@@ -18,7 +19,7 @@ use super::{MAGIC, description::Border, noise::LowPass};
 /// after row.
 #[derive(Clone, Debug)]
 pub(super) struct Padded<H> {
-    values: Vec<H>,
+    values: Lined<H>,
     size: Size,
     /// Which rows of the plane.
     rows: Range<usize>,
@@ -26,22 +27,27 @@ pub(super) struct Padded<H> {
     rim: (usize, usize),
     /// From one row to the next: the columns, both rims, and room for a whole block at the end.
     stride: usize,
+    /// Where in a row the first pixel of the plane lies: at the beginning of a line of the cache.
+    left: usize,
 }
 
 /// Pixels that are worked on at a time, at most.
-const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 64;
 
 impl<H: Copy> Padded<H> {
     /// Room for these rows of planes of `size` under kernels that reach `rim` (rows, columns).
     pub(super) fn new(size: Size, rows: Range<usize>, rim: (usize, usize), zero: H) -> Self {
-        let stride = size.width.next_multiple_of(BLOCK) + 2 * rim.1;
-        let values = vec![zero; (rows.len() + 2 * rim.0) * stride];
+        let line = 64 / size_of::<H>();
+        let left = rim.1.next_multiple_of(line);
+        let stride = (left + size.width.next_multiple_of(BLOCK) + rim.1).next_multiple_of(line);
+        let values = Lined::new(6, zero, (rows.len() + 2 * rim.0) * stride);
         Self {
             values,
             size,
             rows,
             rim,
             stride,
+            left,
         }
     }
 
@@ -52,7 +58,7 @@ impl<H: Copy> Padded<H> {
 
     /// Row `y` of the plane without its rim.
     pub(super) fn inner(&self, y: usize) -> &[H] {
-        let start = self.start(y) + self.rim.1;
+        let start = self.start(y) + self.left;
         &self.values[start..start + self.size.width]
     }
 
@@ -64,7 +70,7 @@ impl<H: Copy> Padded<H> {
 
     /// Where in all values that begins.
     pub(super) fn place(&self, y: usize, reach: (usize, usize)) -> usize {
-        self.start(y) - reach.0 * self.stride + self.rim.1 - reach.1
+        self.start(y) - reach.0 * self.stride + self.left - reach.1
     }
 
     /// From one row to the next.
@@ -93,7 +99,7 @@ impl<H: Copy> Padded<H> {
         fill: impl FnOnce(&mut [H]) -> Result<(), E>,
     ) -> Result<(), E> {
         let (start, stride) = (self.start(y), self.stride);
-        let (left, width) = (self.rim.1, self.size.width);
+        let (left, width) = (self.left, self.size.width);
         let row = &mut self.values[start..start + stride];
         fill(&mut row[left..left + width])?;
         let (west, east) = match border {

@@ -23,6 +23,8 @@ pub(super) struct Seen<'a, N: Number> {
     pub(super) drive: &'a [N::Held],
     pub(super) on: &'a [N::Real],
     pub(super) off: &'a [N::Real],
+    /// One by each of the two.
+    pub(super) per: (&'a [N::Real], &'a [N::Real]),
     /// How far each memory falls in a second; empty without leak.
     pub(super) leak: &'a [N::Real],
     /// The times of the two frames, in seconds since the first.
@@ -95,6 +97,7 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     let cells = seen.drive.len();
     // All of one length, so that nothing is checked in the loop.
     let (drive, on, off) = (seen.drive, &seen.on[..cells], &seen.off[..cells]);
+    let (per_on, per_off) = (&seen.per.0[..cells], &seen.per.1[..cells]);
     let (base, net, before) = (
         &steps.base[..cells],
         &steps.net[..cells],
@@ -105,7 +108,7 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     let whole = &mut whole[..cells];
     let (first, spacing) = (&mut row.first[..cells], &mut row.spacing[..cells]);
     let fallen = (N::Real::of(seen.elapsed.0), N::Real::of(seen.elapsed.1));
-    let mut large = 0;
+    let mut most = N::Real::ZERO;
     for x in 0..cells {
         // Without OFF steps of their own the two thresholds are equal.
         let (on, off) = (on[x], if OFF { off[x] } else { on[x] });
@@ -117,8 +120,10 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
         if LEAK {
             to = to + leak[x] * fallen.1;
         }
-        let count = fire::whole(to, on, off);
-        large |= i32::from(count.abs() >= N::Real::SMALL);
+        let per_on = per_on[x];
+        let count = fire::whole(to, per_on, if OFF { per_off[x] } else { per_on });
+        most = most.most(count);
+        let count = count.turned(to);
         if TIMES {
             let mut from = number.real(number.sub(before[x], memory));
             if LEAK {
@@ -133,7 +138,7 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
             off_steps[x] -= if count < 0.0 { count } else { 0.0 };
         }
     }
-    large == 0
+    most < N::Real::SMALL
 }
 
 /// From whole numbers to counts, small ones by a shorter way, and on to where memories are; how

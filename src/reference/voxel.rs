@@ -17,6 +17,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use crate::{
+    lined,
     number::Real,
     plane::{Plane, Size},
     sensor::SensorError,
@@ -37,10 +38,11 @@ impl VoxelGrid {
     /// Empty bins.
     #[must_use]
     pub fn new(size: Size, channels: usize) -> Self {
-        let empty = vec![Plane::zeros(size.shape()); channels];
+        let empty =
+            |first| (0..channels).map(move |channel| lined::zeros(first + 2 * channel, size));
         Self {
-            earlier: empty.clone(),
-            later: empty,
+            earlier: empty(0).collect(),
+            later: empty(1).collect(),
             stale: false,
         }
     }
