@@ -513,10 +513,11 @@ fn bad_input_is_one_message_and_no_page() {
         [&ask[..], &["-o", "report.html"]].concat()
     };
     let more = |more: &[&'static str]| [&ASK, more, &["-o", "report.html"]].concat();
-    let cases: [(Vec<&str>, &[&str]); 11] = [
+    let cases: [(Vec<&str>, &[&str]); 12] = [
         (with(2, "nowhere.toml"), &["nowhere.toml", "rgc-5x5"]),
         (with(2, "zero.toml"), &["all weights are 0"]),
         (with(4, "0"), &["threshold is 0", "positive"]),
+        (with(4, "-3"), &["threshold is -3", "positive"]),
         (with(4, "nan"), &["threshold", "positive"]),
         (with(6, "gone.mp4"), &["gone.mp4"]),
         (with(8, "ternary,septenary"), &["septenary", "ternary"]),

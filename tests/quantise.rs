@@ -140,6 +140,11 @@ fn a_threshold_of_nothing_is_told_of() {
     let fires = "any change fires; take thresholds from ";
     assert!(said("0.1").contains(fires), "{}", said("0.1"));
     assert!(!said("200").contains(fires), "{}", said("200"));
+    refused(
+        folder.path(),
+        &["compile", "k.toml", "--threshold", "-3"],
+        &["threshold is -3", "zero or a positive"],
+    );
 }
 
 /// A kernel that loses nothing by being quantised loses no event in exact arithmetic, and one
@@ -239,11 +244,20 @@ fn bad_input_is_named() {
         ],
         &["2 were asked for", "give one quantiser"],
     );
-    refused(
-        at,
-        &["quantise", "k.toml", "--to", "binary", "--threshold", "0"],
-        &["threshold is 0", "positive"],
-    );
+    for (threshold, said) in [("0", "threshold is 0"), ("-3", "threshold is -3")] {
+        refused(
+            at,
+            &[
+                "quantise",
+                "k.toml",
+                "--to",
+                "binary",
+                "--threshold",
+                threshold,
+            ],
+            &[said, "positive"],
+        );
+    }
     refused(
         at,
         &["quantise", "k.toml", "--to", "binary", "--scene", SCENE],

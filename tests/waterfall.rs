@@ -460,10 +460,12 @@ mod verb {
             &["error.nose", "error.noise"],
         );
         refused(&asked(&["-o", "fall.pdf"]), &["fall.pdf", ".svg"]);
-        refused(
-            &["csdvs-3", "--threshold", "0", "-o", "fall.svg"],
-            &["threshold is 0", "positive"],
-        );
+        for (threshold, said) in [("0", "threshold is 0"), ("-3", "threshold is -3")] {
+            refused(
+                &["csdvs-3", "--threshold", threshold, "-o", "fall.svg"],
+                &[said, "positive"],
+            );
+        }
         refused(
             &[
                 "csdvs-3",

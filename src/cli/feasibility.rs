@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(long)]
     kernel: String,
     /// Events where kernel times light (0 to 255) moved by more than this
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
     /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long)]

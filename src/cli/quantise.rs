@@ -50,7 +50,7 @@ pub struct Arguments {
     picture: Option<PathBuf>,
     /// Compile each for the chip and run it against the float kernel: events where kernel times
     /// light (0 to 255) moved by more than this
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     threshold: Option<f64>,
     /// What they watch, with --threshold: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long, requires = "threshold")]

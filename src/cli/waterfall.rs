@@ -30,7 +30,7 @@ pub struct Arguments {
     /// A kernel file (.toml or .npy), or the name of a built-in
     kernel: String,
     /// Events where kernel times light (0 to 255) moved by more than this
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
     /// How the kernel comes into few values
     #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantise::quantiser)]

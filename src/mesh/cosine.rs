@@ -11,7 +11,7 @@
 use std::{fmt, sync::Arc};
 
 use multiversion::multiversion;
-use rustfft::{Fft, FftPlanner, num_complex::Complex};
+use rustfft::{Fft, FftNum, FftPlanner, num_complex::Complex};
 
 use super::Real;
 
@@ -35,9 +35,7 @@ impl<T: Real> fmt::Debug for Cosine<T> {
 
 impl<T: Real> Cosine<T> {
     pub(super) fn new(length: usize) -> Self {
-        let mut planner = FftPlanner::new();
-        let there = planner.plan_fft_forward(length);
-        let back = planner.plan_fft_inverse(length);
+        let [there, back] = T::transforms(length);
         let scratch = there
             .get_inplace_scratch_len()
             .max(back.get_inplace_scratch_len());
@@ -71,6 +69,15 @@ impl<T: Real> Cosine<T> {
             .process_with_scratch(&mut self.row, &mut self.scratch);
         scatter(&self.row, a, b);
     }
+}
+
+/// The Fourier transform of so many numbers, and its inverse.
+pub(super) fn transforms<T: FftNum>(length: usize) -> [Arc<dyn Fft<T>>; 2] {
+    let mut planner = FftPlanner::new();
+    [
+        planner.plan_fft_forward(length),
+        planner.plan_fft_inverse(length),
+    ]
 }
 
 /// Two rows as one: even columns from the left, odd ones from the right.

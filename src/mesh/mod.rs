@@ -48,6 +48,10 @@ mod krylov;
 mod network;
 mod steady;
 
+use std::sync::Arc;
+
+use rustfft::Fft;
+
 use crate::plane::{Plane, Size};
 
 pub use circuit::{Circuit, Layer};
@@ -241,6 +245,10 @@ pub trait Real: rustfft::FftNum + PartialOrd {
 
     /// As a double.
     fn double(self) -> f64;
+
+    /// The Fourier transform of so many numbers, and its inverse. Not generic, so that its code,
+    /// which is long, is in this library alone.
+    fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 }
 
 impl Real for f64 {
@@ -256,6 +264,10 @@ impl Real for f64 {
     fn double(self) -> f64 {
         self
     }
+
+    fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
+        cosine::transforms(length)
+    }
 }
 
 impl Real for f32 {
@@ -270,6 +282,10 @@ impl Real for f32 {
     #[inline]
     fn double(self) -> f64 {
         self.into()
+    }
+
+    fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
+        cosine::transforms(length)
     }
 }
 

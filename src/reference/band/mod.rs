@@ -1,104 +1,33 @@
 //! A band of rows: its cells' state, and one pair of frames for all of them, row by row, with
 //! the row in cache: drive, distance from memory, fire, refractory, what it does to the memory.
 
+mod cells;
+mod disturb;
+mod plan;
+
 use std::ops::Range;
 
 use crate::{
     lined::Lined,
     number::{Number, Real},
-    plane::Size,
     sensor::SensorError,
 };
 
 use super::{
     Report,
-    description::{Description, MemoryRule, PolarityRule, RefractoryRule},
-    drive::{Parts, Products, Weights, log_temporal},
+    description::{PolarityRule, RefractoryRule},
+    drive::{Parts, Products, log_temporal},
     fire,
     hash::Place,
-    memory::{self, Memory, Stepped},
-    noise::{Noise, Thresholds},
-    refractory::{self, awake},
+    memory::{self, Memory},
+    refractory,
     signal::{Light, Padded},
     step::Seen,
-    stray::Strays,
     surround::{self, Sheets},
-    train::{BandSink, Pair, Train, TrainRow},
+    train::{BandSink, TrainRow},
 };
 
-/// What all bands of a sensor share.
-#[derive(Clone, Debug)]
-pub(super) struct Plan<N: Number> {
-    pub(super) number: N,
-    pub(super) description: Description,
-    pub(super) seed: u64,
-    /// For each channel.
-    pub(super) weights: Vec<Weights<N::Held>>,
-    pub(super) memory_weights: Vec<Option<Weights<N::Held>>>,
-    pub(super) thresholds: Vec<Thresholds<N::Real>>,
-}
-
-impl<N: Number> Plan<N> {
-    pub(super) fn new(number: N, description: Description, size: Size, seed: u64) -> Self {
-        let channels = &description.channels;
-        let weights = channels
-            .iter()
-            .map(|c| Weights::new(&number, &c.kernels))
-            .collect();
-        let memory_weights = channels
-            .iter()
-            .map(|c| {
-                c.memory_kernel
-                    .as_ref()
-                    .map(|k| Weights::new(&number, std::slice::from_ref(k)))
-            })
-            .collect();
-        let thresholds = channels
-            .iter()
-            .enumerate()
-            .map(|(number, channel)| Thresholds::new(&channel.thresholds, size, seed, number))
-            .collect();
-        Self {
-            number,
-            description,
-            seed,
-            weights,
-            memory_weights,
-            thresholds,
-        }
-    }
-
-    fn refractory(&self) -> f64 {
-        self.description.refractory.us * 1e-6
-    }
-}
-
-/// What all bands see of a pair of frames.
-#[derive(Debug)]
-pub(super) struct Sight<'a, N: Number> {
-    /// The frame; none if the bands have taken it in already.
-    pub(super) light: Option<Light<'a, N>>,
-    /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
-    /// distance from it if it snaps.
-    pub(super) pixels: &'a [Padded<N::Held>],
-    /// Resistor sheets, where channels see through them.
-    pub(super) sheets: Option<&'a Sheets>,
-    pub(super) pair: Pair,
-    /// Seconds since the first frame.
-    pub(super) elapsed: f64,
-    /// Whether the times of the events are wanted.
-    pub(super) times: bool,
-}
-
-/// Derived, it would ask for a number that can be copied held.
-impl<N: Number> Copy for Sight<'_, N> {}
-
-#[expect(clippy::expl_impl_clone_on_copy, reason = "as above")]
-impl<N: Number> Clone for Sight<'_, N> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
+pub(super) use self::plan::{Plan, Sight};
 
 /// The cells of some rows, all channels.
 #[derive(Clone, Debug)]
@@ -444,74 +373,6 @@ impl<N: Number> Band<N> {
         }
         Ok(events.unwrap_or_else(|| trains.events()))
     }
-
-    /// Tells of what noise makes the cells of a row fire, besides what the scene did: a row
-    /// with the first such event of each cell, one with the second, and so on.
-    fn disturb<S: BandSink>(
-        &mut self,
-        plan: &Plan<N>,
-        channel: usize,
-        y: usize,
-        pair: Pair,
-        sink: &mut S,
-    ) -> Result<(), SensorError> {
-        let range = self.range(y);
-        let (noise, response) = (&plan.description.noise, plan.description.response);
-        let (dt, refractory) = (pair.duration(), plan.refractory());
-        let Scratch { trains, rested, .. } = &mut self.scratch;
-        let fired = &mut self.channels[channel].fired;
-        let seen = self.signal.inner(y);
-        let all = Strays::new(noise, plan.seed, pair.index, dt);
-        let mut strays = Vec::new();
-        for x in 0..self.width {
-            let place = Place {
-                seed: plan.seed,
-                channel,
-                y,
-                x,
-            };
-            if !all.may_be(place) {
-                continue;
-            }
-            let light = || response.light(plan.number.value(seen[x]));
-            for (u, polarity) in all.of(place, light) {
-                if refractory > 0.0 {
-                    let before = (rested[x] - pair.from) / dt;
-                    if !awake(u, trains.get(x).as_ref(), before, refractory / dt) {
-                        self.report.lost_to_refractory += 1;
-                        continue;
-                    }
-                    rested[x] = pair.from + u * dt;
-                    let fired = &mut fired[range.start + x];
-                    *fired = fired.max(rested[x]);
-                }
-                strays.push((
-                    x,
-                    Train {
-                        polarity,
-                        count: 1,
-                        first: u,
-                        spacing: 0.0,
-                    },
-                ));
-            }
-        }
-        self.report.events += strays.len() as u64;
-        while !strays.is_empty() {
-            trains.counts.fill(0);
-            let mut told = None;
-            strays.retain(|(x, train)| {
-                if told == Some(*x) {
-                    return true;
-                }
-                told = Some(*x);
-                trains.set(*x, Some(*train));
-                false
-            });
-            sink.row(trains)?;
-        }
-        Ok(())
-    }
 }
 
 fn see<N: Number>(
@@ -522,93 +383,6 @@ fn see<N: Number>(
     let border = plan.description.border;
     let mut rows = signal.needed();
     rows.try_for_each(|y| signal.fill(y, border, N::ZERO, |row| light.row(y, row)))
-}
-
-impl<N: Number> Cells<N> {
-    fn settle(
-        plan: &Plan<N>,
-        channel: usize,
-        rows: &Range<usize>,
-        (signal, sheets): (&Padded<N::Held>, Option<&Sheets>),
-        scratch: &mut Scratch<N>,
-    ) -> Self {
-        let (number, description) = (&plan.number, &plan.description);
-        let width = scratch.drive.len();
-        let cells = rows.len() * width;
-        let mut filtered = Vec::with_capacity(cells);
-        let mut pixels = Vec::with_capacity(cells);
-        for y in rows.clone() {
-            let Scratch { drive, parts, .. } = scratch;
-            surround::row(number, sheets, (channel, y), drive, |drive| {
-                plan.weights[channel].row(number, signal, y, drive, parts);
-            });
-            if description.channels[channel].log_temporal {
-                log_temporal(number, &mut scratch.drive, 0.0);
-            }
-            filtered.extend_from_slice(&scratch.drive);
-            pixels.extend_from_slice(signal.inner(y));
-        }
-        let steps = description.memory == MemoryRule::FilteredStep;
-        let before = if steps {
-            Lined::of(5, &filtered)
-        } else {
-            Lined::default()
-        };
-        let thresholds = &plan.thresholds[channel];
-        let noise = description.noise;
-        let place = |cell: usize| Place {
-            seed: plan.seed,
-            channel,
-            y: rows.start + cell / width,
-            x: cell % width,
-        };
-        let on = |cell: usize| {
-            let (on, _) = thresholds.row(rows.start + cell / width);
-            on[cell % width]
-        };
-        if noise.leak_hz > 0.0 {
-            for (cell, memory) in filtered.iter_mut().enumerate() {
-                let fallen = N::Real::of(Noise::leaked(place(cell))) * on(cell);
-                *memory = number.hold_real(number.real(*memory) - fallen);
-            }
-        }
-        let memory = match description.memory {
-            MemoryRule::RawSnap => Memory::RawSnap {
-                pixels,
-                before: vec![N::ZERO; cells],
-            },
-            MemoryRule::FilteredSnap => Memory::FilteredSnap {
-                filtered,
-                pixels: (description.polarity == PolarityRule::Pixel).then_some(pixels),
-            },
-            MemoryRule::FilteredStep => {
-                Memory::FilteredStep(Stepped::new(&filtered, thresholds.equal))
-            }
-            MemoryRule::AuthorsPixelStep => {
-                Memory::PixelStep(Stepped::new(&pixels, thresholds.equal))
-            }
-        };
-        let refractory = plan.refractory();
-        // Before its first event a cell is ready, whenever its first frame is.
-        let fired = if refractory > 0.0 {
-            vec![f64::NEG_INFINITY; cells]
-        } else {
-            Vec::new()
-        };
-        let leak = if noise.leak_hz > 0.0 {
-            let leak = |cell| N::Real::of(noise.leak(place(cell), on(cell).to_f64()));
-            (0..cells).map(leak).collect()
-        } else {
-            Vec::new()
-        };
-        Self {
-            memory,
-            products: Products::default(),
-            before,
-            fired,
-            leak,
-        }
-    }
 }
 
 /// The memory has fallen, so the drive stands higher above it.

@@ -1,0 +1,118 @@
+//! What is to be compiled.
+
+use std::path::Path;
+
+use miette::miette;
+
+use super::{Arguments, Asked};
+use crate::{
+    photoreceptor::Curve,
+    reference::{Border, MemoryRule},
+};
+
+impl Asked {
+    pub(super) fn read(arguments: &Arguments) -> miette::Result<Self> {
+        if let Some(path) = &arguments.sensor {
+            return Self::of_sensor(path, arguments);
+        }
+        let mut kernels = Vec::new();
+        let mut stacked = arguments.kernels.len() > 1;
+        for name in &arguments.kernels {
+            let (more, axes) = super::super::kernels::read(name)?;
+            kernels.extend(more);
+            stacked |= axes == 3;
+        }
+        if !arguments.filter_only && arguments.threshold.is_none() {
+            return Err(miette!(
+                help = "give --threshold T or --sensor FILE for a whole program, or --filter-only for the filter alone",
+                "a program needs a threshold"
+            ));
+        }
+        let threshold = arguments.threshold.unwrap_or(0.0);
+        if !(threshold >= 0.0 && threshold.is_finite()) {
+            return Err(miette!(
+                help = "give zero or a positive number",
+                "the threshold is {threshold}"
+            ));
+        }
+        Self {
+            thresholds: vec![(threshold, threshold); kernels.len()],
+            scales: vec![1.0; kernels.len()],
+            kernels,
+            stacked,
+            title: format!("events of {}", arguments.kernels.join(", ")),
+        }
+        .prepared(arguments)
+    }
+
+    pub(super) fn of_sensor(path: &Path, arguments: &Arguments) -> miette::Result<Self> {
+        let description = super::super::run::read_sensor(path)?;
+        let shown = path.display();
+        let linear = match description.response.curve {
+            Curve::Identity => 1.0,
+            Curve::Linear { white } => white,
+            Curve::Log { .. } | Curve::LinLog { .. } => {
+                return Err(miette!(
+                    help = "the chip's photodiode is linear: give a sensor with `response = {{ linear = … }}`",
+                    "{shown}: its response is not linear"
+                ));
+            }
+        };
+        if description.memory != MemoryRule::FilteredSnap {
+            return Err(miette!(
+                help = "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`",
+                "{shown}: its memory is not filtered-snap"
+            ));
+        }
+        let mut kernels = Vec::new();
+        let mut thresholds = Vec::new();
+        for channel in &description.channels {
+            let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
+                return Err(miette!(
+                    help = "give every kind of cell one kernel; all pixels of the array run the same program",
+                    "{shown}: a channel has a pattern of kernels"
+                ));
+            };
+            if channel.surrounds.is_some() {
+                return Err(miette!(
+                    help = "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
+                    "{shown}: a channel sees through a resistor mesh, which is no program"
+                ));
+            }
+            kernels.push(kernel.clone());
+            thresholds.push((threshold.on * linear, threshold.off * linear));
+        }
+        if description.border == Border::Replicate {
+            eprintln!("note: {shown} replicates the border; off the array the chip sees 0");
+        }
+        Self {
+            scales: vec![1.0; kernels.len()],
+            kernels,
+            stacked: true,
+            thresholds,
+            title: description.name,
+        }
+        .prepared(arguments)
+    }
+
+    /// With the weights that the program will have; the scale of each kernel goes into its
+    /// thresholds.
+    pub(super) fn prepared(mut self, arguments: &Arguments) -> miette::Result<Self> {
+        let Some(to) = arguments.to.0 else {
+            return Ok(self);
+        };
+        for (i, kernel) in self.kernels.iter_mut().enumerate() {
+            let quantised = to.quantise(kernel, arguments.sum.into(), arguments.seed)?;
+            let quantised = if arguments.filter_only {
+                quantised
+            } else {
+                quantised.within_one()
+            };
+            let scale = quantised.scale;
+            (*kernel, self.scales[i]) = (quantised.levels, scale);
+            let (on, off) = self.thresholds[i];
+            self.thresholds[i] = (on / scale, off / scale);
+        }
+        Ok(self)
+    }
+}

@@ -1,0 +1,269 @@
+//! What came of it, for machines and for people.
+
+use std::fmt::Write as _;
+
+use serde_json::json;
+
+use super::{Added, Asked, Compiled, MIDDLE};
+use crate::{
+    array::Errors,
+    compile::Noise,
+    isa::{Analog, Device, Figure},
+    kernel::Kernel,
+    plane::Plane,
+    program::{Cost, for_each, stored},
+};
+
+impl Compiled {
+    pub(super) fn statements(&self) -> u64 {
+        let mut count = 0;
+        for_each(&self.expansion.frame, &mut |_| count += 1);
+        count
+    }
+
+    pub(super) fn registers(&self) -> Vec<Analog> {
+        let mut all: Vec<Analog> = self.filter.live.iter().flatten().copied().collect();
+        all.extend(&self.results_in);
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    pub(super) fn json(&self, asked: &Asked, device: &Device, seconds: f64) -> serde_json::Value {
+        let cost = Cost::of(&self.expansion.code.frame, device);
+        let rows = |plane: &Plane<f64>| -> Vec<Vec<f64>> {
+            plane.rows().into_iter().map(|row| row.to_vec()).collect()
+        };
+        let stack: Vec<_> = self.kernels.iter().map(rows).collect();
+        let kernel = match &stack[..] {
+            [one] if !asked.stacked => json!(one),
+            all => json!(all),
+        };
+        let names = |all: &[Analog]| -> Vec<String> {
+            all.iter().map(|r| device.analog_name(*r)).collect()
+        };
+        let results = self.results.iter().map(|i| json!([i.low, i.high]));
+        json!({
+            "chip": device.name(),
+            "words": cost.words.0,
+            "macros": self.statements(),
+            "registers": names(&self.registers()),
+            "into": names(&self.results_in),
+            "kernel": kernel,
+            "scale": self.scale,
+            "quantised_scales": asked.scales,
+            "prescale_bits": self.filter.prescale,
+            "filter_words": self.filter.words.len(),
+            "snake_words": self.snake,
+            "border": self.filter.border,
+            "array_us": cost.array_us,
+            "host_us": cost.host_us,
+            "results_lsb": results.collect::<Vec<_>>(),
+            "thresholds_lsb": self.thresholds,
+            "saturating_stores": self.saturations,
+            "holds_with_transfer_errors": self.filter.holds,
+            "largest_input_lsb": 127.0 / self.filter.peak,
+            "offset_stores": self.filter.offsets,
+            "noise_lsb": self.noise(asked, device),
+            "energy_uj": self.energy(device).0,
+            "states": self.filter.states,
+            "seconds": seconds,
+            "text": self.text,
+        })
+    }
+
+    /// What the filter adds to each result, and to the input for each.
+    pub(super) fn noise(&self, asked: &Asked, device: &Device) -> Vec<Added> {
+        let noises = self
+            .filter
+            .noise(device, Analog(0), MIDDLE, &self.results_in);
+        let added = |(noise, kernel): (Noise, &Kernel)| {
+            let squares: f64 = kernel.weights().iter().map(|w| w * w).sum();
+            let gain = self.filter_scale() * squares.sqrt();
+            Added {
+                temporal: noise.temporal,
+                fixed: noise.fixed,
+                input_temporal: (gain > 0.0).then(|| noise.temporal / gain),
+                input_fixed: (gain > 0.0).then(|| noise.fixed / gain),
+            }
+        };
+        noises.into_iter().zip(&asked.kernels).map(added).collect()
+    }
+
+    /// From an input in LSB to a result in LSB, but for the kernel.
+    pub(super) fn filter_scale(&self) -> f64 {
+        2f64.powi(-(self.filter.prescale as i32))
+    }
+
+    /// Microjoules a frame at the highest frame rate, from the array's busy time alone to full
+    /// power all the time; and that frame rate.
+    pub(super) fn energy(&self, device: &Device) -> ([f64; 2], f64) {
+        let cost = Cost::of(&self.expansion.code.frame, device);
+        let power = device.value(Figure::Power);
+        (
+            [power * cost.array_us, power * cost.micros()],
+            1e6 / cost.micros(),
+        )
+    }
+
+    /// The table for people.
+    pub(super) fn account(&self, asked: &Asked, device: &Device, seconds: f64) -> String {
+        let cost = Cost::of(&self.expansion.code.frame, device);
+        let mut text = String::new();
+        let mut line = |name: &str, what: String| {
+            let _ = writeln!(text, "{name:<10}{what}");
+        };
+        line(
+            "words",
+            format!(
+                "{} (the filter {}, a naive snake {})",
+                cost.words.0,
+                self.filter.words.len(),
+                self.snake
+            ),
+        );
+        let kept = stored(&self.expansion.code.init, device).0
+            + stored(&self.expansion.code.frame, device).0;
+        line(
+            "store",
+            format!("{kept} words of {}", device.value(Figure::Store)),
+        );
+        line(
+            "time",
+            format!(
+                "{:.1} us on the array, {:.1} us on the host: at most {:.0} frames/s, of compute alone {:.0}",
+                cost.array_us,
+                cost.host_us,
+                1e6 / cost.micros(),
+                1e6 / cost.array_us
+            ),
+        );
+        line(
+            "proof",
+            "the program was read back: it computes the kernel exactly".to_owned(),
+        );
+        for (register, result) in self.results_in.iter().zip(&self.results) {
+            line(
+                "result",
+                format!(
+                    "{} from {} to {} LSB",
+                    device.analog_name(*register),
+                    result.low,
+                    result.high
+                ),
+            );
+        }
+        for (thresholds, scale) in self.thresholds.iter().zip(&asked.scales) {
+            line("threshold", self.threshold(*thresholds, *scale, device));
+        }
+        line("range", self.range());
+        let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
+        line(
+            "offset",
+            format!(
+                "{} transfer errors of one store stay in the result",
+                offsets.collect::<Vec<_>>().join(", ")
+            ),
+        );
+        for added in self.noise(asked, device) {
+            let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
+            line(
+                "noise",
+                format!(
+                    "the filter adds {:.2} LSB from frame to frame and {:.2} LSB from pixel to pixel; as an error of every input: {} and {} LSB (modelled, in part a guess; at {MIDDLE} LSB)",
+                    added.temporal,
+                    added.fixed,
+                    input(added.input_temporal),
+                    input(added.input_fixed),
+                ),
+            );
+        }
+        let ([least, most], rate) = self.energy(device);
+        line(
+            "energy",
+            format!(
+                "{least:.2} to {most:.2} uJ a frame at {rate:.0} frames/s: {} W (quoted) while the array is busy, or all the time; what it takes idle is not public",
+                device.value(Figure::Power)
+            ),
+        );
+        let border = if self.filter.border {
+            "right up to the border, zeros beyond it"
+        } else {
+            "not right at the border, where the kernel leaves the array"
+        };
+        line("border", border.to_owned());
+        line(
+            "search",
+            format!("{} states in {seconds:.1} s", self.filter.states),
+        );
+        text.push_str("\nregisters live over the filter's words\n");
+        text.push_str(&self.chart(device));
+        text
+    }
+
+    /// What the chip makes of a kernel's thresholds; `scale`: times its weights the kernel is
+    /// the one asked for.
+    pub(super) fn threshold(&self, thresholds: [f64; 2], scale: f64, device: &Device) -> String {
+        let step = Errors::of(device).input_step;
+        let held = thresholds.map(|lsb| (lsb / step).round_ties_even() * step);
+        let both = |[on, off]: [f64; 2], digits: usize| {
+            if on == off {
+                format!("{on:.digits$}")
+            } else {
+                format!("{on:.digits$} ON and {off:.digits$} OFF")
+            }
+        };
+        let lost = (0..2).any(|k| thresholds[k] > 0.0 && held[k] == 0.0);
+        let advice = if lost {
+            format!(
+                ": any change fires; take thresholds from {:.1} on, or a kernel that needs fewer halvings (--to)",
+                step / self.scale * scale
+            )
+        } else {
+            String::new()
+        };
+        format!(
+            "{} LSB of the result, on the chip {}{advice}",
+            both(thresholds, 3),
+            both(held, 0),
+        )
+    }
+
+    /// Whether anything saturates, and what that costs.
+    pub(super) fn range(&self) -> String {
+        let range = match (self.saturations, self.filter.prescale) {
+            (0, 0) => "nothing saturates".to_owned(),
+            (0, bits) => format!(
+                "nothing saturates; the input is halved {bits} times first, which costs {bits} bits"
+            ),
+            (n, _) => format!(
+                "{n} stores can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
+                127.0 / self.filter.peak
+            ),
+        };
+        let errors = if self.filter.holds {
+            ""
+        } else {
+            "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
+        };
+        range + errors
+    }
+
+    /// A row for each register, a column for each word.
+    pub(super) fn chart(&self, device: &Device) -> String {
+        let mut text = String::new();
+        for (start, part) in self.filter.live.chunks(64).enumerate() {
+            if start > 0 {
+                text.push('\n');
+            }
+            for register in self.registers() {
+                let marks: String = part
+                    .iter()
+                    .map(|live| if live.contains(&register) { '#' } else { '.' })
+                    .collect();
+                let _ = writeln!(text, "  {:<4} {marks}", device.analog_name(register));
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,355 @@
+//! `amacrine compile`: kernels to a program, and the proof.
+
+mod asked;
+mod compiled;
+mod proof;
+
+use std::{path::PathBuf, time::Instant};
+
+use miette::{IntoDiagnostic, miette};
+
+use super::quantise::Total;
+use crate::{
+    array::{
+        Input,
+        range::{Inputs, Interval},
+    },
+    compile::{Effort, Filter, Kind, Memory, Request, SensorProgram},
+    isa::{Analog, Device, Source, Value},
+    kernel::{Kernel, quantise::Quantiser},
+    plane::Plane,
+    program::{Cost, Expansion, Program, Step},
+    save::save,
+};
+
+/// What `compile` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp"
+)]
+pub struct Arguments {
+    /// Kernels: files (.toml, .npy of shape (k,k) or (K,k,k)) or names of built-in ones
+    #[arg(required_unless_present = "sensor")]
+    kernels: Vec<String>,
+    /// Write the program here; else it is printed
+    #[arg(short, long, value_name = "FILE.scamp")]
+    output: Option<PathBuf>,
+    /// The weights that the program has: `exact` takes them as they are, a quantiser (see
+    /// `amacrine quantise --help`) brings them to few values; its scale goes into the thresholds
+    #[arg(long, default_value = "exact", value_name = "QUANTISER")]
+    to: To,
+    /// What quantised kernels must sum to
+    #[arg(long, value_enum, default_value = "free")]
+    sum: Total,
+    /// Only the filter, from register A into A, as bare statements
+    #[arg(long, conflicts_with_all = ["sensor", "threshold"])]
+    filter_only: bool,
+    /// The registers of the results, with --filter-only
+    #[arg(long, value_delimiter = ',', requires = "filter_only")]
+    into: Vec<String>,
+    /// Registers that stay as they are, with --filter-only
+    #[arg(long, value_delimiter = ',', requires = "filter_only")]
+    keep: Vec<String>,
+    /// What the input can be, in LSB, with --filter-only: it is halved until nothing saturates
+    #[arg(long, value_name = "LO..HI", requires = "filter_only", value_parser = interval, allow_hyphen_values = true)]
+    input: Option<(f64, f64)>,
+    /// With --filter-only: right up to the border, zeros beyond it, if that can be had
+    #[arg(long, requires = "filter_only")]
+    border: bool,
+    /// A sensor file: its kernels and thresholds
+    #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
+    sensor: Option<PathBuf>,
+    /// Events where kernel times light (0 to 255) moved by more than this
+    #[arg(long, allow_negative_numbers = true)]
+    threshold: Option<f64>,
+    /// Where the program remembers: `analogue` registers, or `bits:N` one-bit registers a kind
+    #[arg(
+        long,
+        default_value = "analogue",
+        value_name = "WHERE",
+        conflicts_with = "filter_only"
+    )]
+    memory: Remembered,
+    /// A shipped chip by name, or the folder of another
+    #[arg(long, default_value = "scamp5")]
+    chip: String,
+    /// How long to search, in seconds of two cores of 2024
+    #[arg(long, default_value_t = 2.5, value_parser = seconds)]
+    effort: f64,
+    /// Another seed may find another program
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// Longer filters are proved by an impulse.
+const TRACED: usize = 100;
+
+/// `lo..hi`, for the command line.
+fn interval(text: &str) -> Result<(f64, f64), String> {
+    let wrong = || format!("`{text}` is not LO..HI, such as 0..127");
+    let (low, high) = text.split_once("..").ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    match (number(low), number(high)) {
+        (Some(low), Some(high)) if low < high => Ok((low, high)),
+        _ => Err(wrong()),
+    }
+}
+
+/// An effort, for the command line.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.0..=3600.0).contains(&value) => Ok(value),
+        _ => Err(format!(
+            "`{text}` is not a number of seconds from 0 to 3600"
+        )),
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// One diagnostic that names what was wrong.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let began = Instant::now();
+    let device = Device::find(&arguments.chip)?;
+    let asked = Asked::read(arguments)?;
+    let compiled = if arguments.filter_only {
+        filter_only(arguments, &asked, &device)?
+    } else {
+        whole(arguments, &asked, &device)?
+    };
+    if let Some(path) = &arguments.output {
+        save(path, |w| w.write_all(compiled.text.as_bytes()))?;
+    }
+    let seconds = began.elapsed().as_secs_f64();
+    if arguments.json {
+        super::say(&format!("{}\n", compiled.json(&asked, &device, seconds)));
+        return Ok(());
+    }
+    if arguments.output.is_none() {
+        super::say(&compiled.text);
+        super::say("\n");
+    }
+    super::say(&compiled.account(&asked, &device, seconds));
+    if let Some(to) = arguments.to.0 {
+        let scales: Vec<String> = asked.scales.iter().map(|s| format!("{s:.4}")).collect();
+        super::say(&format!(
+            "levels    {to}; times {} they are the kernel: thresholds are divided by it\n",
+            scales.join(", ")
+        ));
+    }
+    Ok(())
+}
+
+/// What is to be compiled.
+struct Asked {
+    kernels: Vec<Kernel>,
+    /// What they are to be multiplied by.
+    scales: Vec<f64>,
+    /// Given as one array of three axes.
+    stacked: bool,
+    /// ON and OFF, in kernel times light.
+    thresholds: Vec<(f64, f64)>,
+    title: String,
+}
+
+/// `exact`, or a quantiser.
+#[derive(Clone, Copy, Debug)]
+struct To(Option<Quantiser>);
+
+impl std::str::FromStr for To {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        if name == "exact" {
+            return Ok(Self(None));
+        }
+        super::quantise::quantiser(name).map(|to| Self(Some(to)))
+    }
+}
+
+/// `analogue`, or `bits:N`.
+#[derive(Clone, Copy, Debug)]
+struct Remembered(Memory);
+
+impl std::str::FromStr for Remembered {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        if name == "analogue" {
+            return Ok(Self(Memory::Analogue));
+        }
+        let bits = name
+            .strip_prefix("bits:")
+            .and_then(|bits| bits.parse().ok());
+        let memory = bits.filter(|bits| (1..=8).contains(bits)).map(Memory::Bits);
+        memory.map(Self).ok_or_else(|| {
+            format!(
+                "`{name}` is neither `analogue` nor `bits:N` with N from 1 to 8, such as bits:4"
+            )
+        })
+    }
+}
+
+/// A program that was proved.
+struct Compiled {
+    text: String,
+    expansion: Expansion,
+    filter: Filter,
+    /// Weights by which the results differ from the kernels, a power of two.
+    scale: f64,
+    /// The kernels as read back from the program, without the scale.
+    kernels: Vec<Plane<f64>>,
+    /// What the results may be, in LSB.
+    results: Vec<Interval>,
+    /// ON and OFF of each kernel, in LSB of its result; of the filter alone none.
+    thresholds: Vec<[f64; 2]>,
+    saturations: usize,
+    results_in: Vec<Analog>,
+    snake: u64,
+}
+
+fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+    let mut request = request(arguments, asked, device)?;
+    if !arguments.into.is_empty() {
+        request.into = named(&arguments.into, device)?;
+    }
+    request.keep = named(&arguments.keep, device)?;
+    check_registers(&request, asked)?;
+    request.border = arguments.border;
+    request.range = arguments.input;
+    let filter = request.filter()?;
+    let text = filter.text(device, 0);
+    let scale = 2f64.powi(-(filter.prescale as i32));
+    let (low, high) = arguments.input.unwrap_or((0.0, 127.5));
+    let proof = Proof {
+        asked,
+        device,
+        results: &request.into,
+        input: Input::Register(request.input),
+        inputs: Inputs {
+            registers: Interval::new(low, high),
+            ..Inputs::default()
+        },
+        scale,
+    };
+    proof.compiled(text, filter, arguments.input.is_some())
+}
+
+fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+    let kinds: Vec<Kind> = asked
+        .kernels
+        .iter()
+        .zip(&asked.thresholds)
+        .map(|(kernel, (on, off))| Kind {
+            kernel: kernel.clone(),
+            on: *on,
+            off: *off,
+        })
+        .collect();
+    let request = request(arguments, asked, device)?;
+    let program = SensorProgram::new(&kinds, arguments.memory.0, &asked.title, &request)?;
+    let proof = Proof {
+        asked,
+        device,
+        results: &program.drives,
+        input: Input::Light,
+        // One more would saturate the capture itself.
+        inputs: Inputs {
+            light: Interval::new(0.0, 254.0),
+            ..Inputs::default()
+        },
+        scale: program.scale,
+    };
+    let mut compiled = proof.compiled(program.text, program.filter, false)?;
+    let thresholds = asked.thresholds.iter();
+    compiled.thresholds = thresholds
+        .map(|(on, off)| [on * program.scale, off * program.scale])
+        .collect();
+    let words = |steps: &[Step]| Cost::of(steps, device).words.0;
+    let expectation = crate::program::Expectation {
+        words: Some(crate::program::ExpectedWords {
+            init: words(&compiled.expansion.code.init),
+            frame: words(&compiled.expansion.code.frame),
+        }),
+        ..crate::program::Expectation::default()
+    };
+    let program = Program::parse("compiled", &compiled.text)?;
+    compiled.text = program.blessed(&expectation).into_diagnostic()?;
+    Ok(compiled)
+}
+
+fn request<'a>(
+    arguments: &Arguments,
+    asked: &'a Asked,
+    device: &'a Device,
+) -> miette::Result<Request<'a>> {
+    let mut request = Request::new(&asked.kernels, device)?;
+    request.effort = Effort::seconds(arguments.effort);
+    request.seed = arguments.seed;
+    Ok(request)
+}
+
+fn named(names: &[String], device: &Device) -> miette::Result<Vec<Analog>> {
+    let one = |name: &String| match device.value_of(name.trim()) {
+        Some(Value::Source(Source::Register(register))) if register != device.news() => {
+            Ok(register)
+        }
+        _ => Err(miette!(
+            help = "give analogue registers of the chip but NEWS, such as A,B",
+            "{name} is no register that can hold a result on {}",
+            device.name()
+        )),
+    };
+    names.iter().map(one).collect()
+}
+
+fn check_registers(request: &Request<'_>, asked: &Asked) -> miette::Result<()> {
+    let count = asked.kernels.len();
+    if request.into.len() != count {
+        return Err(miette!(
+            help = "give --into as many registers as there are kernels",
+            "there are {count} kernels and {} registers for them",
+            request.into.len()
+        ));
+    }
+    let twice = |(i, register): (usize, &Analog)| request.into[..i].contains(register);
+    let kept = |register: &Analog| request.keep.contains(register);
+    if request.into.iter().enumerate().any(twice) || request.into.iter().any(kept) {
+        return Err(miette!(
+            help = "name every result's register once, and none that is kept",
+            "two values would lie in one register"
+        ));
+    }
+    if request.keep.contains(&request.input) {
+        return Err(miette!(
+            help = "keep other registers; copy the input first where it is needed later",
+            "the input's register cannot be kept"
+        ));
+    }
+    Ok(())
+}
+
+/// The level at which mismatch is told, LSB.
+const MIDDLE: f64 = 64.0;
+
+/// Errors of the chip in one result, LSB.
+#[derive(serde::Serialize)]
+struct Added {
+    temporal: f64,
+    fixed: f64,
+    input_temporal: Option<f64>,
+    input_fixed: Option<f64>,
+}
+
+struct Proof<'a> {
+    asked: &'a Asked,
+    device: &'a Device,
+    results: &'a [Analog],
+    input: Input,
+    inputs: Inputs,
+    scale: f64,
+}

@@ -1,0 +1,322 @@
+//! What may have come before a state: the words that lead to it.
+
+use std::rc::Rc;
+
+use super::{
+    super::field::{Field, Tap, VIEWS},
+    EXPANDED, Item, Out, SOURCES, SOURCES_SPLIT, Search, State, Step,
+    score::{parts, weight},
+    view,
+};
+use crate::isa::Direction;
+
+impl Search<'_> {
+    /// All words that can have been the last one.
+    pub(super) fn expand(&mut self, state: &State, out: &mut Out<'_>) {
+        if let Some(news) = &state.news {
+            self.before_news(state, news, out);
+        }
+        let mut order: Vec<usize> = (0..state.live.len()).collect();
+        order.sort_by(|a, b| {
+            let cost = |at: &usize| self.cost(&state.live[*at]);
+            cost(b).total_cmp(&cost(a)).then(a.cmp(b))
+        });
+        let mut done: Vec<u64> = Vec::new();
+        for at in order {
+            let item = &state.live[at];
+            let single = state.live.iter().filter(|i| i.hash == item.hash).count() == 1;
+            if item.hash == self.input.hash && single || done.contains(&item.hash) {
+                continue;
+            }
+            done.push(item.hash);
+            match &state.news {
+                // What is easily made can as well be made earlier.
+                None if done.len() > EXPANDED => break,
+                None => self.before_register(state, at, out),
+                Some(news) => self.before_second(state, at, news, out),
+            }
+        }
+    }
+
+    /// The word that filled NEWS.
+    pub(super) fn before_news(&mut self, state: &State, news: &Rc<Item>, out: &mut Out<'_>) {
+        for (i, place) in VIEWS.into_iter().enumerate() {
+            // Stored into the neighbour in this direction: seen from the other side.
+            let to = view(i).map(Direction::opposite);
+            let stored = news.field.seen((-place.0, -place.1));
+            if self.task.border && !stored.leads(place) {
+                continue;
+            }
+            for (sum, halved, room) in stores_of(&stored) {
+                let base = Step {
+                    stored: None,
+                    news: Some(to),
+                    views: 0,
+                    values: Vec::new(),
+                    halved,
+                };
+                self.sums(state, None, &sum, &base, room, out);
+                if halved {
+                    let twin = state.live.iter().position(|item| item.field == stored);
+                    if let Some(at) = twin
+                        && state.live[at].hash != self.input.hash
+                    {
+                        let base = Step {
+                            stored: Some(state.live[at].clone()),
+                            halved: false,
+                            ..base
+                        };
+                        self.sums(state, Some(at), &sum, &base, room, out);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Ways to make a sum from values in registers alone.
+    pub(super) fn sums(
+        &mut self,
+        state: &State,
+        at: Option<usize>,
+        sum: &Field,
+        base: &Step,
+        room: usize,
+        out: &mut Out<'_>,
+    ) {
+        let direct = self.find(state, sum.clone());
+        self.child(state, at, base, vec![direct], None, out);
+        if room < 2 {
+            return;
+        }
+        let mut firsts: Vec<Rc<Item>> = Vec::new();
+        for item in state.live.iter().chain([&self.input]) {
+            let own = at.is_some_and(|at| state.live[at].hash == item.hash);
+            if !own && !firsts.iter().any(|known| known.hash == item.hash) {
+                firsts.push(item.clone());
+            }
+        }
+        let old = firsts.len();
+        // Single taps near by that this would need anyway.
+        for place in VIEWS {
+            let weight = sum.at(place);
+            if weight != 0 && sum.taps().len() > 1 {
+                let tap = Tap {
+                    y: place.0,
+                    x: place.1,
+                    weight,
+                };
+                let field = Field::of(vec![tap]);
+                if !firsts.iter().any(|known| known.field == field) {
+                    firsts.push(self.item(field));
+                }
+            }
+        }
+        let size = weight(sum);
+        for (i, first) in firsts.iter().enumerate() {
+            let rest = sum.plus(&first.field, -1);
+            if rest.is_zero() || weight(&rest) > size {
+                continue;
+            }
+            let second = self.find(state, rest.clone());
+            self.child(state, at, base, vec![first.clone(), second], None, out);
+            if room > 2 && i < old {
+                for other in &firsts[i + 1..] {
+                    let rest = rest.plus(&other.field, -1);
+                    if weight(&rest) >= size {
+                        continue;
+                    }
+                    let values = if rest.is_zero() {
+                        vec![first.clone(), other.clone()]
+                    } else {
+                        let third = self.find(state, rest);
+                        vec![first.clone(), other.clone(), third]
+                    };
+                    self.child(state, at, base, values, None, out);
+                }
+            }
+        }
+        if let Some(half) = sum.half()
+            && sum
+                .taps()
+                .iter()
+                .any(|tap| tap.weight.abs() > self.task.unit)
+        {
+            let half = self.find(state, half);
+            self.child(state, at, base, vec![half.clone(), half], None, out);
+        }
+        if self.taste.split && room >= 2 && sum.taps().len() > 3 {
+            for part in parts(sum) {
+                let rest = sum.plus(&part, -1);
+                if part.is_zero() || rest.is_zero() {
+                    continue;
+                }
+                let values = vec![self.find(state, part), self.find(state, rest)];
+                self.child(state, at, base, values, None, out);
+            }
+        }
+    }
+
+    /// The word that stored a register, when NEWS is free to hold what it likes before.
+    pub(super) fn before_register(&mut self, state: &State, at: usize, out: &mut Out<'_>) {
+        let item = state.live[at].clone();
+        for (sum, halved, room) in stores_of(&item.field) {
+            let base = Step::into_register(&item, halved);
+            if sum.is_zero() {
+                self.child(state, Some(at), &base, Vec::new(), None, out);
+                return;
+            }
+            // From registers alone.
+            self.sums(state, Some(at), &sum, &base, room, out);
+            // With NEWS: what else the word read, if anything.
+            let mut others: Vec<Vec<Rc<Item>>> = vec![Vec::new()];
+            for other in state.live.iter().chain([&self.input]) {
+                if other.hash != item.hash
+                    && !others
+                        .iter()
+                        .any(|o| matches!(&o[..], [one] if one.hash == other.hash))
+                {
+                    others.push(vec![other.clone()]);
+                }
+            }
+            let old = others.len();
+            for place in VIEWS {
+                let weight = sum.at(place);
+                let field = Field::of(vec![Tap {
+                    y: place.0,
+                    x: place.1,
+                    weight,
+                }]);
+                let known = |o: &Vec<Rc<Item>>| matches!(&o[..], [one] if one.field == field);
+                if weight != 0 && sum.taps().len() > 1 && !others.iter().any(known) {
+                    let new = self.item(field);
+                    others.push(vec![new]);
+                }
+            }
+            if room > 2 && self.taste.split {
+                for i in 1..old {
+                    for j in i + 1..old {
+                        let pair = [&others[i][0], &others[j][0]].map(Rc::clone);
+                        others.push(pair.to_vec());
+                    }
+                }
+            }
+            let size = weight(&sum);
+            for other in others {
+                if other.len() >= room {
+                    continue;
+                }
+                let taken = other
+                    .iter()
+                    .fold(sum.clone(), |sum, one| sum.plus(&one.field, -1));
+                if taken.is_zero() || weight(&taken) > size + 4 * self.task.unit {
+                    continue;
+                }
+                for which in 0..self.shapes.len() {
+                    let (mask, places) = &self.shapes[which];
+                    if other.len() + places.len() > room {
+                        continue;
+                    }
+                    let Some(news) = taken.divided(places) else {
+                        continue;
+                    };
+                    let base = Step {
+                        views: *mask,
+                        ..base.clone()
+                    };
+                    self.child(state, Some(at), &base, other.clone(), Some(news), out);
+                }
+            }
+            // What several NEWS cells have in common, and the rest.
+            for which in 0..self.shapes.len() {
+                let (mask, places) = &self.shapes[which];
+                if places.len() < 2 || places.len() + 1 > room {
+                    continue;
+                }
+                let mask = *mask;
+                let news = sum.common(places);
+                if news.is_zero() {
+                    continue;
+                }
+                let mut rest = sum.clone();
+                for place in places {
+                    rest = rest.plus(&news.seen(*place), -1);
+                }
+                if rest.is_zero() || news.taps().len() < 2 {
+                    continue;
+                }
+                let rest = self.find(state, rest);
+                let base = Step {
+                    views: mask,
+                    ..base.clone()
+                };
+                self.child(state, Some(at), &base, vec![rest], Some(news), out);
+            }
+        }
+    }
+
+    /// A word that stored a register from a NEWS that is read again later.
+    pub(super) fn before_second(
+        &mut self,
+        state: &State,
+        at: usize,
+        news: &Rc<Item>,
+        out: &mut Out<'_>,
+    ) {
+        let item = state.live[at].clone();
+        for (sum, halved, room) in stores_of(&item.field) {
+            let base = Step::into_register(&item, halved);
+            let size = weight(&sum);
+            for which in 0..self.shapes.len() {
+                let (mask, places) = &self.shapes[which];
+                if places.len() > room {
+                    continue;
+                }
+                let mask = *mask;
+                let mut rest = sum.clone();
+                for place in places {
+                    rest = rest.plus(&news.field.seen(*place), -1);
+                }
+                let left = weight(&rest);
+                let mut values = Vec::new();
+                if !rest.is_zero() {
+                    if places.len() == room {
+                        continue;
+                    }
+                    let rest = self.find(state, rest);
+                    let free = rest.hash == self.input.hash
+                        || state.live.iter().any(|i| i.hash == rest.hash);
+                    if !free && left >= size {
+                        continue;
+                    }
+                    values.push(rest);
+                }
+                let base = Step {
+                    views: mask,
+                    ..base.clone()
+                };
+                let news = news.field.clone();
+                self.child(state, Some(at), &base, values, Some(news), out);
+            }
+            if !halved {
+                let other = self.find(state, sum);
+                self.child(
+                    state,
+                    Some(at),
+                    &base,
+                    vec![other],
+                    Some(news.field.clone()),
+                    out,
+                );
+            }
+        }
+    }
+}
+
+/// The sums of a bus that store a field, whole or halved, and how many sources each can have.
+pub(super) fn stores_of(stored: &Field) -> impl Iterator<Item = (Field, bool, usize)> {
+    let whole = (stored.times(-1), false, SOURCES);
+    let halved = (stored.times(-2), true, SOURCES_SPLIT);
+    [whole, halved]
+        .into_iter()
+        .filter(|(sum, ..)| sum.is_tame())
+}

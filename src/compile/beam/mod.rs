@@ -1,0 +1,394 @@
+//! The search: from the goals back to the input, word by word.
+//!
+//! A state is what must be held before the words found so far: values in registers, and perhaps
+//! one in NEWS. A step takes the last word away: whatever it stored is given up for what it
+//! read. The search keeps the states that look nearest to "the input alone".
+
+mod before;
+mod score;
+
+use std::{cell::OnceCell, collections::HashSet, rc::Rc};
+
+use super::{
+    field::{Field, VIEWS},
+    plan::{Plan, Store, Value, Word},
+};
+use crate::isa::Direction;
+
+/// What to search for.
+#[derive(Clone, Debug)]
+pub(super) struct Task {
+    /// What must be held in the end.
+    pub(super) goals: Vec<Field>,
+    /// The input, in units.
+    pub(super) unit: i64,
+    /// Ordinary registers, that of the input included.
+    pub(super) registers: usize,
+    /// The goal that ends in the register in which the input begins.
+    pub(super) over_input: Option<usize>,
+    /// Every value is right up to the border.
+    pub(super) border: bool,
+}
+
+/// How to search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Taste {
+    /// States kept at each depth.
+    pub(super) width: usize,
+    /// What a digit of a weight beyond the first is thought to cost.
+    pub(super) digit: f32,
+    /// What a place is thought to cost.
+    pub(super) place: f32,
+    /// What a halving is thought to cost.
+    pub(super) level: f32,
+    /// What a value is thought to cost besides.
+    pub(super) value: f32,
+    /// Values are thought to be made from each other.
+    pub(super) related: bool,
+    /// New values that are parts of others are tried.
+    pub(super) split: bool,
+}
+
+/// Sources that one word takes, and that one word takes which stores in two parts: the
+/// vendor's `bus` and `bus2`.
+pub(super) const SOURCES: usize = 4;
+const SOURCES_SPLIT: usize = 2;
+
+/// Values of a state that are tried as the last one stored.
+const EXPANDED: usize = 2;
+
+#[derive(Debug)]
+struct Item {
+    field: Field,
+    hash: u64,
+    /// What it is thought to cost by itself.
+    cost: OnceCell<f32>,
+}
+
+#[derive(Clone, Debug)]
+struct State {
+    live: Vec<Rc<Item>>,
+    news: Option<Rc<Item>>,
+    /// The goal over the input is still to be written.
+    open: bool,
+}
+
+#[derive(Clone, Debug)]
+struct Step {
+    stored: Option<Rc<Item>>,
+    /// Whether it stored in NEWS, and whose.
+    #[expect(
+        clippy::option_option,
+        reason = "none of the neighbours is the pixel itself"
+    )]
+    news: Option<Option<Direction>>,
+    views: u8,
+    values: Vec<Rc<Item>>,
+    halved: bool,
+}
+
+impl Step {
+    /// A word that stored in a register alone; what it read is not said yet.
+    fn into_register(stored: &Rc<Item>, halved: bool) -> Self {
+        Self {
+            stored: Some(stored.clone()),
+            news: None,
+            views: 0,
+            values: Vec::new(),
+            halved,
+        }
+    }
+}
+
+struct Node {
+    state: State,
+    parent: u32,
+    step: Option<Step>,
+}
+
+struct Child {
+    score: f32,
+    node: Node,
+}
+
+/// What a search found, and how many states it looked at.
+pub(super) struct Found {
+    pub(super) plan: Option<Plan>,
+    pub(super) seen: u64,
+}
+
+/// Of a place of [`VIEWS`].
+const fn view(i: usize) -> Option<Direction> {
+    match i {
+        0 => None,
+        i => Some(Direction::ALL[i - 1]),
+    }
+}
+
+/// Searches for a plan of fewer than `below` words; looks at `budget` states at most.
+pub(super) fn search(task: &Task, taste: Taste, below: usize, budget: u64) -> Found {
+    let mut search = Search::new(task, taste);
+    let plan = search.run(below, budget);
+    Found {
+        plan,
+        seen: search.seen,
+    }
+}
+
+struct Search<'a> {
+    task: &'a Task,
+    taste: Taste,
+    input: Rc<Item>,
+    over: Option<Field>,
+    known: HashSet<u64>,
+    seen: u64,
+    /// The sets of NEWS cells that a word can read.
+    shapes: Vec<(u8, Vec<(i16, i16)>)>,
+}
+
+impl<'a> Search<'a> {
+    fn new(task: &'a Task, taste: Taste) -> Self {
+        let shape = |mask: u8| {
+            let places = (0..5).filter(|i| mask >> i & 1 == 1).map(|i| VIEWS[i]);
+            (mask, places.collect::<Vec<_>>())
+        };
+        let mut search = Self {
+            task,
+            taste,
+            input: Rc::new(Item {
+                field: Field::unit(task.unit),
+                hash: 0,
+                cost: OnceCell::new(),
+            }),
+            over: task
+                .over_input
+                .and_then(|goal| task.goals.get(goal).cloned()),
+            known: HashSet::new(),
+            seen: 0,
+            shapes: (1u8..32)
+                .map(shape)
+                .filter(|(_, places)| places.len() <= SOURCES)
+                .collect(),
+        };
+        search.input = search.item(Field::unit(task.unit));
+        search
+    }
+
+    fn run(&mut self, below: usize, budget: u64) -> Option<Plan> {
+        let task = self.task;
+        let mut live = Vec::new();
+        for goal in &task.goals {
+            let item = if *goal == self.input.field {
+                self.input.clone()
+            } else {
+                self.item(goal.clone())
+            };
+            live.push(item);
+        }
+        let start = State {
+            live,
+            news: None,
+            open: self.over.is_some(),
+        };
+        let mut levels = vec![vec![Node {
+            state: start,
+            parent: 0,
+            step: None,
+        }]];
+        loop {
+            let depth = levels.len() - 1;
+            let level = levels.last()?;
+            if let Some(at) = level.iter().position(|node| self.done(&node.state)) {
+                return self.plan(&levels, at);
+            }
+            if depth + 1 >= below || level.is_empty() || self.seen > budget {
+                return None;
+            }
+            let mut children = Vec::new();
+            for (parent, node) in level.iter().enumerate() {
+                let mut out = Out {
+                    parent: parent as u32,
+                    children: &mut children,
+                };
+                self.expand(&node.state, &mut out);
+                if out.children.len() > 8 * self.taste.width + 4096 {
+                    trim(out.children, self.taste.width);
+                }
+            }
+            trim(&mut children, self.taste.width);
+            levels.push(children.into_iter().map(|child| child.node).collect());
+        }
+    }
+
+    fn done(&self, state: &State) -> bool {
+        let only = |item: &Rc<Item>| item.hash == self.input.hash;
+        let copy = state.live.len() <= 1 && state.live.iter().all(only);
+        state.news.is_none()
+            && copy
+            && (!state.open || self.over.as_ref() == Some(&self.input.field))
+    }
+
+    /// Adds a state before a word, if it is one.
+    fn child(
+        &mut self,
+        state: &State,
+        at: Option<usize>,
+        base: &Step,
+        values: Vec<Rc<Item>>,
+        news: Option<Field>,
+        out: &mut Out<'_>,
+    ) {
+        let mut live = state.live.clone();
+        let mut open = state.open;
+        if let Some(at) = at {
+            let gone = live.remove(at);
+            if self.over.as_ref() == Some(&gone.field) {
+                open = false;
+            }
+        }
+        for (i, value) in values.iter().enumerate() {
+            let copies = 1 + values[..i].iter().filter(|v| v.hash == value.hash).count();
+            if live.iter().filter(|v| v.hash == value.hash).count() < copies {
+                live.push(value.clone());
+            }
+        }
+        // Where the input lies, the goal that ends there cannot be yet.
+        if state.open && live.iter().any(|item| item.hash == self.input.hash) {
+            return;
+        }
+        // While the word runs, its target and the part that nobody reads are held as well.
+        let spare = base.halved && (base.news.is_some() || base.views != 0 || state.news.is_some());
+        let during = live.len() + usize::from(at.is_some()) + usize::from(spare);
+        if during > self.task.registers {
+            return;
+        }
+        if self.task.border
+            && let Some(news) = &news
+        {
+            let mask = base.views;
+            let outward = (0..5)
+                .filter(|i| mask >> i & 1 == 1)
+                .all(|i| news.leads(VIEWS[i]));
+            if !outward {
+                return;
+            }
+        }
+        if news.as_ref().is_some_and(|news| !news.is_tame()) {
+            return;
+        }
+        // Large fields take longer to look at.
+        self.seen += 1 + live
+            .iter()
+            .map(|item| item.field.taps().len())
+            .max()
+            .unwrap_or(0) as u64
+            / 16;
+        let news = news.map(|field| match &state.news {
+            Some(old) if old.field == field => old.clone(),
+            _ => self.item(field),
+        });
+        let mut hash = u64::from(open);
+        for item in &live {
+            hash = hash.wrapping_add(item.hash.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        }
+        if let Some(news) = &news {
+            hash = hash.wrapping_add(
+                news.hash
+                    .rotate_left(23)
+                    .wrapping_mul(0xC2B2_AE3D_27D4_EB4F),
+            );
+        }
+        if !self.known.insert(hash) {
+            return;
+        }
+        let before = State { live, news, open };
+        let score = self.score(&before);
+        let step = Step {
+            values,
+            ..base.clone()
+        };
+        out.children.push(Child {
+            score,
+            node: Node {
+                state: before,
+                parent: out.parent,
+                step: Some(step),
+            },
+        });
+    }
+
+    /// The words from a state that is the input alone to the goals.
+    fn plan(&self, levels: &[Vec<Node>], at: usize) -> Option<Plan> {
+        let mut plan = Plan::default();
+        let mut held: Vec<(&Field, Value)> = vec![(&self.input.field, 0)];
+        let mut node = levels.last()?.get(at)?;
+        for level in levels.iter().rev().skip(1) {
+            let step = node.step.as_ref()?;
+            let mut values: Vec<Value> = Vec::new();
+            for item in &step.values {
+                let found = held
+                    .iter()
+                    .rev()
+                    .find(|(field, value)| **field == item.field && !values.contains(value))?;
+                values.push(found.1);
+            }
+            let store = match (&step.stored, step.news) {
+                (Some(_), Some(to)) => Store::Both(to),
+                (None, Some(to)) => Store::News(to),
+                (_, None) => Store::Register,
+            };
+            plan.words.push(Word {
+                store,
+                views: (0..5)
+                    .filter(|i| step.views >> i & 1 == 1)
+                    .map(view)
+                    .collect(),
+                values,
+                halved: step.halved,
+            });
+            let parent = level.get(node.parent as usize)?;
+            if let Some(item) = &step.stored {
+                let next = plan
+                    .words
+                    .iter()
+                    .filter(|word| !matches!(word.store, Store::News(_)))
+                    .count();
+                held.push((&item.field, next));
+            }
+            // What nobody reads any more is forgotten, the oldest copies first.
+            let mut kept = Vec::new();
+            let mut wanted: Vec<&Field> = parent.state.live.iter().map(|i| &i.field).collect();
+            for entry in held.into_iter().rev() {
+                if let Some(i) = wanted.iter().position(|field| *field == entry.0) {
+                    wanted.swap_remove(i);
+                    kept.push(entry);
+                }
+            }
+            kept.reverse();
+            held = kept;
+            node = parent;
+        }
+        for goal in &self.task.goals {
+            let free = held
+                .iter()
+                .find(|(field, value)| *field == goal && !plan.goals.contains(value));
+            plan.goals.push(free?.1);
+        }
+        Some(plan)
+    }
+}
+
+struct Out<'a> {
+    parent: u32,
+    children: &'a mut Vec<Child>,
+}
+
+/// Keeps the best, in an order that does not depend on anything else.
+fn trim(children: &mut Vec<Child>, width: usize) {
+    let better = |a: &Child, b: &Child| a.score.total_cmp(&b.score);
+    if children.len() > width && width > 0 {
+        children.select_nth_unstable_by(width - 1, better);
+        children.truncate(width);
+    }
+    children.sort_by(better);
+}

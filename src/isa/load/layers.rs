@@ -1,0 +1,126 @@
+//! The folders that a chip is made of, one over the other.
+
+use std::{fs, path::Path};
+
+use super::{
+    super::{
+        Device,
+        text::{Fault, Faults, suggestion_or},
+    },
+    CHAIN, Folder, Layer, LoadError, PrimitivesFile, SHIPPED, toml_fault, unknown,
+};
+
+impl Layer {
+    pub(super) fn wrong(&self, file: &str, faults: Vec<Fault>) -> Result<(), Faults> {
+        let text = match file {
+            "device.toml" => Some(&self.folder.device),
+            "primitives.toml" => self.folder.primitives.as_ref(),
+            _ => self.folder.macros.as_ref(),
+        };
+        let text = text.map_or("", String::as_str);
+        Faults::check(&format!("{}/{file}", self.folder.name), text, faults)
+    }
+}
+
+pub(super) fn shipped_folder(name: &str) -> Result<Folder, LoadError> {
+    let found = SHIPPED.iter().find(|(shipped, ..)| *shipped == name);
+    let (name, device, primitives, macros) = found.ok_or_else(|| unknown(name))?;
+    Ok(Folder {
+        name: format!("isa/{name}"),
+        device: (*device).to_owned(),
+        primitives: primitives.map(str::to_owned),
+        macros: macros.map(str::to_owned),
+    })
+}
+
+pub(super) fn disk_folder(folder: &Path) -> Result<Folder, LoadError> {
+    let read = |file: &str| {
+        let path = folder.join(file);
+        fs::read_to_string(&path).map_err(|cause| LoadError::Unreadable { path, cause })
+    };
+    let maybe = |file: &str| {
+        if folder.join(file).exists() {
+            read(file).map(Some)
+        } else {
+            Ok(None)
+        }
+    };
+    Ok(Folder {
+        name: folder.display().to_string(),
+        device: read("device.toml")?,
+        primitives: maybe("primitives.toml")?,
+        macros: maybe("macros.scamp")?,
+    })
+}
+
+/// The chip's folder and those that it extends, the innermost first.
+pub(super) fn layers(top: Folder, beside: Option<&Path>) -> Result<Vec<Layer>, LoadError> {
+    let mut layers = vec![layer(top)?];
+    let mut beside = beside.map(Path::to_owned);
+    loop {
+        let last = &layers[layers.len() - 1];
+        let Some(base) = last.device.extends.clone() else {
+            break;
+        };
+        let name = base.get_ref();
+        if layers.len() == CHAIN || layers.iter().any(|l| l.device.name.get_ref() == name) {
+            let fault = Fault::error(
+                base.span().into(),
+                format!("`{name}` comes back to itself"),
+                "this chip extends itself",
+            )
+            .help("a chip extends one that is complete without it");
+            last.wrong("device.toml", vec![fault])?;
+        }
+        let on_disk = beside.as_ref().map(|b| b.join(name));
+        let folder = match on_disk {
+            Some(path) if path.join("device.toml").exists() => disk_folder(&path)?,
+            _ if Device::shipped().any(|s| s == name) => {
+                beside = None;
+                shipped_folder(name)?
+            }
+            _ => {
+                let fault = Fault::error(
+                    base.span().into(),
+                    format!("there is no chip `{name}` to extend"),
+                    "neither a shipped chip nor a folder beside this one",
+                )
+                .help(suggestion_or(
+                    name,
+                    Device::shipped(),
+                    "name a shipped chip, or a folder beside this one",
+                ));
+                last.wrong("device.toml", vec![fault])?;
+                break;
+            }
+        };
+        layers.push(layer(folder)?);
+    }
+    layers.reverse();
+    Ok(layers)
+}
+
+pub(super) fn layer(folder: Folder) -> Result<Layer, LoadError> {
+    let device = from_toml(&format!("{}/device.toml", folder.name), &folder.device)?;
+    let primitives = match &folder.primitives {
+        Some(text) => {
+            let file: PrimitivesFile =
+                from_toml(&format!("{}/primitives.toml", folder.name), text)?;
+            file.primitive
+        }
+        None => Vec::new(),
+    };
+    Ok(Layer {
+        folder,
+        device,
+        primitives,
+    })
+}
+
+/// TOML with a fault that has a place.
+pub(super) fn from_toml<T: serde::de::DeserializeOwned>(
+    file: &str,
+    text: &str,
+) -> Result<T, Faults> {
+    toml::from_str(text).map_err(|error| Faults::one(file, text, toml_fault(&error)))
+}

@@ -1,0 +1,265 @@
+//! Reading a chip: `device.toml`, `primitives.toml`, `macros.scamp`, and what it extends.
+//!
+//! The shipped chips are part of the program text, so that it runs anywhere; a folder on disk
+//! is read when it is asked for. Every check says which file, which place, and what to do.
+
+mod figures;
+mod layers;
+mod rows;
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::{Arc, LazyLock},
+};
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use self::{
+    figures::{figures, registers},
+    layers::{disk_folder, layers, shipped_folder},
+    rows::{all_macros, host_rows, primitive_rows},
+};
+use super::{
+    Clock, Device, Evidence, HostKind, Kind, Quantity, macros,
+    text::{Fault, Faults, Place, nearest},
+};
+
+/// Why a chip cannot be read.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum LoadError {
+    /// No such chip.
+    #[error("there is no chip `{name}`")]
+    #[diagnostic(help(
+        "give the name of a shipped chip ({shipped}) or a folder that holds a device.toml"
+    ))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        shipped: String,
+    },
+    /// A file cannot be read.
+    #[error("{}: {cause}", path.display())]
+    #[diagnostic(help(
+        "a chip is a folder with device.toml, primitives.toml and macros.scamp; one that extends another needs device.toml alone"
+    ))]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+    /// A file says something wrong.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Wrong(#[from] Faults),
+}
+
+/// The texts of one folder.
+struct Folder {
+    name: String,
+    device: String,
+    primitives: Option<String>,
+    macros: Option<String>,
+}
+
+/// A shipped chip: name, `device.toml`, `primitives.toml`, `macros.scamp`.
+type Shipped = (
+    &'static str,
+    &'static str,
+    Option<&'static str>,
+    Option<&'static str>,
+);
+
+const SHIPPED: &[Shipped] = &[
+    (
+        "scamp5",
+        include_str!("../../../isa/scamp5/device.toml"),
+        Some(include_str!("../../../isa/scamp5/primitives.toml")),
+        Some(include_str!("../../../isa/scamp5/macros.scamp")),
+    ),
+    (
+        "scamp5-wide",
+        include_str!("../../../isa/scamp5-wide/device.toml"),
+        None,
+        None,
+    ),
+];
+
+/// `a` extends `b` extends `c` …, at most.
+const CHAIN: usize = 8;
+
+impl Device {
+    /// The chip itself: SCAMP-5.
+    ///
+    /// # Panics
+    /// Never: a test loads every shipped chip.
+    #[must_use]
+    pub fn scamp5() -> Self {
+        // Its files are parsed once.
+        static SCAMP5: LazyLock<Device> =
+            LazyLock::new(|| shipped("scamp5").expect("the shipped chip is checked by a test"));
+        SCAMP5.clone()
+    }
+
+    /// Names of the shipped chips.
+    pub fn shipped() -> impl Iterator<Item = &'static str> {
+        SHIPPED.iter().map(|(name, ..)| *name)
+    }
+
+    /// A shipped chip by name, or any other from its folder.
+    ///
+    /// # Errors
+    /// When there is no such chip, or its files are wrong.
+    pub fn find(name: &str) -> Result<Self, LoadError> {
+        if name == "scamp5" {
+            return Ok(Self::scamp5());
+        }
+        if SHIPPED.iter().any(|(shipped, ..)| *shipped == name) {
+            return shipped(name);
+        }
+        let folder = Path::new(name);
+        if folder.is_dir() {
+            return Self::load(folder);
+        }
+        Err(unknown(name))
+    }
+
+    /// A chip from its folder. What it `extends` is a folder beside it, or a shipped chip.
+    ///
+    /// # Errors
+    /// When its files cannot be read or are wrong.
+    pub fn load(folder: &Path) -> Result<Self, LoadError> {
+        assemble(&layers(disk_folder(folder)?, folder.parent())?)
+    }
+}
+
+fn shipped(name: &str) -> Result<Device, LoadError> {
+    assemble(&layers(shipped_folder(name)?, None)?)
+}
+
+fn unknown(name: &str) -> LoadError {
+    LoadError::Unknown {
+        name: name.to_owned(),
+        shipped: Device::shipped().collect::<Vec<_>>().join(", "),
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DeviceFile {
+    name: Spanned<String>,
+    title: String,
+    extends: Option<Spanned<String>>,
+    registers: Option<RegistersFile>,
+    #[serde(default)]
+    figure: BTreeMap<Spanned<String>, BTreeMap<Spanned<String>, Spanned<Quantity>>>,
+    #[serde(default)]
+    host: Vec<HostFile>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RegistersFile {
+    analogue: Option<Vec<Spanned<String>>>,
+    news: Option<Spanned<String>>,
+    digital: Option<Vec<Spanned<String>>>,
+    #[serde(default)]
+    aliases: BTreeMap<Spanned<String>, Spanned<String>>,
+    roles: Option<RolesFile>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RolesFile {
+    mask: Spanned<String>,
+    propagated: Spanned<String>,
+    north: Spanned<String>,
+    east: Spanned<String>,
+    south: Spanned<String>,
+    west: Spanned<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HostFile {
+    name: Spanned<HostKind>,
+    forms: Vec<Spanned<String>>,
+    meaning: String,
+    call: Spanned<Quantity>,
+    item: Option<Spanned<Quantity>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PrimitivesFile {
+    primitive: Vec<RowFile>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RowFile {
+    name: Spanned<Kind>,
+    forms: Vec<Spanned<String>>,
+    equation: String,
+    words: Spanned<u64>,
+    clock: Clock,
+    source: String,
+    evidence: Evidence,
+}
+
+/// One folder, read as TOML.
+struct Layer {
+    folder: Folder,
+    device: DeviceFile,
+    primitives: Vec<RowFile>,
+}
+
+/// What TOML said, as a fault.
+pub(crate) fn toml_fault(error: &toml::de::Error) -> Fault {
+    let place = error.span().map_or(Place::new(0, 0), Place::from);
+    let message = error.message();
+    // "unknown field `x`, expected one of `a`, `b`": the names are between backticks.
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let help = message
+        .starts_with("unknown")
+        .then(|| quoted.next().and_then(|name| nearest(name, quoted)))
+        .flatten()
+        .map(|near| format!("did you mean `{near}`?"));
+    Fault::error(place, message, "here").help(help.unwrap_or_else(|| {
+        "see isa/README.md or the shipped files for what can stand here".to_owned()
+    }))
+}
+
+/// All checks, one after the other; each can rely on those before it.
+fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
+    let figures = figures(layers)?;
+    let registers = registers(layers)?;
+    let primitives = primitive_rows(layers)?;
+    let hosts = host_rows(layers)?;
+    let (macros, owners) = all_macros(layers)?;
+    let (top, below) = (&layers[layers.len() - 1], &layers[..layers.len() - 1]);
+    let base = if below.is_empty() {
+        None
+    } else {
+        Some(Arc::new(assemble(below)?))
+    };
+    let device = Device {
+        name: top.device.name.get_ref().clone(),
+        title: top.device.title.clone(),
+        registers,
+        figures,
+        primitives,
+        hosts,
+        macros,
+        base,
+    };
+    for (at, layer) in layers.iter().enumerate() {
+        let own = device.macros.iter().zip(&owners).filter(|(_, o)| **o == at);
+        let faults = own.flat_map(|(it, _)| macros::check(&device, it)).collect();
+        layer.wrong("macros.scamp", faults)?;
+    }
+    Ok(device)
+}

@@ -1,0 +1,184 @@
+//! The rows of primitives, of host operations, and the macros.
+
+use std::collections::BTreeMap;
+
+use toml::Spanned;
+
+use super::{
+    super::{
+        Analog, Digital, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
+        Signature, Value, macros, row,
+        signature::Parameter,
+        text::{Fault, Faults},
+    },
+    Layer,
+};
+
+/// Parses the forms of a row.
+pub(super) fn forms(
+    list: &[Spanned<String>],
+    faults: &mut Vec<Fault>,
+    fits: impl Fn(&Signature) -> bool,
+) -> Vec<Signature> {
+    let mut parsed = Vec::new();
+    for form in list {
+        match Signature::parse(form.get_ref()) {
+            Ok(signature) if fits(&signature) => parsed.push(signature),
+            Ok(signature) => faults.push(
+                Fault::error(
+                    form.span().into(),
+                    format!("the instruction cannot be made from `{signature}`"),
+                    "this form",
+                )
+                .help("keep the parameters of the shipped row"),
+            ),
+            Err(fault) => faults.push(Fault {
+                place: form.span().into(),
+                ..fault
+            }),
+        }
+    }
+    parsed
+}
+
+pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faults> {
+    let mut rows: BTreeMap<Kind, PrimitiveRow> = BTreeMap::new();
+    for layer in layers {
+        let mut faults = Vec::new();
+        for row in &layer.primitives {
+            let kind = *row.name.get_ref();
+            let built = PrimitiveRow {
+                kind,
+                forms: forms(&row.forms, &mut faults, |form| can_be_built(kind, form)),
+                equation: row.equation.clone(),
+                words: *row.words.get_ref(),
+                clock: row.clock,
+                source: row.source.clone(),
+                evidence: row.evidence,
+            };
+            if !(1..=64).contains(&built.words) {
+                faults.push(
+                    Fault::error(
+                        row.words.span().into(),
+                        format!("a primitive takes 1 to 64 words, not {}", built.words),
+                        "here",
+                    )
+                    .help("one word is the rule"),
+                );
+            }
+            rows.insert(kind, built);
+        }
+        layer.wrong("primitives.toml", faults)?;
+    }
+    let top = &layers[layers.len() - 1];
+    let mut faults = Vec::new();
+    for kind in Kind::ALL {
+        if !rows.contains_key(kind) {
+            faults.push(
+                Fault::error(
+                    top.device.name.span().into(),
+                    format!("the primitive {kind:?} has no row"),
+                    "this chip",
+                )
+                .help("write it into primitives.toml, or extend a chip that has it"),
+            );
+        }
+    }
+    top.wrong("device.toml", faults)?;
+    Ok(rows.into_values().collect())
+}
+
+pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
+    let mut rows: BTreeMap<HostKind, HostRow> = BTreeMap::new();
+    for layer in layers {
+        let mut faults = Vec::new();
+        for row in &layer.device.host {
+            for quantity in std::iter::once(&row.call).chain(&row.item) {
+                let Quantity { value, unit, .. } = quantity.get_ref();
+                if unit != "us" || !value.is_finite() || *value < 0.0 {
+                    faults.push(
+                        Fault::error(
+                            quantity.span().into(),
+                            "a host operation costs zero or more microseconds (`us`)",
+                            "this figure",
+                        )
+                        .help("write { value = …, unit = \"us\", source = …, evidence = … }"),
+                    );
+                }
+            }
+            let built = HostRow {
+                kind: *row.name.get_ref(),
+                forms: forms(&row.forms, &mut faults, |_| true),
+                meaning: row.meaning.clone(),
+                call: row.call.get_ref().clone(),
+                item: row.item.as_ref().map(|i| i.get_ref().clone()),
+            };
+            rows.insert(built.kind, built);
+        }
+        layer.wrong("device.toml", faults)?;
+    }
+    let top = &layers[layers.len() - 1];
+    let mut faults = Vec::new();
+    for kind in HostKind::ALL {
+        if !rows.contains_key(kind) {
+            faults.push(
+                Fault::error(
+                    top.device.name.span().into(),
+                    format!("the host operation {kind:?} has no row"),
+                    "this chip",
+                )
+                .help("write it as [[host]], or extend a chip that has it"),
+            );
+        }
+    }
+    top.wrong("device.toml", faults)?;
+    Ok(rows.into_values().collect())
+}
+
+/// The macros of all layers, and the layer that each is from; one of the same heading
+/// replaces the one before.
+pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), Faults> {
+    let (mut all, mut owners): (Vec<Macro>, Vec<usize>) = (Vec::new(), Vec::new());
+    for (at, layer) in layers.iter().enumerate() {
+        let Some(text) = &layer.folder.macros else {
+            continue;
+        };
+        let list = match macros::parse(text) {
+            Ok(list) => list,
+            Err(faults) => {
+                layer.wrong("macros.scamp", faults)?;
+                continue;
+            }
+        };
+        for it in list {
+            if let Some(old) = all.iter().position(|m| m.replaces(&it)) {
+                all[old] = it;
+                owners[old] = at;
+            } else {
+                all.push(it);
+                owners.push(at);
+            }
+        }
+    }
+    Ok((all, owners))
+}
+
+/// Tries a form once, with values that fit.
+pub(super) fn can_be_built(kind: Kind, form: &Signature) -> bool {
+    let example = |p: &Parameter| vec![example(p.operand); p.count.0.max(1)];
+    let bound: Vec<Vec<Value>> = form.parameters.iter().map(example).collect();
+    row::build(kind, &form.name, &bound).is_some()
+}
+
+pub(super) fn example(operand: Operand) -> Value {
+    use super::super::{Bit, Direction, Source};
+    match operand {
+        Operand::Areg | Operand::Target | Operand::Source => {
+            Value::Source(Source::Register(Analog(0)))
+        }
+        Operand::Dreg | Operand::Bit => Value::Bit(Bit::Register(Digital(0))),
+        Operand::Direction | Operand::Directions => Value::Directions(vec![Direction::North]),
+        Operand::Number(..) | Operand::Integer(..) | Operand::Literal(_) => Value::Number(0.0),
+        Operand::Word => Value::Word(String::new()),
+    }
+}

@@ -1,0 +1,148 @@
+//! Which macro or primitive a statement calls.
+
+use super::{Lowering, Scope};
+use crate::isa::{
+    Callable, Device, Value,
+    signature::{Bound, Given, Mismatch, Signature},
+    text::{Argument, Fault, Place, Statement, suggestion},
+};
+
+impl<'d> Lowering<'d> {
+    /// What a statement means, and the values of its parameters.
+    pub(super) fn call(
+        &self,
+        statement: &Statement,
+        scope: Scope<'_>,
+    ) -> Result<(Callable<'d>, Vec<Bound>), Fault> {
+        let device: &'d Device = self.device;
+        let callables = device.callables(&statement.name);
+        if callables.is_empty() {
+            let names = self
+                .device
+                .all_callables()
+                .map(|c| c.signature().name.as_str());
+            return Err(Fault::error(
+                statement.name_place,
+                format!("unknown statement `{}`", statement.name),
+                "the chip has no such statement",
+            )
+            .help(suggestion(&statement.name, names).unwrap_or_else(|| {
+                format!(
+                    "`amacrine asm` knows the statements of isa/{}",
+                    self.device.name()
+                )
+            })));
+        }
+        let given = self.given(&statement.arguments, scope)?;
+        let mut furthest = None;
+        for callable in &callables {
+            match callable.signature().bind(&given) {
+                Ok(bound) => {
+                    return Ok((*callable, self.with_defaults(callable.signature(), bound)?));
+                }
+                Err(Mismatch::Shape) => {}
+                Err(Mismatch::Argument { index, message }) => {
+                    // The form that fits the longest is most likely the one that was meant.
+                    if furthest.as_ref().is_none_or(|(far, _)| index > *far) {
+                        furthest = Some((index, message));
+                    }
+                }
+            }
+        }
+        match furthest {
+            Some((index, message)) => Err(self.wrong_argument(statement, &given, index, &message)),
+            None => Err(Self::wrong_shape(statement, &callables)),
+        }
+    }
+
+    pub(super) fn wrong_argument(
+        &self,
+        statement: &Statement,
+        given: &[Given],
+        index: usize,
+        message: &str,
+    ) -> Fault {
+        let argument = given.get(index);
+        let place = argument.map_or(statement.place, |g| g.place);
+        if let Some(Value::Word(name)) = argument.and_then(|g| g.values.first()) {
+            let mut fault = self.unknown_name(name, place);
+            fault.label = format!("argument {} of `{}`: {message}", index + 1, statement.name);
+            return fault;
+        }
+        let forms = self.device.callables(&statement.name);
+        let forms: Vec<String> = forms.iter().map(|c| c.signature().to_string()).collect();
+        // `where(R5)` is `WHERE(R5)`.
+        let other = self.device.all_callables().find(|c| {
+            let name = &c.signature().name;
+            *name != statement.name
+                && name.eq_ignore_ascii_case(&statement.name)
+                && c.signature().bind(given).is_ok()
+        });
+        Fault::error(
+            place,
+            format!("argument {} of `{}`: {message}", index + 1, statement.name),
+            "this argument",
+        )
+        .help(match other {
+            Some(other) => format!("did you mean `{}`?", other.signature().name),
+            None => format!("it is written {}", forms.join(" or ")),
+        })
+    }
+
+    pub(super) fn wrong_shape(statement: &Statement, callables: &[Callable<'_>]) -> Fault {
+        let forms: Vec<String> = callables
+            .iter()
+            .map(|c| c.signature().to_string())
+            .collect();
+        let braces = statement
+            .arguments
+            .iter()
+            .any(|a| matches!(a, Argument::Group { .. }));
+        let count = statement.arguments.len();
+        let message = if braces {
+            format!(
+                "`{}` does not take these arguments in braces",
+                statement.name
+            )
+        } else {
+            let plural = if count == 1 { "" } else { "s" };
+            format!(
+                "`{}` does not take {count} argument{plural} like these",
+                statement.name
+            )
+        };
+        Fault::error(statement.place, message, "this statement")
+            .help(format!("it is written {}", forms.join(" or ")))
+    }
+
+    pub(super) fn unknown_name(&self, name: &str, place: Place) -> Fault {
+        let constants = self.constants.keys().map(String::as_str);
+        let near = suggestion(name, self.device.names().chain(constants));
+        Fault::error(
+            place,
+            format!("unknown name `{name}`"),
+            "no register, direction or constant",
+        )
+        .help(near.unwrap_or_else(|| {
+            let registers = self.device.registers();
+            format!(
+                "registers are {} and {}; constants are stated as `const {name} = …;`",
+                registers.analog.join(" "),
+                registers.digital.join(" ")
+            )
+        }))
+    }
+
+    pub(super) fn with_defaults(
+        &self,
+        signature: &Signature,
+        mut bound: Vec<Bound>,
+    ) -> Result<Vec<Bound>, Fault> {
+        for (values, parameter) in bound.iter_mut().zip(&signature.parameters) {
+            if let (true, Some(default)) = (values.is_empty(), &parameter.default) {
+                values.push(self.value(default, &[])?);
+            }
+        }
+        Ok(bound)
+    }
+}

@@ -1,0 +1,427 @@
+//! From tree to words: names are looked up, constants computed, macros replaced by what they
+//! stand for.
+
+mod call;
+mod rules;
+mod values;
+
+use std::collections::BTreeMap;
+
+use super::{
+    Action, Code, Step, check,
+    effect::{Cell, Effect},
+    host,
+    syntax::{Item, Node, Syntax},
+};
+use crate::isa::{
+    Bit, Callable, Device, Digital, Macro, Source, Value, macros, row,
+    signature::{Bound, Mode, Signature},
+    text::{Fault, Place, Severity, Statement, line_column},
+};
+
+/// Constants that are set from outside, by name.
+pub type Overrides = BTreeMap<String, f64>;
+
+/// One statement may become so many words; more would fill any kernel store.
+const LONGEST: usize = 100_000;
+
+/// A program, expanded.
+#[derive(Clone, Debug, Default)]
+pub struct Expansion {
+    /// What runs.
+    pub code: Code,
+    /// Whether the text is bare statements: a whole program, to be run once. Its code is
+    /// `code.frame`.
+    pub bare: bool,
+    /// The statements of `init`, with what each became.
+    pub init: Vec<Entry>,
+    /// The statements of a frame, with what each became.
+    pub frame: Vec<Entry>,
+    /// The value of every constant that is a number.
+    pub constants: BTreeMap<String, f64>,
+    /// What may not be meant.
+    pub warnings: Vec<Fault>,
+}
+
+/// A statement and what it became.
+#[derive(Clone, Debug)]
+pub enum Entry {
+    /// One statement.
+    Statement(Expanded),
+    /// A block, several times.
+    Repeat {
+        /// How often.
+        times: u32,
+        /// What.
+        body: Vec<Entry>,
+        /// Line of its heading, from 1.
+        line: u32,
+    },
+}
+
+/// One statement, expanded.
+#[derive(Clone, Debug)]
+pub struct Expanded {
+    /// As it is printed.
+    pub text: String,
+    /// Its name.
+    pub name: String,
+    /// Where it stands.
+    pub place: Place,
+    /// Line, from 1.
+    pub line: u32,
+    /// What it became.
+    pub steps: Vec<Step>,
+    /// What it reads and writes.
+    pub effect: Effect,
+    /// What it gives as a result; the rest of what it writes is destroyed.
+    pub results: Vec<Cell>,
+    /// Whether it needs FLAG to be 1 everywhere.
+    pub whole_flag: bool,
+    /// Whether it was written by the host as kernels of its own, outside the program's store.
+    pub host: bool,
+}
+
+impl Expanded {
+    /// The cells that it writes and does not give as a result.
+    pub fn destroys(&self) -> impl Iterator<Item = Cell> {
+        let writes = self.effect.writes.iter().copied();
+        writes.filter(|cell| !self.results.contains(cell))
+    }
+}
+
+pub(super) fn expand(
+    syntax: &Syntax,
+    text: &str,
+    settings: &BTreeMap<String, f64>,
+    device: &Device,
+    overrides: &Overrides,
+) -> (Expansion, Vec<Fault>) {
+    let mut lowering = Lowering {
+        device,
+        text,
+        constants: BTreeMap::new(),
+        drawing: None,
+        faults: Vec::new(),
+    };
+    lowering.constants(syntax, settings, overrides);
+    let mut expansion = Expansion::default();
+    lowering.sections(syntax, &mut expansion);
+    let constants = lowering.constants.iter();
+    expansion.constants = constants
+        .filter_map(|(name, value)| Some((name.clone(), value.number()?)))
+        .collect();
+    expansion.code = Code {
+        init: steps_of(&expansion.init),
+        frame: steps_of(&expansion.frame),
+    };
+    let mut faults = lowering.faults;
+    check::check(&expansion, device, &mut faults);
+    expansion.warnings = faults
+        .iter()
+        .filter(|f| f.severity == Severity::Warning)
+        .cloned()
+        .collect();
+    (expansion, faults)
+}
+
+fn steps_of(entries: &[Entry]) -> Vec<Step> {
+    let mut steps = Vec::new();
+    for entry in entries {
+        match entry {
+            Entry::Statement(statement) => steps.extend(statement.steps.iter().cloned()),
+            Entry::Repeat { times, body, line } => steps.push(Step {
+                action: Action::Repeat {
+                    times: *times,
+                    body: steps_of(body),
+                },
+                line: *line,
+            }),
+        }
+    }
+    steps
+}
+
+struct Lowering<'a> {
+    device: &'a Device,
+    text: &'a str,
+    constants: BTreeMap<String, Value>,
+    /// The register of the last `scamp5_draw_begin`.
+    drawing: Option<Digital>,
+    faults: Vec<Fault>,
+}
+
+/// What the parameters of a macro stand for.
+type Scope<'a> = &'a [(&'a str, Value)];
+
+/// One statement of the program on its way to words.
+struct Sink {
+    steps: Vec<Step>,
+    line: u32,
+    place: Place,
+    /// Words so far, in all repetitions.
+    length: usize,
+}
+
+impl<'d> Lowering<'d> {
+    fn sections(&mut self, syntax: &Syntax, expansion: &mut Expansion) {
+        let (mut init, mut frame) = (None, None);
+        let mut bare: Vec<&Item> = Vec::new();
+        for item in &syntax.items {
+            let (seen, body, what) = match &item.node {
+                Node::Init(body) => (&mut init, body, "init"),
+                Node::Frame(body) => (&mut frame, body, "frame"),
+                Node::Statement(_) | Node::Repeat { .. } => {
+                    bare.push(item);
+                    continue;
+                }
+                Node::Comment(_) | Node::Const { .. } => continue,
+            };
+            if let Some((place, _)) = seen {
+                self.faults.push(
+                    Fault::error(item.place, format!("a second `{what}`"), "again here")
+                        .also(*place, "the first")
+                        .help("put all statements into one"),
+                );
+            } else {
+                let heading = Place::new(item.place.start, item.place.start + what.len());
+                *seen = Some((heading, body));
+            }
+        }
+        if init.is_none() && frame.is_none() {
+            expansion.bare = true;
+            expansion.frame = self.block(bare);
+            return;
+        }
+        if let Some(item) = bare.first() {
+            self.faults.push(
+                Fault::error(
+                    item.place,
+                    "a statement outside `init` and `frame`",
+                    "this one",
+                )
+                .help("put it into one of them; a program without both is bare statements"),
+            );
+        }
+        expansion.init = init.map_or_else(Vec::new, |(_, body)| self.block(body));
+        expansion.frame = frame.map_or_else(Vec::new, |(_, body)| self.block(body));
+    }
+
+    fn block<'i>(&mut self, items: impl IntoIterator<Item = &'i Item>) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        for item in items {
+            match &item.node {
+                Node::Statement(statement) => match self.statement(statement) {
+                    Ok(expanded) => entries.push(Entry::Statement(expanded)),
+                    Err(fault) => self.faults.push(fault),
+                },
+                Node::Repeat { times, body } => {
+                    let times = match self.times(times) {
+                        Ok(times) => times,
+                        Err(fault) => {
+                            self.faults.push(fault);
+                            1
+                        }
+                    };
+                    entries.push(Entry::Repeat {
+                        times,
+                        body: self.block(body),
+                        line: line_column(self.text, item.place.start).0,
+                    });
+                }
+                // Found by the parser, where they do not belong.
+                Node::Comment(_) | Node::Const { .. } | Node::Init(_) | Node::Frame(_) => {}
+            }
+        }
+        entries
+    }
+
+    fn statement(&mut self, statement: &Statement) -> Result<Expanded, Fault> {
+        let mut sink = Sink {
+            steps: Vec::new(),
+            line: line_column(self.text, statement.place.start).0,
+            place: statement.place,
+            length: 0,
+        };
+        let (callable, bound) = self.call(statement, &[])?;
+        self.warn_of_scratch(statement, callable, &bound);
+        self.lower(statement, callable, &bound, &mut sink, 0)?;
+        let effect = Effect::of(&sink.steps, self.device);
+        let (results, whole_flag, host) = match callable {
+            Callable::Primitive(..) => (effect.writes.iter().copied().collect(), false, false),
+            Callable::Macro(it) => (self.results(it, &bound), it.whole_flag, it.host),
+            Callable::Host(_, signature) => (results(signature, &bound), false, true),
+        };
+        Ok(Expanded {
+            text: statement.to_string(),
+            name: statement.name.clone(),
+            place: statement.place,
+            line: sink.line,
+            steps: sink.steps,
+            effect,
+            results,
+            whole_flag,
+            host,
+        })
+    }
+
+    fn results(&self, it: &Macro, bound: &[Bound]) -> Vec<Cell> {
+        let mut cells = results(&it.signature, bound);
+        cells.extend(
+            it.gives
+                .iter()
+                .filter_map(|name| match self.device.value_of(name) {
+                    Some(value) => cell(&value),
+                    None => None,
+                }),
+        );
+        // What is given by name can also be FLAG.
+        cells
+    }
+
+    /// Adds the words of a call. Faults inside a macro are shown at the statement that a
+    /// person wrote.
+    fn lower(
+        &mut self,
+        statement: &Statement,
+        callable: Callable<'d>,
+        bound: &[Bound],
+        sink: &mut Sink,
+        depth: usize,
+    ) -> Result<(), Fault> {
+        match callable {
+            Callable::Primitive(kind, form) => {
+                let built = row::build(kind, &form.name, bound);
+                let Some(word) = built else {
+                    return Err(Fault::error(
+                        sink.place,
+                        format!("`{}` cannot be made from these arguments", statement.name),
+                        "here",
+                    )
+                    .help(format!("it is written {form}")));
+                };
+                self.reject_twice(&word, statement, sink, depth)?;
+                self.warn_in_place(&word, sink, depth);
+                push(sink, Action::Word(word), 1)
+            }
+            Callable::Host(kind, form) => {
+                let operation =
+                    host::build(kind, &form.name, bound, self.drawing).map_err(|message| {
+                        Fault::error(sink.place, message, "this statement")
+                            .help(format!("it is written {form}"))
+                    })?;
+                match &operation {
+                    super::Host::DrawBegin { target } => self.drawing = Some(*target),
+                    super::Host::DrawEnd => self.drawing = None,
+                    _ => {}
+                }
+                push(sink, Action::Host(operation), 1)
+            }
+            Callable::Macro(it) => {
+                self.reject_aliases(it, bound, sink)?;
+                let scope: Vec<(&str, Value)> = it
+                    .signature
+                    .parameters
+                    .iter()
+                    .zip(bound)
+                    .filter_map(|(p, values)| Some((p.name.as_str(), values.first()?.clone())))
+                    .collect();
+                self.body(it, &it.body, &scope, sink, depth + 1)
+            }
+        }
+    }
+
+    fn body(
+        &mut self,
+        it: &'d Macro,
+        body: &'d [macros::Item],
+        scope: Scope<'_>,
+        sink: &mut Sink,
+        depth: usize,
+    ) -> Result<(), Fault> {
+        let outside = |fault: Fault, place: Place| Fault {
+            place,
+            label: format!("`{}`, in its body: {}", it.signature.name, fault.label),
+            also: None,
+            ..fault
+        };
+        for item in body {
+            match item {
+                macros::Item::Statement(inner) => {
+                    let (callable, bound) = self
+                        .call(inner, scope)
+                        .map_err(|fault| outside(fault, sink.place))?;
+                    self.lower(inner, callable, &bound, sink, depth)?;
+                }
+                macros::Item::Repeat { times, body } => {
+                    let place = sink.place;
+                    let times = match self.value(times, scope).map_err(|f| outside(f, place))? {
+                        // Rounded down, and none below zero: macros count halves with it.
+                        Value::Number(n) => n.floor().clamp(0.0, LONGEST as f64) as usize,
+                        _ => 0,
+                    };
+                    let mut inner = Sink {
+                        steps: Vec::new(),
+                        ..*sink
+                    };
+                    if times > 0 {
+                        self.body(it, body, scope, &mut inner, depth)?;
+                    }
+                    if it.host && times > 1 {
+                        push(
+                            sink,
+                            Action::Repeat {
+                                times: times as u32,
+                                body: inner.steps,
+                            },
+                            0,
+                        )?;
+                        continue;
+                    }
+                    for _ in 0..times {
+                        for step in &inner.steps {
+                            push(sink, step.action.clone(), 1)?;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn push(sink: &mut Sink, action: Action, length: usize) -> Result<(), Fault> {
+    sink.length += length;
+    if sink.length > LONGEST {
+        return Err(Fault::error(
+            sink.place,
+            format!("this statement is longer than {LONGEST} words"),
+            "no kernel store holds it",
+        )
+        .help("repeat less often, or use `repeat N { … }`, which is stored once"));
+    }
+    let line = sink.line;
+    sink.steps.push(Step { action, line });
+    Ok(())
+}
+
+/// The cell that a value names.
+fn cell(value: &Value) -> Option<Cell> {
+    match value {
+        Value::Source(Source::Register(register)) => Some(Cell::Analog(*register)),
+        Value::Bit(Bit::Register(register)) => Some(Cell::Digital(*register)),
+        Value::Bit(Bit::Flag) => Some(Cell::Flag),
+        _ => None,
+    }
+}
+
+/// The cells that parameters give as results.
+fn results(signature: &Signature, bound: &[Bound]) -> Vec<Cell> {
+    signature
+        .parameters
+        .iter()
+        .zip(bound)
+        .filter(|(p, _)| matches!(p.mode, Mode::Out | Mode::InOut))
+        .flat_map(|(_, values)| values.iter().filter_map(cell))
+        .collect()
+}

@@ -1,0 +1,198 @@
+//! What the chip does not allow, and what is lost on the way.
+
+use super::{super::effect::Cell, Lowering, Sink, cell};
+use crate::isa::{
+    Bit, Callable, Macro, Operand, Primitive, Source, Target,
+    signature::{Bound, Mode},
+    text::{Fault, Statement},
+};
+
+impl Lowering<'_> {
+    pub(super) fn reject_aliases(
+        &self,
+        it: &Macro,
+        bound: &[Bound],
+        sink: &Sink,
+    ) -> Result<(), Fault> {
+        let value = |name: &str| {
+            let at = it
+                .signature
+                .parameters
+                .iter()
+                .position(|p| p.name == name)?;
+            bound.get(at)?.first()
+        };
+        for distinct in &it.distinct {
+            let (first, second) = (value(&distinct.first), value(&distinct.second));
+            let (Some(first), Some(second)) = (first, second) else {
+                continue;
+            };
+            if first == second {
+                let name = cell(first).map_or_else(
+                    || "the same source".to_owned(),
+                    |cell| cell.name(self.device),
+                );
+                return Err(Fault::error(
+                    sink.place,
+                    format!(
+                        "`{}` cannot have {name} as both {} and {}",
+                        it.signature.name, distinct.first, distinct.second
+                    ),
+                    distinct.reason.clone(),
+                )
+                .help(format!(
+                    "use another register for one of them, or copy it first; it is written {}",
+                    it.signature
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// A register that is selected twice on a bus is one connection.
+    pub(super) fn reject_twice(
+        &self,
+        word: &Primitive,
+        statement: &Statement,
+        sink: &Sink,
+        depth: usize,
+    ) -> Result<(), Fault> {
+        let name = |source: &Source| self.device.source_name(*source);
+        let (targets, sources) = match word {
+            Primitive::Bus { targets, sources } => (targets.as_slice(), sources.as_slice()),
+            Primitive::Square { sources } | Primitive::Where { sources } => {
+                ([].as_slice(), sources.as_slice())
+            }
+            Primitive::Blur { target, source, .. } if target == source => {
+                return Err(self.twice(
+                    &self.device.analog_name(*target),
+                    word,
+                    statement,
+                    sink,
+                    depth,
+                ));
+            }
+            Primitive::Blur { .. }
+            | Primitive::Nop
+            | Primitive::ResetPix
+            | Primitive::All
+            | Primitive::BlurSet
+            | Primitive::Set { .. }
+            | Primitive::Clear { .. }
+            | Primitive::Or { .. }
+            | Primitive::Nor { .. }
+            | Primitive::WhereBit { .. }
+            | Primitive::Dnews { .. }
+            | Primitive::PropRead
+            | Primitive::Prop { .. } => return Ok(()),
+        };
+        let targets = targets.iter().map(|target| match target {
+            Target::Register(register) => Source::Register(*register),
+            Target::Neighbour(direction) => Source::Neighbour(*direction),
+        });
+        let mut seen: Vec<Source> = Vec::new();
+        for source in targets.chain(sources.iter().copied()) {
+            if seen.contains(&source) {
+                return Err(self.twice(&name(&source), word, statement, sink, depth));
+            }
+            seen.push(source);
+        }
+        Ok(())
+    }
+
+    pub(super) fn twice(
+        &self,
+        register: &str,
+        word: &Primitive,
+        statement: &Statement,
+        sink: &Sink,
+        depth: usize,
+    ) -> Fault {
+        let word = word.text(self.device);
+        let (message, help) = if depth == 0 {
+            (
+                format!("{register} is twice on one bus"),
+                format!(
+                    "`{}` needs registers that differ; copy one first: `mov(y, {register});`",
+                    statement.name
+                ),
+            )
+        } else {
+            (
+                format!("{register} is twice on one bus: this becomes `{word}`"),
+                format!("use another register; `{register}` may be scratch of the macro itself"),
+            )
+        };
+        Fault::error(
+            sink.place,
+            message,
+            "a register twice on a bus is one connection",
+        )
+        .help(help)
+    }
+
+    /// One word that reads and writes the same one-bit register.
+    pub(super) fn warn_in_place(&mut self, word: &Primitive, sink: &Sink, depth: usize) {
+        let (Primitive::Or { target, sources } | Primitive::Nor { target, sources }) = word else {
+            return;
+        };
+        if depth > 0 || !sources.contains(&Bit::Register(*target)) {
+            return;
+        }
+        let name = self.device.digital_name(*target);
+        self.faults.push(
+            Fault::warning(
+                sink.place,
+                format!("{name} is read and written in one word"),
+                "the chip takes two words for this",
+            )
+            .help(format!("write it in place: `OR({name}, x);`, `NOR({name}, x);`, `NOT({name});`, `REFRESH({name});`")),
+        );
+    }
+
+    /// An operand that the macro itself uses as scratch.
+    pub(super) fn warn_of_scratch(
+        &mut self,
+        statement: &Statement,
+        callable: Callable<'_>,
+        bound: &[Bound],
+    ) {
+        let Callable::Macro(it) = callable else {
+            return;
+        };
+        let scratch = it.scratch(self.device);
+        let scratch: Vec<Cell> = scratch
+            .iter()
+            .filter(|name| !it.gives.contains(name))
+            .filter_map(|name| cell(&self.device.value_of(name)?))
+            .collect();
+        let mut warnings = Vec::new();
+        for (parameter, values) in it.signature.parameters.iter().zip(bound) {
+            let by_default = parameter.mode == Mode::Trash && parameter.default.is_some();
+            if by_default
+                || !matches!(
+                    parameter.operand,
+                    Operand::Areg | Operand::Source | Operand::Dreg | Operand::Bit
+                )
+            {
+                continue;
+            }
+            for used in values
+                .iter()
+                .filter_map(cell)
+                .filter(|c| scratch.contains(c))
+            {
+                let name = used.name(self.device);
+                warnings.push(
+                    Fault::warning(
+                        statement.place,
+                        format!("`{}` uses {name} as scratch itself", statement.name),
+                        format!("{name} is its {} here", parameter.name),
+                    )
+                    .help("the chip would give what the sequence of words gives; use another register"),
+                );
+            }
+        }
+        self.faults.extend(warnings);
+    }
+}

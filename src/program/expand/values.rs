@@ -1,0 +1,268 @@
+//! What names and expressions stand for.
+
+use std::collections::BTreeMap;
+
+use super::{
+    super::syntax::{Node, Syntax},
+    Lowering, Overrides, Scope,
+};
+use crate::isa::{
+    Bit, Direction, Source, Value,
+    signature::Given,
+    text::{Argument, Expression, Fault, Place, Term, suggestion},
+};
+
+impl Lowering<'_> {
+    pub(super) fn constants(
+        &mut self,
+        syntax: &Syntax,
+        settings: &BTreeMap<String, f64>,
+        overrides: &Overrides,
+    ) {
+        for (name, value) in settings {
+            let value = overrides.get(name).unwrap_or(value);
+            self.constants.insert(name.clone(), Value::Number(*value));
+        }
+        for item in &syntax.items {
+            let Node::Const {
+                name,
+                name_place,
+                value,
+            } = &item.node
+            else {
+                continue;
+            };
+            if self.device.value_of(name).is_some() {
+                self.faults.push(
+                    Fault::error(
+                        *name_place,
+                        format!("`{name}` is a name of the chip"),
+                        "here",
+                    )
+                    .help("give the constant another name"),
+                );
+            }
+            if self.constants.contains_key(name) {
+                self.faults.push(
+                    Fault::error(
+                        *name_place,
+                        format!("`{name}` is stated twice"),
+                        "again here",
+                    )
+                    .help("keep one of the two"),
+                );
+                continue;
+            }
+            let value = match overrides.get(name) {
+                Some(value) => Ok(Value::Number(*value)),
+                None => self.known_value(value),
+            };
+            match value {
+                Ok(value) => {
+                    self.constants.insert(name.clone(), value);
+                }
+                Err(fault) => {
+                    // So that each use of it is not a fault of its own.
+                    self.constants.insert(name.clone(), Value::Number(0.0));
+                    self.faults.push(fault);
+                }
+            }
+        }
+        for (name, value) in overrides {
+            if !self.constants.contains_key(name) {
+                let known = self.constants.keys().map(String::as_str);
+                let near = suggestion(name, known);
+                let all: Vec<&str> = self.constants.keys().map(String::as_str).collect();
+                self.faults.push(
+                    Fault::error(
+                        Place::default(),
+                        format!("there is no constant `{name}` to set"),
+                        "this program",
+                    )
+                    .help(near.unwrap_or_else(|| {
+                        if all.is_empty() {
+                            "it states none; write `const name = value;`".to_owned()
+                        } else {
+                            format!("it states {}", all.join(", "))
+                        }
+                    })),
+                );
+            } else if !value.is_finite() {
+                self.faults.push(
+                    Fault::error(
+                        Place::default(),
+                        format!("the constant `{name}` cannot be {value}"),
+                        "this program",
+                    )
+                    .help("give a finite number"),
+                );
+            }
+        }
+    }
+
+    /// The value of an expression in which every name must mean something.
+    pub(super) fn known_value(&self, expression: &Expression) -> Result<Value, Fault> {
+        match self.value(expression, &[])? {
+            Value::Word(name) => Err(self.unknown_name(&name, expression.place)),
+            value => Ok(value),
+        }
+    }
+
+    pub(super) fn times(&self, expression: &Expression) -> Result<u32, Fault> {
+        let wrong = |found: String| {
+            Fault::error(
+                expression.place,
+                format!("`repeat` takes a whole number of zero or more, not {found}"),
+                "this number",
+            )
+            .help("write `repeat 10 { … }`, or a constant")
+        };
+        match self.known_value(expression)? {
+            Value::Number(n) if n.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&n) => {
+                Ok(n as u32)
+            }
+            Value::Number(n) => Err(wrong(n.to_string())),
+            other => Err(wrong(other.describe().to_owned())),
+        }
+    }
+
+    pub(super) fn given(
+        &self,
+        arguments: &[Argument],
+        scope: Scope<'_>,
+    ) -> Result<Vec<Given>, Fault> {
+        let mut given = Vec::new();
+        for argument in arguments {
+            match argument {
+                Argument::One(expression) => {
+                    for value in self.values(expression, scope)? {
+                        given.push(Given {
+                            values: vec![value],
+                            group: false,
+                            place: expression.place,
+                        });
+                    }
+                }
+                Argument::Group { items, place } => {
+                    let mut values = Vec::new();
+                    for item in items {
+                        values.extend(self.values(item, scope)?);
+                    }
+                    given.push(Given {
+                        values,
+                        group: true,
+                        place: *place,
+                    });
+                }
+            }
+        }
+        Ok(given)
+    }
+
+    /// The values of an expression: one, except for `R[dir]`.
+    pub(super) fn values(
+        &self,
+        expression: &Expression,
+        scope: Scope<'_>,
+    ) -> Result<Vec<Value>, Fault> {
+        let Term::Of {
+            base,
+            opposite,
+            direction,
+        } = &expression.term
+        else {
+            return Ok(vec![self.value(expression, scope)?]);
+        };
+        let directions = match self.name(direction, scope) {
+            Value::Directions(directions) => directions,
+            other => {
+                return Err(Fault::error(
+                    expression.place,
+                    format!("`{direction}` is {}, not a direction", other.describe()),
+                    "here",
+                )
+                .help("`X[dir]` and `R[dir]` take a direction"));
+            }
+        };
+        let of = |direction: Direction| {
+            if *opposite {
+                direction.opposite()
+            } else {
+                direction
+            }
+        };
+        let directions = directions.into_iter().map(of);
+        match base.as_str() {
+            "X" => Ok(directions
+                .map(|d| Value::Source(Source::Neighbour(d)))
+                .collect()),
+            "R" => {
+                let roles = self.device.registers().roles;
+                let register = |d| Value::Bit(Bit::Register(roles.enables(d)));
+                Ok(directions.map(register).collect())
+            }
+            _ => Err(Fault::error(
+                expression.place,
+                format!("`{base}[…]` means nothing"),
+                "here",
+            )
+            .help("`X[dir]` is a neighbour's cell, `R[dir]` the register that enables it")),
+        }
+    }
+
+    pub(super) fn name(&self, name: &str, scope: Scope<'_>) -> Value {
+        if let Some((_, value)) = scope.iter().find(|(parameter, _)| *parameter == name) {
+            return value.clone();
+        }
+        self.device
+            .value_of(name)
+            .or_else(|| self.constants.get(name).cloned())
+            .unwrap_or_else(|| Value::Word(name.to_owned()))
+    }
+
+    pub(super) fn value(&self, expression: &Expression, scope: Scope<'_>) -> Result<Value, Fault> {
+        let number = |inner: &Expression| -> Result<f64, Fault> {
+            match self.value(inner, scope)? {
+                Value::Number(value) => Ok(value),
+                Value::Word(name) => Err(self.unknown_name(&name, inner.place)),
+                other => Err(Fault::error(
+                    inner.place,
+                    format!("expected a number, found {}", other.describe()),
+                    "arithmetic is for numbers",
+                )
+                .help("registers are added by `add(y, x0, x1);`")),
+            }
+        };
+        let value = match &expression.term {
+            Term::Number(value) => *value,
+            Term::Name(name) => return Ok(self.name(name, scope)),
+            Term::Negate(inner) => -number(inner)?,
+            Term::Binary {
+                operator,
+                left,
+                right,
+            } => operator.apply(number(left)?, number(right)?),
+            Term::Of { .. } => match self.values(expression, scope)?.as_slice() {
+                [one] => return Ok(one.clone()),
+                _ => {
+                    return Err(Fault::error(
+                        expression.place,
+                        "several registers where one is expected",
+                        "here",
+                    )
+                    .help("`R[dir]` of several directions is for SET and CLR"));
+                }
+            },
+        };
+        if !value.is_finite() {
+            return Err(Fault::error(
+                expression.place,
+                format!("this is {value}, not a number"),
+                "divided by zero, or too large",
+            )
+            .help("numbers are finite"));
+        }
+        // Minus zero is zero: it would be printed and read back as such.
+        Ok(Value::Number(value + 0.0))
+    }
+}

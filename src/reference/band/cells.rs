@@ -1,0 +1,106 @@
+//! The cells of a channel at their first frame.
+
+use std::ops::Range;
+
+use crate::number::{Number, Real};
+
+use super::{
+    super::{
+        description::{MemoryRule, PolarityRule},
+        drive::{Products, log_temporal},
+        hash::Place,
+        memory::{Memory, Stepped},
+        noise::Noise,
+        signal::Padded,
+        surround::{self, Sheets},
+    },
+    Cells, Plan, Scratch,
+};
+use crate::lined::Lined;
+
+impl<N: Number> Cells<N> {
+    pub(super) fn settle(
+        plan: &Plan<N>,
+        channel: usize,
+        rows: &Range<usize>,
+        (signal, sheets): (&Padded<N::Held>, Option<&Sheets>),
+        scratch: &mut Scratch<N>,
+    ) -> Self {
+        let (number, description) = (&plan.number, &plan.description);
+        let width = scratch.drive.len();
+        let cells = rows.len() * width;
+        let mut filtered = Vec::with_capacity(cells);
+        let mut pixels = Vec::with_capacity(cells);
+        for y in rows.clone() {
+            let Scratch { drive, parts, .. } = scratch;
+            surround::row(number, sheets, (channel, y), drive, |drive| {
+                plan.weights[channel].row(number, signal, y, drive, parts);
+            });
+            if description.channels[channel].log_temporal {
+                log_temporal(number, &mut scratch.drive, 0.0);
+            }
+            filtered.extend_from_slice(&scratch.drive);
+            pixels.extend_from_slice(signal.inner(y));
+        }
+        let steps = description.memory == MemoryRule::FilteredStep;
+        let before = if steps {
+            Lined::of(5, &filtered)
+        } else {
+            Lined::default()
+        };
+        let thresholds = &plan.thresholds[channel];
+        let noise = description.noise;
+        let place = |cell: usize| Place {
+            seed: plan.seed,
+            channel,
+            y: rows.start + cell / width,
+            x: cell % width,
+        };
+        let on = |cell: usize| {
+            let (on, _) = thresholds.row(rows.start + cell / width);
+            on[cell % width]
+        };
+        if noise.leak_hz > 0.0 {
+            for (cell, memory) in filtered.iter_mut().enumerate() {
+                let fallen = N::Real::of(Noise::leaked(place(cell))) * on(cell);
+                *memory = number.hold_real(number.real(*memory) - fallen);
+            }
+        }
+        let memory = match description.memory {
+            MemoryRule::RawSnap => Memory::RawSnap {
+                pixels,
+                before: vec![N::ZERO; cells],
+            },
+            MemoryRule::FilteredSnap => Memory::FilteredSnap {
+                filtered,
+                pixels: (description.polarity == PolarityRule::Pixel).then_some(pixels),
+            },
+            MemoryRule::FilteredStep => {
+                Memory::FilteredStep(Stepped::new(&filtered, thresholds.equal))
+            }
+            MemoryRule::AuthorsPixelStep => {
+                Memory::PixelStep(Stepped::new(&pixels, thresholds.equal))
+            }
+        };
+        let refractory = plan.refractory();
+        // Before its first event a cell is ready, whenever its first frame is.
+        let fired = if refractory > 0.0 {
+            vec![f64::NEG_INFINITY; cells]
+        } else {
+            Vec::new()
+        };
+        let leak = if noise.leak_hz > 0.0 {
+            let leak = |cell| N::Real::of(noise.leak(place(cell), on(cell).to_f64()));
+            (0..cells).map(leak).collect()
+        } else {
+            Vec::new()
+        };
+        Self {
+            memory,
+            products: Products::default(),
+            before,
+            fired,
+            leak,
+        }
+    }
+}

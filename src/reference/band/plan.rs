@@ -1,0 +1,91 @@
+//! What all bands of a sensor share, and what they see.
+
+use crate::{number::Number, plane::Size};
+
+use super::super::{
+    description::Description,
+    drive::Weights,
+    noise::Thresholds,
+    signal::{Light, Padded},
+    surround::Sheets,
+    train::Pair,
+};
+
+/// What all bands of a sensor share.
+#[derive(Clone, Debug)]
+pub(in crate::reference) struct Plan<N: Number> {
+    pub(in crate::reference) number: N,
+    pub(in crate::reference) description: Description,
+    pub(in crate::reference) seed: u64,
+    /// For each channel.
+    pub(in crate::reference) weights: Vec<Weights<N::Held>>,
+    pub(in crate::reference) memory_weights: Vec<Option<Weights<N::Held>>>,
+    pub(in crate::reference) thresholds: Vec<Thresholds<N::Real>>,
+}
+
+impl<N: Number> Plan<N> {
+    pub(in crate::reference) fn new(
+        number: N,
+        description: Description,
+        size: Size,
+        seed: u64,
+    ) -> Self {
+        let channels = &description.channels;
+        let weights = channels
+            .iter()
+            .map(|c| Weights::new(&number, &c.kernels))
+            .collect();
+        let memory_weights = channels
+            .iter()
+            .map(|c| {
+                c.memory_kernel
+                    .as_ref()
+                    .map(|k| Weights::new(&number, std::slice::from_ref(k)))
+            })
+            .collect();
+        let thresholds = channels
+            .iter()
+            .enumerate()
+            .map(|(number, channel)| Thresholds::new(&channel.thresholds, size, seed, number))
+            .collect();
+        Self {
+            number,
+            description,
+            seed,
+            weights,
+            memory_weights,
+            thresholds,
+        }
+    }
+
+    pub(super) fn refractory(&self) -> f64 {
+        self.description.refractory.us * 1e-6
+    }
+}
+
+/// What all bands see of a pair of frames.
+#[derive(Debug)]
+pub(in crate::reference) struct Sight<'a, N: Number> {
+    /// The frame; none if the bands have taken it in already.
+    pub(in crate::reference) light: Option<Light<'a, N>>,
+    /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
+    /// distance from it if it snaps.
+    pub(in crate::reference) pixels: &'a [Padded<N::Held>],
+    /// Resistor sheets, where channels see through them.
+    pub(in crate::reference) sheets: Option<&'a Sheets>,
+    pub(in crate::reference) pair: Pair,
+    /// Seconds since the first frame.
+    pub(in crate::reference) elapsed: f64,
+    /// Whether the times of the events are wanted.
+    pub(in crate::reference) times: bool,
+}
+
+/// Derived, it would ask for a number that can be copied held.
+impl<N: Number> Copy for Sight<'_, N> {}
+
+#[expect(clippy::expl_impl_clone_on_copy, reason = "as above")]
+impl<N: Number> Clone for Sight<'_, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
