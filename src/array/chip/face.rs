@@ -1,0 +1,242 @@
+//! What every array answers to, whatever its arithmetic.
+
+use super::{
+    super::{
+        BitPlane, Domain, Layout, Ledger, Reading, Schedule, Settings, active::Active, cone::Cone,
+        rows, schedule::Plan,
+    },
+    Chip, RunError, ShapeError,
+};
+use crate::{
+    event::Packet,
+    isa::{Analog, Device, Digital},
+    plane::Plane,
+    program::Step,
+    sensor::Sensor,
+    unit::Micros,
+};
+
+/// An array whose domain was chosen at run time.
+pub trait Array: Sensor {
+    /// The name of its domain.
+    fn domain(&self) -> String;
+
+    /// The chip.
+    fn device(&self) -> &Device;
+
+    /// Its registers and size.
+    fn layout(&self) -> Layout;
+
+    /// Chooses how the array is walked, and by how many threads at most; what it computes
+    /// is the same to the bit.
+    fn set_schedule(&mut self, schedule: Schedule, threads: usize);
+
+    /// How the array is walked.
+    fn schedule(&self) -> Schedule;
+
+    /// Sets an analogue register, in LSB; never clipped.
+    ///
+    /// # Errors
+    /// When the plane has another size.
+    fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError>;
+
+    /// Sets a one-bit register, whatever R0 is.
+    ///
+    /// # Errors
+    /// When the plane has another size.
+    fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError>;
+
+    /// Sets FLAG.
+    ///
+    /// # Errors
+    /// When the plane has another size.
+    fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError>;
+
+    /// An analogue register, in LSB, without loss.
+    fn analog(&self, register: Analog) -> Plane<f64>;
+
+    /// A one-bit register.
+    fn digital(&self, register: Digital) -> Plane<bool>;
+
+    /// FLAG.
+    fn flag(&self) -> Plane<bool>;
+
+    /// Lets light fall on the photodiodes for one exposure.
+    ///
+    /// # Errors
+    /// When the picture has another size.
+    fn expose(&mut self, light: &Plane<f64>) -> Result<(), ShapeError>;
+
+    /// Runs `init` once; events are stamped with `t`.
+    ///
+    /// # Errors
+    /// When the domain has no answer for an instruction.
+    fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
+
+    /// Runs `frame` once; events are stamped with `t`.
+    ///
+    /// # Errors
+    /// When the domain has no answer for an instruction.
+    fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
+
+    /// Runs these steps now, as a kernel of their own; what was read before is kept.
+    ///
+    /// # Errors
+    /// When the domain has no answer for an instruction.
+    ///
+    /// # Panics
+    /// When a step names a register that the array does not have; steps of its own program
+    /// never do.
+    fn run_steps(&mut self, steps: &[Step], t: Micros, packet: &mut Packet)
+    -> Result<(), RunError>;
+
+    /// Forgets what was read before, as each frame does.
+    fn begin_frame(&mut self);
+
+    /// Lets some seconds pass: registers decay, where the domain has it.
+    fn wait(&mut self, seconds: f64);
+
+    /// The photodiodes, in LSB.
+    fn pix(&self) -> Plane<f64>;
+
+    /// What was done since power-on.
+    fn ledger(&self) -> Ledger;
+
+    /// What the host read during the last body that ran.
+    fn readings(&self) -> &[Reading];
+}
+
+impl<D: Domain> Array for Chip<D> {
+    fn domain(&self) -> String {
+        self.domain.name()
+    }
+
+    fn device(&self) -> &Device {
+        &self.device
+    }
+
+    fn layout(&self) -> Layout {
+        self.state.layout
+    }
+
+    fn set_schedule(&mut self, schedule: Schedule, threads: usize) {
+        self.forget();
+        self.plan = Plan::new(schedule, threads);
+        let small = schedule == Schedule::Active && self.domain.is_steady();
+        let cone = small.then(|| Cone::of(&self.code.frame, &self.device));
+        let size = self.state.layout.size;
+        self.active = cone.flatten().map(|cone| Active::new(size, cone));
+    }
+
+    fn schedule(&self) -> Schedule {
+        self.plan.schedule()
+    }
+
+    fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
+        self.fits(values)?;
+        self.forget();
+        let cells = self.state.analog_mut(register).iter_mut();
+        for (cell, value) in cells.zip(values) {
+            *cell = self.domain.hold(*value);
+        }
+        Ok(())
+    }
+
+    fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError> {
+        self.fits(bits)?;
+        self.forget();
+        let words = self.state.digital_mut(register).words_mut();
+        words.copy_from_slice(BitPlane::from_plane(bits).words());
+        Ok(())
+    }
+
+    fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError> {
+        self.fits(bits)?;
+        self.forget();
+        self.state.flag = BitPlane::from_plane(bits);
+        Ok(())
+    }
+
+    fn analog(&self, register: Analog) -> Plane<f64> {
+        self.state.values(&self.domain, register)
+    }
+
+    fn digital(&self, register: Digital) -> Plane<bool> {
+        self.state.digital(register).to_plane()
+    }
+
+    fn flag(&self) -> Plane<bool> {
+        self.state.flag.to_plane()
+    }
+
+    fn expose(&mut self, light: &Plane<f64>) -> Result<(), ShapeError> {
+        self.fits(light)?;
+        let light = light.as_standard_layout();
+        let light = light.as_slice().unwrap_or_default();
+        if let Some(active) = &mut self.active {
+            active.expose(&self.domain, &self.settings, light);
+            return Ok(());
+        }
+        let Settings {
+            gain, reset_level, ..
+        } = self.settings;
+        rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
+        Ok(())
+    }
+
+    fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        self.begin_frame();
+        let body = std::mem::take(&mut self.code.init);
+        let result = self.run_steps(&body, t, packet);
+        self.code.init = body;
+        result
+    }
+
+    fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        self.begin_frame();
+        let body = std::mem::take(&mut self.code.frame);
+        self.refresh(&body);
+        let result = self.frame(&body, t, packet);
+        self.code.frame = body;
+        result
+    }
+
+    fn run_steps(
+        &mut self,
+        steps: &[Step],
+        t: Micros,
+        packet: &mut Packet,
+    ) -> Result<(), RunError> {
+        self.forget();
+        // Steps that are not the chip's own may lie where others lay before.
+        self.plan.forget();
+        self.refresh(steps);
+        self.run(steps, t, packet)
+    }
+
+    fn begin_frame(&mut self) {
+        self.readings.clear();
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        // Where nothing decays there is nothing to forget, and the next frame stays small.
+        if !self.domain.is_steady() {
+            self.forget();
+        }
+        self.age(seconds);
+        self.fade(seconds);
+    }
+
+    fn pix(&self) -> Plane<f64> {
+        let unseen = self.active.as_ref().and_then(Active::unseen);
+        self.state.light(&self.domain, unseen)
+    }
+
+    fn ledger(&self) -> Ledger {
+        self.ledger
+    }
+
+    fn readings(&self) -> &[Reading] {
+        &self.readings
+    }
+}

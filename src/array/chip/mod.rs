@@ -1,0 +1,212 @@
+//! A program on an array: a sensor.
+//!
+//! Light comes in frame by frame. Before a body runs, the photodiodes hold
+//! `PIX = reset level + gain · light`, one whole exposure; `rpix` takes them back to the reset
+//! level. With the default gain of 1/2, the vendor's `get_image(y)`, which subtracts the reset
+//! level, gives `y = light / 2`, the half range 0 to 127.5.
+//!
+//! The first frame runs the program's `init`, every later one its `frame`.
+
+mod face;
+mod run;
+mod time;
+
+pub use self::face::Array;
+
+use super::{
+    CodeError, Domain, Layout, Ledger, Reading, Schedule, Settings, State, active::Active, check,
+    schedule::Plan,
+};
+use crate::{
+    event::Packet,
+    isa::Device,
+    photoreceptor::LightError,
+    plane::{Plane, Size},
+    program::{Action, Code, Host, Step},
+    scene::Frame,
+    sensor::{Sensor, SensorError, brightest, check_time, light_error},
+    unit::Micros,
+};
+
+/// A plane of another size than the array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("a plane of {got} on an array of {want}")]
+#[diagnostic(help("give a plane of the size of the array"))]
+pub struct ShapeError {
+    /// The plane's size.
+    pub got: Size,
+    /// The array's size.
+    pub want: Size,
+}
+
+/// A program stopped.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("line {line}: `{operation}` has no answer in the domain {domain}")]
+#[diagnostic(help(
+    "here it depends on the light; run the program in a domain of numbers, such as exact"
+))]
+pub struct RunError {
+    /// Line of the program text, from 1.
+    pub line: u32,
+    /// Which instruction.
+    pub operation: &'static str,
+    /// Which domain.
+    pub domain: String,
+}
+
+/// A program on an array in one domain.
+#[derive(Clone, Debug)]
+pub struct Chip<D: Domain> {
+    name: String,
+    domain: D,
+    device: Device,
+    settings: Settings,
+    code: Code,
+    state: State<D::Cell>,
+    channels: u8,
+    /// Time of the last frame watched, in seconds.
+    watched: Option<f64>,
+    /// Seconds since each one-bit register was written.
+    idle: Vec<f64>,
+    /// Words since power-on.
+    step: u64,
+    ledger: Ledger,
+    readings: Vec<Reading>,
+    plan: Plan<D::Cell>,
+    active: Option<Active<D::Cell>>,
+    /// While a body is gone through whose words have run already: how often the host has
+    /// looked at the array.
+    looks: Option<usize>,
+}
+
+impl<D: Domain> Chip<D> {
+    /// A chip as switched on: every register 0, FLAG 1.
+    ///
+    /// # Errors
+    /// When the program cannot run on an array of this layout and size.
+    pub fn new(
+        name: &str,
+        domain: D,
+        code: Code,
+        device: &Device,
+        size: Size,
+        settings: Settings,
+    ) -> Result<Self, CodeError> {
+        let layout = Layout::of(device, size);
+        check(&code, &layout)?;
+        let mut state = State::new(&domain, layout, settings.edge);
+        // Switched on in the dark.
+        state.pix.fill(domain.hold(settings.reset_level));
+        Ok(Self {
+            name: name.into(),
+            state,
+            channels: channels(&code.init).max(channels(&code.frame)).max(1),
+            domain,
+            device: device.clone(),
+            settings,
+            code,
+            watched: None,
+            idle: vec![0.0; layout.digital.into()],
+            step: 0,
+            ledger: Ledger::default(),
+            readings: Vec::new(),
+            plan: Plan::new(Schedule::of(size), rayon::current_num_threads()),
+            active: None,
+            looks: None,
+        })
+    }
+
+    /// All registers.
+    #[must_use]
+    pub fn state(&self) -> &State<D::Cell> {
+        &self.state
+    }
+
+    /// The arithmetic.
+    #[must_use]
+    pub fn domain(&self) -> &D {
+        &self.domain
+    }
+
+    /// What the sources leave open.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Whether the photodiodes can hold light of this size: in floats, what they cannot becomes
+    /// infinite, and its difference from anything is no number.
+    fn holds(&self, frame: &Frame, most: f64) -> Result<(), SensorError> {
+        let Settings {
+            gain, reset_level, ..
+        } = self.settings;
+        let held = |light: f64| {
+            let most = reset_level.abs() + (gain * light).abs();
+            self.domain.value(&self.domain.hold(most)).is_finite()
+        };
+        if held(most) {
+            return Ok(());
+        }
+        let beyond = |light| (!held(light)).then_some(LightError::Beyond(light));
+        Err(light_error(frame, beyond))
+    }
+
+    fn fits<T>(&self, plane: &Plane<T>) -> Result<(), ShapeError> {
+        let (got, want) = (Size::of(plane), self.state.layout.size);
+        if got == want {
+            Ok(())
+        } else {
+            Err(ShapeError { got, want })
+        }
+    }
+}
+
+/// One more than the highest channel that a body reads out.
+fn channels(body: &[Step]) -> u8 {
+    let of = |step: &Step| match &step.action {
+        Action::Host(Host::ScanEvents { channel, .. } | Host::ScanEventsFrom { channel, .. }) => {
+            channel.saturating_add(1)
+        }
+        Action::Host(_) | Action::Word(_) => 0,
+        Action::Repeat { body, .. } => channels(body),
+    };
+    body.iter().map(of).max().unwrap_or(0)
+}
+
+impl<D: Domain> Sensor for Chip<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn size(&self) -> Size {
+        self.state.layout.size
+    }
+
+    fn channels(&self) -> u8 {
+        self.channels
+    }
+
+    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        check_time(frame, self.watched)?;
+        self.holds(frame, brightest(frame)?)?;
+        self.expose(&frame.light)
+            .map_err(|error| SensorError::Size {
+                index: frame.index,
+                got: error.got,
+                want: error.want,
+            })?;
+        let t = Micros::from_seconds(frame.seconds);
+        let result = if let Some(before) = self.watched.replace(frame.seconds) {
+            self.wait(frame.seconds - before);
+            self.run_frame(t, packet)
+        } else {
+            packet.span.0 = t;
+            self.run_init(t, packet)
+        };
+        packet.span.1 = t;
+        result.map_err(|error| SensorError::Stopped {
+            sensor: self.name.clone(),
+            why: error.to_string(),
+        })
+    }
+}

@@ -1,0 +1,177 @@
+//! The program on its arrays, as often as is asked for.
+
+use std::ops::ControlFlow;
+
+use miette::WrapErr;
+
+use super::{
+    super::opened::Opened, Arguments, Assignment, Bench, Light, Moment, Set, Switch, finite,
+    light::size,
+};
+use crate::{
+    array::{Arithmetic, Array, RunError, Schedule, Settings},
+    event::Packet,
+    isa::{Device, Figure},
+    plane::Plane,
+    program::{Expansion, Program},
+    scene::Frame,
+    unit::Micros,
+};
+
+impl<'a> Bench<'a> {
+    pub(super) fn new(arguments: &'a Arguments) -> miette::Result<Self> {
+        let figures: Vec<(Figure, f64)> = arguments
+            .sets
+            .iter()
+            .filter_map(|set| match set {
+                Assignment::Figure(figure, value) => Some((*figure, *value)),
+                Assignment::Register(..) => None,
+            })
+            .collect();
+        let opened = arguments.source.open(&figures)?;
+        let Opened {
+            program, device, ..
+        } = &opened;
+        let registers = arguments.sets.iter().filter_map(|set| match set {
+            Assignment::Register(name, path) => Some(Set::read(device, name, path)),
+            Assignment::Figure(..) => None,
+        });
+        let planes = registers.collect::<miette::Result<Vec<_>>>()?;
+        let light = Light::open(arguments, program)?;
+        let size = size(&planes, light.scene.as_deref(), program, device)?;
+        // One step at a time has no use for any other.
+        let schedule = match &arguments.schedule {
+            _ if arguments.debug || arguments.strip.is_some() => Schedule::Plain,
+            Some(name) => name.parse()?,
+            None => Schedule::of(size),
+        };
+        let threads = arguments.threads;
+        Ok(Self {
+            schedule,
+            threads: threads.unwrap_or_else(rayon::current_num_threads),
+            size,
+            arithmetic: arithmetic(arguments, program)?,
+            settings: settings(arguments, program, device)?,
+            arguments,
+            planes,
+            opened,
+        })
+    }
+
+    /// A chip as switched on, its registers set.
+    pub fn chip(&self, seed: u64) -> miette::Result<Box<dyn Array + Send>> {
+        let Opened {
+            program,
+            device,
+            expansion,
+        } = &self.opened;
+        let mut chip = self
+            .arithmetic
+            .with_seed(seed)
+            .chip(
+                &program.file,
+                expansion.code.clone(),
+                device,
+                self.size,
+                self.settings,
+            )
+            .wrap_err_with(|| format!("{} cannot run", program.file))?;
+        chip.set_schedule(self.schedule, self.threads);
+        for set in &self.planes {
+            set.apply(&mut *chip)?;
+        }
+        Ok(chip)
+    }
+
+    /// Shows the light to the chip; what it said, and how many frames it saw. `run` runs each
+    /// frame's steps, and can end it.
+    ///
+    /// Bare statements run for every frame, once if nothing else is asked for; other programs
+    /// run `init` with the first frame and `frame` with the others.
+    pub fn watch(
+        &self,
+        chip: &mut dyn Array,
+        mut run: impl FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>>,
+    ) -> miette::Result<(Packet, u64)> {
+        let mut light = Light::open(self.arguments, &self.opened.program)?;
+        let Expansion { code, bare, .. } = &self.opened.expansion;
+        let mut packet = Packet::new(chip.size(), chip.channels());
+        let mut seen: Option<Frame> = None;
+        let mut frames = 0;
+        while light.frames.is_none_or(|asked| frames < asked) {
+            let next = match &mut light.scene {
+                Some(scene) => scene.next_frame()?,
+                None => None,
+            };
+            let before = seen.as_ref().map(|frame| frame.seconds);
+            let frame = match (next, seen.take()) {
+                (Some(frame), _) => frame,
+                // A still picture, or the dark, is there as long as it is asked for.
+                (None, before) => {
+                    let enough = light.frames.unwrap_or(if *bare { 1 } else { 2 });
+                    if frames >= enough {
+                        break;
+                    }
+                    Frame {
+                        index: frames,
+                        seconds: frames as f64 / light.fps,
+                        light: before.map_or_else(|| Plane::zeros(self.size.shape()), |f| f.light),
+                    }
+                }
+            };
+            let t = Micros::from_seconds(frame.seconds);
+            chip.begin_frame();
+            chip.expose(&frame.light)?;
+            match before {
+                Some(before) => chip.wait(frame.seconds - before),
+                None => packet.span.0 = t,
+            }
+            packet.span.1 = t;
+            let is_init = !*bare && frames == 0;
+            let moment = Moment {
+                index: frames,
+                t,
+                steps: if is_init { &code.init } else { &code.frame },
+                is_init,
+            };
+            frames += 1;
+            if run(chip, &moment, &mut packet)?.is_break() {
+                break;
+            }
+            seen = Some(frame);
+        }
+        Ok((packet, frames))
+    }
+}
+
+impl Moment<'_> {
+    /// Runs all of it.
+    pub fn run(&self, chip: &mut dyn Array, packet: &mut Packet) -> Result<(), RunError> {
+        if self.is_init {
+            chip.run_init(self.t, packet)
+        } else {
+            chip.run_frame(self.t, packet)
+        }
+    }
+}
+
+pub(super) fn arithmetic(arguments: &Arguments, program: &Program) -> miette::Result<Arithmetic> {
+    let asked = arguments.domain.as_ref();
+    let name = asked.or(program.settings.domain.as_ref());
+    let arithmetic: Arithmetic = name.map_or("exact", String::as_str).parse()?;
+    Ok(arithmetic.with_seed(arguments.seed))
+}
+
+pub(super) fn settings(
+    arguments: &Arguments,
+    program: &Program,
+    device: &Device,
+) -> miette::Result<Settings> {
+    let mut settings = Settings::of(device);
+    let clip = arguments.clip.map(|clip| clip == Switch::On);
+    settings.clip = clip.or(program.settings.clip).unwrap_or(settings.clip);
+    let asked = arguments.edge.or(program.settings.edge);
+    settings.edge = finite("--edge", asked.unwrap_or(settings.edge))?;
+    settings.gain = finite("--gain", arguments.gain.unwrap_or(settings.gain))?;
+    Ok(settings)
+}

@@ -1,0 +1,177 @@
+//! What falls on the array, and what lies in its registers.
+
+use std::{fs, path::Path};
+
+use miette::{WrapErr, miette};
+use ndarray_npy::{ReadNpyError, ReadableElement};
+
+use super::{super::registers::Register, Arguments, Light, Set};
+use crate::{
+    array::Array,
+    isa::{Device, Figure},
+    plane::{Plane, Size},
+    program::Program,
+    scene::{ASSUMED_FPS, OpenOptions, Scene, open},
+};
+
+impl Set {
+    pub(super) fn read(device: &Device, name: &str, path: &Path) -> miette::Result<Self> {
+        let register = Register::named(device, name)?;
+        if register == Register::Pix {
+            return Err(miette!(
+                help = "light is given with --image",
+                "--set {name}: the photodiodes are not set"
+            ));
+        }
+        let plane = read_plane(path)?;
+        let wrong = |value: &f64| match register {
+            Register::Analog(_) | Register::Pix => !value.is_finite(),
+            Register::Digital(_) | Register::Flag => *value != 0.0 && *value != 1.0,
+        };
+        if let Some(((y, x), value)) = plane.indexed_iter().find(|(_, value)| wrong(value)) {
+            let want = match register {
+                Register::Analog(_) | Register::Pix => "finite numbers",
+                Register::Digital(_) | Register::Flag => "0 or 1",
+            };
+            return Err(miette!(
+                help = format!("{name} holds {want} in every pixel"),
+                "{}: {value} at [{y}, {x}]",
+                path.display()
+            ));
+        }
+        Ok(Self {
+            name: name.to_owned(),
+            path: path.to_owned(),
+            register,
+            plane,
+        })
+    }
+
+    pub(super) fn apply(&self, chip: &mut dyn Array) -> miette::Result<()> {
+        let bits = || self.plane.mapv(|value| value == 1.0);
+        match self.register {
+            Register::Analog(register) => chip.set_analog(register, &self.plane),
+            Register::Digital(register) => chip.set_digital(register, &bits()),
+            Register::Flag => chip.set_flag(&bits()),
+            Register::Pix => Ok(()),
+        }
+        .wrap_err_with(|| format!("--set {}={}", self.name, self.path.display()))
+    }
+}
+
+impl Light {
+    pub(super) fn open(arguments: &Arguments, program: &Program) -> miette::Result<Self> {
+        let own = program.settings.image.as_ref().map(|image| {
+            if image.starts_with("pattern:") {
+                return image.clone();
+            }
+            arguments.source.folder().join(image).display().to_string()
+        });
+        let asked = arguments.fps.or(program.settings.fps);
+        let scene = arguments
+            .image
+            .clone()
+            .or(own)
+            .map(|spec| open(&spec, &OpenOptions { fps: asked }))
+            .transpose()?;
+        let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
+        let frames = arguments.frames.or(program.settings.frames);
+        if frames == Some(0) {
+            return Err(miette!(
+                help = "the first frame runs `init`, every later one `frame`",
+                "--frames 0: nothing would run"
+            ));
+        }
+        Ok(Self {
+            scene,
+            frames,
+            fps: asked.unwrap_or(found),
+        })
+    }
+}
+
+/// Reads a plane of any numbers.
+pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
+    fn of<T: ReadableElement + Copy>(
+        bytes: &[u8],
+        number: impl Fn(T) -> f64,
+    ) -> Result<Plane<f64>, ReadNpyError> {
+        use ndarray_npy::ReadNpyExt;
+        let plane = Plane::<T>::read_npy(bytes)?;
+        Ok(plane.map(|value| number(*value)))
+    }
+    let shown = path.display();
+    let bytes = fs::read(path).map_err(|e| {
+        miette!(
+            help = "give a .npy of shape (H,W), as numpy.save writes it",
+            "{shown}: {e}"
+        )
+    })?;
+    let bytes = bytes.as_slice();
+    let mut result = of::<f64>(bytes, |v| v);
+    // Every kind of number that numpy saves; which one it is stands in the header.
+    macro_rules! or_else {
+        ($($kind:ty),*) => {$(
+            if let Err(ReadNpyError::WrongDescriptor(_)) = result {
+                result = of::<$kind>(bytes, |v| v as f64);
+            }
+        )*};
+    }
+    or_else!(f32, i64, i32, i16, i8, u64, u32, u16, u8);
+    if let Err(ReadNpyError::WrongDescriptor(_)) = result {
+        result = of::<bool>(bytes, |v| if v { 1.0 } else { 0.0 });
+    }
+    let plane = result.map_err(|e| {
+        miette!(
+            help = "give a .npy of shape (H,W) with real numbers, as numpy.save writes it",
+            "{shown}: {e}"
+        )
+    })?;
+    if plane.is_empty() {
+        return Err(miette!(
+            help = "a plane has at least one pixel",
+            "{shown}: a plane of {}",
+            Size::of(&plane)
+        ));
+    }
+    Ok(plane)
+}
+
+/// The size of the array: of what is set, else of the light, else of the program, else of the chip.
+pub(super) fn size(
+    planes: &[Set],
+    scene: Option<&dyn Scene>,
+    program: &Program,
+    device: &Device,
+) -> miette::Result<Size> {
+    let set = planes
+        .iter()
+        .map(|set| (set.path.display().to_string(), Size::of(&set.plane)));
+    let light = scene.map(|scene| ("the light".to_owned(), scene.size()));
+    let mut all = set.chain(light);
+    let Some((first, size)) = all.next() else {
+        let height = device.value(Figure::Height) as usize;
+        let width = device.value(Figure::Width) as usize;
+        let (height, width) = program.settings.size.unwrap_or((height, width));
+        return checked(Size::new(height, width));
+    };
+    if let Some((other, its)) = all.find(|(_, its)| *its != size) {
+        return Err(miette!(
+            help = "all planes and the light must have one size: that of the array",
+            "{first} is {size}, {other} is {its}"
+        ));
+    }
+    checked(size)
+}
+
+pub(super) fn checked(size: Size) -> miette::Result<Size> {
+    const LARGEST: usize = 4096;
+    let fits = |n| (1..=LARGEST).contains(&n);
+    if fits(size.height) && fits(size.width) {
+        return Ok(size);
+    }
+    Err(miette!(
+        help = format!("height and width must be from 1 to {LARGEST}"),
+        "an array of {size}"
+    ))
+}

@@ -1,0 +1,146 @@
+//! What came of it, for machines and for people.
+
+use serde_json::json;
+
+use super::Report;
+use crate::{
+    array::{Ledger, Reading, Readings},
+    event::Polarity,
+};
+
+impl Report<'_> {
+    fn on_and_off(&self) -> (usize, usize) {
+        let events = &self.packet.events;
+        let on = events.iter().filter(|e| e.polarity == Polarity::On).count();
+        (on, events.len() - on)
+    }
+
+    pub(super) fn json(&self) -> serde_json::Value {
+        let ledger = self.chip.ledger();
+        let cost = ledger.cost(self.chip.device());
+        let (on, off) = self.on_and_off();
+        let readings: Vec<_> = self
+            .chip
+            .readings()
+            .iter()
+            .map(|reading| {
+                let value = match &reading.values {
+                    Readings::Analog { columns, values } => {
+                        json!({"columns": columns, "adc": values})
+                    }
+                    Readings::Digital { columns, values } => {
+                        json!({"columns": columns, "bits": values})
+                    }
+                    Readings::Box(found) => json!({"box": found.map(|w| json!({
+                        "top": w.top, "right": w.right, "bottom": w.bottom, "left": w.left
+                    }))}),
+                    Readings::Sum(sum) => json!({"sum": sum}),
+                    Readings::Any(any) => json!({"any": any}),
+                };
+                json!({"line": reading.line, "value": value})
+            })
+            .collect();
+        json!({
+            "program": self.program,
+            "chip": self.chip.device().name(),
+            "domain": self.arithmetic.to_string(),
+            "width": self.packet.size.width,
+            "height": self.packet.size.height,
+            "frames": self.frames,
+            "words": cost.words,
+            "words_by_clock": {
+                "analog": ledger.analog,
+                "digital": ledger.digital,
+                "dnews": ledger.dnews,
+                "prop": ledger.prop,
+            },
+            "array_us": cost.array_us,
+            "host_us": cost.host_us,
+            "slots": ledger.slots,
+            "events": self.packet.events.len(),
+            "on": on,
+            "off": off,
+            "dropped": self.packet.dropped,
+            "ambiguous": ledger.ambiguous,
+            "readings": readings,
+        })
+    }
+
+    pub(super) fn table(&self) -> String {
+        let ledger = self.chip.ledger();
+        let cost = ledger.cost(self.chip.device());
+        let Ledger {
+            analog,
+            digital,
+            dnews,
+            prop,
+            ..
+        } = ledger;
+        let (on, off) = self.on_and_off();
+        let mut lines = vec![
+            format!(
+                "program  {} on {}, {}, {}",
+                self.program,
+                self.chip.device().name(),
+                self.packet.size,
+                self.arithmetic
+            ),
+            format!("frames   {}", self.frames),
+            format!(
+                "words    {} ({analog} analog, {digital} digital, {dnews} DNEWS, {prop} PROP)",
+                cost.words.0
+            ),
+            format!(
+                "time     {:.1} us on the array, {:.1} us on the host",
+                cost.array_us, cost.host_us
+            ),
+        ];
+        if ledger.slots > 0 {
+            lines.push(format!(
+                "events   {} ({on} ON, {off} OFF) in {} slots",
+                self.packet.events.len(),
+                ledger.slots
+            ));
+        }
+        if ledger.missed > 0 {
+            lines.push(format!(
+                "note     {} set pixels found no slot",
+                ledger.missed
+            ));
+        }
+        if ledger.ambiguous > 0 {
+            let (count, plural, it) = match ledger.ambiguous {
+                1 => (1, "", "it"),
+                count => (count, "s", "them"),
+            };
+            lines.push(format!(
+                "note     {count} event{plural} at the chip's (0,0), the top right pixel, kept here: a host that takes (0,0) for the end of the list would lose {it}"
+            ));
+        }
+        for reading in self.chip.readings() {
+            lines.push(format!("read     {}", self::reading(reading)));
+        }
+        lines.join("\n") + "\n"
+    }
+}
+
+/// A reading of the host, in a line.
+pub(in crate::cli) fn reading(reading: &Reading) -> String {
+    let what = match &reading.values {
+        Readings::Analog { values, .. } => match values[..] {
+            [value] => format!("ADC {value}"),
+            _ => format!("{} ADC values (--json lists them)", values.len()),
+        },
+        Readings::Digital { values, .. } => {
+            format!("{} bits (--json lists them)", values.len())
+        }
+        Readings::Box(None) => "no pixel is set".to_owned(),
+        Readings::Box(Some(w)) => format!(
+            "box from row {}, column {} to row {}, column {} (the chip's count)",
+            w.top, w.right, w.bottom, w.left
+        ),
+        Readings::Sum(sum) => format!("sum {sum}"),
+        Readings::Any(any) => format!("any {any}"),
+    };
+    format!("line {}: {what}", reading.line)
+}
