@@ -1,6 +1,10 @@
 //! What a pair of frames must cost: bytes that have to move, operations that have to be done.
 
-use amacrine::{number::Number, plane::Size, reference::Description};
+use amacrine::{
+    number::Number,
+    plane::{Plane, Size},
+    reference::Description,
+};
 
 use crate::probe::Machine;
 
@@ -14,6 +18,17 @@ pub struct Cost {
     real: usize,
 }
 
+/// Of a kernel for a pixel: rows that are equal are added first, one addition each.
+fn operations(weights: &Plane<f64>) -> usize {
+    let mut different = Vec::new();
+    for row in weights.rows() {
+        if !different.contains(&row) {
+            different.push(row);
+        }
+    }
+    2 * different.len() * weights.ncols() + weights.nrows() - different.len()
+}
+
 impl Cost {
     /// For a memory that steps: base (read), steps and the last drive (read and written) of
     /// each cell; the signal, written once and read once; the light, read.
@@ -22,16 +37,16 @@ impl Cost {
             size_of::<N::Held>(),
             size.pixels() * description.channels.len(),
         );
-        let taps: usize = description
+        let operations: usize = description
             .channels
             .iter()
-            .map(|channel| channel.kernels[0].weights().len())
+            .map(|channel| operations(channel.kernels[0].weights()))
             .sum();
         let light = size.pixels() * 8;
         Self {
             bytes: light + 2 * size.pixels() * held + cells * (3 * held + 2 * 4),
             set: light + size.pixels() * held + cells * (2 * held + 4),
-            operations: 2.0 * (taps * size.pixels()) as f64,
+            operations: (operations * size.pixels()) as f64,
             real: size_of::<N::Real>(),
         }
     }
