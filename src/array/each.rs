@@ -3,18 +3,20 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
+use std::hint::black_box;
+
 use super::runs::lanes;
-use crate::number::Width;
+use crate::number::{Wide, Width};
 
 /// So many cells at a time: a loop over them needs no end of its own.
 const BLOCK: usize = 64;
 
 /// Sets each cell to what `of` makes of the operands.
 #[inline(always)]
-pub(super) fn each<T: Width, const N: usize>(
+pub(super) fn each<T: Copy + Default, U, const N: usize>(
     operands: [&[T]; N],
-    cells: &mut [T],
-    of: impl Fn([T; N]) -> T,
+    cells: &mut [U],
+    of: impl Fn([T; N]) -> U,
 ) {
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = BLOCK * blocks.len();
@@ -25,7 +27,8 @@ pub(super) fn each<T: Width, const N: usize>(
         }
     }
     for (i, cell) in (done..).zip(last) {
-        *cell = of(picked(operands, i));
+        // They are few: no vectors for them.
+        *cell = of(picked(operands, black_box(i)));
     }
 }
 
@@ -64,50 +67,34 @@ pub(super) fn some<T: Width, const N: usize>(
     }
 }
 
-/// The same twice: `first` of the operands, `second` of that and of the extra ones.
+/// Sets each cell to what `of` makes of the sum of any number of operands.
 #[inline(always)]
-pub(super) fn twice<T: Width, const N: usize, const M: usize>(
-    operands: [&[T]; N],
-    extra: [&[T]; M],
-    mut between: Option<&mut [T]>,
-    cells: &mut [T],
-    first: impl Fn([T; N]) -> T,
-    second: impl Fn(T, [T; M]) -> T,
+pub(super) fn summed<T: Width, U>(
+    operands: &[&[T]],
+    cells: &mut [U],
+    of: impl Fn(T::Wide) -> U,
 ) {
-    let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
-    let done = BLOCK * blocks.len();
-    for (k, cells) in blocks.iter_mut().enumerate() {
-        let (operands, extra) = (block(operands, k), block(extra, k));
-        if let Some(between) = between.as_deref_mut() {
-            let between: &mut [T; BLOCK] = &mut between.as_chunks_mut().0[k];
-            for (i, middle) in between.iter_mut().enumerate() {
-                *middle = first(picked(operands, i));
-            }
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = second(between[i], picked(extra, i));
-            }
-        } else {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = second(first(picked(operands, i)), picked(extra, i));
+    for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
+        let mut sums = [T::Wide::default(); BLOCK];
+        for operand in operands {
+            let operand = &operand[BLOCK * k..][..cells.len()];
+            for (sum, cell) in sums.iter_mut().zip(operand) {
+                *sum = sum.plus(cell.widen());
             }
         }
-    }
-    for (i, cell) in (done..).zip(last) {
-        let middle = first(picked(operands, i));
-        if let Some(between) = between.as_deref_mut() {
-            between[i] = middle;
+        for (cell, sum) in cells.iter_mut().zip(sums) {
+            *cell = of(sum);
         }
-        *cell = second(middle, picked(extra, i));
     }
 }
 
 /// The cells `i` of all operands.
 #[inline(always)]
-pub(super) fn picked<T: Width, const N: usize>(
+fn picked<T: Copy + Default, const N: usize>(
     operands: [&(impl std::ops::Index<usize, Output = T> + ?Sized); N],
     i: usize,
 ) -> [T; N] {
-    let mut cells = [T::ZERO; N];
+    let mut cells = [T::default(); N];
     for (cell, operand) in cells.iter_mut().zip(operands) {
         *cell = operand[i];
     }
@@ -116,6 +103,6 @@ pub(super) fn picked<T: Width, const N: usize>(
 
 /// The block `k` of all operands.
 #[inline(always)]
-fn block<T: Width, const N: usize>(operands: [&[T]; N], k: usize) -> [&[T; BLOCK]; N] {
+fn block<T, const N: usize>(operands: [&[T]; N], k: usize) -> [&[T; BLOCK]; N] {
     operands.map(|operand| &operand.as_chunks().0[k])
 }

@@ -15,6 +15,9 @@ use crate::{isa::Analog, plane::Size};
 /// Cells that are worked on at once, at most.
 pub(super) const PIECE: usize = 2048;
 
+/// Wires of a bus that is worked on many pixels at once, at most.
+pub(super) const WIRES: usize = 4;
+
 /// Cells that follow each other in a plane.
 pub(super) struct Stretch {
     /// The column of the first.
@@ -107,13 +110,13 @@ impl<'a, C> Field<'_, 'a, C> {
     /// Where each wire begins, that leads to the cells of a plane from `at` on; those lie
     /// `beside` the pixels whose bus they get.
     #[inline(always)]
-    pub(super) fn starts<const N: usize>(
+    pub(super) fn starts(
         &self,
-        wires: &[Wire; N],
+        wires: &[Wire],
         at: usize,
         beside: (isize, isize),
-    ) -> [usize; N] {
-        let mut starts = [0; N];
+    ) -> [usize; WIRES] {
+        let mut starts = [0; WIRES];
         for (start, wire) in starts.iter_mut().zip(wires) {
             let (dy, dx) = (wire.beside.0 - beside.0, wire.beside.1 - beside.1);
             *start = at.wrapping_add_signed(dy * self.size.width as isize + dx);
@@ -123,30 +126,31 @@ impl<'a, C> Field<'_, 'a, C> {
 
     /// Where the wires of the buses of one row lead, which may lie off the array.
     #[inline(always)]
-    pub(super) fn beyond<const N: usize>(&self, wires: &[Wire; N], y: usize) -> [Wire; N] {
-        let mut wires = *wires;
-        for wire in &mut wires {
+    pub(super) fn beyond(&self, wires: &[Wire], y: usize) -> [Wire; WIRES] {
+        let mut beyond = [Wire::NONE; WIRES];
+        for (beyond, wire) in beyond.iter_mut().zip(wires) {
+            *beyond = *wire;
             if y >= self.size.height || y.wrapping_add_signed(wire.beside.0) >= self.size.height {
                 // The first of the inputs is what lies there.
-                *wire = Wire {
+                *beyond = Wire {
                     plane: self.planes.len(),
                     beside: (0, 0),
                 };
             }
         }
-        wires
+        beyond
     }
 
     /// What comes along each wire: `n` cells, at most a [`PIECE`], so many after its start.
     #[inline(always)]
-    pub(super) fn sources<const N: usize>(
+    pub(super) fn sources(
         &self,
-        wires: &[Wire; N],
-        starts: &[usize; N],
+        wires: &[Wire],
+        starts: &[usize; WIRES],
         after: usize,
         n: usize,
-    ) -> [&[C]; N] {
-        let mut sources: [&[C]; N] = [&[]; N];
+    ) -> [&[C]; WIRES] {
+        let mut sources: [&[C]; WIRES] = [&[]; WIRES];
         for ((source, wire), start) in sources.iter_mut().zip(wires).zip(starts) {
             *source = match self.planes.get(wire.plane) {
                 Some(plane) => &plane[start.wrapping_add(after)..][..n],
