@@ -3,8 +3,6 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use std::hint::black_box;
-
 use super::runs::lanes;
 use crate::number::{Wide, Width};
 
@@ -20,15 +18,18 @@ pub(super) fn each<T: Copy + Default, U, const N: usize>(
 ) {
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = BLOCK * blocks.len();
+    let whole = whole(operands, blocks.len());
     for (k, cells) in blocks.iter_mut().enumerate() {
-        let operands = block(operands, k);
         for (i, cell) in cells.iter_mut().enumerate() {
-            *cell = of(picked(operands, i));
+            let mut picked = [T::default(); N];
+            for (one, blocks) in picked.iter_mut().zip(whole) {
+                *one = blocks[k][i];
+            }
+            *cell = of(picked);
         }
     }
     for (i, cell) in (done..).zip(last) {
-        // They are few: no vectors for them.
-        *cell = of(picked(operands, black_box(i)));
+        *cell = of(picked(operands, i));
     }
 }
 
@@ -43,12 +44,20 @@ pub(super) fn some<T: Width, const N: usize>(
     let bits = lanes();
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = blocks.len();
+    let whole = whole(operands, done);
     for (k, (cells, word)) in blocks.iter_mut().zip(words).enumerate() {
         // By value: nothing that is read can be what was just written.
-        let from = block(operands, k).map(|block| *block);
+        let mut from = [[T::ZERO; BLOCK]; N];
+        for (from, blocks) in from.iter_mut().zip(whole) {
+            *from = blocks[k];
+        }
         let mut new = [T::ZERO; BLOCK];
         for (i, new) in new.iter_mut().enumerate() {
-            *new = of(picked(from.each_ref(), i));
+            let mut picked = [T::ZERO; N];
+            for (one, from) in picked.iter_mut().zip(&from) {
+                *one = from[i];
+            }
+            *new = of(picked);
         }
         let lanes = cells.as_chunks_mut::<16>().0.iter_mut();
         for (k, (cells, new)) in lanes.zip(new.as_chunks::<16>().0).enumerate() {
@@ -69,11 +78,7 @@ pub(super) fn some<T: Width, const N: usize>(
 
 /// Sets each cell to what `of` makes of the sum of any number of operands.
 #[inline(always)]
-pub(super) fn summed<T: Width, U>(
-    operands: &[&[T]],
-    cells: &mut [U],
-    of: impl Fn(T::Wide) -> U,
-) {
+pub(super) fn summed<T: Width, U>(operands: &[&[T]], cells: &mut [U], of: impl Fn(T::Wide) -> U) {
     for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
         let mut sums = [T::Wide::default(); BLOCK];
         for operand in operands {
@@ -90,10 +95,7 @@ pub(super) fn summed<T: Width, U>(
 
 /// The cells `i` of all operands.
 #[inline(always)]
-fn picked<T: Copy + Default, const N: usize>(
-    operands: [&(impl std::ops::Index<usize, Output = T> + ?Sized); N],
-    i: usize,
-) -> [T; N] {
+fn picked<T: Copy + Default, const N: usize>(operands: [&[T]; N], i: usize) -> [T; N] {
     let mut cells = [T::default(); N];
     for (cell, operand) in cells.iter_mut().zip(operands) {
         *cell = operand[i];
@@ -101,8 +103,12 @@ fn picked<T: Copy + Default, const N: usize>(
     cells
 }
 
-/// The block `k` of all operands.
+/// So many blocks of all operands.
 #[inline(always)]
-fn block<T, const N: usize>(operands: [&[T]; N], k: usize) -> [&[T; BLOCK]; N] {
-    operands.map(|operand| &operand.as_chunks().0[k])
+fn whole<T, const N: usize>(operands: [&[T]; N], blocks: usize) -> [&[[T; BLOCK]]; N] {
+    let mut whole: [&[[T; BLOCK]]; N] = [&[]; N];
+    for (whole, operand) in whole.iter_mut().zip(operands) {
+        *whole = &operand.as_chunks().0[..blocks];
+    }
+    whole
 }

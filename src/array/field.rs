@@ -110,13 +110,13 @@ impl<'a, C> Field<'_, 'a, C> {
     /// Where each wire begins, that leads to the cells of a plane from `at` on; those lie
     /// `beside` the pixels whose bus they get.
     #[inline(always)]
-    pub(super) fn starts(
+    pub(super) fn starts<const N: usize>(
         &self,
-        wires: &[Wire],
+        wires: &[Wire; N],
         at: usize,
         beside: (isize, isize),
-    ) -> [usize; WIRES] {
-        let mut starts = [0; WIRES];
+    ) -> [usize; N] {
+        let mut starts = [0; N];
         for (start, wire) in starts.iter_mut().zip(wires) {
             let (dy, dx) = (wire.beside.0 - beside.0, wire.beside.1 - beside.1);
             *start = at.wrapping_add_signed(dy * self.size.width as isize + dx);
@@ -126,31 +126,30 @@ impl<'a, C> Field<'_, 'a, C> {
 
     /// Where the wires of the buses of one row lead, which may lie off the array.
     #[inline(always)]
-    pub(super) fn beyond(&self, wires: &[Wire], y: usize) -> [Wire; WIRES] {
-        let mut beyond = [Wire::NONE; WIRES];
-        for (beyond, wire) in beyond.iter_mut().zip(wires) {
-            *beyond = *wire;
+    pub(super) fn beyond<const N: usize>(&self, wires: &[Wire; N], y: usize) -> [Wire; N] {
+        let mut wires = *wires;
+        for wire in &mut wires {
             if y >= self.size.height || y.wrapping_add_signed(wire.beside.0) >= self.size.height {
                 // The first of the inputs is what lies there.
-                *beyond = Wire {
+                *wire = Wire {
                     plane: self.planes.len(),
                     beside: (0, 0),
                 };
             }
         }
-        beyond
+        wires
     }
 
     /// What comes along each wire: `n` cells, at most a [`PIECE`], so many after its start.
     #[inline(always)]
-    pub(super) fn sources(
+    pub(super) fn sources<const N: usize>(
         &self,
-        wires: &[Wire],
-        starts: &[usize; WIRES],
+        wires: &[Wire; N],
+        starts: &[usize; N],
         after: usize,
         n: usize,
-    ) -> [&[C]; WIRES] {
-        let mut sources: [&[C]; WIRES] = [&[]; WIRES];
+    ) -> [&[C]; N] {
+        let mut sources: [&[C]; N] = [&[]; N];
         for ((source, wire), start) in sources.iter_mut().zip(wires).zip(starts) {
             *source = match self.planes.get(wire.plane) {
                 Some(plane) => &plane[start.wrapping_add(after)..][..n],

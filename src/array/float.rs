@@ -80,9 +80,7 @@ fn pair<T: Real>(operands: &[&[T]], part: T, extra: Option<&[T]>, cells: &mut [T
     match (operands, extra) {
         (&[a], None) => each([a], cells, |all| stored([stored(all, part)], one)),
         (&[a, b], None) => each([a, b], cells, |all| stored([stored(all, part)], one)),
-        (&[a], Some(c)) => each([a, c], cells, |[a, c]| {
-            stored([stored([a], part), c], one)
-        }),
+        (&[a], Some(c)) => each([a, c], cells, |[a, c]| stored([stored([a], part), c], one)),
         (&[a, b], Some(c)) => each([a, b, c], cells, |[a, b, c]| {
             stored([stored([a, b], part), c], one)
         }),

@@ -84,7 +84,12 @@ macro_rules! half {
                 cells: &mut [$cell],
             ) {
                 let by = share.by as f32;
-                summed(operands, cells, |cell| $wide(cell), |sum| $narrow((0.0 - sum) / by));
+                summed(
+                    operands,
+                    cells,
+                    |cell| $wide(cell),
+                    |sum| $narrow((0.0 - sum) / by),
+                );
             }
             #[inline(always)]
             fn choose(&self, old: &$cell, new: &$cell, take: u8) -> $cell {
@@ -100,7 +105,12 @@ macro_rules! half {
                 Some(*sum > 0.0)
             }
             fn positives(&self, operands: &[&[$cell]], bytes: &mut [u8]) -> bool {
-                summed(operands, bytes, |cell| $wide(cell), |sum| (sum > 0.0).into());
+                summed(
+                    operands,
+                    bytes,
+                    |cell| $wide(cell),
+                    |sum| (sum > 0.0).into(),
+                );
                 true
             }
             #[inline]

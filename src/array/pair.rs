@@ -30,10 +30,13 @@ pub(super) fn pair<D: Domain>(
         return;
     }
     let one = &wires[pair.first.wires.clone()];
-    if pair.in_place || clip || one.is_empty() {
-        by_way(domain, field, one, pair, clip, &rows, room);
-    } else {
-        at_once(domain, field, one, pair, &rows);
+    let at_once = !pair.in_place && !clip;
+    match one.len() {
+        0 => by_way::<D, 0>(domain, field, one, pair, clip, &rows, room),
+        1 if at_once => self::at_once::<D, 1>(domain, field, one, pair, &rows),
+        1 => by_way::<D, 1>(domain, field, one, pair, clip, &rows, room),
+        _ if at_once => self::at_once::<D, 2>(domain, field, one, pair, &rows),
+        _ => by_way::<D, 2>(domain, field, one, pair, clip, &rows, room),
     }
     let width = field.size.width;
     let border = pair.first.border;
@@ -92,33 +95,46 @@ const COLUMN: usize = 64;
 
 /// As they lie in their planes.
 #[inline(always)]
-fn at_once<D: Domain>(
+fn at_once<D: Domain, const N: usize>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
     wires: &[Wire],
     pair: &Pair,
     rows: &Range<usize>,
 ) {
-    let Stretch { at, n, .. } = field.stretch(wires, pair.first.beside, pair.first.border, rows);
-    let extra = pair.extra.as_slice();
-    let starts = field.starts(wires, at, pair.first.beside);
-    let more = field.starts(extra, at, (0, 0));
+    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    let Stretch { at, n, .. } = field.stretch(&wires, pair.first.beside, pair.first.border, rows);
+    let starts = field.starts(&wires, at, pair.first.beside);
+    let more = field.starts(&[pair.extra.unwrap_or(Wire::NONE)], at, (0, 0));
     let cells = field.take(pair.second.register);
     let mut done = 0;
     while done < n {
         let some = (n - done).min(PIECE);
-        let operands = &field.sources(wires, &starts, done, some)[..wires.len()];
-        let extra = &field.sources(extra, &more, done, some)[..extra.len()];
+        let operands = &field.sources(&wires, &starts, done, some);
+        let extra = extra(field, pair, &more, done, some);
         let new = &mut cells[at + done..][..some];
-        domain.store_pair(operands, pair.first.share.by, extra.first().copied(), new);
+        domain.store_pair(operands, pair.first.share.by, extra, new);
         done += some;
     }
     field.put(pair.second.register, cells);
 }
 
+/// What else is on the second bus.
+#[inline(always)]
+fn extra<'b, C>(
+    field: &'b Field<'_, '_, C>,
+    pair: &Pair,
+    starts: &[usize; 1],
+    after: usize,
+    n: usize,
+) -> Option<&'b [C]> {
+    let [cells] = field.sources(&[pair.extra?], starts, after, n);
+    Some(cells)
+}
+
 /// By way of a few cells of their own.
 #[inline(always)]
-fn by_way<D: Domain>(
+fn by_way<D: Domain, const N: usize>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -127,15 +143,15 @@ fn by_way<D: Domain>(
     rows: &Range<usize>,
     room: &mut [D::Cell],
 ) {
-    let Stretch { left, at, n } = field.stretch(wires, pair.first.beside, pair.first.border, rows);
-    let extra = pair.extra.as_slice();
-    let starts = field.starts(wires, at, pair.first.beside);
-    let more = field.starts(extra, at, (0, 0));
+    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    let Stretch { left, at, n } = field.stretch(&wires, pair.first.beside, pair.first.border, rows);
+    let starts = field.starts(&wires, at, pair.first.beside);
+    let more = field.starts(&[pair.extra.unwrap_or(Wire::NONE)], at, (0, 0));
     let mut done = 0;
     while done < n {
         let some = (n - done).min(RUN);
         let between = &mut room[..some];
-        let operands = &field.sources(wires, &starts, done, some)[..wires.len()];
+        let operands = &field.sources(&wires, &starts, done, some);
         let place = field.place(&pair.first, rows.start, left + done);
         domain.store_row(operands, pair.first.share, place, between);
         if clip {
@@ -143,10 +159,11 @@ fn by_way<D: Domain>(
         }
         let cells = field.take(pair.second.register);
         let new = &mut cells[at + done..][..some];
-        let [other, ..] = field.sources(extra, &more, done, some);
-        let operands = &[&*between, other][..1 + extra.len()];
         let place = field.place(&pair.second, rows.start, left + done);
-        domain.store_row(operands, UNDIVIDED, place, new);
+        match extra(field, pair, &more, done, some) {
+            None => domain.store_row(&[between], UNDIVIDED, place, new),
+            Some(extra) => domain.store_row(&[between, extra], UNDIVIDED, place, new),
+        }
         if clip {
             limit(domain, new);
         }

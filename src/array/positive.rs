@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::{
     Domain, Undecided,
     bits::cut,
-    field::{Field, WIRES},
+    field::Field,
     wire::{Border, Wire},
 };
 use crate::bits::packed;
@@ -29,10 +29,11 @@ pub(super) fn positive<D: Domain>(
     bits: &mut [u64],
     rows: Range<usize>,
 ) -> Result<(), Undecided> {
-    let decided = if wires.len() > WIRES {
-        all(domain, field, wires, bits, rows.start, rows)
-    } else {
-        few(domain, field, wires, border, bits, rows)
+    let decided = match wires.len() {
+        1 => positive_n::<D, 1>(domain, field, wires, border, bits, rows),
+        2 => positive_n::<D, 2>(domain, field, wires, border, bits, rows),
+        3 => positive_n::<D, 3>(domain, field, wires, border, bits, rows),
+        _ => all(domain, field, wires, bits, rows.start, rows),
     };
     if decided {
         Ok(())
@@ -41,9 +42,9 @@ pub(super) fn positive<D: Domain>(
     }
 }
 
-/// With at most [`WIRES`] wires; whether the domain has an answer.
+/// With `N` wires; whether the domain has an answer.
 #[inline(always)]
-fn few<D: Domain>(
+fn positive_n<D: Domain, const N: usize>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -62,6 +63,7 @@ fn few<D: Domain>(
     if inner.is_empty() {
         return decided;
     }
+    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
     let words = width.div_ceil(64);
     let run = if width.is_multiple_of(64) {
         inner.len()
@@ -71,7 +73,7 @@ fn few<D: Domain>(
     // Many at once: bytes that were just written are slow to read in another width.
     let mut bytes = [0; 64 * BATCH];
     for y in inner.clone().step_by(run) {
-        let starts = field.starts(wires, field.cell(y, 0), (0, 0));
+        let starts = field.starts(&wires, field.cell(y, 0), (0, 0));
         let (first, last) = (border.left, run * width - border.right);
         let bits = &mut bits[(y - top) * words..][..run * words];
         for (batch, bits) in bits.chunks_mut(BATCH).enumerate() {
@@ -79,8 +81,8 @@ fn few<D: Domain>(
             let bytes = &mut bytes[..64 * bits.len()];
             // What needs something from off the array is done afterwards.
             let (begin, end) = (from.max(first), (from + bytes.len()).min(last).max(from));
-            let sources = field.sources(wires, &starts, begin, end - begin);
-            decided &= domain.positives(&sources[..wires.len()], &mut bytes[begin - from..end - from]);
+            let sources = field.sources(&wires, &starts, begin, end - begin);
+            decided &= domain.positives(&sources, &mut bytes[begin - from..end - from]);
             let blocks = bytes.as_chunks::<64>().0;
             for (word, bytes) in bits.iter_mut().zip(blocks) {
                 *word = packed(bytes);
@@ -91,7 +93,7 @@ fn few<D: Domain>(
     for x in (0..border.left).chain(width - border.right..width) {
         for y in inner.clone() {
             let row = &mut bits[(y - top) * words..];
-            decided &= one(domain, field, wires, row, y, x);
+            decided &= one(domain, field, &wires, row, y, x);
         }
     }
     decided

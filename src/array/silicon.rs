@@ -226,12 +226,7 @@ impl Run<'_> {
             let (from, n) = (k * BLOCK, cells.len());
             let drawn = &mut drawn[..n];
             self.draws.draw(self.first + from as u32, drawn);
-            cells.fill(0.0);
-            for operand in operands {
-                for (sum, operand) in cells.iter_mut().zip(&operand[from..][..n]) {
-                    *sum += operand;
-                }
-            }
+            sum(operands, from, cells);
             if self.by != 1.0 {
                 for sum in &mut *cells {
                     *sum /= self.by;
@@ -240,7 +235,7 @@ impl Run<'_> {
             let (gain, offset) = (&self.gain[from..][..n], &self.offset[from..][..n]);
             let limited = |value: f32| value.clamp(self.range.0, self.range.1);
             if let Some([one, two]) = self.more {
-                let [first, second] = self.split.map(|split| &split[from..][..n]);
+                let (first, second) = (&self.split[0][from..][..n], &self.split[1][from..][..n]);
                 for (i, cell) in cells.iter_mut().enumerate() {
                     let error = self.error(offset[i], drawn[i]) + self.division;
                     let more = one * first[i] + two * second[i];
@@ -250,6 +245,33 @@ impl Run<'_> {
                 for (i, cell) in cells.iter_mut().enumerate() {
                     let error = self.error(offset[i], drawn[i]);
                     *cell = limited(gain[i] * *cell + error);
+                }
+            }
+        }
+    }
+}
+
+/// What is on the bus of each cell; the first is `from` after where they begin.
+#[inline(always)]
+fn sum(operands: &[&[f32]], from: usize, cells: &mut [f32]) {
+    let n = cells.len();
+    match *operands {
+        [a] => {
+            for (sum, a) in cells.iter_mut().zip(&a[from..][..n]) {
+                *sum = 0.0 + a;
+            }
+        }
+        [a, b] => {
+            let (a, b) = (&a[from..][..n], &b[from..][..n]);
+            for (i, sum) in cells.iter_mut().enumerate() {
+                *sum = 0.0 + a[i] + b[i];
+            }
+        }
+        _ => {
+            cells.fill(0.0);
+            for operand in operands {
+                for (sum, operand) in cells.iter_mut().zip(&operand[from..][..n]) {
+                    *sum += operand;
                 }
             }
         }

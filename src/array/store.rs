@@ -47,15 +47,14 @@ pub(super) fn store<D: Domain>(
     while y < rows.end {
         let inside = inner.contains(&y);
         let end = if inside && level { inner.end } else { y + 1 };
-        let beyond;
-        let wires = if inside {
-            wires
-        } else {
-            beyond = field.beyond(wires, y.wrapping_add_signed(-store.beside.0));
-            &beyond[..wires.len()]
-        };
         let rows = (y..end, inside);
-        run(domain, field, wires, store, cells, clip, rows, room);
+        match wires.len() {
+            0 => run::<D, 0>(domain, field, wires, store, cells, clip, rows, room),
+            1 => run::<D, 1>(domain, field, wires, store, cells, clip, rows, room),
+            2 => run::<D, 2>(domain, field, wires, store, cells, clip, rows, room),
+            3 => run::<D, 3>(domain, field, wires, store, cells, clip, rows, room),
+            _ => run::<D, WIRES>(domain, field, wires, store, cells, clip, rows, room),
+        }
         y = end;
     }
     if edges > 0 {
@@ -72,7 +71,7 @@ pub(super) fn store<D: Domain>(
 /// Rows as one run, inside the border or one that is not.
 #[allow(clippy::too_many_arguments)]
 #[inline(always)]
-fn run<D: Domain>(
+fn run<D: Domain, const N: usize>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -83,12 +82,16 @@ fn run<D: Domain>(
     room: &mut [D::Cell],
 ) {
     let (down, right) = store.beside;
+    let mut wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    if !inside {
+        wires = field.beyond(&wires, rows.start.wrapping_add_signed(-down));
+    }
     let Stretch { left, at, n } = if store.whole && inside {
-        field.stretch(wires, store.beside, store.border, &rows)
+        field.stretch(&wires, store.beside, store.border, &rows)
     } else {
         field.between(store.border, &rows)
     };
-    let starts = field.starts(wires, at, store.beside);
+    let starts = field.starts(&wires, at, store.beside);
     let driver = rows.start.wrapping_add_signed(-down);
     // Off the array FLAG is 1.
     let mut runs = if store.whole || driver >= field.size.height {
@@ -99,7 +102,7 @@ fn run<D: Domain>(
     };
     while let Some(Run { from, to, all }) = runs.next() {
         let n = to - from;
-        let sources = &field.sources(wires, &starts, from, n)[..wires.len()];
+        let sources = &field.sources(&wires, &starts, from, n);
         let old = &mut cells[at + from..][..n];
         let undivided = store.share.by == 1 && !clip;
         if !all && undivided && domain.store_some(sources, runs.words(), old) {
