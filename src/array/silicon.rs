@@ -208,7 +208,26 @@ const BLOCK: usize = 256;
 /// Stores the bus of each cell. A cell costs so many instructions that the call does not matter.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
-    run.store::<BLOCK>(operands, cells);
+    let n = cells.len();
+    match *operands {
+        [a] => {
+            let a = &a[..n];
+            run.store::<BLOCK>(|i, _| 0.0 + a[i], cells);
+        }
+        [a, b] => {
+            let (a, b) = (&a[..n], &b[..n]);
+            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i], cells);
+        }
+        _ => {
+            cells.fill(0.0);
+            for operand in operands {
+                for (sum, operand) in cells.iter_mut().zip(&operand[..n]) {
+                    *sum += operand;
+                }
+            }
+            run.store::<BLOCK>(|_, sum| sum, cells);
+        }
+    }
 }
 
 impl Run<'_> {
@@ -218,61 +237,35 @@ impl Run<'_> {
         offset + self.noise * Draws::normal(drawn)
     }
 
-    /// Stores what is on the bus of each cell, so many cells at once.
+    /// Stores what is on the bus of each cell, so many cells at once: `sum`, of its number and
+    /// what it holds.
     #[inline(always)]
-    fn store<const BLOCK: usize>(&self, operands: &[&[f32]], cells: &mut [f32]) {
-        let mut drawn = [0; BLOCK];
-        for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
-            let (from, n) = (k * BLOCK, cells.len());
-            let drawn = &mut drawn[..n];
-            self.draws.draw(self.first + from as u32, drawn);
-            sum(operands, from, cells);
-            if self.by != 1.0 {
-                for sum in &mut *cells {
-                    *sum /= self.by;
-                }
-            }
-            let (gain, offset) = (&self.gain[from..][..n], &self.offset[from..][..n]);
-            let limited = |value: f32| value.clamp(self.range.0, self.range.1);
-            if let Some([one, two]) = self.more {
-                let (first, second) = (&self.split[0][from..][..n], &self.split[1][from..][..n]);
-                for (i, cell) in cells.iter_mut().enumerate() {
-                    let error = self.error(offset[i], drawn[i]) + self.division;
-                    let more = one * first[i] + two * second[i];
-                    *cell = limited(gain[i] * (*cell * (1.0 + more)) + error);
-                }
-            } else {
-                for (i, cell) in cells.iter_mut().enumerate() {
-                    let error = self.error(offset[i], drawn[i]);
-                    *cell = limited(gain[i] * *cell + error);
-                }
-            }
+    fn store<const BLOCK: usize>(&self, sum: impl Fn(usize, f32) -> f32, cells: &mut [f32]) {
+        if let Some([one, two]) = self.more {
+            let [first, second] = self.split;
+            self.each::<BLOCK>(cells, |i, held, error| {
+                let current = sum(i, held) / self.by;
+                let more = one * first[i] + two * second[i];
+                self.gain[i] * (current * (1.0 + more)) + (error + self.division)
+            });
+        } else {
+            self.each::<BLOCK>(cells, |i, held, error| {
+                self.gain[i] * (sum(i, held) / self.by) + error
+            });
         }
     }
-}
 
-/// What is on the bus of each cell; the first is `from` after where they begin.
-#[inline(always)]
-fn sum(operands: &[&[f32]], from: usize, cells: &mut [f32]) {
-    let n = cells.len();
-    match *operands {
-        [a] => {
-            for (sum, a) in cells.iter_mut().zip(&a[from..][..n]) {
-                *sum = 0.0 + a;
-            }
-        }
-        [a, b] => {
-            let (a, b) = (&a[from..][..n], &b[from..][..n]);
-            for (i, sum) in cells.iter_mut().enumerate() {
-                *sum = 0.0 + a[i] + b[i];
-            }
-        }
-        _ => {
-            cells.fill(0.0);
-            for operand in operands {
-                for (sum, operand) in cells.iter_mut().zip(&operand[from..][..n]) {
-                    *sum += operand;
-                }
+    /// Each cell, from its number, what it holds and its error; limited to the range.
+    #[inline(always)]
+    fn each<const BLOCK: usize>(&self, cells: &mut [f32], value: impl Fn(usize, f32, f32) -> f32) {
+        let mut drawn = [0; BLOCK];
+        for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
+            let from = k * BLOCK;
+            let drawn = &mut drawn[..cells.len()];
+            self.draws.draw(self.first + from as u32, drawn);
+            for (j, cell) in cells.iter_mut().enumerate() {
+                let error = self.error(self.offset[from + j], drawn[j]);
+                *cell = value(from + j, *cell, error).clamp(self.range.0, self.range.1);
             }
         }
     }
@@ -326,7 +319,7 @@ impl Domain for Silicon {
     #[inline]
     fn store(&self, sum: &f32, share: Share, place: Place) -> f32 {
         let mut cell = [0.0];
-        self.run(share, place, 1).store::<1>(&[&[*sum]], &mut cell);
+        self.run(share, place, 1).store::<1>(|_, _| *sum, &mut cell);
         cell[0]
     }
 
