@@ -83,7 +83,7 @@ fn column<D: Domain>(
             field.column(extra, top, x, more);
             sources[1] = more;
         }
-        let sources = &sources[..1 + usize::from(pair.extra.is_some())];
+        let sources = &sources[..=usize::from(pair.extra.is_some())];
         let place = field.place(&pair.second, top, x);
         store_few(domain, sources, UNDIVIDED, place, clip, new);
         field.put_column(pair.second.register, top, x, new);
