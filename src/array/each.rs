@@ -4,24 +4,28 @@
 #![allow(clippy::inline_always)]
 
 use super::runs::lanes;
-use crate::number::Width;
+use crate::number::{Wide, Width};
 
 /// So many cells at a time: a loop over them needs no end of its own.
 const BLOCK: usize = 64;
 
 /// Sets each cell to what `of` makes of the operands.
 #[inline(always)]
-pub(super) fn each<T: Width, const N: usize>(
+pub(super) fn each<T: Copy + Default, U, const N: usize>(
     operands: [&[T]; N],
-    cells: &mut [T],
-    of: impl Fn([T; N]) -> T,
+    cells: &mut [U],
+    of: impl Fn([T; N]) -> U,
 ) {
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = BLOCK * blocks.len();
+    let whole = whole(operands, blocks.len());
     for (k, cells) in blocks.iter_mut().enumerate() {
-        let operands = block(operands, k);
         for (i, cell) in cells.iter_mut().enumerate() {
-            *cell = of(picked(operands, i));
+            let mut picked = [T::default(); N];
+            for (one, blocks) in picked.iter_mut().zip(whole) {
+                *one = blocks[k][i];
+            }
+            *cell = of(picked);
         }
     }
     for (i, cell) in (done..).zip(last) {
@@ -40,12 +44,20 @@ pub(super) fn some<T: Width, const N: usize>(
     let bits = lanes();
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = blocks.len();
+    let whole = whole(operands, done);
     for (k, (cells, word)) in blocks.iter_mut().zip(words).enumerate() {
         // By value: nothing that is read can be what was just written.
-        let from = block(operands, k).map(|block| *block);
+        let mut from = [[T::ZERO; BLOCK]; N];
+        for (from, blocks) in from.iter_mut().zip(whole) {
+            *from = blocks[k];
+        }
         let mut new = [T::ZERO; BLOCK];
         for (i, new) in new.iter_mut().enumerate() {
-            *new = of(picked(from.each_ref(), i));
+            let mut picked = [T::ZERO; N];
+            for (one, from) in picked.iter_mut().zip(&from) {
+                *one = from[i];
+            }
+            *new = of(picked);
         }
         let lanes = cells.as_chunks_mut::<16>().0.iter_mut();
         for (k, (cells, new)) in lanes.zip(new.as_chunks::<16>().0).enumerate() {
@@ -64,58 +76,39 @@ pub(super) fn some<T: Width, const N: usize>(
     }
 }
 
-/// The same twice: `first` of the operands, `second` of that and of the extra ones.
+/// Sets each cell to what `of` makes of the sum of any number of operands.
 #[inline(always)]
-pub(super) fn twice<T: Width, const N: usize, const M: usize>(
-    operands: [&[T]; N],
-    extra: [&[T]; M],
-    mut between: Option<&mut [T]>,
-    cells: &mut [T],
-    first: impl Fn([T; N]) -> T,
-    second: impl Fn(T, [T; M]) -> T,
-) {
-    let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
-    let done = BLOCK * blocks.len();
-    for (k, cells) in blocks.iter_mut().enumerate() {
-        let (operands, extra) = (block(operands, k), block(extra, k));
-        if let Some(between) = between.as_deref_mut() {
-            let between: &mut [T; BLOCK] = &mut between.as_chunks_mut().0[k];
-            for (i, middle) in between.iter_mut().enumerate() {
-                *middle = first(picked(operands, i));
-            }
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = second(between[i], picked(extra, i));
-            }
-        } else {
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = second(first(picked(operands, i)), picked(extra, i));
+pub(super) fn summed<T: Width, U>(operands: &[&[T]], cells: &mut [U], of: impl Fn(T::Wide) -> U) {
+    for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
+        let mut sums = [T::Wide::default(); BLOCK];
+        for operand in operands {
+            let operand = &operand[BLOCK * k..][..cells.len()];
+            for (sum, cell) in sums.iter_mut().zip(operand) {
+                *sum = sum.plus(cell.widen());
             }
         }
-    }
-    for (i, cell) in (done..).zip(last) {
-        let middle = first(picked(operands, i));
-        if let Some(between) = between.as_deref_mut() {
-            between[i] = middle;
+        for (cell, sum) in cells.iter_mut().zip(sums) {
+            *cell = of(sum);
         }
-        *cell = second(middle, picked(extra, i));
     }
 }
 
 /// The cells `i` of all operands.
 #[inline(always)]
-pub(super) fn picked<T: Width, const N: usize>(
-    operands: [&(impl std::ops::Index<usize, Output = T> + ?Sized); N],
-    i: usize,
-) -> [T; N] {
-    let mut cells = [T::ZERO; N];
+fn picked<T: Copy + Default, const N: usize>(operands: [&[T]; N], i: usize) -> [T; N] {
+    let mut cells = [T::default(); N];
     for (cell, operand) in cells.iter_mut().zip(operands) {
         *cell = operand[i];
     }
     cells
 }
 
-/// The block `k` of all operands.
+/// So many blocks of all operands.
 #[inline(always)]
-fn block<T: Width, const N: usize>(operands: [&[T]; N], k: usize) -> [&[T; BLOCK]; N] {
-    operands.map(|operand| &operand.as_chunks().0[k])
+fn whole<T, const N: usize>(operands: [&[T]; N], blocks: usize) -> [&[[T; BLOCK]]; N] {
+    let mut whole: [&[[T; BLOCK]]; N] = [&[]; N];
+    for (whole, operand) in whole.iter_mut().zip(operands) {
+        *whole = &operand.as_chunks().0[..blocks];
+    }
+    whole
 }

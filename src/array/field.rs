@@ -15,6 +15,9 @@ use crate::{isa::Analog, plane::Size};
 /// Cells that are worked on at once, at most.
 pub(super) const PIECE: usize = 2048;
 
+/// Wires of a bus that is worked on many pixels at once, at most.
+pub(super) const WIRES: usize = 4;
+
 /// Cells that follow each other in a plane.
 pub(super) struct Stretch {
     /// The column of the first.

@@ -1,12 +1,14 @@
 //! Fixed point in the cells.
 
-// What is not inlined into the loops of `rows` is not compiled for wide vectors.
+// What is not inlined into a sweep is not compiled for wide vectors.
 #![allow(clippy::inline_always)]
+
+use multiversion::multiversion;
 
 use super::{
     Domain, Place, Share,
     domain::LIMITS,
-    each::{each, picked, some, twice},
+    each::{each, some, summed},
 };
 use crate::number::{Number, Overflow, Q, Wide, Width};
 
@@ -27,6 +29,11 @@ impl<T: Width> Fixed<T> {
             number,
             limits: (end(LIMITS.0), end(LIMITS.1)),
         }
+    }
+
+    #[inline]
+    fn saturates(&self) -> bool {
+        self.number.overflow() == Overflow::Saturate
     }
 }
 
@@ -61,79 +68,48 @@ impl<T: Width> Domain for Fixed<T> {
         self.number.narrow(sum.times(-1).divided(share.by))
     }
     #[inline(always)]
-    fn store_row<const N: usize>(
-        &self,
-        operands: [&[T]; N],
-        share: Share,
-        _: Place,
-        clip: bool,
-        cells: &mut [T],
-    ) {
+    fn store_row(&self, operands: &[&[T]], share: Share, _: Place, cells: &mut [T]) {
         // Without a choice inside the loops.
-        let saturates = self.number.overflow() == Overflow::Saturate;
-        match (saturates, share.by) {
-            (true, 1) if N <= 2 => each(operands, cells, saturated_sum),
-            (false, 1) => each(operands, cells, wrapped_sum),
-            (true, 2) if N <= 2 => each(operands, cells, saturated_half),
-            (true, by) => each(operands, cells, |all| T::saturate_wide(wide_part(all, by))),
-            (false, by) => each(operands, cells, |all| T::wrap_wide(wide_part(all, by))),
-        }
-        if clip {
-            for cell in cells {
-                *cell = self.limit(*cell);
-            }
+        match (operands, share.by) {
+            ([], _) => cells.fill(T::ZERO),
+            (&[a], 1) if self.saturates() => each([a], cells, saturated_sum),
+            (&[a], 2) if self.saturates() => each([a], cells, saturated_half),
+            (&[a, b], 1) if self.saturates() => each([a, b], cells, saturated_sum),
+            (&[a, b], 2) if self.saturates() => each([a, b], cells, saturated_half),
+            _ => wide_row(operands, share.by, self.saturates(), cells),
         }
     }
     #[inline(always)]
-    fn store_some<const N: usize>(
-        &self,
-        operands: [&[T]; N],
-        words: &[u64],
-        cells: &mut [T],
-    ) -> bool {
-        match self.number.overflow() {
-            Overflow::Saturate if N <= 2 => some(operands, words, cells, saturated_sum),
-            Overflow::Saturate => return false,
-            Overflow::Wrap => some(operands, words, cells, wrapped_sum),
+    fn store_some(&self, operands: &[&[T]], words: &[u64], cells: &mut [T]) -> bool {
+        match *operands {
+            [a] if self.saturates() => some([a], words, cells, saturated_sum),
+            [a, b] if self.saturates() => some([a, b], words, cells, saturated_sum),
+            _ => return false,
         }
         true
     }
     fn pairs(&self) -> bool {
-        true
+        self.saturates()
     }
+    /// What the first would store, taken from nought, is the sum, but for the lowest number, or
+    /// half the sum.
     #[inline(always)]
-    fn store_pair<const N: usize, const M: usize>(
-        &self,
-        operands: [&[T]; N],
-        by: u32,
-        extra: [&[T]; M],
-        between: Option<&mut [T]>,
-        cells: &mut [T],
-    ) {
-        match self.number.overflow() {
-            Overflow::Saturate if between.is_none() && (by == 2 || (N, M) != (2, 1)) => {
-                saturated_pair(operands, by, extra, cells);
-            }
-            Overflow::Saturate => {
-                let second = |first, extra: [T; M]| match extra[..] {
-                    [extra] => saturated_sum([first, extra]),
-                    _ => saturated_sum([first]),
-                };
-                if by == 2 {
-                    twice(operands, extra, between, cells, saturated_half, second);
-                } else {
-                    twice(operands, extra, between, cells, saturated_sum, second);
-                }
-            }
-            Overflow::Wrap => {
-                let second = |first, extra: [T; M]| wrapped_sum(extra).wrapping_less(first);
-                if by == 2 {
-                    let half = |operands| T::wrap_wide(wide_part(operands, 2));
-                    twice(operands, extra, between, cells, half, second);
-                } else {
-                    twice(operands, extra, between, cells, wrapped_sum, second);
-                }
-            }
+    fn store_pair(&self, operands: &[&[T]], by: u32, extra: Option<&[T]>, cells: &mut [T]) {
+        let lowest = T::ZERO.less(T::LIMITS.1);
+        match (operands, by, extra) {
+            (&[a], 1, None) => each([a], cells, |[a]| a.max(lowest)),
+            (&[a], 1, Some(c)) => each([a, c], cells, |[a, c]| a.max(lowest).less(c)),
+            (&[a], _, None) => each([a], cells, |[a]| a.middle(T::ZERO)),
+            (&[a], _, Some(c)) => each([a, c], cells, |[a, c]| a.middle(T::ZERO).less(c)),
+            (&[a, b], 1, None) => each([a, b], cells, |[a, b]| a.more(b).max(lowest)),
+            (&[a, b], 1, Some(c)) => each([a, b, c], cells, |[a, b, c]| {
+                saturated_sum([saturated_sum([a, b]), c])
+            }),
+            (&[a, b], _, None) => each([a, b], cells, |[a, b]| a.middle(b).max(lowest)),
+            (&[a, b], _, Some(c)) => each([a, b, c], cells, |[a, b, c]| {
+                a.middle(b).max(lowest).less(c)
+            }),
+            _ => {}
         }
     }
     #[inline(always)]
@@ -146,24 +122,12 @@ impl<T: Width> Domain for Fixed<T> {
         Some(self.number.hold(sum * sum * gain))
     }
     #[inline(always)]
-    fn positives<const N: usize>(&self, operands: [&[T]; N], bytes: &mut [u8]) -> bool {
-        let (blocks, rest) = bytes.as_chunks_mut::<64>();
-        let done = 64 * blocks.len();
-        let whole = operands.map(|operand| operand.as_chunks::<64>().0);
-        for (k, bytes) in blocks.iter_mut().enumerate() {
-            for (i, byte) in bytes.iter_mut().enumerate() {
-                let operands = picked(whole.map(|whole| &whole[k]), i);
-                // What saturates keeps its sign.
-                *byte = if N <= 2 {
-                    saturated_sum(operands) < T::ZERO
-                } else {
-                    wide_part(operands, 1) < T::Wide::default()
-                }
-                .into();
-            }
-        }
-        for (i, byte) in rest.iter_mut().enumerate() {
-            *byte = (wide_part(picked(operands, done + i), 1) < T::Wide::default()).into();
+    fn positives(&self, operands: &[&[T]], bytes: &mut [u8]) -> bool {
+        match *operands {
+            [a] => each([a], bytes, |[a]| (a > T::ZERO).into()),
+            // What saturates keeps its sign.
+            [a, b] => each([a, b], bytes, |all| (saturated_sum(all) < T::ZERO).into()),
+            _ => wide_positives(operands, bytes),
         }
         true
     }
@@ -177,45 +141,23 @@ impl<T: Width> Domain for Fixed<T> {
     }
 }
 
-/// Two saturating stores, where nobody reads what the first stores: what it would store, taken
-/// from nought, is the sum, but for the lowest number, or half the sum.
-#[inline(always)]
-fn saturated_pair<T: Width, const N: usize, const M: usize>(
-    operands: [&[T]; N],
-    by: u32,
-    extra: [&[T]; M],
-    cells: &mut [T],
-) {
-    let lowest = T::ZERO.less(T::LIMITS.1);
-    let sum = |operands: [T; N]| match operands[..] {
-        [a, b] => a.more(b).max(lowest),
-        [a] => a.max(lowest),
-        _ => T::ZERO,
-    };
-    let second = |sum: T, extra: [T; M]| match extra[..] {
-        [extra] => sum.less(extra),
-        _ => sum,
-    };
-    if by == 2 {
-        let half = |operands: [T; N]| match operands[..] {
-            [a, b] => a.middle(b).max(lowest),
-            [a] => a.middle(T::ZERO),
-            _ => T::ZERO,
-        };
-        twice(operands, extra, None, cells, half, second);
-    } else {
-        twice(operands, extra, None, cells, sum, second);
+/// Stores of any number of wires and targets, by way of wide sums.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn wide_row<T: Width>(operands: &[&[T]], by: u32, saturates: bool, cells: &mut [T]) {
+    let part = |sum: T::Wide| sum.times(-1).divided(by);
+    match *operands {
+        [a, b, c] if saturates && by == 1 => each([a, b, c], cells, |[a, b, c]| {
+            T::saturate_wide(a.widen().plus(b.widen()).plus(c.widen()).times(-1))
+        }),
+        _ if saturates => summed(operands, cells, |sum| T::saturate_wide(part(sum))),
+        _ => summed(operands, cells, |sum| T::wrap_wide(part(sum))),
     }
 }
 
-/// `-(sum) / by`.
-#[inline(always)]
-fn wide_part<T: Width, const N: usize>(operands: [T; N], by: u32) -> T::Wide {
-    let mut sum = T::Wide::default();
-    for operand in operands {
-        sum = sum.plus(operand.widen());
-    }
-    sum.times(-1).divided(by)
+/// Whether the sum of any number of wires is above zero.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn wide_positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
+    summed(operands, bytes, |sum| (sum > T::Wide::default()).into());
 }
 
 /// `-(sum)` of at most two, saturated; without leaving the width.
@@ -228,16 +170,6 @@ fn saturated_sum<T: Width, const N: usize>(operands: [T; N]) -> T {
         [a] => T::ZERO.less(a),
         _ => T::ZERO,
     }
-}
-
-/// `-(sum)` of any number of them, wrapped: as differences that wrap.
-#[inline(always)]
-fn wrapped_sum<T: Width, const N: usize>(operands: [T; N]) -> T {
-    let mut less = T::ZERO;
-    for operand in operands {
-        less = less.wrapping_less(operand);
-    }
-    less
 }
 
 /// `-(sum) / 2` of at most two, halves to even, saturated; without leaving the width.
@@ -268,20 +200,17 @@ mod tests {
     fn agree<T: Width + PartialEq, const N: usize>(number: Q<T>, values: [&[T]; N]) {
         let domain = Fixed::new(number);
         for by in 1..=3 {
-            for clip in [false, true] {
-                let share = Share { by, part: None };
-                let n = values.first().map_or(1, |values| values.len());
-                let mut row = vec![T::ZERO; n];
-                domain.store_row(values, share, PLACE, clip, &mut row);
-                for (i, cell) in row.into_iter().enumerate() {
-                    let stored = domain.store(&domain.sum(&values, i), share, PLACE);
-                    let expected = if clip { domain.limit(stored) } else { stored };
-                    let operands = values.map(|values| values[i]);
-                    assert_eq!(cell, expected, "{operands:?} by {by}, {clip}");
-                }
-                if by == 1 && !clip {
-                    masked(&domain, values, n);
-                }
+            let share = Share { by, part: None };
+            let n = values.first().map_or(1, |values| values.len());
+            let mut row = vec![T::ZERO; n];
+            domain.store_row(&values, share, PLACE, &mut row);
+            for (i, cell) in row.into_iter().enumerate() {
+                let expected = domain.store(&domain.sum(&values, i), share, PLACE);
+                let operands = values.map(|values| values[i]);
+                assert_eq!(cell, expected, "{operands:?} by {by}");
+            }
+            if by == 1 {
+                masked(&domain, values, n);
             }
         }
     }
@@ -296,7 +225,7 @@ mod tests {
         let word = |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let words: Vec<u64> = (0..n.div_ceil(64)).map(word).collect();
         let mut row = vec![T::LIMITS.1; n];
-        if !domain.store_some(values, &words, &mut row) {
+        if !domain.store_some(&values, &words, &mut row) {
             return;
         }
         for (i, cell) in row.into_iter().enumerate() {
@@ -328,38 +257,23 @@ mod tests {
     }
 
     /// Two stores at once against the one and then the other.
-    fn pairs_agree<T: Width + PartialEq, const N: usize, const M: usize>(
-        operands: [&[T]; N],
-        extra: [&[T]; M],
-    ) {
-        let n = operands
-            .iter()
-            .chain(&extra)
-            .map(|v| v.len())
-            .next()
-            .unwrap_or(70);
-        let nought = || vec![T::ZERO; n];
-        for overflow in [Overflow::Saturate, Overflow::Wrap] {
-            let domain = Fixed::new(Q::<T>::new(0).with_overflow(overflow));
-            for by in [1, 2] {
-                let (mut first, mut second) = (nought(), nought());
-                let share = Share { by, part: None };
-                domain.store_row(operands, share, PLACE, false, &mut first);
-                let share = Share { by: 1, part: None };
-                match extra[..] {
-                    [extra] => {
-                        domain.store_row([&first, extra], share, PLACE, false, &mut second);
-                    }
-                    _ => domain.store_row([&first], share, PLACE, false, &mut second),
-                }
-                let (mut between, mut cells) = (nought(), nought());
-                domain.store_pair(operands, by, extra, Some(&mut between), &mut cells);
-                assert!(between == first, "{overflow:?} by {by}, the first");
-                assert!(cells == second, "{overflow:?} by {by}, the second");
-                let mut cells = nought();
-                domain.store_pair(operands, by, extra, None, &mut cells);
-                assert!(cells == second, "{overflow:?} by {by}, only the second");
-            }
+    fn pairs_agree(operands: &[&[i16]], extra: Option<&[i16]>) {
+        let nought = || vec![0; operands[0].len()];
+        let domain = Fixed::new(Q::<i16>::new(0));
+        let store = |operands: &[&[i16]], by| {
+            let mut cells = nought();
+            domain.store_row(operands, Share { by, part: None }, PLACE, &mut cells);
+            cells
+        };
+        for by in [1, 2] {
+            let first = store(operands, by);
+            let second = match extra {
+                Some(extra) => store(&[&first, extra], 1),
+                None => store(&[&first], 1),
+            };
+            let mut cells = nought();
+            domain.store_pair(operands, by, extra, &mut cells);
+            assert!(cells == second, "{} by {by}, {extra:?}", operands.len());
         }
     }
 
@@ -381,12 +295,10 @@ mod tests {
             }
         }
         let [a, b, c] = &all;
-        pairs_agree::<i16, 0, 0>([], []);
-        pairs_agree([], [c]);
-        pairs_agree([a], []);
-        pairs_agree([a], [c]);
-        pairs_agree([a, b], []);
-        pairs_agree([a, b], [c]);
+        pairs_agree(&[a], None);
+        pairs_agree(&[a], Some(c));
+        pairs_agree(&[a, b], None);
+        pairs_agree(&[a, b], Some(c));
     }
 
     #[test]

@@ -82,7 +82,7 @@ fn positive_n<D: Domain, const N: usize>(
             // What needs something from off the array is done afterwards.
             let (begin, end) = (from.max(first), (from + bytes.len()).min(last).max(from));
             let sources = field.sources(&wires, &starts, begin, end - begin);
-            decided &= domain.positives(sources, &mut bytes[begin - from..end - from]);
+            decided &= domain.positives(&sources, &mut bytes[begin - from..end - from]);
             let blocks = bytes.as_chunks::<64>().0;
             for (word, bytes) in bits.iter_mut().zip(blocks) {
                 *word = packed(bytes);

@@ -17,8 +17,10 @@
 //! - A bus that splits between two cells does so unevenly: what one gets more the other gets
 //!   less, so that `diva`, which adds them again, corrects it to first order.
 
-// What is not inlined into the loops of `rows` is not compiled for wide vectors.
+// What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
+
+use multiversion::multiversion;
 
 use super::{
     Domain, Layout, Place, Share,
@@ -160,24 +162,23 @@ impl Silicon {
     }
 
     /// Cells beside each other, from `place` on.
-    #[inline(always)]
+    #[inline]
     fn run(&self, share: Share, place: Place, cells: usize) -> Run<'_> {
         let (first, register) = (self.pixel(place), usize::from(place.register.0));
-        let split = |part: usize| &self.split[part][first..][..cells];
         Run {
             first: first as u32,
             by: share.by as f32,
             gain: &self.gain[register][first..][..cells],
             offset: &self.offset[register][first..][..cells],
+            split: self.split.each_ref().map(|split| &split[first..][..cells]),
             // What the others get more the last gets less.
-            more: match (share.part, share.by) {
-                (None, _) => More::Whole,
-                (Some(0), 2..) => More::First(split(0)),
-                (Some(1), 2) => More::NotFirst(split(0)),
-                (Some(1), _) => More::Second(split(1)),
-                (Some(2), 3) => More::Neither(split(0), split(1)),
-                _ => More::Even,
-            },
+            more: share.part.map(|part| match (part, share.by) {
+                (0, 2..) => [1.0, 0.0],
+                (1, 2) => [-1.0, 0.0],
+                (1, _) => [0.0, 1.0],
+                (2, 3) => [-1.0, -1.0],
+                _ => [0.0, 0.0],
+            }),
             division: self.errors.division as f32,
             draws: Draws::new(self.seed, NOISE, place.register.0, place.step),
             noise: self.errors.noise as f32,
@@ -186,24 +187,15 @@ impl Silicon {
     }
 }
 
-/// How much more than its share a cell gets of a bus.
-enum More<'a> {
-    /// All of it: the bus does not split.
-    Whole,
-    First(&'a [f32]),
-    NotFirst(&'a [f32]),
-    Second(&'a [f32]),
-    Neither(&'a [f32], &'a [f32]),
-    Even,
-}
-
 /// What all cells of a run have in common, and what is each one's own.
 struct Run<'a> {
     first: u32,
     by: f32,
     gain: &'a [f32],
     offset: &'a [f32],
-    more: More<'a>,
+    split: [&'a [f32]; 2],
+    /// How much more than its share a cell gets of a bus that splits: so often these two.
+    more: Option<[f32; 2]>,
     division: f32,
     draws: Draws,
     noise: f32,
@@ -213,6 +205,31 @@ struct Run<'a> {
 /// Cells of a row that are worked on at once.
 const BLOCK: usize = 256;
 
+/// Stores the bus of each cell. A cell costs so many instructions that the call does not matter.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
+    let n = cells.len();
+    match *operands {
+        [a] => {
+            let a = &a[..n];
+            run.store::<BLOCK>(|i, _| 0.0 + a[i], cells);
+        }
+        [a, b] => {
+            let (a, b) = (&a[..n], &b[..n]);
+            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i], cells);
+        }
+        _ => {
+            cells.fill(0.0);
+            for operand in operands {
+                for (sum, operand) in cells.iter_mut().zip(&operand[..n]) {
+                    *sum += operand;
+                }
+            }
+            run.store::<BLOCK>(|_, sum| sum, cells);
+        }
+    }
+}
+
 impl Run<'_> {
     /// The error of a cell, from its offset and its chance.
     #[inline(always)]
@@ -220,40 +237,27 @@ impl Run<'_> {
         offset + self.noise * Draws::normal(drawn)
     }
 
-    /// Stores what is on the bus of each cell, so many cells at once.
+    /// Stores what is on the bus of each cell, so many cells at once: `sum`, of its number and
+    /// what it holds.
     #[inline(always)]
-    fn store<const BLOCK: usize>(&self, sum: impl Fn(usize) -> f32, cells: &mut [f32]) {
-        let whole = |i: usize, error: f32| self.gain[i] * (sum(i) / self.by) + error;
-        match self.more {
-            More::Whole => self.each::<BLOCK>(cells, whole),
-            More::First(first) => self.parts::<BLOCK>(sum, |i| first[i], cells),
-            More::NotFirst(first) => self.parts::<BLOCK>(sum, |i| -first[i], cells),
-            More::Second(second) => self.parts::<BLOCK>(sum, |i| second[i], cells),
-            More::Neither(first, second) => {
-                let more = |i: usize| -first[i] - second[i];
-                self.parts::<BLOCK>(sum, more, cells);
-            }
-            More::Even => self.parts::<BLOCK>(sum, |_| 0.0, cells),
+    fn store<const BLOCK: usize>(&self, sum: impl Fn(usize, f32) -> f32, cells: &mut [f32]) {
+        if let Some([one, two]) = self.more {
+            let [first, second] = self.split;
+            self.each::<BLOCK>(cells, |i, held, error| {
+                let current = sum(i, held) / self.by;
+                let more = one * first[i] + two * second[i];
+                self.gain[i] * (current * (1.0 + more)) + (error + self.division)
+            });
+        } else {
+            self.each::<BLOCK>(cells, |i, held, error| {
+                self.gain[i] * (sum(i, held) / self.by) + error
+            });
         }
     }
 
-    /// The same of a bus that splits.
+    /// Each cell, from its number, what it holds and its error; limited to the range.
     #[inline(always)]
-    fn parts<const BLOCK: usize>(
-        &self,
-        sum: impl Fn(usize) -> f32,
-        more: impl Fn(usize) -> f32,
-        cells: &mut [f32],
-    ) {
-        self.each::<BLOCK>(cells, |i, error| {
-            let current = sum(i) / self.by;
-            self.gain[i] * (current * (1.0 + more(i))) + (error + self.division)
-        });
-    }
-
-    /// Each cell, from its number and error; limited to the range.
-    #[inline(always)]
-    fn each<const BLOCK: usize>(&self, cells: &mut [f32], value: impl Fn(usize, f32) -> f32) {
+    fn each<const BLOCK: usize>(&self, cells: &mut [f32], value: impl Fn(usize, f32, f32) -> f32) {
         let mut drawn = [0; BLOCK];
         for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
             let from = k * BLOCK;
@@ -261,7 +265,7 @@ impl Run<'_> {
             self.draws.draw(self.first + from as u32, drawn);
             for (j, cell) in cells.iter_mut().enumerate() {
                 let error = self.error(self.offset[from + j], drawn[j]);
-                *cell = value(from + j, error).clamp(self.range.0, self.range.1);
+                *cell = value(from + j, *cell, error).clamp(self.range.0, self.range.1);
             }
         }
     }
@@ -315,28 +319,12 @@ impl Domain for Silicon {
     #[inline]
     fn store(&self, sum: &f32, share: Share, place: Place) -> f32 {
         let mut cell = [0.0];
-        self.run(share, place, 1).store::<1>(|_| *sum, &mut cell);
+        self.run(share, place, 1).store::<1>(|_, _| *sum, &mut cell);
         cell[0]
     }
 
-    #[inline(always)]
-    fn store_row<const N: usize>(
-        &self,
-        operands: [&[f32]; N],
-        share: Share,
-        place: Place,
-        clip: bool,
-        cells: &mut [f32],
-    ) {
-        let n = cells.len();
-        let operands = operands.map(|operand| &operand[..n]);
-        self.run(share, place, n)
-            .store::<BLOCK>(|i| self.sum(&operands, i), cells);
-        if clip {
-            for cell in cells {
-                *cell = self.limit(*cell);
-            }
-        }
+    fn store_row(&self, operands: &[&[f32]], share: Share, place: Place, cells: &mut [f32]) {
+        store_run(&self.run(share, place, cells.len()), operands, cells);
     }
 
     #[inline(always)]
@@ -345,7 +333,7 @@ impl Domain for Silicon {
     }
 
     #[inline(always)]
-    fn positives<const N: usize>(&self, operands: [&[f32]; N], bytes: &mut [u8]) -> bool {
+    fn positives(&self, operands: &[&[f32]], bytes: &mut [u8]) -> bool {
         super::Single.positives(operands, bytes)
     }
 

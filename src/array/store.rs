@@ -12,9 +12,9 @@ use std::ops::Range;
 
 use super::{
     Domain, Place, Share,
-    field::{Field, Stretch},
+    field::{Field, Stretch, WIRES},
     runs::{RUN, Run, Runs, merge},
-    wire::{Border, Store, Wire},
+    wire::{Store, Wire},
 };
 
 /// Cells that a store needs room for: a run, or a piece of a column and of those on its wires.
@@ -32,71 +32,36 @@ pub(super) fn store<D: Domain>(
     rows: Range<usize>,
     room: &mut [D::Cell],
 ) {
-    match wires.len() {
-        0 => store_n::<D, 0>(domain, field, wires, store, clip, rows, room),
-        1 => store_n::<D, 1>(domain, field, wires, store, clip, rows, room),
-        2 => store_n::<D, 2>(domain, field, wires, store, clip, rows, room),
-        3 => store_n::<D, 3>(domain, field, wires, store, clip, rows, room),
-        4 => store_n::<D, 4>(domain, field, wires, store, clip, rows, room),
-        _ => {
-            let cells = field.take(store.register);
-            all(domain, field, wires, store, cells, clip, rows);
-            field.put(store.register, cells);
-        }
-    }
-}
-
-/// Of a bus with `N` wires.
-#[inline(always)]
-fn store_n<D: Domain, const N: usize>(
-    domain: &D,
-    field: &mut Field<'_, '_, D::Cell>,
-    wires: &[Wire],
-    store: &Store,
-    clip: bool,
-    rows: Range<usize>,
-    room: &mut [D::Cell],
-) {
     let cells = field.take(store.register);
     let (border, width) = (store.border, field.size.width);
     let inner = border.inside(field.size, &rows);
     let edges = border.left + border.right;
-    if width <= edges {
+    if width <= edges || wires.len() > WIRES {
         all(domain, field, wires, store, cells, clip, rows);
         field.put(store.register, cells);
         return;
     }
-    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
     // One run, over the ends of the rows between, if the words of bits are.
     let level = store.whole || (edges == 0 && store.beside.1 == 0 && width.is_multiple_of(64));
     let mut y = rows.start;
     while y < rows.end {
         let inside = inner.contains(&y);
         let end = if inside && level { inner.end } else { y + 1 };
-        let run = if inside {
-            wires
-        } else {
-            field.beyond(&wires, y.wrapping_add_signed(-store.beside.0))
-        };
-        run_n(
-            domain,
-            field,
-            &run,
-            store,
-            cells,
-            clip,
-            (y..end, inside),
-            room,
-        );
+        let rows = (y..end, inside);
+        match wires.len() {
+            0 => run::<D, 0>(domain, field, wires, store, cells, clip, rows, room),
+            1 => run::<D, 1>(domain, field, wires, store, cells, clip, rows, room),
+            2 => run::<D, 2>(domain, field, wires, store, cells, clip, rows, room),
+            3 => run::<D, 3>(domain, field, wires, store, cells, clip, rows, room),
+            _ => run::<D, WIRES>(domain, field, wires, store, cells, clip, rows, room),
+        }
         y = end;
     }
     if edges > 0 {
-        columns(
-            domain, field, &wires, store, border, cells, clip, &inner, room,
-        );
+        columns(domain, field, wires, store, cells, clip, &inner, room);
         for y in (rows.start..inner.start).chain(inner.end..rows.end) {
             for x in (0..border.left).chain(width - border.right..width) {
-                one(domain, field, &wires, store, cells, clip, y, x);
+                one(domain, field, wires, store, cells, clip, y, x);
             }
         }
     }
@@ -106,10 +71,10 @@ fn store_n<D: Domain, const N: usize>(
 /// Rows as one run, inside the border or one that is not.
 #[allow(clippy::too_many_arguments)]
 #[inline(always)]
-fn run_n<D: Domain, const N: usize>(
+fn run<D: Domain, const N: usize>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire; N],
+    wires: &[Wire],
     store: &Store,
     cells: &mut [D::Cell],
     clip: bool,
@@ -117,12 +82,16 @@ fn run_n<D: Domain, const N: usize>(
     room: &mut [D::Cell],
 ) {
     let (down, right) = store.beside;
+    let mut wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    if !inside {
+        wires = field.beyond(&wires, rows.start.wrapping_add_signed(-down));
+    }
     let Stretch { left, at, n } = if store.whole && inside {
-        field.stretch(wires, store.beside, store.border, &rows)
+        field.stretch(&wires, store.beside, store.border, &rows)
     } else {
         field.between(store.border, &rows)
     };
-    let starts = field.starts(wires, at, store.beside);
+    let starts = field.starts(&wires, at, store.beside);
     let driver = rows.start.wrapping_add_signed(-down);
     // Off the array FLAG is 1.
     let mut runs = if store.whole || driver >= field.size.height {
@@ -133,7 +102,7 @@ fn run_n<D: Domain, const N: usize>(
     };
     while let Some(Run { from, to, all }) = runs.next() {
         let n = to - from;
-        let sources = field.sources(wires, &starts, from, n);
+        let sources = &field.sources(&wires, &starts, from, n);
         let old = &mut cells[at + from..][..n];
         let undivided = store.share.by == 1 && !clip;
         if !all && undivided && domain.store_some(sources, runs.words(), old) {
@@ -141,28 +110,37 @@ fn run_n<D: Domain, const N: usize>(
         }
         let new = if all { &mut *old } else { &mut room[..n] };
         let place = field.place(store, rows.start, left + from);
-        store_cells(domain, sources, new, store.share, place, clip);
+        domain.store_row(sources, store.share, place, new);
+        if clip {
+            limit(domain, new);
+        }
         if !all {
             merge(domain, old, &mut room[..n], runs.words());
         }
     }
 }
 
-/// A run of cells.
-#[inline(always)]
-fn store_cells<D: Domain, const N: usize>(
+/// Limits each cell.
+#[inline(never)]
+pub(super) fn limit<D: Domain>(domain: &D, cells: &mut [D::Cell]) {
+    for cell in cells {
+        *cell = domain.limit(cell.clone());
+    }
+}
+
+/// A few cells that do not lie beside each other in their planes: no wide vectors for them.
+#[inline(never)]
+pub(super) fn store_few<D: Domain>(
     domain: &D,
-    operands: [&[D::Cell]; N],
-    cells: &mut [D::Cell],
+    operands: &[&[D::Cell]],
     share: Share,
     place: Place,
     clip: bool,
+    cells: &mut [D::Cell],
 ) {
-    // A division by a constant is not a division.
-    match share.by {
-        1 => domain.store_row(operands, Share { by: 1, ..share }, place, clip, cells),
-        2 => domain.store_row(operands, Share { by: 2, ..share }, place, clip, cells),
-        _ => domain.store_row(operands, share, place, clip, cells),
+    domain.store_row(operands, share, place, cells);
+    if clip {
+        limit(domain, cells);
     }
 }
 
@@ -216,29 +194,19 @@ fn columns<D: Domain>(
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
     store: &Store,
-    border: Border,
     cells: &mut [D::Cell],
     clip: bool,
     rows: &Range<usize>,
     room: &mut [D::Cell],
 ) {
-    let width = field.size.width;
+    let (border, width) = (store.border, field.size.width);
     for x in (0..border.left).chain(width - border.right..width) {
-        match wires.len() {
-            // Where the place does not matter, in vectors.
-            0 if domain.is_steady() => {
-                column::<D, 0>(domain, field, wires, store, cells, clip, rows, x, room);
-            }
-            1 if domain.is_steady() => {
-                column::<D, 1>(domain, field, wires, store, cells, clip, rows, x, room);
-            }
-            2 if domain.is_steady() => {
-                column::<D, 2>(domain, field, wires, store, cells, clip, rows, x, room);
-            }
-            _ => {
-                for y in rows.clone() {
-                    one(domain, field, wires, store, cells, clip, y, x);
-                }
+        // Where the place does not matter, in vectors.
+        if domain.is_steady() {
+            column(domain, field, wires, store, cells, clip, rows, x, room);
+        } else {
+            for y in rows.clone() {
+                one(domain, field, wires, store, cells, clip, y, x);
             }
         }
     }
@@ -246,7 +214,7 @@ fn columns<D: Domain>(
 
 /// A column, in a domain where the place does not matter.
 #[allow(clippy::too_many_arguments)]
-fn column<D: Domain, const N: usize>(
+fn column<D: Domain>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -281,7 +249,7 @@ fn column<D: Domain, const N: usize>(
         let n = (rows.end - top).min(64);
         let from_y = top.wrapping_add_signed(-down);
         let (new, room) = room.split_at_mut(64);
-        let mut sources: [&[D::Cell]; N] = [&[]; N];
+        let mut sources: [&[D::Cell]; WIRES] = [&[]; WIRES];
         let blocks = room.chunks_exact_mut(64).zip(wires);
         for (source, (block, wire)) in sources.iter_mut().zip(blocks) {
             field.column(*wire, from_y, from_x, &mut block[..n]);
@@ -289,7 +257,8 @@ fn column<D: Domain, const N: usize>(
         }
         let place = field.place(store, top, x);
         let new = &mut new[..n];
-        domain.store_row(sources, store.share, place, clip, new);
+        let sources = &sources[..wires.len()];
+        store_few(domain, sources, store.share, place, clip, new);
         let column = cells[field.cell(top, x)..].iter_mut().step_by(width);
         for (y, (cell, new)) in (from_y..).zip(column.zip(new)) {
             if store.whole || field.flagged(y, from_x) {

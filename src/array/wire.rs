@@ -78,22 +78,20 @@ pub(super) struct Store {
 }
 
 /// Two stores, one after the other, of which the second has what the first put into its cell on
-/// its bus: the usual way to move a value, since each store inverts.
+/// its bus, and nobody else reads it: the usual way to move a value, since each store inverts.
 #[derive(Clone, Debug)]
 pub(super) struct Pair {
     pub(super) first: Store,
     pub(super) second: Store,
     /// What else is on the second bus.
     pub(super) extra: Option<Wire>,
-    /// Whether what the first stored is read again.
-    pub(super) kept: bool,
     /// Whether the second cell is on the first bus.
     pub(super) in_place: bool,
 }
 
 impl Pair {
     /// `None` where they cannot be one.
-    fn of(first: &Store, second: &Store, wires: &[Wire], kept: bool) -> Option<Self> {
+    fn of(first: &Store, second: &Store, wires: &[Wire]) -> Option<Self> {
         let (one, two) = (&wires[first.wires.clone()], &wires[second.wires.clone()]);
         let between = Wire {
             plane: first.register.0.into(),
@@ -120,7 +118,6 @@ impl Pair {
             first: first.clone(),
             second: second.clone(),
             extra: other,
-            kept,
             in_place,
         })
     }
@@ -265,8 +262,10 @@ impl Jobs {
         let [.., Job::Store(first), Job::Store(second)] = &self.jobs[..] else {
             return false;
         };
-        let kept = live.has(first.register);
-        let Some(pair) = Pair::of(first, second, &self.wires, kept) else {
+        if live.has(first.register) {
+            return false;
+        }
+        let Some(pair) = Pair::of(first, second, &self.wires) else {
             return false;
         };
         self.jobs.truncate(self.jobs.len() - 2);

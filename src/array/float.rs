@@ -1,0 +1,201 @@
+//! Floats in the cells and on the bus: f64 and f32.
+
+// What is not inlined into a sweep is not compiled for wide vectors.
+#![allow(clippy::inline_always)]
+
+use std::ops::{Add, Mul, Sub};
+
+use super::{Domain, Place, Share, domain::LIMITS, each::each};
+
+/// f64 everywhere: the arithmetic that the others are measured against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Exact;
+
+/// f32 everywhere; sources are added in the order of the operands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Single;
+
+/// What both are.
+trait Real:
+    Copy
+    + Default
+    + From<f32>
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+{
+}
+
+impl Real for f64 {}
+impl Real for f32 {}
+
+/// `-(sum) · part`. Not `-sum`, which would leave negative zeros behind.
+#[inline(always)]
+fn stored<T: Real, const N: usize>(operands: [T; N], part: T) -> T {
+    (T::from(0.0) - sum(operands)) * part
+}
+
+/// A first sum with 0 would change nothing but the sign of a 0, and that is lost in the
+/// difference.
+#[inline(always)]
+fn sum<T: Real, const N: usize>(operands: [T; N]) -> T {
+    let mut sum = operands[0];
+    for operand in &operands[1..] {
+        sum = sum + *operand;
+    }
+    sum
+}
+
+/// Stores along a row, times `part`.
+#[inline(always)]
+fn row<T: Real>(operands: &[&[T]], part: T, cells: &mut [T]) {
+    match *operands {
+        [] => cells.fill(T::from(0.0)),
+        [a] => each([a], cells, |all| stored(all, part)),
+        [a, b] => each([a, b], cells, |all| stored(all, part)),
+        [a, b, c] => each([a, b, c], cells, |all| stored(all, part)),
+        [first, ref others @ ..] => many(first, others, part, cells),
+    }
+}
+
+/// The same of a bus with many wires.
+#[inline(never)]
+fn many<T: Real>(first: &[T], others: &[&[T]], part: T, cells: &mut [T]) {
+    cells.copy_from_slice(first);
+    for operand in others {
+        for (cell, operand) in cells.iter_mut().zip(*operand) {
+            *cell = *cell + *operand;
+        }
+    }
+    for cell in cells {
+        *cell = stored([*cell], part);
+    }
+}
+
+/// Two stores at once, the first times `part`.
+#[inline(always)]
+fn pair<T: Real>(operands: &[&[T]], part: T, extra: Option<&[T]>, cells: &mut [T]) {
+    let one = T::from(1.0);
+    match (operands, extra) {
+        (&[a], None) => each([a], cells, |all| stored([stored(all, part)], one)),
+        (&[a, b], None) => each([a, b], cells, |all| stored([stored(all, part)], one)),
+        (&[a], Some(c)) => each([a, c], cells, |[a, c]| stored([stored([a], part), c], one)),
+        (&[a, b], Some(c)) => each([a, b, c], cells, |[a, b, c]| {
+            stored([stored([a, b], part), c], one)
+        }),
+        _ => {}
+    }
+}
+
+/// Whether each sum is above zero.
+#[inline(always)]
+fn positives<T: Real>(operands: &[&[T]], bytes: &mut [u8]) {
+    let above = |sum: T| u8::from(sum > T::from(0.0));
+    match *operands {
+        [] => bytes.fill(0),
+        [a] => each([a], bytes, |all| above(sum(all))),
+        [a, b] => each([a, b], bytes, |all| above(sum(all))),
+        [a, b, c] => each([a, b, c], bytes, |all| above(sum(all))),
+        [first, ref others @ ..] => {
+            for (i, byte) in bytes.iter_mut().enumerate() {
+                let add = |sum: T, operand: &&[T]| sum + operand[i];
+                *byte = above(others.iter().fold(first[i], add));
+            }
+        }
+    }
+}
+
+macro_rules! float {
+    ($domain:ty, $cell:ty, $bits:ty, $name:literal) => {
+        impl Domain for $domain {
+            type Cell = $cell;
+            type Sum = $cell;
+
+            fn name(&self) -> String {
+                $name.into()
+            }
+            #[inline]
+            fn hold(&self, value: f64) -> $cell {
+                value as $cell
+            }
+            fn value(&self, cell: &$cell) -> f64 {
+                (*cell).into()
+            }
+            #[inline]
+            fn nothing(&self) -> $cell {
+                0.0
+            }
+            #[inline]
+            fn add(&self, sum: &mut $cell, cell: &$cell, times: i32) {
+                *sum += cell * times as $cell;
+            }
+            #[inline]
+            fn join(&self, sum: &mut $cell, other: &$cell) {
+                *sum += other;
+            }
+            #[inline]
+            fn store(&self, sum: &$cell, share: Share, _: Place) -> $cell {
+                (0.0 - sum) / share.by as $cell
+            }
+            #[inline(always)]
+            fn store_row(
+                &self,
+                operands: &[&[$cell]],
+                share: Share,
+                _: Place,
+                cells: &mut [$cell],
+            ) {
+                // Times a half is divided by two, to the bit.
+                let by = share.by as $cell;
+                if share.by.is_power_of_two() {
+                    row(operands, 1.0 / by, cells);
+                } else {
+                    row(operands, 1.0, cells);
+                    for cell in cells {
+                        *cell /= by;
+                    }
+                }
+            }
+            fn pairs(&self) -> bool {
+                true
+            }
+            #[inline(always)]
+            fn store_pair(
+                &self,
+                operands: &[&[$cell]],
+                by: u32,
+                extra: Option<&[$cell]>,
+                cells: &mut [$cell],
+            ) {
+                pair(operands, 1.0 / by as $cell, extra, cells);
+            }
+            #[inline(always)]
+            fn choose(&self, old: &$cell, new: &$cell, take: u8) -> $cell {
+                let (old, new) = (old.to_bits(), new.to_bits());
+                <$cell>::from_bits(old ^ ((old ^ new) & <$bits>::from(take).wrapping_neg()))
+            }
+            fn square(&self, sum: &$cell, gain: f64, _: Place) -> Option<$cell> {
+                let sum = f64::from(*sum);
+                Some((sum * sum * gain) as $cell)
+            }
+            #[inline]
+            fn positive(&self, sum: &$cell) -> Option<bool> {
+                Some(*sum > 0.0)
+            }
+            #[inline(always)]
+            fn positives(&self, operands: &[&[$cell]], bytes: &mut [u8]) -> bool {
+                positives(operands, bytes);
+                true
+            }
+            #[inline]
+            fn limit(&self, cell: $cell) -> $cell {
+                // The limits are exact in both.
+                cell.clamp(LIMITS.0 as $cell, LIMITS.1 as $cell)
+            }
+        }
+    };
+}
+
+float!(Exact, f64, u64, "exact");
+float!(Single, f32, u32, "f32");
