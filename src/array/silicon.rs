@@ -218,6 +218,10 @@ fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
             let (a, b) = (&a[..n], &b[..n]);
             run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i], cells);
         }
+        [a, b, c] => {
+            let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
+            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i] + c[i], cells);
+        }
         _ => {
             cells.fill(0.0);
             for operand in operands {
