@@ -16,7 +16,7 @@ use crate::plane::{Plane, Size};
 const STAGGER: usize = 4096 / 8 + 64;
 
 /// Planes begin where a line of the cache does: a vector that lies across two costs twice.
-const LINE: usize = 64;
+pub(crate) const LINE: usize = 64;
 
 /// So many values, at a place of their own.
 pub(crate) struct Lined<T> {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use crate::{
-    lined::Lined,
+    lined::{LINE, Lined},
     number::{Number, Real},
     photoreceptor::{Curve, Response},
     plane::Size,
@@ -37,7 +37,7 @@ pub(super) const BLOCK: usize = 64;
 impl<H: Copy> Padded<H> {
     /// Room for these rows of planes of `size` under kernels that reach `rim` (rows, columns).
     pub(super) fn new(size: Size, rows: Range<usize>, rim: (usize, usize), zero: H) -> Self {
-        let line = 64 / size_of::<H>();
+        let line = LINE / size_of::<H>();
         let left = rim.1.next_multiple_of(line);
         let stride = (left + size.width.next_multiple_of(BLOCK) + rim.1).next_multiple_of(line);
         let values = Lined::new(6, zero, (rows.len() + 2 * rim.0) * stride);
