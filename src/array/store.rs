@@ -2,8 +2,8 @@
 //!
 //! Cells are worked on in long runs, over the ends of rows, or under a mask in blocks of the 64
 //! pixels of one word of bits. What comes from off the array is put right afterwards, pixel by
-//! pixel or column by column. Each loop is compiled for several vector widths, one of which is
-//! taken when a sweep begins. Sources and target are never the same plane.
+//! pixel or column by column. The loops of common words are compiled for several vector widths,
+//! one of which is taken when a sweep begins. Sources and target are never the same plane.
 
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]

@@ -173,7 +173,7 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
 impl<H: Copy> Shared<H> {
     /// None if it would not pay: each different weight takes a plane.
     fn new<N: Number<Held = H>>(number: &N, rows: &[Vec<H>]) -> Option<Self> {
-        if matches!(number.format(), Format::F32 | Format::F64) {
+        if is_wide(number) {
             return None;
         }
         let mut shared = Self {
@@ -206,6 +206,11 @@ fn scale<N: Number>(number: &N, weight: N::Held, values: &[N::Held], out: &mut [
     }
 }
 
+/// Whether a product is one instruction, and a sum of a few pixels stays in range.
+fn is_wide<N: Number>(number: &N) -> bool {
+    matches!(number.format(), Format::F32 | Format::F64)
+}
+
 /// Sums of what lies at these places of `source`, for each pixel of a row.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn add_up<N: Number>(number: &N, places: &[usize], source: &[N::Held], out: &mut [N::Held]) {
@@ -226,7 +231,7 @@ fn add_up<N: Number>(number: &N, places: &[usize], source: &[N::Held], out: &mut
 
 impl<H: Copy> Line<H> {
     fn all<N: Number<Held = H>>(number: &N, rows: Vec<Vec<H>>) -> Vec<Self> {
-        let together = matches!(number.format(), Format::F32 | Format::F64);
+        let together = is_wide(number);
         let mut lines: Vec<Self> = Vec::new();
         for (row, weights) in rows.into_iter().enumerate() {
             let bits = |held: &H| number.value(*held).to_bits();
