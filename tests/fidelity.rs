@@ -404,19 +404,23 @@ fn no_tolerance_is_the_full_model() {
 fn inserted_frames_go_where_they_say_nothing_new() {
     let source =
         Source::Pattern("pattern:noise?width=32&height=32&frames=12&fps=100&speed=300".to_owned());
-    let sensor = |response: &str| {
-        read(&format!(
-            "response = {response}\nmemory = \"filtered-step\"\nrefractory = {{ us = 700 }}\n[[channel]]\nkernel = \"csdvs-3\"\nthreshold = {{ on = 0.031, off = 0.031 }}"
-        ))
-    };
-    let (linear, log) = (
-        sensor("{ linear = 255 }"),
-        sensor("{ lin-log = { knee = 20 } }"),
-    );
-    for (description, goes) in [(&linear, true), (&log, false)] {
+    let kernel = "kernel = \"csdvs-3\"";
+    for (response, channel, goes) in [
+        ("{ linear = 255 }", kernel, true),
+        ("{ lin-log = { knee = 20 } }", kernel, false),
+        ("{ linear = 255 }", "mesh = { lambda = 1 }", true),
+        (
+            "{ linear = 255 }",
+            "mesh = { lambda = 1, noise = 0.0001 }",
+            false,
+        ),
+    ] {
+        let description = read(&format!(
+            "response = {response}\nmemory = \"filtered-step\"\nrefractory = {{ us = 700 }}\n[[channel]]\n{channel}\nthreshold = {{ on = 0.031, off = 0.031 }}"
+        ));
         let question = Question {
             upsample: Some(0.02),
-            ..question(description, 0)
+            ..question(&description, 0)
         };
         let plan = plan(&question, &mut || source.open(), || ()).unwrap();
         assert_eq!(plan.choice.leaves_out(Effect::Upsampling), goes);

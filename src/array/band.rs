@@ -222,6 +222,7 @@ impl<'a, C> Band<'a, C> {
     }
 
     /// What loops over pixels read, and the room that they need.
+    #[inline(always)]
     pub(super) fn field(&mut self) -> (Field<'_, 'a, C>, &mut [C]) {
         let field = Field {
             size: self.layout.size,

@@ -1,6 +1,6 @@
 //! What a cell holds, and how the summing bus treats it.
 
-// What is not inlined into a sweep is not compiled for wide vectors.
+// What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
 use std::fmt::Debug;
@@ -24,6 +24,14 @@ pub trait Domain: Sync {
 
     /// The nearest cell to a value in LSB, as it is set from outside.
     fn hold(&self, value: f64) -> Self::Cell;
+
+    /// Sets each cell to the nearest to `level + gain · value`, in LSB.
+    #[inline(always)]
+    fn hold_row(&self, level: f64, gain: f64, values: &[f64], cells: &mut [Self::Cell]) {
+        for (cell, value) in cells.iter_mut().zip(values) {
+            *cell = self.hold(level + gain * value);
+        }
+    }
 
     /// The value of a cell in LSB, without loss.
     fn value(&self, cell: &Self::Cell) -> f64;

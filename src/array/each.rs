@@ -7,7 +7,10 @@ use super::runs::lanes;
 use crate::number::{Wide, Width};
 
 /// So many cells at a time: a loop over them needs no end of its own.
-const BLOCK: usize = 64;
+const BLOCK: usize = 128;
+
+/// So many under one word of bits.
+const WORD: usize = 64;
 
 /// Sets each cell to what `of` makes of the operands.
 #[inline(always)]
@@ -18,7 +21,7 @@ pub(super) fn each<T: Copy + Default, U, const N: usize>(
 ) {
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = BLOCK * blocks.len();
-    let whole = whole(operands, blocks.len());
+    let whole = whole::<_, N, BLOCK>(operands, blocks.len());
     for (k, cells) in blocks.iter_mut().enumerate() {
         for (i, cell) in cells.iter_mut().enumerate() {
             let mut picked = [T::default(); N];
@@ -42,16 +45,16 @@ pub(super) fn some<T: Width, const N: usize>(
     of: impl Fn([T; N]) -> T,
 ) {
     let bits = lanes();
-    let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
+    let (blocks, last) = cells.as_chunks_mut::<WORD>();
     let done = blocks.len();
-    let whole = whole(operands, done);
+    let whole = whole::<_, N, WORD>(operands, done);
     for (k, (cells, word)) in blocks.iter_mut().zip(words).enumerate() {
         // By value: nothing that is read can be what was just written.
-        let mut from = [[T::ZERO; BLOCK]; N];
+        let mut from = [[T::ZERO; WORD]; N];
         for (from, blocks) in from.iter_mut().zip(whole) {
             *from = blocks[k];
         }
-        let mut new = [T::ZERO; BLOCK];
+        let mut new = [T::ZERO; WORD];
         for (i, new) in new.iter_mut().enumerate() {
             let mut picked = [T::ZERO; N];
             for (one, from) in picked.iter_mut().zip(&from) {
@@ -71,7 +74,7 @@ pub(super) fn some<T: Width, const N: usize>(
     }
     for (i, cell) in last.iter_mut().enumerate() {
         if words[done] >> i & 1 == 1 {
-            *cell = of(picked(operands, BLOCK * done + i));
+            *cell = of(picked(operands, WORD * done + i));
         }
     }
 }
@@ -87,7 +90,7 @@ pub(super) fn summed<T: Width, U>(operands: &[&[T]], cells: &mut [U], of: impl F
                 *sum = sum.plus(cell.widen());
             }
         }
-        for (cell, sum) in cells.iter_mut().zip(sums) {
+        for (cell, &sum) in cells.iter_mut().zip(&sums) {
             *cell = of(sum);
         }
     }
@@ -105,8 +108,8 @@ fn picked<T: Copy + Default, const N: usize>(operands: [&[T]; N], i: usize) -> [
 
 /// So many blocks of all operands.
 #[inline(always)]
-fn whole<T, const N: usize>(operands: [&[T]; N], blocks: usize) -> [&[[T; BLOCK]]; N] {
-    let mut whole: [&[[T; BLOCK]]; N] = [&[]; N];
+fn whole<T, const N: usize, const B: usize>(operands: [&[T]; N], blocks: usize) -> [&[[T; B]]; N] {
+    let mut whole: [&[[T; B]]; N] = [&[]; N];
     for (whole, operand) in whole.iter_mut().zip(operands) {
         *whole = &operand.as_chunks().0[..blocks];
     }

@@ -217,6 +217,15 @@ impl<C: Clone> Field<'_, '_, C> {
         }
     }
 
+    /// Writes the same into all cells of a column.
+    pub(super) fn fill_column(&mut self, register: Analog, rows: &Range<usize>, x: usize, new: &C) {
+        let (from, width) = (self.cell(rows.start, x), self.size.width);
+        let plane = &mut self.planes[usize::from(register.0)];
+        for cell in plane[from..].iter_mut().step_by(width).take(rows.len()) {
+            cell.clone_from(new);
+        }
+    }
+
     /// What a wire leads to from the buses of one column, which may lie off the array; its rows
     /// and those where the wire leads do not.
     #[inline(always)]

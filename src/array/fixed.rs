@@ -1,6 +1,6 @@
 //! Fixed point in the cells.
 
-// What is not inlined into a sweep is not compiled for wide vectors.
+// What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
 use multiversion::multiversion;
@@ -37,6 +37,9 @@ impl<T: Width> Fixed<T> {
     }
 }
 
+/// Cells that are set at a time.
+const BLOCK: usize = 64;
+
 impl<T: Width> Domain for Fixed<T> {
     type Cell = T;
     type Sum = T::Wide;
@@ -47,6 +50,28 @@ impl<T: Width> Domain for Fixed<T> {
     #[inline]
     fn hold(&self, value: f64) -> T {
         self.number.hold(value)
+    }
+    #[inline(always)]
+    fn hold_row(&self, level: f64, gain: f64, values: &[f64], cells: &mut [T]) {
+        let mut done = 0;
+        if self.saturates() {
+            // By way of wider integers: a loop from the widest to the narrowest is slow.
+            let one = self.number.one() as f64;
+            let blocks = cells.as_chunks_mut::<BLOCK>().0.iter_mut();
+            for (cells, values) in blocks.zip(values.as_chunks::<BLOCK>().0) {
+                let mut bits = [0; BLOCK];
+                for (bits, value) in bits.iter_mut().zip(values) {
+                    *bits = T::nearest((level + gain * value) * one);
+                }
+                for (cell, bits) in cells.iter_mut().zip(&bits) {
+                    *cell = T::low(*bits);
+                }
+                done += BLOCK;
+            }
+        }
+        for (cell, value) in cells.iter_mut().zip(values).skip(done) {
+            *cell = self.hold(level + gain * value);
+        }
     }
     fn value(&self, cell: &T) -> f64 {
         self.number.value(*cell)
@@ -67,16 +92,11 @@ impl<T: Width> Domain for Fixed<T> {
     fn store(&self, sum: &T::Wide, share: Share, _: Place) -> T {
         self.number.narrow(sum.times(-1).divided(share.by))
     }
-    #[inline(always)]
     fn store_row(&self, operands: &[&[T]], share: Share, _: Place, cells: &mut [T]) {
-        // Without a choice inside the loops.
-        match (operands, share.by) {
-            ([], _) => cells.fill(T::ZERO),
-            (&[a], 1) if self.saturates() => each([a], cells, saturated_sum),
-            (&[a], 2) if self.saturates() => each([a], cells, saturated_half),
-            (&[a, b], 1) if self.saturates() => each([a, b], cells, saturated_sum),
-            (&[a, b], 2) if self.saturates() => each([a, b], cells, saturated_half),
-            _ => wide_row(operands, share.by, self.saturates(), cells),
+        if self.saturates() {
+            saturated_row(operands, share.by, cells);
+        } else {
+            wrapped_row(operands, share.by, cells);
         }
     }
     #[inline(always)]
@@ -91,26 +111,8 @@ impl<T: Width> Domain for Fixed<T> {
     fn pairs(&self) -> bool {
         self.saturates()
     }
-    /// What the first would store, taken from nought, is the sum, but for the lowest number, or
-    /// half the sum.
-    #[inline(always)]
     fn store_pair(&self, operands: &[&[T]], by: u32, extra: Option<&[T]>, cells: &mut [T]) {
-        let lowest = T::ZERO.less(T::LIMITS.1);
-        match (operands, by, extra) {
-            (&[a], 1, None) => each([a], cells, |[a]| a.max(lowest)),
-            (&[a], 1, Some(c)) => each([a, c], cells, |[a, c]| a.max(lowest).less(c)),
-            (&[a], _, None) => each([a], cells, |[a]| a.middle(T::ZERO)),
-            (&[a], _, Some(c)) => each([a, c], cells, |[a, c]| a.middle(T::ZERO).less(c)),
-            (&[a, b], 1, None) => each([a, b], cells, |[a, b]| a.more(b).max(lowest)),
-            (&[a, b], 1, Some(c)) => each([a, b, c], cells, |[a, b, c]| {
-                saturated_sum([saturated_sum([a, b]), c])
-            }),
-            (&[a, b], _, None) => each([a, b], cells, |[a, b]| a.middle(b).max(lowest)),
-            (&[a, b], _, Some(c)) => each([a, b, c], cells, |[a, b, c]| {
-                a.middle(b).max(lowest).less(c)
-            }),
-            _ => {}
-        }
+        saturated_pair(operands, by, extra, cells);
     }
     #[inline(always)]
     fn choose(&self, old: &T, new: &T, take: u8) -> T {
@@ -121,14 +123,8 @@ impl<T: Width> Domain for Fixed<T> {
         let sum = sum as f64 / self.number.one() as f64;
         Some(self.number.hold(sum * sum * gain))
     }
-    #[inline(always)]
     fn positives(&self, operands: &[&[T]], bytes: &mut [u8]) -> bool {
-        match *operands {
-            [a] => each([a], bytes, |[a]| (a > T::ZERO).into()),
-            // What saturates keeps its sign.
-            [a, b] => each([a, b], bytes, |all| (saturated_sum(all) < T::ZERO).into()),
-            _ => wide_positives(operands, bytes),
-        }
+        positives(operands, bytes);
         true
     }
     #[inline]
@@ -141,23 +137,66 @@ impl<T: Width> Domain for Fixed<T> {
     }
 }
 
-/// Stores of any number of wires and targets, by way of wide sums.
+/// Stores along a row.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn wide_row<T: Width>(operands: &[&[T]], by: u32, saturates: bool, cells: &mut [T]) {
-    let part = |sum: T::Wide| sum.times(-1).divided(by);
-    match *operands {
-        [a, b, c] if saturates && by == 1 => each([a, b, c], cells, |[a, b, c]| {
-            T::saturate_wide(a.widen().plus(b.widen()).plus(c.widen()).times(-1))
+fn saturated_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
+    match (operands, by) {
+        ([], _) => cells.fill(T::ZERO),
+        (&[a], 1) => each([a], cells, saturated_sum),
+        (&[a], 2) => each([a], cells, saturated_half),
+        (&[a, b], 1) => each([a, b], cells, saturated_sum),
+        (&[a, b], 2) => each([a, b], cells, saturated_half),
+        (&[a, b, c], 1) => each([a, b, c], cells, saturated_three),
+        _ => summed(operands, cells, |sum| {
+            T::saturate_wide(sum.times(-1).divided(by))
         }),
-        _ if saturates => summed(operands, cells, |sum| T::saturate_wide(part(sum))),
-        _ => summed(operands, cells, |sum| T::wrap_wide(part(sum))),
     }
 }
 
-/// Whether the sum of any number of wires is above zero.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn wide_positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
-    summed(operands, bytes, |sum| (sum > T::Wide::default()).into());
+fn wrapped_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
+    summed(operands, cells, |sum| {
+        T::wrap_wide(sum.times(-1).divided(by))
+    });
+}
+
+/// Two stores at once.
+///
+/// What the first would store, taken from nought, is the sum, but for the lowest number, or
+/// half the sum.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn saturated_pair<T: Width>(operands: &[&[T]], by: u32, extra: Option<&[T]>, cells: &mut [T]) {
+    let lowest = T::ZERO.less(T::LIMITS.1);
+    match (operands, by, extra) {
+        (&[a], 1, None) => each([a], cells, |[a]| a.max(lowest)),
+        (&[a], 1, Some(c)) => each([a, c], cells, |[a, c]| a.max(lowest).less(c)),
+        (&[a], _, None) => each([a], cells, |[a]| a.middle(T::ZERO)),
+        (&[a], _, Some(c)) => each([a, c], cells, |[a, c]| a.middle(T::ZERO).less(c)),
+        (&[a, b], 1, None) => each([a, b], cells, |[a, b]| a.more(b).max(lowest)),
+        (&[a, b], 1, Some(c)) => each([a, b, c], cells, |[a, b, c]| {
+            saturated_sum([saturated_sum([a, b]), c])
+        }),
+        (&[a, b], _, None) => each([a, b], cells, |[a, b]| a.middle(b).max(lowest)),
+        (&[a, b], _, Some(c)) => each([a, b, c], cells, |[a, b, c]| {
+            a.middle(b).max(lowest).less(c)
+        }),
+        _ => {}
+    }
+}
+
+/// Whether each sum is above zero.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
+    match *operands {
+        [a] => each([a], bytes, |[a]| (a > T::ZERO).into()),
+        // What saturates keeps its sign.
+        [a, b] => each([a, b], bytes, |[a, b]| (a.more(b) > T::ZERO).into()),
+        [a, b, c] => each([a, b, c], bytes, |all| {
+            let (outer, middle) = outer(all);
+            (outer.more(middle) > T::ZERO).into()
+        }),
+        _ => summed(operands, bytes, |sum| (sum > T::Wide::default()).into()),
+    }
 }
 
 /// `-(sum)` of at most two, saturated; without leaving the width.
@@ -170,6 +209,25 @@ fn saturated_sum<T: Width, const N: usize>(operands: [T; N]) -> T {
         [a] => T::ZERO.less(a),
         _ => T::ZERO,
     }
+}
+
+/// `-(sum)` of three, saturated; without leaving the width.
+#[inline(always)]
+fn saturated_three<T: Width>(operands: [T; 3]) -> T {
+    // Where the first sum saturates, or its difference is one too low for the lowest number, no
+    // two have opposite signs, and the second difference saturates anyway.
+    let (outer, middle) = outer(operands);
+    T::ZERO.less(outer).less(middle)
+}
+
+/// Of three: the sum of the largest and the smallest, and the third.
+///
+/// The sum saturates only where no two have opposite signs: with the third, it keeps its sign.
+#[inline(always)]
+fn outer<T: Width>([a, b, c]: [T; 3]) -> (T, T) {
+    let (low, high) = (a.min(b), a.max(b));
+    let (between, largest) = (high.min(c), high.max(c));
+    (low.min(between).more(largest), low.max(between))
 }
 
 /// `-(sum) / 2` of at most two, halves to even, saturated; without leaving the width.
@@ -211,6 +269,7 @@ mod tests {
             }
             if by == 1 {
                 masked(&domain, values, n);
+                above(&domain, values, n);
             }
         }
     }
@@ -235,6 +294,16 @@ mod tests {
                 T::LIMITS.1
             };
             assert_eq!(cell, expected, "cell {i}, under a mask");
+        }
+    }
+
+    /// Which sums are above zero, against the wide sum of each of them.
+    fn above<T: Width, const N: usize>(domain: &Fixed<T>, values: [&[T]; N], n: usize) {
+        let mut bytes = vec![2; n];
+        assert!(domain.positives(&values, &mut bytes));
+        for (i, byte) in bytes.into_iter().enumerate() {
+            let expected = domain.positive(&domain.sum(&values, i));
+            assert_eq!(Some(byte == 1), expected, "{:?}", values.map(|v| v[i]));
         }
     }
 
@@ -307,19 +376,41 @@ mod tests {
             let (low, high) = T::LIMITS;
             let near = |end: T| (-3i64..=3).map(move |d| T::saturate(end.into() + d));
             let values: Vec<T> = near(low).chain(near(T::ZERO)).chain(near(high)).collect();
-            let pairs = values
-                .iter()
-                .flat_map(|a| values.iter().map(move |b| (*a, *b)));
-            let (a, b): (Vec<_>, Vec<_>) = pairs.unzip();
+            let [mut a, mut b, mut c] = [vec![], vec![], vec![]];
+            for first in &values {
+                for second in &values {
+                    a.extend(values.iter().map(|_| *first));
+                    b.extend(values.iter().map(|_| *second));
+                    c.extend(&values);
+                }
+            }
             formats([&a]);
             formats([&a, &b]);
-            formats([&a, &b, &b[..], &a]);
+            formats([&a, &b, &c]);
+            formats([&a, &b, &c[..], &a]);
         }
         edges::<i16>();
         edges::<i32>();
     }
 
     proptest! {
+        #[test]
+        fn a_row_is_held_as_each_value_is(
+            values in prop::collection::vec(
+                prop_oneof![-200.0..200.0, prop::num::f64::ANY, Just(1.5 / 256.0)],
+                0..200,
+            ),
+            level in -10.0..10.0f64,
+            wraps: bool,
+        ) {
+            let overflow = if wraps { Overflow::Wrap } else { Overflow::Saturate };
+            let domain = Fixed::new(Q::<i16>::new(8).with_overflow(overflow));
+            let mut row = vec![0; values.len()];
+            domain.hold_row(level, -0.5, &values, &mut row);
+            let each: Vec<_> = values.iter().map(|value| domain.hold(level - 0.5 * value)).collect();
+            prop_assert_eq!(row, each);
+        }
+
         #[test]
         fn any_words_are_as_the_wide_sum_says(
             a in prop::collection::vec(any::<(i16, i16, i16)>(), 1..100)

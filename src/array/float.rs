@@ -1,9 +1,11 @@
 //! Floats in the cells and on the bus: f64 and f32.
 
-// What is not inlined into a sweep is not compiled for wide vectors.
+// What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
+
+use multiversion::multiversion;
 
 use super::{Domain, Place, Share, domain::LIMITS, each::each};
 
@@ -24,6 +26,7 @@ trait Real:
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
+    + Div<Output = Self>
 {
 }
 
@@ -47,15 +50,28 @@ fn sum<T: Real, const N: usize>(operands: [T; N]) -> T {
     sum
 }
 
-/// Stores along a row, times `part`.
-#[inline(always)]
-fn row<T: Real>(operands: &[&[T]], part: T, cells: &mut [T]) {
+/// Stores along a row, divided.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn row<T: Real>(operands: &[&[T]], by: u32, cells: &mut [T]) {
+    // Times a half is divided by two, to the bit.
+    let whole = T::from(by as f32);
+    let exact = by.is_power_of_two();
+    let part = if exact {
+        T::from(1.0) / whole
+    } else {
+        T::from(1.0)
+    };
     match *operands {
         [] => cells.fill(T::from(0.0)),
         [a] => each([a], cells, |all| stored(all, part)),
         [a, b] => each([a, b], cells, |all| stored(all, part)),
         [a, b, c] => each([a, b, c], cells, |all| stored(all, part)),
         [first, ref others @ ..] => many(first, others, part, cells),
+    }
+    if !exact {
+        for cell in cells {
+            *cell = *cell / whole;
+        }
     }
 }
 
@@ -73,10 +89,11 @@ fn many<T: Real>(first: &[T], others: &[&[T]], part: T, cells: &mut [T]) {
     }
 }
 
-/// Two stores at once, the first times `part`.
-#[inline(always)]
-fn pair<T: Real>(operands: &[&[T]], part: T, extra: Option<&[T]>, cells: &mut [T]) {
+/// Two stores at once, the first divided by a power of two.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn pair<T: Real>(operands: &[&[T]], by: u32, extra: Option<&[T]>, cells: &mut [T]) {
     let one = T::from(1.0);
+    let part = one / T::from(by as f32);
     match (operands, extra) {
         (&[a], None) => each([a], cells, |all| stored([stored(all, part)], one)),
         (&[a, b], None) => each([a, b], cells, |all| stored([stored(all, part)], one)),
@@ -89,7 +106,7 @@ fn pair<T: Real>(operands: &[&[T]], part: T, extra: Option<&[T]>, cells: &mut [T
 }
 
 /// Whether each sum is above zero.
-#[inline(always)]
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn positives<T: Real>(operands: &[&[T]], bytes: &mut [u8]) {
     let above = |sum: T| u8::from(sum > T::from(0.0));
     match *operands {
@@ -138,7 +155,6 @@ macro_rules! float {
             fn store(&self, sum: &$cell, share: Share, _: Place) -> $cell {
                 (0.0 - sum) / share.by as $cell
             }
-            #[inline(always)]
             fn store_row(
                 &self,
                 operands: &[&[$cell]],
@@ -146,21 +162,11 @@ macro_rules! float {
                 _: Place,
                 cells: &mut [$cell],
             ) {
-                // Times a half is divided by two, to the bit.
-                let by = share.by as $cell;
-                if share.by.is_power_of_two() {
-                    row(operands, 1.0 / by, cells);
-                } else {
-                    row(operands, 1.0, cells);
-                    for cell in cells {
-                        *cell /= by;
-                    }
-                }
+                row(operands, share.by, cells);
             }
             fn pairs(&self) -> bool {
                 true
             }
-            #[inline(always)]
             fn store_pair(
                 &self,
                 operands: &[&[$cell]],
@@ -168,7 +174,7 @@ macro_rules! float {
                 extra: Option<&[$cell]>,
                 cells: &mut [$cell],
             ) {
-                pair(operands, 1.0 / by as $cell, extra, cells);
+                pair(operands, by, extra, cells);
             }
             #[inline(always)]
             fn choose(&self, old: &$cell, new: &$cell, take: u8) -> $cell {
@@ -183,7 +189,6 @@ macro_rules! float {
             fn positive(&self, sum: &$cell) -> Option<bool> {
                 Some(*sum > 0.0)
             }
-            #[inline(always)]
             fn positives(&self, operands: &[&[$cell]], bytes: &mut [u8]) -> bool {
                 positives(operands, bytes);
                 true

@@ -108,7 +108,7 @@ fn fall<D: Domain>(
             for (new, (old, cells)) in light.chunks_exact(width).zip(rows) {
                 let (new, cells) = (&new[columns.clone()], &mut cells[columns.clone()]);
                 old[columns.clone()].copy_from_slice(new);
-                rows::hold(domain, settings.reset_level, settings.gain, new, cells);
+                domain.hold_row(settings.reset_level, settings.gain, new, cells);
             }
             let y = k * TILE..k * TILE + light.len() / width;
             for left in columns.clone().step_by(TILE) {

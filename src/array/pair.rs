@@ -8,7 +8,8 @@ use std::ops::Range;
 
 use super::{
     Domain, Share,
-    field::{Field, PIECE, Stretch, WIRES},
+    band::Band,
+    field::{Field, Stretch, WIRES},
     runs::RUN,
     store::{limit, store_few},
     wire::{Pair, Wire},
@@ -30,22 +31,86 @@ pub(super) fn pair<D: Domain>(
         return;
     }
     let one = &wires[pair.first.wires.clone()];
-    let at_once = !pair.in_place && !clip;
     match one.len() {
         0 => by_way::<D, 0>(domain, field, one, pair, clip, &rows, room),
-        1 if at_once => self::at_once::<D, 1>(domain, field, one, pair, &rows),
         1 => by_way::<D, 1>(domain, field, one, pair, clip, &rows, room),
-        _ if at_once => self::at_once::<D, 2>(domain, field, one, pair, &rows),
         _ => by_way::<D, 2>(domain, field, one, pair, clip, &rows, room),
     }
-    let width = field.size.width;
-    let border = pair.first.border;
-    for x in (0..border.left).chain(width - border.right..width) {
-        column(domain, field, one, pair, clip, &rows, x, room);
+    columns(domain, field, one, pair, clip, &rows, room);
+}
+
+/// The same in [level](super::wire::Store::is_level) rows.
+#[inline(always)]
+pub(super) fn pair_level<D: Domain>(
+    domain: &D,
+    band: &mut Band<'_, D::Cell>,
+    wires: &[Wire],
+    pair: &Pair,
+    rows: &Range<usize>,
+) {
+    let (mut field, _) = band.field();
+    match *wires {
+        [a] => level(domain, &mut field, [a], pair, rows),
+        [a, b] => level(domain, &mut field, [a, b], pair, rows),
+        _ => {}
+    }
+    if pair.first.border.left + pair.first.border.right > 0 {
+        columns_of(domain, band, wires, pair, rows);
     }
 }
 
-/// The cells of these rows in a column at the left or right border.
+/// The cells at the left and right border, in a band: what is called sees no field that loops
+/// keep in the machine's registers.
+#[inline(never)]
+fn columns_of<D: Domain>(
+    domain: &D,
+    band: &mut Band<'_, D::Cell>,
+    wires: &[Wire],
+    pair: &Pair,
+    rows: &Range<usize>,
+) {
+    let (mut field, room) = band.field();
+    columns(domain, &mut field, wires, pair, false, rows, room);
+}
+
+/// With `N` wires.
+#[inline(always)]
+fn level<D: Domain, const N: usize>(
+    domain: &D,
+    field: &mut Field<'_, '_, D::Cell>,
+    wires: [Wire; N],
+    pair: &Pair,
+    rows: &Range<usize>,
+) {
+    let cells = field.take(pair.second.register);
+    let (at, n) = (field.cell(rows.start, 0), rows.len() * field.size.width);
+    let starts = field.starts(&wires, at, pair.first.beside);
+    let operands = &field.sources(&wires, &starts, 0, n);
+    let extra = extra(field, pair, &[at], 0, n);
+    let new = &mut cells[at..][..n];
+    domain.store_pair(operands, pair.first.share.by, extra, new);
+    field.put(pair.second.register, cells);
+}
+
+/// The cells of these rows at the left and right border.
+#[inline(always)]
+fn columns<D: Domain>(
+    domain: &D,
+    field: &mut Field<'_, '_, D::Cell>,
+    wires: &[Wire],
+    pair: &Pair,
+    clip: bool,
+    rows: &Range<usize>,
+    room: &mut [D::Cell],
+) {
+    let width = field.size.width;
+    let border = pair.first.border;
+    for x in (0..border.left).chain(width - border.right..width) {
+        column(domain, field, wires, pair, clip, rows, x, room);
+    }
+}
+
+/// The cells of these rows in one of those columns.
 #[allow(clippy::too_many_arguments)]
 #[inline(never)]
 fn column<D: Domain>(
@@ -59,6 +124,20 @@ fn column<D: Domain>(
     room: &mut [D::Cell],
 ) {
     let (down, right) = pair.first.beside;
+    let from_x = x.wrapping_add_signed(-right);
+    let off = |wire: &Wire| from_x.wrapping_add_signed(wire.beside.1) >= field.size.width;
+    if pair.extra.is_none() && wires.iter().all(off) {
+        // The same all along.
+        let y = rows.start.wrapping_add_signed(-down);
+        let place = field.place(&pair.first, rows.start, x);
+        let sum = field.sum(domain, wires, y, from_x);
+        let between = domain.limited(domain.store(&sum, pair.first.share, place), clip);
+        let place = field.place(&pair.second, rows.start, x);
+        let sum = domain.sum(&[&[between]], 0);
+        let new = domain.limited(domain.store(&sum, UNDIVIDED, place), clip);
+        field.fill_column(pair.second.register, rows, x, &new);
+        return;
+    }
     for top in rows.clone().step_by(COLUMN) {
         let n = (rows.end - top).min(COLUMN);
         let (between, room) = room.split_at_mut(COLUMN);
@@ -92,32 +171,6 @@ fn column<D: Domain>(
 
 /// Cells of a column that are worked on at once.
 const COLUMN: usize = 64;
-
-/// As they lie in their planes.
-#[inline(always)]
-fn at_once<D: Domain, const N: usize>(
-    domain: &D,
-    field: &mut Field<'_, '_, D::Cell>,
-    wires: &[Wire],
-    pair: &Pair,
-    rows: &Range<usize>,
-) {
-    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
-    let Stretch { at, n, .. } = field.stretch(&wires, pair.first.beside, pair.first.border, rows);
-    let starts = field.starts(&wires, at, pair.first.beside);
-    let more = field.starts(&[pair.extra.unwrap_or(Wire::NONE)], at, (0, 0));
-    let cells = field.take(pair.second.register);
-    let mut done = 0;
-    while done < n {
-        let some = (n - done).min(PIECE);
-        let operands = &field.sources(&wires, &starts, done, some);
-        let extra = extra(field, pair, &more, done, some);
-        let new = &mut cells[at + done..][..some];
-        domain.store_pair(operands, pair.first.share.by, extra, new);
-        done += some;
-    }
-    field.put(pair.second.register, cells);
-}
 
 /// What else is on the second bus.
 #[inline(always)]

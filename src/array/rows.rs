@@ -80,19 +80,5 @@ pub(super) fn expose<D: Domain>(
     light: &[f64],
     cells: &mut [D::Cell],
 ) {
-    hold(domain, reset_level, gain, light, cells);
-}
-
-/// The same, within a loop that is compiled for the vectors already.
-#[inline(always)]
-pub(super) fn hold<D: Domain>(
-    domain: &D,
-    reset_level: f64,
-    gain: f64,
-    light: &[f64],
-    cells: &mut [D::Cell],
-) {
-    for (cell, light) in cells.iter_mut().zip(light) {
-        *cell = domain.hold(reset_level + gain * light);
-    }
+    domain.hold_row(reset_level, gain, light, cells);
 }

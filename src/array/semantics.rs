@@ -33,11 +33,11 @@ use super::{
     band::{Band, Constants, Copies},
     bits,
     logic::{any, dnews, fill, logic, propagate},
-    pair::pair,
+    pair::{pair, pair_level},
     positive::positive,
     reach::{Register, copied},
     rows::{self, Links},
-    store::store,
+    store::{store, store_level},
     wire::{Job, Jobs, Known, Store, Wire},
 };
 use crate::{
@@ -186,6 +186,9 @@ impl<D: Domain> Array<'_, D> {
         rows: Range<usize>,
     ) -> Result<(), Undecided> {
         let clip = self.settings.clip;
+        if !clip && self.level(band, job, wires, &rows) {
+            return Ok(());
+        }
         // Where a pair is one.
         let inner = match job {
             Job::Pair(both) if self.domain.pairs() => {
@@ -238,6 +241,34 @@ impl<D: Domain> Array<'_, D> {
             Job::Copy(register) => copy(band, *register, rows),
         }
         Ok(())
+    }
+
+    /// Stores in rows where no cell needs a choice, as most do: the short way. Whether they are
+    /// such rows.
+    #[inline(always)]
+    fn level(
+        self,
+        band: &mut Band<'_, D::Cell>,
+        job: &Job,
+        wires: &[Wire],
+        rows: &Range<usize>,
+    ) -> bool {
+        match job {
+            Job::Store(target) if target.is_level(rows, &band.rows, band.layout.size) => {
+                let wires = &wires[target.wires.clone()];
+                store_level(self.domain, band, wires, target, rows);
+            }
+            Job::Pair(both)
+                if both.level
+                    && self.domain.pairs()
+                    && both.first.is_level(rows, &band.rows, band.layout.size) =>
+            {
+                let wires = &wires[both.first.wires.clone()];
+                pair_level(self.domain, band, wires, both, rows);
+            }
+            _ => return false,
+        }
+        true
     }
 
     /// A word that has no bus. PROP has no rows: see [`propagate`].

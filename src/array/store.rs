@@ -2,8 +2,9 @@
 //!
 //! Cells are worked on in long runs, over the ends of rows, or under a mask in blocks of the 64
 //! pixels of one word of bits. What comes from off the array is put right afterwards, pixel by
-//! pixel or column by column. The loops of common words are compiled for several vector widths,
-//! one of which is taken when a sweep begins. Sources and target are never the same plane.
+//! pixel or column by column. Loops are compiled for several vector widths: those over whole runs
+//! by the domain, which is called, those under a mask with the sweep that they are part of.
+//! Sources and target are never the same plane.
 
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
@@ -12,6 +13,7 @@ use std::ops::Range;
 
 use super::{
     Domain, Place, Share,
+    band::Band,
     field::{Field, Stretch, WIRES},
     runs::{RUN, Run, Runs, merge},
     wire::{Store, Wire},
@@ -66,6 +68,62 @@ pub(super) fn store<D: Domain>(
         }
     }
     field.put(store.register, cells);
+}
+
+/// The same in [level](Store::is_level) rows.
+#[inline(always)]
+pub(super) fn store_level<D: Domain>(
+    domain: &D,
+    band: &mut Band<'_, D::Cell>,
+    wires: &[Wire],
+    store: &Store,
+    rows: &Range<usize>,
+) {
+    let (mut field, _) = band.field();
+    let cells = field.take(store.register);
+    match *wires {
+        [a] => level(domain, &field, [a], store, cells, rows),
+        [a, b] => level(domain, &field, [a, b], store, cells, rows),
+        [a, b, c] => level(domain, &field, [a, b, c], store, cells, rows),
+        _ => {}
+    }
+    field.put(store.register, cells);
+    if store.border.left + store.border.right > 0 {
+        columns_of(domain, band, wires, store, rows);
+    }
+}
+
+/// The cells at the left and right border, in a band: what is called sees no field that loops
+/// keep in the machine's registers.
+#[inline(never)]
+fn columns_of<D: Domain>(
+    domain: &D,
+    band: &mut Band<'_, D::Cell>,
+    wires: &[Wire],
+    store: &Store,
+    rows: &Range<usize>,
+) {
+    let (mut field, room) = band.field();
+    let cells = field.take(store.register);
+    columns(domain, &field, wires, store, cells, false, rows, room);
+    field.put(store.register, cells);
+}
+
+/// With `N` wires.
+#[inline(always)]
+fn level<D: Domain, const N: usize>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: [Wire; N],
+    store: &Store,
+    cells: &mut [D::Cell],
+    rows: &Range<usize>,
+) {
+    let (at, n) = (field.cell(rows.start, 0), rows.len() * field.size.width);
+    let starts = field.starts(&wires, at, store.beside);
+    let sources = &field.sources(&wires, &starts, 0, n);
+    let place = field.place(store, rows.start, 0);
+    domain.store_row(sources, store.share, place, &mut cells[at..][..n]);
 }
 
 /// Rows as one run, inside the border or one that is not.

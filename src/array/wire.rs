@@ -73,8 +73,32 @@ pub(super) struct Store {
     pub(super) border: Border,
     /// Whether FLAG is known to be 1 in all pixels.
     pub(super) whole: bool,
+    /// Whether, besides, one to three registers are on the bus, and nothing else: then rows that
+    /// lie inside the array need no choice for any cell.
+    pub(super) level: bool,
     /// Counted from the first word of all: see [`Constants::first`](super::band::Constants).
     pub(super) step: u64,
+}
+
+impl Store {
+    /// Whether it is [level](Store::level), and all that these rows need lies in `all` rows that
+    /// there are: also what the cells at the left and right border take from the ends of the
+    /// rows before and after, as they are stored with the others and put right afterwards.
+    #[inline]
+    pub(super) fn is_level(&self, rows: &Range<usize>, all: &Range<usize>, size: Size) -> bool {
+        let Border {
+            above,
+            below,
+            left,
+            right,
+        } = self.border;
+        self.level
+            && rows.start >= above
+            && rows.end + below <= size.height
+            && left + right < size.width
+            && (left == 0 || rows.start > all.start + above)
+            && (right == 0 || rows.end + below < all.end)
+    }
 }
 
 /// Two stores, one after the other, of which the second has what the first put into its cell on
@@ -85,8 +109,8 @@ pub(super) struct Pair {
     pub(super) second: Store,
     /// What else is on the second bus.
     pub(super) extra: Option<Wire>,
-    /// Whether the second cell is on the first bus.
-    pub(super) in_place: bool,
+    /// Whether both are [level](Store::level), and the second cell is not on the first bus.
+    pub(super) level: bool,
 }
 
 impl Pair {
@@ -103,11 +127,11 @@ impl Pair {
         let joined = two.len() == 1 + usize::from(other.is_some()) && more.is_none();
         let straight = other.is_none_or(|wire| wire.beside == (0, 0));
         let in_place = one.iter().any(|wire| wire.plane == target);
-        let level = first.beside == (0, 0) && one.iter().all(|wire| wire.beside == (0, 0));
+        let unmoved = first.beside == (0, 0) && one.iter().all(|wire| wire.beside == (0, 0));
         let fits = joined
             && straight
             && one.len() <= 2
-            && (level || !in_place)
+            && (unmoved || !in_place)
             && first.register != second.register
             && second.beside == (0, 0)
             && first.whole
@@ -118,7 +142,7 @@ impl Pair {
             first: first.clone(),
             second: second.clone(),
             extra: other,
-            in_place,
+            level: first.level && second.level && !in_place,
         })
     }
 }
@@ -307,12 +331,18 @@ impl Jobs {
             if lost || (several && register == layout.news) {
                 continue;
             }
+            let bus = &self.wires[wires.clone()];
+            let border = Border::of(bus, beside);
+            let planes = Band::<()>::planes(layout);
             self.jobs.push(Job::Store(Store {
                 wires: wires.clone(),
                 register,
                 share: share(part),
                 beside,
-                border: Border::of(&self.wires[wires.clone()], beside),
+                level: known.whole
+                    && matches!(bus.len(), 1..=3)
+                    && bus.iter().all(|wire| wire.plane < planes),
+                border,
                 whole: known.whole,
                 step,
             }));

@@ -28,8 +28,11 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     fn saturate(wide: i64) -> Self;
     /// The lowest bits of `wide`.
     fn wrap(wide: i64) -> Self;
-    /// The nearest of this width, halves to even; 0 for NaN.
-    fn nearest(real: f64) -> Self;
+    /// The nearest of this width, halves to even; 0 for NaN. All widths fit into one integer,
+    /// so that a loop can leave it to another to make them narrow.
+    fn nearest(real: f64) -> i32;
+    /// The lowest bits.
+    fn low(bits: i32) -> Self;
     /// The same, wider.
     fn widen(self) -> Self::Wide;
     /// The nearest of this width.
@@ -123,16 +126,18 @@ macro_rules! width {
                 wide as $int
             }
             #[inline]
-            fn nearest(real: f64) -> Self {
+            fn nearest(real: f64) -> i32 {
                 // In a float so large, the lowest bits count ones: a sum, which rounds, where a
                 // conversion would have no instruction on vectors.
                 const LARGE: f64 = 6_755_399_441_055_744.0;
-                let limited = if real.is_nan() {
-                    0.0
-                } else {
-                    real.clamp(<$int>::MIN.into(), <$int>::MAX.into())
-                };
-                (limited + LARGE).to_bits() as $int
+                let number = u64::from(!real.is_nan()).wrapping_neg();
+                let real = f64::from_bits(real.to_bits() & number);
+                let limited = real.clamp(<$int>::MIN.into(), <$int>::MAX.into());
+                (limited + LARGE).to_bits() as i32
+            }
+            #[inline]
+            fn low(bits: i32) -> Self {
+                bits as $int
             }
             #[inline]
             fn widen(self) -> $wide {
@@ -263,7 +268,7 @@ impl<T: Width> Number for Q<T> {
                 // The remainder of floats is exact, so nothing of a huge number is lost.
                 T::wrap((steps.round_ties_even() % 2f64.powi(T::BITS.into())) as i64)
             }
-            _ => T::nearest(steps),
+            _ => T::low(T::nearest(steps)),
         }
     }
 

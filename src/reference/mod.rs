@@ -72,7 +72,7 @@ const SMALL: usize = 1 << 13;
 
 /// Rows of a band: small enough that a band's scratch stays in cache, large enough to be
 /// worth sharing out. The events do not depend on it.
-const BAND_ROWS: usize = 64;
+const BAND_ROWS: usize = 32;
 
 /// The float model of one sensor, in one number format.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! From places between two frames to whole microseconds, and to stretches of them.
+//! From places between two frames to whole microseconds.
 
 use crate::{event::Event, unit::Micros};
 
@@ -6,10 +6,6 @@ use super::{
     super::{MAGIC, train::Pair},
     note::Note,
 };
-
-/// Microseconds of a stretch, about: each has a place in memory that is written to, and these
-/// should fit into a cache.
-const CACHED: u64 = 1 << 15;
 
 /// From places between two frames to microseconds.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,28 +18,21 @@ pub(super) struct Clock {
     duration: f64,
     /// Microseconds from the start to the later frame.
     span: u64,
-    /// Microseconds of a stretch; the last has what is left.
-    stretch: u64,
 }
 
 impl Clock {
-    /// The clock of a pair, in equal stretches that so many threads can share.
-    pub(super) fn of(pair: Pair, threads: usize) -> Self {
+    pub(super) fn of(pair: Pair) -> Self {
         let from = pair.from * 1e6;
         let clock = Self {
             // So that no sum of times overflows.
             start: (from.floor() as u64).min(1 << 63),
             fraction: from - from.floor().max(0.0),
             // Seventy years.
-            duration: (pair.duration() * 1e6).min(MAGIC / 2.0),
+            duration: (pair.duration() * 1e6).clamp(0.0, MAGIC / 2.0),
             ..Self::default()
         };
-        let span = clock.at(1.0);
-        let stretches = (span / CACHED).clamp(1, 256) as usize;
-        let stretches = stretches.next_multiple_of(threads) as u64;
         Self {
-            span,
-            stretch: span / stretches + 1,
+            span: clock.at(1.0),
             ..clock
         }
     }
@@ -53,15 +42,9 @@ impl Clock {
         self.span >> Note::TIME_BITS != 0
     }
 
-    /// How many stretches of time there are.
-    pub(super) const fn stretches(&self) -> usize {
-        (self.span / self.stretch) as usize + 1
-    }
-
-    /// When stretch `k` begins, in microseconds since the start, and how long it is.
-    pub(super) fn stretch(&self, k: usize) -> (u64, u64) {
-        let since = k as u64 * self.stretch;
-        (since, self.stretch.min(self.span + 1 - since))
+    /// How many microseconds there are, from the start to the later frame.
+    pub(super) const fn microseconds(&self) -> usize {
+        self.span as usize + 1
     }
 
     /// Microseconds from the start to the nearest to a place; none before time 0.
@@ -89,5 +72,10 @@ impl Clock {
     #[inline]
     pub(super) fn event(&self, note: Note) -> Event {
         note.at(self.time(note.since()))
+    }
+
+    /// Appends the events of some notes.
+    pub(super) fn tell(self, notes: &[Note], events: &mut Vec<Event>) {
+        events.extend(notes.iter().map(|note| self.event(*note)));
     }
 }

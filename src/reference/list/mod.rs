@@ -1,9 +1,11 @@
 //! Events as a list, in order of time: within a pair of frames, ties row by row, then by
 //! channel, then by column.
 
+mod buffers;
 mod clock;
 mod note;
 mod part;
+mod sorted;
 
 use std::ops::Range;
 
@@ -13,11 +15,8 @@ use crate::{event::Packet, number::Real, sensor::SensorError};
 
 use super::train::{BandSink, Pair, Sink, TrainRow};
 
-use self::{
-    clock::Clock,
-    note::Note,
-    part::{Part, sort},
-};
+pub(super) use self::buffers::Buffers;
+use self::{buffers::ENOUGH, clock::Clock, part::Part};
 
 /// What to do when a list would grow beyond its bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,9 +52,10 @@ impl Default for Limit {
 /// A pair of frames whose events do not all fit is an error, or is dropped whole: which
 /// events are missing must not depend on how the work was shared out.
 ///
-/// Each band of rows notes its events as it is told of them, 8 bytes each, and deals them out
-/// to stretches of time; a stretch is then sorted by counting, which keeps what happens in the
-/// same microsecond in the order in which it was told.
+/// Each band of rows notes its events as it is told of them, 8 bytes each. Notes are sorted by
+/// counting, which keeps what happens in the same microsecond in the order in which it was told:
+/// all at once, or where there are many by several threads, each those of its own bands, and
+/// then merged.
 #[derive(Debug)]
 pub struct EventList<'a> {
     packet: &'a mut Packet,
@@ -64,20 +64,9 @@ pub struct EventList<'a> {
     buffers: Buffers,
 }
 
-/// What lists are made in.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Buffers {
-    parts: Vec<Part>,
-    /// The notes of all parts in order; the buffer is longer.
-    sorted: Vec<Note>,
-}
-
 /// The part of a list that one band of rows is told to.
 #[derive(Debug)]
 pub struct ListBand<'a>(&'a mut Part);
-
-/// Fewer events are not worth sharing out.
-const ENOUGH: usize = 1 << 12;
 
 impl<'a> EventList<'a> {
     /// A list that goes on where the packet ends. It may be told of many pairs, and then
@@ -106,43 +95,21 @@ impl<'a> EventList<'a> {
 
     /// Appends the events of all parts in order.
     fn sort(&mut self) {
-        let (clock, parts) = (self.clock, &mut self.buffers.parts);
-        let events = &mut self.packet.events;
+        let (clock, events) = (self.clock, &mut self.packet.events);
         if clock.is_long() {
             let start = events.len();
-            for part in parts {
+            for part in &mut self.buffers.parts {
                 events.append(&mut part.events);
             }
             events[start..].sort_by_key(|event| event.t);
             return;
         }
-        let lengths = |k| parts.iter().map(|part| part.stretch(k).len()).sum();
-        let lengths: Vec<usize> = (0..clock.stretches()).map(lengths).collect();
-        let total = lengths.iter().sum();
-        let sorted = &mut self.buffers.sorted;
-        if sorted.len() < total {
-            sorted.resize(total, Note::default());
-        }
-        let sorted = &mut sorted[..total];
-        let mut rest = &mut *sorted;
-        let jobs = lengths.into_iter().enumerate().map(|(k, length)| {
-            let (out, after) = std::mem::take(&mut rest).split_at_mut(length);
-            rest = after;
-            (k, out)
-        });
-        let one = |next: &mut Vec<u32>, (k, out): (usize, &mut [Note])| {
-            let told = || parts.iter().map(|part| part.stretch(k));
-            sort(told, clock.stretch(k), next, out);
-        };
-        if super::alone() || total < ENOUGH {
-            let mut next = Vec::new();
-            jobs.for_each(|job| one(&mut next, job));
-            events.extend(sorted.iter().map(|note| clock.event(*note)));
+        let notes = self.buffers.sorted(clock.microseconds());
+        if super::alone() || notes.len() < ENOUGH {
+            clock.tell(notes, events);
         } else {
-            let jobs: Vec<_> = jobs.collect();
-            jobs.into_par_iter().for_each_init(Vec::new, one);
-            let sorted = sorted.par_iter().with_min_len(ENOUGH);
-            events.par_extend(sorted.map(|note| clock.event(*note)));
+            let notes = notes.par_iter().with_min_len(ENOUGH);
+            events.par_extend(notes.map(|note| clock.event(*note)));
         }
     }
 }
@@ -158,12 +125,7 @@ impl Sink for EventList<'_> {
     }
 
     fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
-        let threads = if bands.len() > 1 {
-            rayon::current_num_threads()
-        } else {
-            1
-        };
-        self.clock = Clock::of(pair, threads);
+        self.clock = Clock::of(pair);
         let room = self.room();
         let parts = &mut self.buffers.parts;
         parts.resize_with(bands.len(), Part::default);
@@ -252,11 +214,11 @@ mod tests {
 
     proptest! {
         /// Several channels, rows that are told again, short pairs and long, few events and
-        /// many, one thread and two.
+        /// many, so many that threads share them, one thread and two.
         #[test]
         fn events_are_in_order(
             counts in proptest::collection::vec(proptest::collection::vec(-9i32..10, 7), 12),
-            sparse: bool,
+            often in proptest::sample::select(vec![0, 1, 1, 30]),
             again: bool,
             channels in 1usize..4,
             index in 0u32..1000,
@@ -265,13 +227,13 @@ mod tests {
             // Each row is told by each channel in turn, and the last channel may tell it again.
             let told = channels + usize::from(again);
             let rows: Vec<TrainRow<f64>> = counts.iter().enumerate().map(|(n, counts)| {
-                let keep = |x: usize| i32::from(!sparse || (n + x).is_multiple_of(5));
+                let keep = |x: usize| often.max(i32::from((n + x).is_multiple_of(5)));
                 TrainRow {
                     channel: (n % told).min(channels - 1),
                     y: n / told,
                     counts: counts.iter().enumerate().map(|(x, count)| count * keep(x)).collect(),
                     first: (0..7).map(|x| (x * 7 % 10 + n) as f64 / 30.0).collect(),
-                    spacing: vec![1.0 / 37.0; 7],
+                    spacing: vec![1.0 / 37.0 / f64::from(often.max(1)); 7],
                 }
             }).collect();
             let pair = Pair { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };

@@ -115,7 +115,8 @@ pub struct Present {
     /// A memory whose cells can be followed: it holds the filtered signal and steps, and what a
     /// dead time takes does not come back.
     pub followed: bool,
-    /// Light that a straight line in time makes a straight line of drive.
+    /// Light that a straight line in time makes a straight line of drive: a sheet's noise is
+    /// drawn anew for each frame.
     pub straight: bool,
     /// v2e's sheets, which stop early.
     pub v2e: bool,
@@ -136,7 +137,7 @@ impl Present {
         let straight = matches!(response.curve, Curve::Identity | Curve::Linear { .. })
             && !response.round_f32
             && channels.iter().all(|c| !c.log_temporal)
-            && sheets().all(|(_, sheet)| sheet.tau <= 0.0)
+            && sheets().all(|(_, sheet)| sheet.tau <= 0.0 && sheet.noise <= 0.0)
             && noise.cutoff_hz <= 0.0;
         Self {
             strays: noise.fires(),

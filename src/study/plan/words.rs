@@ -101,7 +101,7 @@ impl Bounds {
                 self.description.refractory.us
             ),
             Effect::Upsampling if !self.upsampled => {
-                "only where the drive is a straight line between two frames, and neither jitter nor stray events are drawn pair by pair, do frames in between say nothing new".to_owned()
+                "only where the drive is a straight line between two frames, and neither jitter nor stray events nor a mesh's noise are drawn for each frame, do frames in between say nothing new".to_owned()
             }
             Effect::Upsampling => "between two frames the drive is a straight line: frames in between say nothing new, but for rounding".to_owned(),
             Effect::LowPass => self.why_ladder(

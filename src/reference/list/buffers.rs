@@ -1,0 +1,71 @@
+//! What lists are made in, kept from pair to pair.
+
+use rayon::prelude::*;
+
+use super::{
+    note::Note,
+    part::Part,
+    sorted::{Sorted, merge},
+};
+
+/// Fewer events are not worth sharing out.
+pub(super) const ENOUGH: usize = 1 << 12;
+
+/// Notes in a microsecond, on average, from which on merging takes less time than sorting in
+/// groups saves.
+const DENSE: usize = 4;
+
+/// What bands of rows have said, and what it is sorted in.
+#[derive(Clone, Debug, Default)]
+pub struct Buffers {
+    pub(super) parts: Vec<Part>,
+    /// The notes of neighbouring parts in order, a group for each thread; or one of all.
+    groups: Vec<Sorted>,
+    /// The notes of all parts in order; the buffer is longer.
+    merged: Vec<Note>,
+}
+
+impl Buffers {
+    /// The notes of all parts in order, told within so many microseconds.
+    pub(super) fn sorted(&mut self, microseconds: usize) -> &[Note] {
+        let total = self.parts.iter().map(|part| part.notes().len()).sum();
+        if microseconds > 4 * total {
+            self.merged.clear();
+            let notes = self.parts.iter().flat_map(Part::notes);
+            self.merged.extend(notes);
+            self.merged.sort_by_key(|note| note.since());
+            return &self.merged;
+        }
+        let threads = if total < ENOUGH || total < DENSE * microseconds {
+            1
+        } else {
+            rayon::current_num_threads()
+        };
+        let group = self.parts.len().div_ceil(threads);
+        let groups = self.parts.len().div_ceil(group);
+        self.groups.resize_with(groups, Sorted::default);
+        if groups == 1 {
+            self.groups[0].sort(&self.parts, microseconds);
+            return self.groups[0].notes();
+        }
+        let parts = self.parts.par_chunks(group).zip(&mut self.groups);
+        parts.for_each(|(parts, group)| group.sort(parts, microseconds));
+        if self.merged.len() < total {
+            self.merged.resize(total, Note::default());
+        }
+        let (groups, all) = (&self.groups[..], &mut self.merged[..total]);
+        let mut rest = &mut *all;
+        let share = microseconds.div_ceil(threads);
+        let mut jobs = Vec::with_capacity(threads);
+        for since in (0..microseconds).step_by(share) {
+            let until = (since + share).min(microseconds);
+            let notes = groups.iter().map(|group| group.within(since..until).len());
+            let (out, after) = rest.split_at_mut(notes.sum());
+            rest = after;
+            jobs.push((since..until, out));
+        }
+        let jobs = jobs.into_par_iter();
+        jobs.for_each(|(range, out)| merge(groups, range, out));
+        all
+    }
+}

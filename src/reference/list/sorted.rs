@@ -1,0 +1,81 @@
+//! Notes in order of time: those of some bands, and those of all.
+
+use std::ops::Range;
+
+use super::{note::Note, part::Part};
+
+/// The notes of neighbouring bands by microsecond; those of one stay in the order in which they
+/// were told.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sorted {
+    /// The buffer is longer.
+    notes: Vec<Note>,
+    /// Where the notes of each microsecond end.
+    ends: Vec<u32>,
+}
+
+impl Sorted {
+    /// Sorts by counting what was told within so many microseconds.
+    pub(super) fn sort(&mut self, parts: &[Part], microseconds: usize) {
+        let total = parts.iter().map(|part| part.notes().len()).sum();
+        if self.notes.len() < total {
+            self.notes.resize(total, Note::default());
+        }
+        let (out, next) = (&mut self.notes[..total], &mut self.ends);
+        next.clear();
+        next.resize(microseconds, 0);
+        for part in parts {
+            for note in part.notes() {
+                next[note.since() as usize] += 1;
+            }
+        }
+        let mut sum = 0;
+        for place in &mut *next {
+            sum += std::mem::replace(place, sum);
+        }
+        // With each note in its place, the next of its microsecond comes after it.
+        for part in parts {
+            for note in part.notes() {
+                let place = &mut next[note.since() as usize];
+                out[*place as usize] = *note;
+                *place += 1;
+            }
+        }
+    }
+
+    /// All notes.
+    pub(super) fn notes(&self) -> &[Note] {
+        &self.notes[self.within(0..self.ends.len())]
+    }
+
+    /// Where the notes of some microseconds are.
+    pub(super) fn within(&self, microseconds: Range<usize>) -> Range<usize> {
+        let end_before = |t: usize| t.checked_sub(1).map_or(0, |last| self.ends[last] as usize);
+        end_before(microseconds.start)..end_before(microseconds.end)
+    }
+}
+
+/// Notes that are copied at a time, whether there are as many or fewer.
+const RUN: usize = 16;
+
+/// Lays out the notes of all groups within some microseconds: for each microsecond those of one
+/// group after those of the other.
+pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [Note]) {
+    let starts = |group: &Sorted| group.within(microseconds.clone()).start;
+    let mut from: Vec<usize> = groups.iter().map(starts).collect();
+    let mut len = 0;
+    for microsecond in microseconds {
+        for (group, from) in groups.iter().zip(&mut from) {
+            let end = group.ends[microsecond] as usize;
+            let run = end - *from;
+            let (out, notes) = (&mut out[len..], &group.notes[*from..]);
+            match (out.first_chunk_mut::<RUN>(), notes.first_chunk()) {
+                // As good as always: no branch depends on how many there are.
+                (Some(out), Some(notes)) if run <= RUN => *out = *notes,
+                _ => out[..run].copy_from_slice(&notes[..run]),
+            }
+            len += run;
+            *from = end;
+        }
+    }
+}

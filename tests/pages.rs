@@ -1,0 +1,114 @@
+//! Proves that what the pages show is what the commands above it print. Against: `README.md`
+//! and `docs/`, word for word but for times of this machine.
+
+#![cfg(feature = "cli")]
+
+use std::{fs, path::Path};
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// A page of the repository.
+fn page(name: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
+}
+
+/// The fenced block of a page that comes after the one which holds a command.
+#[track_caller]
+fn after<'a>(page: &'a str, command: &str) -> Vec<&'a str> {
+    let mut blocks = page.split("\n```").skip(1).step_by(2);
+    assert!(blocks.any(|block| block.contains(command)), "no {command}");
+    let shown = blocks.next().expect("a block that shows what is printed");
+    shown.lines().skip(1).collect()
+}
+
+/// What the command prints, run in a folder of its own that has the repository's studies.
+#[track_caller]
+fn printed(folder: &TempDir, command: &str) -> String {
+    let words = command.replace('"', "");
+    let mut words = words.split(' ');
+    assert_eq!(words.next(), Some("amacrine"));
+    let mut program = Command::cargo_bin("amacrine").unwrap();
+    let said = program.args(words).current_dir(folder).output().unwrap();
+    let message = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert!(said.status.success(), "{message}");
+    String::from_utf8(said.stdout).unwrap()
+}
+
+/// The folder in which the commands of the pages run.
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let studies = folder.path().join("studies");
+    fs::create_dir(&studies).unwrap();
+    fs::create_dir(folder.path().join("docs")).unwrap();
+    fs::write(studies.join("formats.toml"), page("studies/formats.toml")).unwrap();
+    folder
+}
+
+/// A line of the demo without the speed of the machine that printed it.
+fn steady(line: &str) -> &str {
+    match line.rsplitn(3, ' ').collect::<Vec<_>>()[..] {
+        ["f/s", _, rest] => rest.trim_end(),
+        _ => line.trim_end(),
+    }
+}
+
+/// The sensors of a report with their errors, bits and words, in any order: that, like who is
+/// on the front, is a matter of time.
+fn sensors(text: &str) -> Vec<String> {
+    let row = |line: &str| {
+        let (before, after) = line.split_once(" ms ")?;
+        let (sensor, _) = before.rsplit_once(' ')?;
+        let counts: Vec<_> = after.split_whitespace().take(2).collect();
+        Some(format!("{} {}", sensor.trim_end(), counts.join(" ")))
+    };
+    let mut rows: Vec<_> = text.lines().filter_map(row).collect();
+    rows.sort();
+    rows
+}
+
+#[test]
+fn the_table_of_the_demo() {
+    let page = page("README.md");
+    let said = printed(&folder(), "amacrine demo");
+    let said: Vec<_> = said.lines().map(steady).collect();
+    let shown = after(&page, "cargo run --release").into_iter().map(steady);
+    let shown: Vec<_> = shown.collect();
+    assert!(shown.iter().any(|line| line.starts_with("array silicon")));
+    assert_eq!(said[said.len() - shown.len()..], shown);
+}
+
+#[test]
+fn the_sensors_of_the_worked_sweep() {
+    let (folder, page) = (folder(), page("docs/sweeps.md"));
+    let sweep = "amacrine sweep studies/formats.toml --output out/formats";
+    let report = "amacrine report out/formats -o front.svg";
+    printed(&folder, sweep);
+    let said = printed(&folder, report);
+    assert_eq!(sensors(&said).len(), 24);
+    assert_eq!(sensors(&said), sensors(&page));
+}
+
+#[test]
+fn the_waterfall_and_its_picture() {
+    let command = "amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 \
+                   -o docs/waterfall.svg";
+    let (folder, page_text) = (folder(), page("docs/waterfall.md"));
+    let said = printed(&folder, command);
+    let said: Vec<_> = said.lines().map(str::trim_end).collect();
+    let shown = after(&page_text, command);
+    assert!(shown.len() > 10);
+    assert_eq!(said[..shown.len()], shown);
+    let drawn = fs::read_to_string(folder.path().join("docs/waterfall.svg")).unwrap();
+    assert!(drawn == page("docs/waterfall.svg"), "docs/waterfall.svg");
+}
+
+#[test]
+fn the_feasibility_of_a_disc() {
+    let command = "amacrine feasibility --kernel rgc-5x5 --threshold 128 \
+                   --scene \"pattern:disc?width=64&height=48&frames=8\" --fps 100";
+    let page = page("docs/feasibility.md");
+    let said = printed(&folder(), command);
+    let said: Vec<_> = said.trim().lines().map(str::trim_end).collect();
+    assert_eq!(said, after(&page, command));
+}
