@@ -80,10 +80,13 @@ pub trait Domain: Sync {
 
     /// Two stores at once, not limited: what the first makes of one or two operands, divided by
     /// 1 or 2, goes with the extra operand to the second, undivided, and from there to the cells.
+    /// One of the first may be what the cells held before, as `own` says; it is not among the
+    /// operands.
     #[inline(always)]
     fn store_pair(
         &self,
         _operands: &[&[Self::Cell]],
+        _own: bool,
         _by: u32,
         _extra: Option<&[Self::Cell]>,
         _cells: &mut [Self::Cell],

@@ -19,6 +19,25 @@ pub(super) fn each<T: Copy + Default, U, const N: usize>(
     cells: &mut [U],
     of: impl Fn([T; N]) -> U,
 ) {
+    put(operands, cells, |cell, picked| *cell = of(picked));
+}
+
+/// The same of what the cell held before, and the operands.
+#[inline(always)]
+fn each_own<T: Copy + Default, const N: usize>(
+    operands: [&[T]; N],
+    cells: &mut [T],
+    of: impl Fn(T, [T; N]) -> T,
+) {
+    put(operands, cells, |cell, picked| *cell = of(*cell, picked));
+}
+
+#[inline(always)]
+fn put<T: Copy + Default, U, const N: usize>(
+    operands: [&[T]; N],
+    cells: &mut [U],
+    put: impl Fn(&mut U, [T; N]),
+) {
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = BLOCK * blocks.len();
     let whole = whole::<_, N, BLOCK>(operands, blocks.len());
@@ -28,11 +47,35 @@ pub(super) fn each<T: Copy + Default, U, const N: usize>(
             for (one, blocks) in picked.iter_mut().zip(whole) {
                 *one = blocks[k][i];
             }
-            *cell = of(picked);
+            put(cell, picked);
         }
     }
     for (i, cell) in (done..).zip(last) {
-        *cell = of(picked(operands, i));
+        put(cell, picked(operands, i));
+    }
+}
+
+/// Two stores at once, of one operand or of two, where `own` says that one of them is what the
+/// cell held before; and of one more on the second bus.
+#[inline(always)]
+pub(super) fn each_twice<T: Copy + Default>(
+    operands: &[&[T]],
+    own: bool,
+    extra: Option<&[T]>,
+    cells: &mut [T],
+    one: (impl Fn(T) -> T, impl Fn(T, T) -> T),
+    two: (impl Fn(T, T) -> T, impl Fn(T, T, T) -> T),
+) {
+    match (operands, own, extra) {
+        (&[a], false, None) => each([a], cells, |[a]| one.0(a)),
+        (&[a], false, Some(c)) => each([a, c], cells, |[a, c]| one.1(a, c)),
+        (&[a, b], false, None) => each([a, b], cells, |[a, b]| two.0(a, b)),
+        (&[a, b], false, Some(c)) => each([a, b, c], cells, |[a, b, c]| two.1(a, b, c)),
+        (&[], true, None) => each_own([], cells, |a, []| one.0(a)),
+        (&[], true, Some(c)) => each_own([c], cells, |a, [c]| one.1(a, c)),
+        (&[a], true, None) => each_own([a], cells, |b, [a]| two.0(a, b)),
+        (&[a], true, Some(c)) => each_own([a, c], cells, |b, [a, c]| two.1(a, b, c)),
+        _ => {}
     }
 }
 

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::{
     Domain, Place, Share,
     domain::LIMITS,
-    each::{each, some, summed},
+    each::{each, each_twice, some, summed},
 };
 use crate::number::{Number, Overflow, Q, Wide, Width};
 
@@ -111,8 +111,15 @@ impl<T: Width> Domain for Fixed<T> {
     fn pairs(&self) -> bool {
         self.saturates()
     }
-    fn store_pair(&self, operands: &[&[T]], by: u32, extra: Option<&[T]>, cells: &mut [T]) {
-        saturated_pair(operands, by, extra, cells);
+    fn store_pair(
+        &self,
+        operands: &[&[T]],
+        own: bool,
+        by: u32,
+        extra: Option<&[T]>,
+        cells: &mut [T],
+    ) {
+        saturated_pair(operands, own, by, extra, cells);
     }
     #[inline(always)]
     fn choose(&self, old: &T, new: &T, take: u8) -> T {
@@ -165,22 +172,29 @@ fn wrapped_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
 /// What the first would store, taken from nought, is the sum, but for the lowest number, or
 /// half the sum.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn saturated_pair<T: Width>(operands: &[&[T]], by: u32, extra: Option<&[T]>, cells: &mut [T]) {
+fn saturated_pair<T: Width>(
+    operands: &[&[T]],
+    own: bool,
+    by: u32,
+    extra: Option<&[T]>,
+    cells: &mut [T],
+) {
     let lowest = T::ZERO.less(T::LIMITS.1);
-    match (operands, by, extra) {
-        (&[a], 1, None) => each([a], cells, |[a]| a.max(lowest)),
-        (&[a], 1, Some(c)) => each([a, c], cells, |[a, c]| a.max(lowest).less(c)),
-        (&[a], _, None) => each([a], cells, |[a]| a.middle(T::ZERO)),
-        (&[a], _, Some(c)) => each([a, c], cells, |[a, c]| a.middle(T::ZERO).less(c)),
-        (&[a, b], 1, None) => each([a, b], cells, |[a, b]| a.more(b).max(lowest)),
-        (&[a, b], 1, Some(c)) => each([a, b, c], cells, |[a, b, c]| {
-            saturated_sum([saturated_sum([a, b]), c])
-        }),
-        (&[a, b], _, None) => each([a, b], cells, |[a, b]| a.middle(b).max(lowest)),
-        (&[a, b], _, Some(c)) => each([a, b, c], cells, |[a, b, c]| {
-            a.middle(b).max(lowest).less(c)
-        }),
-        _ => {}
+    if by == 1 {
+        let one = (|a: T| a.max(lowest), |a: T, c| a.max(lowest).less(c));
+        let two = (
+            |a: T, b| a.more(b).max(lowest),
+            |a, b, c| saturated_sum([saturated_sum([a, b]), c]),
+        );
+        each_twice(operands, own, extra, cells, one, two);
+    } else {
+        let half = |a: T, b| a.middle(b).max(lowest);
+        let one = (
+            |a: T| a.middle(T::ZERO),
+            |a: T, c| a.middle(T::ZERO).less(c),
+        );
+        let two = (half, |a, b, c| half(a, b).less(c));
+        each_twice(operands, own, extra, cells, one, two);
     }
 }
 
@@ -341,8 +355,18 @@ mod tests {
                 None => store(&[&first], 1),
             };
             let mut cells = nought();
-            domain.store_pair(operands, by, extra, &mut cells);
+            domain.store_pair(operands, false, by, extra, &mut cells);
             assert!(cells == second, "{} by {by}, {extra:?}", operands.len());
+            for own in 0..operands.len() {
+                let mut others = operands.to_vec();
+                let mut cells = others.remove(own).to_vec();
+                domain.store_pair(&others, true, by, extra, &mut cells);
+                assert!(
+                    cells == second,
+                    "{own} of {} by {by}, {extra:?}",
+                    operands.len()
+                );
+            }
         }
     }
 

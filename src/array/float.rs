@@ -7,7 +7,11 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use multiversion::multiversion;
 
-use super::{Domain, Place, Share, domain::LIMITS, each::each};
+use super::{
+    Domain, Place, Share,
+    domain::LIMITS,
+    each::{each, each_twice},
+};
 
 /// f64 everywhere: the arithmetic that the others are measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -91,18 +95,18 @@ fn many<T: Real>(first: &[T], others: &[&[T]], part: T, cells: &mut [T]) {
 
 /// Two stores at once, the first divided by a power of two.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn pair<T: Real>(operands: &[&[T]], by: u32, extra: Option<&[T]>, cells: &mut [T]) {
-    let one = T::from(1.0);
-    let part = one / T::from(by as f32);
-    match (operands, extra) {
-        (&[a], None) => each([a], cells, |all| stored([stored(all, part)], one)),
-        (&[a, b], None) => each([a, b], cells, |all| stored([stored(all, part)], one)),
-        (&[a], Some(c)) => each([a, c], cells, |[a, c]| stored([stored([a], part), c], one)),
-        (&[a, b], Some(c)) => each([a, b, c], cells, |[a, b, c]| {
-            stored([stored([a, b], part), c], one)
-        }),
-        _ => {}
-    }
+fn pair<T: Real>(operands: &[&[T]], own: bool, by: u32, extra: Option<&[T]>, cells: &mut [T]) {
+    let whole = T::from(1.0);
+    let part = whole / T::from(by as f32);
+    let one = (
+        |a| stored([stored([a], part)], whole),
+        |a, c| stored([stored([a], part), c], whole),
+    );
+    let two = (
+        |a, b| stored([stored([a, b], part)], whole),
+        |a, b, c| stored([stored([a, b], part), c], whole),
+    );
+    each_twice(operands, own, extra, cells, one, two);
 }
 
 /// Whether each sum is above zero.
@@ -170,11 +174,12 @@ macro_rules! float {
             fn store_pair(
                 &self,
                 operands: &[&[$cell]],
+                own: bool,
                 by: u32,
                 extra: Option<&[$cell]>,
                 cells: &mut [$cell],
             ) {
-                pair(operands, by, extra, cells);
+                pair(operands, own, by, extra, cells);
             }
             #[inline(always)]
             fn choose(&self, old: &$cell, new: &$cell, take: u8) -> $cell {

@@ -49,8 +49,14 @@ pub(super) fn pair_level<D: Domain>(
     rows: &Range<usize>,
 ) {
     let (mut field, _) = band.field();
+    let target = usize::from(pair.second.register.0);
     match *wires {
+        [_] if pair.own => level(domain, &mut field, [], pair, rows),
         [a] => level(domain, &mut field, [a], pair, rows),
+        [a, b] if pair.own => {
+            let other = if a.plane == target { b } else { a };
+            level(domain, &mut field, [other], pair, rows);
+        }
         [a, b] => level(domain, &mut field, [a, b], pair, rows),
         _ => {}
     }
@@ -73,7 +79,7 @@ fn columns_of<D: Domain>(
     columns(domain, &mut field, wires, pair, false, rows, room);
 }
 
-/// With `N` wires.
+/// With `N` wires, besides the cell itself.
 #[inline(always)]
 fn level<D: Domain, const N: usize>(
     domain: &D,
@@ -88,7 +94,7 @@ fn level<D: Domain, const N: usize>(
     let operands = &field.sources(&wires, &starts, 0, n);
     let extra = extra(field, pair, &[at], 0, n);
     let new = &mut cells[at..][..n];
-    domain.store_pair(operands, pair.first.share.by, extra, new);
+    domain.store_pair(operands, pair.own, pair.first.share.by, extra, new);
     field.put(pair.second.register, cells);
 }
 

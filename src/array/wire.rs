@@ -109,7 +109,9 @@ pub(super) struct Pair {
     pub(super) second: Store,
     /// What else is on the second bus.
     pub(super) extra: Option<Wire>,
-    /// Whether both are [level](Store::level), and the second cell is not on the first bus.
+    /// Whether the second cell is on the first bus.
+    pub(super) own: bool,
+    /// Whether both are [level](Store::level).
     pub(super) level: bool,
 }
 
@@ -126,12 +128,12 @@ impl Pair {
         let (other, more) = (extra.next().copied(), extra.next());
         let joined = two.len() == 1 + usize::from(other.is_some()) && more.is_none();
         let straight = other.is_none_or(|wire| wire.beside == (0, 0));
-        let in_place = one.iter().any(|wire| wire.plane == target);
+        let own = one.iter().filter(|wire| wire.plane == target).count();
         let unmoved = first.beside == (0, 0) && one.iter().all(|wire| wire.beside == (0, 0));
         let fits = joined
             && straight
             && one.len() <= 2
-            && (unmoved || !in_place)
+            && (unmoved || own == 0)
             && first.register != second.register
             && second.beside == (0, 0)
             && first.whole
@@ -142,7 +144,8 @@ impl Pair {
             first: first.clone(),
             second: second.clone(),
             extra: other,
-            level: first.level && second.level && !in_place,
+            own: own > 0,
+            level: first.level && second.level && own <= 1,
         })
     }
 }
