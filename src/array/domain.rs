@@ -130,6 +130,12 @@ pub trait Domain: Sync {
         decided
     }
 
+    /// The same as the bits of words, 64 cells each, the lowest for the first; whether this
+    /// domain does so. Else nothing is set.
+    fn positive_words(&self, _operands: &[&[Self::Cell]], _words: &mut [u64]) -> bool {
+        false
+    }
+
     /// The cell, limited to [-128, 127] LSB.
     fn limit(&self, cell: Self::Cell) -> Self::Cell;
 

@@ -19,7 +19,7 @@ pub(super) fn each<T: Copy + Default, U, const N: usize>(
     cells: &mut [U],
     of: impl Fn([T; N]) -> U,
 ) {
-    put(operands, cells, |cell, picked| *cell = of(picked));
+    over(operands, cells, |cell, picked| *cell = of(picked));
 }
 
 /// The same of what the cell held before, and the operands.
@@ -29,14 +29,15 @@ fn each_own<T: Copy + Default, const N: usize>(
     cells: &mut [T],
     of: impl Fn(T, [T; N]) -> T,
 ) {
-    put(operands, cells, |cell, picked| *cell = of(*cell, picked));
+    over(operands, cells, |cell, picked| *cell = of(*cell, picked));
 }
 
+/// Goes over cells with the operands of each.
 #[inline(always)]
-fn put<T: Copy + Default, U, const N: usize>(
+fn over<T: Copy + Default, U, const N: usize>(
     operands: [&[T]; N],
     cells: &mut [U],
-    put: impl Fn(&mut U, [T; N]),
+    set: impl Fn(&mut U, [T; N]),
 ) {
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = BLOCK * blocks.len();
@@ -47,11 +48,11 @@ fn put<T: Copy + Default, U, const N: usize>(
             for (one, blocks) in picked.iter_mut().zip(whole) {
                 *one = blocks[k][i];
             }
-            put(cell, picked);
+            set(cell, picked);
         }
     }
     for (i, cell) in (done..).zip(last) {
-        put(cell, picked(operands, i));
+        set(cell, picked(operands, i));
     }
 }
 
@@ -63,8 +64,8 @@ pub(super) fn each_twice<T: Copy + Default>(
     own: bool,
     extra: Option<&[T]>,
     cells: &mut [T],
-    one: (impl Fn(T) -> T, impl Fn(T, T) -> T),
-    two: (impl Fn(T, T) -> T, impl Fn(T, T, T) -> T),
+    one: &(impl Fn(T) -> T, impl Fn(T, T) -> T),
+    two: &(impl Fn(T, T) -> T, impl Fn(T, T, T) -> T),
 ) {
     match (operands, own, extra) {
         (&[a], false, None) => each([a], cells, |[a]| one.0(a)),
@@ -79,7 +80,28 @@ pub(super) fn each_twice<T: Copy + Default>(
     }
 }
 
-/// The same where the bits of the cells are 1.
+/// Makes a bit for each cell: whether what `of` makes of the operands is above zero.
+#[inline(always)]
+pub(super) fn above<T: Width, const N: usize>(
+    operands: [&[T]; N],
+    words: &mut [u64],
+    of: impl Fn([T; N]) -> T,
+) {
+    let whole = whole::<_, N, WORD>(operands, words.len());
+    for (k, word) in words.iter_mut().enumerate() {
+        let mut cells = [T::ZERO; WORD];
+        for (i, cell) in cells.iter_mut().enumerate() {
+            let mut picked = [T::ZERO; N];
+            for (one, blocks) in picked.iter_mut().zip(whole) {
+                *one = blocks[k][i];
+            }
+            *cell = of(picked);
+        }
+        *word = T::above(&cells);
+    }
+}
+
+/// Sets each cell whose bit is 1 to what `of` makes of the operands.
 #[inline(always)]
 pub(super) fn some<T: Width, const N: usize>(
     operands: [&[T]; N],

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::{
     Domain, Place, Share,
     domain::LIMITS,
-    each::{each, each_twice, some, summed},
+    each::{above, each, each_twice, some, summed},
 };
 use crate::number::{Number, Overflow, Q, Wide, Width};
 
@@ -134,6 +134,9 @@ impl<T: Width> Domain for Fixed<T> {
         positives(operands, bytes);
         true
     }
+    fn positive_words(&self, operands: &[&[T]], words: &mut [u64]) -> bool {
+        positive_words(operands, words)
+    }
     #[inline]
     fn positive(&self, sum: &T::Wide) -> Option<bool> {
         Some(*sum > T::Wide::default())
@@ -186,7 +189,7 @@ fn saturated_pair<T: Width>(
             |a: T, b| a.more(b).max(lowest),
             |a, b, c| saturated_sum([saturated_sum([a, b]), c]),
         );
-        each_twice(operands, own, extra, cells, one, two);
+        each_twice(operands, own, extra, cells, &one, &two);
     } else {
         let half = |a: T, b| a.middle(b).max(lowest);
         let one = (
@@ -194,23 +197,30 @@ fn saturated_pair<T: Width>(
             |a: T, c| a.middle(T::ZERO).less(c),
         );
         let two = (half, |a, b, c| half(a, b).less(c));
-        each_twice(operands, own, extra, cells, one, two);
+        each_twice(operands, own, extra, cells, &one, &two);
     }
 }
 
 /// Whether each sum is above zero.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
+    summed(operands, bytes, |sum| (sum > T::Wide::default()).into());
+}
+
+/// The same in words of bits; whether the operands are so few.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn positive_words<T: Width>(operands: &[&[T]], words: &mut [u64]) -> bool {
     match *operands {
-        [a] => each([a], bytes, |[a]| (a > T::ZERO).into()),
+        [a] => above([a], words, |[a]| a),
         // What saturates keeps its sign.
-        [a, b] => each([a, b], bytes, |[a, b]| (a.more(b) > T::ZERO).into()),
-        [a, b, c] => each([a, b, c], bytes, |all| {
+        [a, b] => above([a, b], words, |[a, b]| a.more(b)),
+        [a, b, c] => above([a, b, c], words, |all| {
             let (outer, middle) = outer(all);
-            (outer.more(middle) > T::ZERO).into()
+            outer.more(middle)
         }),
-        _ => summed(operands, bytes, |sum| (sum > T::Wide::default()).into()),
+        _ => return false,
     }
+    true
 }
 
 /// `-(sum)` of at most two, saturated; without leaving the width.
@@ -283,7 +293,7 @@ mod tests {
             }
             if by == 1 {
                 masked(&domain, values, n);
-                above(&domain, values, n);
+                positive(&domain, values, n);
             }
         }
     }
@@ -312,12 +322,23 @@ mod tests {
     }
 
     /// Which sums are above zero, against the wide sum of each of them.
-    fn above<T: Width, const N: usize>(domain: &Fixed<T>, values: [&[T]; N], n: usize) {
+    fn positive<T: Width, const N: usize>(domain: &Fixed<T>, values: [&[T]; N], n: usize) {
         let mut bytes = vec![2; n];
         assert!(domain.positives(&values, &mut bytes));
+        let mut words = vec![0; n / 64];
+        let in_words = domain.positive_words(&values, &mut words);
+        assert_eq!(in_words, (1..=3).contains(&N));
         for (i, byte) in bytes.into_iter().enumerate() {
             let expected = domain.positive(&domain.sum(&values, i));
             assert_eq!(Some(byte == 1), expected, "{:?}", values.map(|v| v[i]));
+            if let (true, Some(word)) = (in_words, words.get(i / 64)) {
+                assert_eq!(
+                    word >> (i % 64) & 1,
+                    u64::from(byte),
+                    "{:?}",
+                    values.map(|v| v[i])
+                );
+            }
         }
     }
 

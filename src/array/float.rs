@@ -106,7 +106,7 @@ fn pair<T: Real>(operands: &[&[T]], own: bool, by: u32, extra: Option<&[T]>, cel
         |a, b| stored([stored([a, b], part)], whole),
         |a, b, c| stored([stored([a, b], part), c], whole),
     );
-    each_twice(operands, own, extra, cells, one, two);
+    each_twice(operands, own, extra, cells, &one, &two);
 }
 
 /// Whether each sum is above zero.

@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::{
     Domain, Undecided,
     bits::cut,
-    field::Field,
+    field::{Field, PIECE},
     wire::{Border, Wire},
 };
 use crate::bits::packed;
@@ -65,11 +65,14 @@ fn positive_n<D: Domain, const N: usize>(
     }
     let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
     let words = width.div_ceil(64);
-    let run = if width.is_multiple_of(64) {
-        inner.len()
-    } else {
-        1
-    };
+    let even = width.is_multiple_of(64);
+    if even && border.left + border.right == 0 {
+        let bits = &mut bits[(inner.start - top) * words..][..inner.len() * words];
+        if in_words(domain, field, wires, bits, inner.start) {
+            return decided;
+        }
+    }
+    let run = if even { inner.len() } else { 1 };
     // Many at once: bytes that were just written are slow to read in another width.
     let mut bytes = [0; 64 * BATCH];
     for y in inner.clone().step_by(run) {
@@ -97,6 +100,24 @@ fn positive_n<D: Domain, const N: usize>(
         }
     }
     decided
+}
+
+/// Whole words from a row on, where nothing is asked for that lies off the array; whether the
+/// domain makes words.
+#[inline(always)]
+fn in_words<D: Domain, const N: usize>(
+    domain: &D,
+    field: &Field<'_, '_, D::Cell>,
+    wires: [Wire; N],
+    bits: &mut [u64],
+    y: usize,
+) -> bool {
+    let starts = field.starts(&wires, field.cell(y, 0), (0, 0));
+    let mut pieces = bits.chunks_mut(PIECE / 64).enumerate();
+    pieces.all(|(k, bits)| {
+        let sources = field.sources(&wires, &starts, PIECE * k, 64 * bits.len());
+        domain.positive_words(&sources, bits)
+    })
 }
 
 /// Every pixel of these rows, one by one.

@@ -1,8 +1,14 @@
 //! Fixed point: an integer that counts steps of `2^-fraction`.
 
+// What is not inlined into a loop in vectors is not compiled for its vectors.
+#![allow(clippy::inline_always)]
+
 use std::fmt::Debug;
 
+use wide::{i8x16, i16x16};
+
 use super::{FixedFormat, Format, Number};
+use crate::bits::packed;
 
 /// What happens beyond the largest and the smallest number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -54,6 +60,9 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     /// Half the sum, halves to even.
     #[must_use]
     fn middle(self, other: Self) -> Self;
+    /// A bit for each that is above zero, the lowest for the first.
+    #[must_use]
+    fn above(cells: &[Self; 64]) -> u64;
 }
 
 /// An integer for sums.
@@ -111,7 +120,7 @@ macro_rules! wide {
 wide!(i32 i64);
 
 macro_rules! width {
-    ($($int:ty: $wide:ty)*) => {$(
+    ($($int:ty: $wide:ty, $above:path;)*) => {$(
         impl Width for $int {
             type Wide = $wide;
             const BITS: u8 = <$int>::BITS as u8;
@@ -173,10 +182,43 @@ macro_rules! width {
                 let floor = (self & other) + ((self ^ other) >> 1);
                 floor + ((self ^ other) & floor & 1)
             }
+            #[inline(always)]
+            fn above(cells: &[Self; 64]) -> u64 {
+                $above(cells)
+            }
         }
     )*};
 }
-width!(i8: i32 i16: i32 i32: i64);
+width! {
+    i8: i32, above_8;
+    i16: i32, above_16;
+    i32: i64, above_32;
+}
+
+#[inline(always)]
+fn above_8(cells: &[i8; 64]) -> u64 {
+    let quarter = |cells: &[i8; 16]| i8x16::new(*cells);
+    quarters(cells.as_chunks().0.iter().map(quarter))
+}
+
+#[inline(always)]
+fn above_16(cells: &[i16; 64]) -> u64 {
+    // What is above zero stays so.
+    let quarter = |cells: &[i16; 16]| i8x16::from_i16x16_saturate(i16x16::new(*cells));
+    quarters(cells.as_chunks().0.iter().map(quarter))
+}
+
+#[inline(always)]
+fn above_32(cells: &[i32; 64]) -> u64 {
+    packed(&cells.map(|cell| u8::from(cell > 0)))
+}
+
+#[inline(always)]
+fn quarters(all: impl Iterator<Item = i8x16>) -> u64 {
+    let above = |some: i8x16| u64::from(some.simd_gt(i8x16::ZERO).to_bitmask());
+    let word = |word, (k, some)| word | above(some) << (16 * k);
+    all.enumerate().fold(0, word)
+}
 
 /// `numerator / denominator` to the nearest, halves to even.
 ///

@@ -12,23 +12,24 @@ use super::{
 pub(super) struct Clock {
     /// The last whole microsecond not after the earlier frame.
     start: u64,
-    /// From there to the earlier frame, in microseconds.
-    fraction: f64,
     /// From frame to frame, in microseconds.
     duration: f64,
-    /// Microseconds from the start to the later frame.
+    /// From the start to the later frame, in microseconds.
+    end: f64,
+    /// The same, whole.
     span: u64,
 }
 
 impl Clock {
     pub(super) fn of(pair: Pair) -> Self {
-        let from = pair.from * 1e6;
+        let (from, to) = (pair.from * 1e6, pair.to * 1e6);
+        let start = from.floor().max(0.0);
         let clock = Self {
             // So that no sum of times overflows.
-            start: (from.floor() as u64).min(1 << 63),
-            fraction: from - from.floor().max(0.0),
+            start: (start as u64).min(1 << 63),
             // Seventy years.
-            duration: (pair.duration() * 1e6).clamp(0.0, MAGIC / 2.0),
+            duration: (to - from).clamp(0.0, MAGIC / 2.0),
+            end: (to - start).clamp(0.0, MAGIC / 2.0),
             ..Self::default()
         };
         Self {
@@ -56,8 +57,10 @@ impl Clock {
     /// The same in the lowest bits, and others above.
     #[inline]
     pub(super) fn low(&self, place: f64) -> u64 {
-        let place = if place < 1.0 { place } else { 1.0 };
-        let since = self.fraction + place * self.duration;
+        // From the later frame back, whose own time is the last there is.
+        let left = 1.0 - place;
+        let left = if left > 0.0 { left } else { 0.0 };
+        let since = self.end - left * self.duration;
         let since = if since > 0.0 { since } else { 0.0 };
         // Halves up, as a frame's own time is rounded. Added to 2^52, a whole number stands in
         // the lowest bits.
@@ -77,5 +80,28 @@ impl Clock {
     /// Appends the events of some notes.
     pub(super) fn tell(self, notes: &[Note], events: &mut Vec<Event>) {
         events.extend(notes.iter().map(|note| self.event(*note)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Among them frames half a microsecond after a whole one.
+        #[test]
+        fn the_last_place_has_the_time_of_the_later_frame(
+            fps in prop_oneof![1.0..1e5f64, (1u32..20_000).prop_map(f64::from), Just(3200.0)],
+            index in prop_oneof![0u64..100, 0u64..1_000_000_000],
+            place in 0.0..=1.0f64,
+        ) {
+            let (from, to) = (index as f64 / fps, (index + 1) as f64 / fps);
+            let clock = Clock::of(Pair { index, from, to });
+            let time = |place| clock.time(clock.at(place));
+            prop_assert_eq!(time(1.0), Micros::from_seconds(to));
+            prop_assert!(time(place) <= time(1.0));
+            prop_assert!(time(0.0).0.abs_diff(Micros::from_seconds(from).0) <= 1);
+        }
     }
 }
