@@ -5,10 +5,9 @@
 
 use std::fmt::Debug;
 
-use wide::{i8x16, i16x16};
+use wide::{i8x16, i16x16, i32x8};
 
 use super::{FixedFormat, Format, Number};
-use crate::bits::packed;
 
 /// What happens beyond the largest and the smallest number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -197,27 +196,30 @@ width! {
 
 #[inline(always)]
 fn above_8(cells: &[i8; 64]) -> u64 {
-    let quarter = |cells: &[i8; 16]| i8x16::new(*cells);
-    quarters(cells.as_chunks().0.iter().map(quarter))
+    joined(cells, |some| {
+        i8x16::new(*some).simd_gt(i8x16::ZERO).to_bitmask()
+    })
 }
 
 #[inline(always)]
 fn above_16(cells: &[i16; 64]) -> u64 {
     // What is above zero stays so.
-    let quarter = |cells: &[i16; 16]| i8x16::from_i16x16_saturate(i16x16::new(*cells));
-    quarters(cells.as_chunks().0.iter().map(quarter))
+    let narrow = |some: &[i16; 16]| i8x16::from_i16x16_saturate(i16x16::new(*some));
+    joined(cells, |some| narrow(some).simd_gt(i8x16::ZERO).to_bitmask())
 }
 
 #[inline(always)]
 fn above_32(cells: &[i32; 64]) -> u64 {
-    packed(&cells.map(|cell| u8::from(cell > 0)))
+    joined(cells, |some| {
+        i32x8::new(*some).simd_gt(i32x8::ZERO).to_bitmask()
+    })
 }
 
+/// The bits of `N` cells after those of the `N` before.
 #[inline(always)]
-fn quarters(all: impl Iterator<Item = i8x16>) -> u64 {
-    let above = |some: i8x16| u64::from(some.simd_gt(i8x16::ZERO).to_bitmask());
-    let word = |word, (k, some)| word | above(some) << (16 * k);
-    all.enumerate().fold(0, word)
+fn joined<T, const N: usize>(cells: &[T; 64], bits: impl Fn(&[T; N]) -> u32) -> u64 {
+    let parts = cells.as_chunks().0.iter().enumerate();
+    parts.fold(0, |word, (k, some)| word | u64::from(bits(some)) << (N * k))
 }
 
 /// `numerator / denominator` to the nearest, halves to even.
