@@ -232,6 +232,7 @@ fn bad_input_has_its_message() {
     )
     .unwrap();
     says(&["--set", "A=cube.npy"], &["cube.npy", "(H,W)"]);
+    assert!(!bench.path("out").exists());
 }
 
 #[test]

@@ -204,23 +204,38 @@ fn saturated_pair<T: Width>(
 /// Whether each sum is above zero.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
-    summed(operands, bytes, |sum| (sum > T::Wide::default()).into());
+    match *operands {
+        [a] => each([a], bytes, |all| (signed(all) > T::ZERO).into()),
+        [a, b] => each([a, b], bytes, |all| (signed(all) > T::ZERO).into()),
+        [a, b, c] => each([a, b, c], bytes, |all| (signed(all) > T::ZERO).into()),
+        _ => summed(operands, bytes, |sum| (sum > T::Wide::default()).into()),
+    }
 }
 
 /// The same in words of bits; whether the operands are so few.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn positive_words<T: Width>(operands: &[&[T]], words: &mut [u64]) -> bool {
     match *operands {
-        [a] => above([a], words, |[a]| a),
-        // What saturates keeps its sign.
-        [a, b] => above([a, b], words, |[a, b]| a.more(b)),
-        [a, b, c] => above([a, b, c], words, |all| {
-            let (outer, middle) = outer(all);
-            outer.more(middle)
-        }),
+        [a] => above([a], words, signed),
+        [a, b] => above([a, b], words, signed),
+        [a, b, c] => above([a, b, c], words, signed),
         _ => return false,
     }
     true
+}
+
+/// What has the sign of the sum of at most three: saturated, it keeps that.
+#[inline(always)]
+fn signed<T: Width, const N: usize>(operands: [T; N]) -> T {
+    match operands[..] {
+        [a] => a,
+        [a, b] => a.more(b),
+        [a, b, c] => {
+            let (outer, middle) = outer([a, b, c]);
+            outer.more(middle)
+        }
+        _ => T::ZERO,
+    }
 }
 
 /// `-(sum)` of at most two, saturated; without leaving the width.
