@@ -62,6 +62,11 @@ impl<H: Copy> Padded<H> {
         &self.values[start..start + self.size.width]
     }
 
+    /// Which rows of the plane these are.
+    pub(super) fn rows(&self) -> Range<usize> {
+        self.rows.clone()
+    }
+
     /// The plane from `reach` above and left of the first pixel of row `y` on, and how far it is
     /// from one row to the next. Each row of a kernel of that reach finds whole blocks there.
     pub(super) fn from(&self, y: usize, reach: (usize, usize)) -> (&[H], usize) {

@@ -7,7 +7,7 @@ use crate::number::{Number, Real};
 use super::{
     super::{
         description::{MemoryRule, PolarityRule},
-        drive::{Products, log_temporal},
+        drive::{Made, log_temporal},
         hash::Place,
         memory::{Memory, Stepped},
         noise::Noise,
@@ -97,7 +97,7 @@ impl<N: Number> Cells<N> {
         };
         Self {
             memory,
-            products: Products::default(),
+            made: Made::default(),
             before,
             fired,
             leak,

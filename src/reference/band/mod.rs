@@ -16,7 +16,7 @@ use crate::{
 use super::{
     Report,
     description::{PolarityRule, RefractoryRule},
-    drive::{Parts, Products, log_temporal},
+    drive::{Made, Parts, log_temporal},
     fire,
     hash::Place,
     memory::{self, Memory},
@@ -46,7 +46,7 @@ pub(super) struct Band<N: Number> {
 struct Cells<N: Number> {
     memory: Memory<N>,
     /// What the weights make of the signal, for a memory of what they see.
-    products: Products<N::Held>,
+    made: Made<N::Held>,
     /// `W * u` at the frame before, for a memory that steps.
     before: Lined<N::Held>,
     /// When each cell last fired, in seconds; only with a refractory period.
@@ -146,7 +146,7 @@ impl<N: Number> Band<N> {
         if let Some(light) = sight.light {
             self.see(plan, light)?;
             for (cells, weights) in self.channels.iter_mut().zip(&plan.weights) {
-                weights.multiply(&plan.number, &self.signal, &mut cells.products);
+                weights.multiply(&plan.number, &self.signal, &mut cells.made);
             }
         }
         for y in self.rows.clone() {
@@ -200,7 +200,7 @@ impl<N: Number> Band<N> {
         } = scratch;
         let Cells {
             memory: state,
-            products,
+            made,
             before,
             fired,
             leak,
@@ -229,7 +229,7 @@ impl<N: Number> Band<N> {
             Memory::RawSnap { .. } => weights.row(number, &pixels[channel], y, drive, parts),
             Memory::PixelStep(_) => weights.row(number, signal, y, drive, parts),
             Memory::FilteredSnap { .. } | Memory::FilteredStep(_) => {
-                weights.row_of(number, (signal, products), y, drive, parts);
+                weights.row_in_order(number, (signal, made), y, drive, parts);
             }
         });
         if description.channels[channel].log_temporal {

@@ -14,22 +14,34 @@ pub(super) struct Clock {
     start: u64,
     /// From frame to frame, in microseconds.
     duration: f64,
-    /// From the start to the later frame, in microseconds.
-    end: f64,
-    /// The same, whole.
+    /// From the start to the two frames, in microseconds, a hair late.
+    frames: (f64, f64),
+    /// The earlier frame, or time 0 where it is before that.
+    first: f64,
+    /// From the start to the later frame, in whole microseconds.
     span: u64,
 }
+
+/// So late, in microseconds, that half a microsecond is rounded up, as a frame's own time is,
+/// and so is what rounding has left just below it.
+const HAIR: f64 = 1.0 / (1 << 28) as f64;
 
 impl Clock {
     pub(super) fn of(pair: Pair) -> Self {
         let (from, to) = (pair.from * 1e6, pair.to * 1e6);
         let start = from.floor().max(0.0);
+        // Seventeen years.
+        let most = MAGIC / 8.0;
+        let duration = (to - from).clamp(0.0, most);
+        let end = (to - start).clamp(0.0, most);
+        let end = end + HAIR.max(end * f64::EPSILON);
+        let from = end - duration;
         let clock = Self {
             // So that no sum of times overflows.
             start: (start as u64).min(1 << 63),
-            // Seventy years.
-            duration: (to - from).clamp(0.0, MAGIC / 2.0),
-            end: (to - start).clamp(0.0, MAGIC / 2.0),
+            duration,
+            frames: (from, end),
+            first: from.max(0.0),
             ..Self::default()
         };
         Self {
@@ -48,23 +60,35 @@ impl Clock {
         self.span as usize + 1
     }
 
-    /// Microseconds from the start to the nearest to a place; none before time 0.
-    #[inline]
+    /// Microseconds from the start to the nearest to a place, none after the later frame.
     pub(super) fn at(&self, place: f64) -> u64 {
-        self.low(place) - MAGIC.to_bits()
+        self.whole(self.since(place)) - MAGIC.to_bits()
     }
 
-    /// The same in the lowest bits, and others above.
+    /// Microseconds from the start to a place, a hair late, not yet rounded.
     #[inline]
-    pub(super) fn low(&self, place: f64) -> u64 {
-        // From the later frame back, whose own time is the last there is.
-        let left = 1.0 - place;
-        let left = if left > 0.0 { left } else { 0.0 };
-        let since = self.end - left * self.duration;
-        let since = if since > 0.0 { since } else { 0.0 };
-        // Halves up, as a frame's own time is rounded. Added to 2^52, a whole number stands in
-        // the lowest bits.
-        ((since + 0.5).floor() + MAGIC).to_bits()
+    pub(super) fn since(&self, place: f64) -> f64 {
+        let since = self.frames.0 + self.steps(place);
+        if since > self.first {
+            since
+        } else {
+            self.first
+        }
+    }
+
+    /// Microseconds from one place to another.
+    #[inline]
+    pub(super) fn steps(&self, places: f64) -> f64 {
+        places * self.duration
+    }
+
+    /// Such a time rounded, none after the later frame, in the lowest bits, and others above.
+    #[inline]
+    pub(super) fn whole(&self, since: f64) -> u64 {
+        let last = self.frames.1;
+        let since = if since < last { since } else { last };
+        // Added to 2^52, what is next to it stands in the lowest bits.
+        (since + MAGIC).to_bits()
     }
 
     #[inline]

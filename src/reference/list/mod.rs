@@ -1,6 +1,7 @@
 //! Events as a list, in order of time: within a pair of frames, ties row by row, then by
 //! channel, then by column.
 
+mod block;
 mod buffers;
 mod clock;
 mod note;
@@ -213,11 +214,13 @@ mod tests {
     }
 
     proptest! {
-        /// Several channels, rows that are told again, short pairs and long, few events and
-        /// many, so many that threads share them, one thread and two.
+        /// Several channels, rows that are told again, trains that end after the pair, short
+        /// pairs and long, few events and many, so many that threads share them, one thread and
+        /// two.
         #[test]
         fn events_are_in_order(
-            counts in proptest::collection::vec(proptest::collection::vec(-9i32..10, 7), 12),
+            counts in proptest::collection::vec(proptest::collection::vec(-9i32..10, 70), 12),
+            width in proptest::sample::select(vec![7, 70]),
             often in proptest::sample::select(vec![0, 1, 1, 30]),
             again: bool,
             channels in 1usize..4,
@@ -231,16 +234,16 @@ mod tests {
                 TrainRow {
                     channel: (n % told).min(channels - 1),
                     y: n / told,
-                    counts: counts.iter().enumerate().map(|(x, count)| count * keep(x)).collect(),
-                    first: (0..7).map(|x| (x * 7 % 10 + n) as f64 / 30.0).collect(),
-                    spacing: vec![1.0 / 37.0 / f64::from(often.max(1)); 7],
+                    counts: counts[..width].iter().enumerate().map(|(x, count)| count * keep(x)).collect(),
+                    first: (0..width).map(|x| (x * 7 % 10 + n) as f64 / 25.0).collect(),
+                    spacing: vec![1.0 / 37.0 / f64::from(often.max(1)); width],
                 }
             }).collect();
             let pair = Pair { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };
             let slow = one_by_one(&rows, pair);
             for threads in [1, 2, 5] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let mut packet = Packet::new(Size::new(12, 7), 1);
+                let mut packet = Packet::new(Size::new(12, width), 1);
                 let bands: Vec<_> = (0..12).map(|y| y..y + 1).collect();
                 let told_twice = pool.install(|| {
                     let mut list = EventList::new(&mut packet, Limit::default());

@@ -4,8 +4,9 @@ use crate::{event::Event, number::Real};
 
 use super::{
     super::train::TrainRow,
+    block::{FEW, expand},
     clock::Clock,
-    note::{FEW, Note, expand},
+    note::Note,
 };
 
 /// The events of one band in the current pair, in the order in which they were told.

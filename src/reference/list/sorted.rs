@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use super::{note::Note, part::Part};
 
 /// The notes of neighbouring bands by microsecond; those of one stay in the order in which they
@@ -60,6 +62,7 @@ const RUN: usize = 16;
 
 /// Lays out the notes of all groups within some microseconds: for each microsecond those of one
 /// group after those of the other.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [Note]) {
     let starts = |group: &Sorted| group.within(microseconds.clone()).start;
     let mut from: Vec<usize> = groups.iter().map(starts).collect();
@@ -72,10 +75,17 @@ pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [No
             match (out.first_chunk_mut::<RUN>(), notes.first_chunk()) {
                 // As good as always: no branch depends on how many there are.
                 (Some(out), Some(notes)) if run <= RUN => *out = *notes,
-                _ => out[..run].copy_from_slice(&notes[..run]),
+                _ => copy(&mut out[..run], &notes[..run]),
             }
             len += run;
             *from = end;
         }
     }
+}
+
+/// Copies a run that is rarely so long: apart, or the others would be copied by a call too.
+#[cold]
+#[inline(never)]
+fn copy(to: &mut [Note], from: &[Note]) {
+    to.copy_from_slice(from);
 }

@@ -14,19 +14,25 @@
 //!
 //! In f32 and f64, pixels that lie below each other and have the same weights are added first,
 //! where rows of a kernel are equal: of the five rows of a centre and its surround two are left.
-//! In narrower formats such a sum could leave their range.
+//! In narrower formats such a sum could leave their range. Where no rows are equal, two rows of
+//! sums are made at a time, so that a pixel that both see is loaded once.
 //!
 //! Where a product is many instructions, as in all formats but f32 and f64, and a kernel has few
 //! different weights, as a surround of equal ones has, each pixel is multiplied once by each of
 //! those, and a sum is additions alone: the same products in the same order.
 
-use multiversion::multiversion;
+mod line;
+mod product;
 
 use crate::{
     kernel::Kernel,
     number::{Format, Number, Real},
 };
 
+use self::{
+    line::{Line, add_rows, correlate, correlate_two},
+    product::{Place, Shared, add_up, scale},
+};
 use super::signal::{BLOCK, Padded};
 
 /// The kernels of a channel, as a number format holds them: one, or four in a 2x2 pattern.
@@ -43,13 +49,6 @@ struct Held<H> {
     shared: Option<Shared<H>>,
 }
 
-/// A row of weights, and the rows of the kernel that it is: one, or all that are equal.
-#[derive(Clone, Debug)]
-struct Line<H> {
-    weights: Vec<H>,
-    rows: Vec<usize>,
-}
-
 /// Room for what a row of drive is made of.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parts<H> {
@@ -59,27 +58,17 @@ pub(super) struct Parts<H> {
     other: Vec<H>,
 }
 
-/// The weights of a kernel that has few different ones.
-#[derive(Clone, Debug)]
-struct Shared<H> {
-    /// Each once.
-    weights: Vec<H>,
-    /// Which of them stands where, row by row of the kernel.
-    places: Vec<Place>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    /// Number of the weight.
-    weight: usize,
-    row: usize,
-    column: usize,
-}
-
-/// What the different weights of a channel make of each pixel of a band: a plane for each, one
-/// after the other; none where a product is made anew for each sum.
+/// What the weights of a channel have made of the pixels of a band so far.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Products<H>(Vec<H>);
+pub(super) struct Made<H> {
+    /// The products of all pixels with the different weights: a plane for each, one after the
+    /// other; none where a product is made anew for each sum.
+    products: Vec<H>,
+    /// A row of sums that was made with the one above it.
+    ahead: Vec<H>,
+    /// Which.
+    row: Option<usize>,
+}
 
 impl<H: Copy + Default + Send + Sync> Weights<H> {
     pub(super) fn new<N: Number<Held = H>>(number: &N, kernels: &[Kernel]) -> Self {
@@ -103,11 +92,10 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
         &self,
         number: &N,
         padded: &Padded<H>,
-        products: &mut Products<H>,
+        Made { products, .. }: &mut Made<H>,
     ) {
         let Some(shared) = self.shared() else { return };
         let values = padded.all();
-        let Products(products) = products;
         products.resize(shared.weights.len() * values.len(), N::ZERO);
         let planes = products.chunks_mut(values.len().max(1));
         for (&weight, plane) in shared.weights.iter().zip(planes) {
@@ -123,25 +111,33 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
         }
     }
 
-    /// As [`Weights::row`], from the products if there are some.
-    pub(super) fn row_of<N: Number<Held = H>>(
+    /// As [`Weights::row`], of pixels that were multiplied; row `y + 1` may be made with it, and
+    /// is asked for next.
+    pub(super) fn row_in_order<N: Number<Held = H>>(
         &self,
         number: &N,
-        (padded, products): (&Padded<H>, &Products<H>),
+        (padded, made): (&Padded<H>, &mut Made<H>),
         y: usize,
         out: &mut [H],
         parts: &mut Parts<H>,
     ) {
-        match (&self.kernels[..], self.shared()) {
-            ([one], Some(shared)) => {
-                let (at, stride) = (padded.place(y, one.reach), padded.stride());
-                let plane = padded.all().len();
-                let at =
-                    |place: &Place| place.weight * plane + at + place.row * stride + place.column;
-                let places: Vec<_> = shared.places.iter().map(at).collect();
-                add_up(number, &places, &products.0, out);
-            }
-            _ => self.row(number, padded, y, out, parts),
+        let [one] = &self.kernels[..] else {
+            return self.row(number, padded, y, out, parts);
+        };
+        if let Some(shared) = &one.shared {
+            let (at, stride) = (padded.place(y, one.reach), padded.stride());
+            let plane = padded.all().len();
+            let at = |place: &Place| place.weight * plane + at + place.row * stride + place.column;
+            let places: Vec<_> = shared.places.iter().map(at).collect();
+            add_up(number, &places, &made.products, out);
+        } else if made.row.take() == Some(y) {
+            out.copy_from_slice(&made.ahead);
+        } else if one.pays_in_pairs(number) && padded.rows().contains(&(y + 1)) {
+            made.row = Some(y + 1);
+            made.ahead.resize(out.len(), N::ZERO);
+            one.two_rows(number, padded, y, (out, &mut made.ahead));
+        } else {
+            one.row(number, padded, y, out, &mut parts.sums);
         }
     }
 
@@ -170,86 +166,32 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
     }
 }
 
-impl<H: Copy> Shared<H> {
-    /// None if it would not pay: each different weight takes a plane.
-    fn new<N: Number<Held = H>>(number: &N, rows: &[Vec<H>]) -> Option<Self> {
-        if is_wide(number) {
-            return None;
-        }
-        let mut shared = Self {
-            weights: Vec::new(),
-            places: Vec::new(),
-        };
-        for (row, weights) in rows.iter().enumerate() {
-            for (column, &held) in weights.iter().enumerate() {
-                let bits = |held| number.value(held).to_bits();
-                let known = shared.weights.iter().position(|w| bits(*w) == bits(held));
-                let weight = known.unwrap_or(shared.weights.len());
-                if known.is_none() {
-                    shared.weights.push(held);
-                }
-                shared.places.push(Place {
-                    weight,
-                    row,
-                    column,
-                });
-            }
-        }
-        (4 * shared.weights.len() <= shared.places.len()).then_some(shared)
-    }
-}
-
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn scale<N: Number>(number: &N, weight: N::Held, values: &[N::Held], out: &mut [N::Held]) {
-    for (out, &value) in out.iter_mut().zip(values) {
-        *out = number.mul(weight, value);
-    }
-}
-
-/// Whether a product is one instruction, and a sum of a few pixels stays in range.
-fn is_wide<N: Number>(number: &N) -> bool {
-    matches!(number.format(), Format::F32 | Format::F64)
-}
-
-/// Sums of what lies at these places of `source`, for each pixel of a row.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn add_up<N: Number>(number: &N, places: &[usize], source: &[N::Held], out: &mut [N::Held]) {
-    for (block, out) in out.chunks_mut(BLOCK).enumerate() {
-        let mut sums = [N::ZERO; BLOCK];
-        for &at in places {
-            let start = at + block * BLOCK;
-            let Some(source) = source.get(start..start + BLOCK) else {
-                continue;
-            };
-            for (sum, &value) in sums.iter_mut().zip(source) {
-                *sum = number.add(*sum, value);
-            }
-        }
-        out.copy_from_slice(&sums[..out.len()]);
-    }
-}
-
-impl<H: Copy> Line<H> {
-    fn all<N: Number<Held = H>>(number: &N, rows: Vec<Vec<H>>) -> Vec<Self> {
-        let together = is_wide(number);
-        let mut lines: Vec<Self> = Vec::new();
-        for (row, weights) in rows.into_iter().enumerate() {
-            let bits = |held: &H| number.value(*held).to_bits();
-            let equal =
-                |line: &&mut Self| line.weights.iter().map(bits).eq(weights.iter().map(bits));
-            match lines.iter_mut().find(equal) {
-                Some(line) if together => line.rows.push(row),
-                _ => lines.push(Self {
-                    weights,
-                    rows: vec![row],
-                }),
-            }
-        }
-        lines
-    }
-}
-
 impl<H: Copy + Default + Send + Sync> Held<H> {
+    /// Whether two rows together take less time than one after the other: where no rows of the
+    /// kernel are added first.
+    fn pays_in_pairs<N: Number<Held = H>>(&self, number: &N) -> bool {
+        is_wide(number)
+            && self.lines.len() > 1
+            && self.lines.iter().all(|line| line.rows.len() == 1)
+    }
+
+    /// Rows `y` and `y + 1`.
+    fn two_rows<N: Number<Held = H>>(
+        &self,
+        number: &N,
+        padded: &Padded<H>,
+        y: usize,
+        rows: (&mut [H], &mut [H]),
+    ) {
+        let source = padded.from(y, self.reach);
+        // Eight vector registers of sums.
+        if size_of::<H>() > 4 {
+            correlate_two::<N, 32, 16>(number, &self.lines, source, rows);
+        } else {
+            correlate_two::<N, 64, 32>(number, &self.lines, source, rows);
+        }
+    }
+
     fn row<N: Number<Held = H>>(
         &self,
         number: &N,
@@ -268,83 +210,16 @@ impl<H: Copy + Default + Send + Sync> Held<H> {
         let sums = (&sums[..], whole);
         // Eight vector registers of sums.
         if size_of::<H>() > 4 {
-            correlate::<N, 32>(number, &self.lines, (source, stride), sums, out);
+            correlate::<N, 32, true>(number, &self.lines, (source, stride), sums, out);
         } else {
-            correlate::<N, 64>(number, &self.lines, (source, stride), sums, out);
+            correlate::<N, 64, true>(number, &self.lines, (source, stride), sums, out);
         }
     }
 }
 
-/// Sums of rows of `source`, pixel by pixel.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn add_rows<N: Number>(
-    number: &N,
-    rows: &[usize],
-    (source, stride): (&[N::Held], usize),
-    out: &mut [N::Held],
-) {
-    const PART: usize = 32;
-    let Some((&first, rows)) = rows.split_first() else {
-        return;
-    };
-    let whole = out.len();
-    let row = |row: usize| source[row * stride..][..whole].as_chunks::<PART>();
-    let (parts, rest) = out.as_chunks_mut::<PART>();
-    for (n, part) in parts.iter_mut().enumerate() {
-        let mut sums = row(first).0[n];
-        for &next in rows {
-            for (sum, &value) in sums.iter_mut().zip(&row(next).0[n]) {
-                *sum = number.add(*sum, value);
-            }
-        }
-        *part = sums;
-    }
-    for (n, sum) in rest.iter_mut().enumerate() {
-        *sum = row(first).1[n];
-        for &next in rows {
-            *sum = number.add(*sum, row(next).1[n]);
-        }
-    }
-}
-
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn correlate<N: Number, const BLOCK: usize>(
-    number: &N,
-    lines: &[Line<N::Held>],
-    (source, stride): (&[N::Held], usize),
-    (summed, whole): (&[N::Held], usize),
-    out: &mut [N::Held],
-) {
-    let sums = |block: usize| {
-        let mut sums = [N::ZERO; BLOCK];
-        let mut seen = 0;
-        for Line { weights, rows } in lines {
-            let (source, start) = if let [row] = rows[..] {
-                (source, row * stride)
-            } else {
-                seen += 1;
-                (summed, (seen - 1) * whole)
-            };
-            let start = start + block * BLOCK;
-            let Some(source) = source.get(start..start + weights.len() - 1 + BLOCK) else {
-                continue;
-            };
-            for (source, &weight) in source.windows(BLOCK).zip(weights) {
-                for (sum, &value) in sums.iter_mut().zip(source) {
-                    *sum = number.add(*sum, number.mul(weight, value));
-                }
-            }
-        }
-        sums
-    };
-    let (blocks, rest) = out.as_chunks_mut::<BLOCK>();
-    let last = blocks.len();
-    for (block, out) in blocks.iter_mut().enumerate() {
-        *out = sums(block);
-    }
-    if !rest.is_empty() {
-        rest.copy_from_slice(&sums(last)[..rest.len()]);
-    }
+/// Whether a product is one instruction, and a sum of a few pixels stays in range.
+fn is_wide<N: Number>(number: &N) -> bool {
+    matches!(number.format(), Format::F32 | Format::F64)
 }
 
 /// `ln(max(S, floor) + 1)`: the released simulator's `log_temporal`, defined for every `S`.
@@ -360,7 +235,7 @@ pub(super) fn log_temporal<N: Number>(number: &N, drive: &mut [N::Held], floor: 
 mod tests {
     use super::*;
     use crate::{
-        number::{Bf16, F16, F64, Q},
+        number::{Bf16, F16, F32, F64, Q},
         plane::{Plane, Size},
         reference::Border,
     };
@@ -409,32 +284,32 @@ mod tests {
         })
     }
 
-    /// Whether products that are made once give the same sums as those made for each sum.
-    fn products_give_the_same<N: Number>(number: &N, plane: &Plane<f64>, kernel: &Kernel) {
+    /// Whether rows are the same in order as each by itself, frame after frame.
+    fn order_changes_nothing<N: Number>(number: &N, plane: &Plane<f64>, kernel: &Kernel) {
         let rows = 0..plane.nrows();
         let mut padded = Padded::new(Size::of(plane), rows.clone(), kernel.reach(), N::ZERO);
-        for y in rows.clone() {
-            let row = |row: &mut [N::Held]| {
-                for (to, light) in row.iter_mut().zip(plane.row(y)) {
-                    *to = number.hold(light / 7.0);
-                }
-                Ok::<(), ()>(())
-            };
-            padded.fill(y, Border::Replicate, N::ZERO, row).unwrap();
-        }
         let weights = Weights::new(number, std::slice::from_ref(kernel));
-        assert!(weights.shared().is_some());
-        let mut products = Products::default();
-        weights.multiply(number, &padded, &mut products);
-        let mut parts = Parts::default();
-        let mut once = vec![N::ZERO; plane.ncols()];
-        let mut anew = once.clone();
-        for y in rows {
-            weights.row_of(number, (&padded, &products), y, &mut once, &mut parts);
-            weights.row(number, &padded, y, &mut anew, &mut parts);
-            for (once, anew) in once.iter().zip(&anew) {
-                let bits = |held: &N::Held| number.value(*held).to_bits();
-                assert_eq!(bits(once), bits(anew));
+        let (mut made, mut parts) = (Made::default(), Parts::default());
+        let mut in_order = vec![N::ZERO; plane.ncols()];
+        let mut alone = in_order.clone();
+        for brightness in [7.0, 3.0] {
+            for y in rows.clone() {
+                let row = |row: &mut [N::Held]| {
+                    for (to, light) in row.iter_mut().zip(plane.row(y)) {
+                        *to = number.hold(light / brightness);
+                    }
+                    Ok::<(), ()>(())
+                };
+                padded.fill(y, Border::Replicate, N::ZERO, row).unwrap();
+            }
+            weights.multiply(number, &padded, &mut made);
+            for y in rows.clone() {
+                weights.row_in_order(number, (&padded, &mut made), y, &mut in_order, &mut parts);
+                weights.row(number, &padded, y, &mut alone, &mut parts);
+                for (in_order, alone) in in_order.iter().zip(&alone) {
+                    let bits = |held: &N::Held| number.value(*held).to_bits();
+                    assert_eq!(bits(in_order), bits(alone));
+                }
             }
         }
     }
@@ -446,9 +321,18 @@ mod tests {
         let rows: Vec<_> = wide.kernels[0].lines.iter().map(|l| &l.rows[..]).collect();
         assert_eq!(rows, [&[0, 1, 3, 4][..], &[2]]);
         assert_eq!(Weights::new(&F16, &kernel).kernels[0].lines.len(), 5);
+        assert!(!wide.kernels[0].pays_in_pairs(&F64));
+        let other = [Kernel::builtin("sobel-y").unwrap()];
+        assert!(Weights::new(&F64, &other).kernels[0].pays_in_pairs(&F64));
     }
 
     proptest! {
+        #[test]
+        fn two_rows_are_one_after_the_other(plane in planes(), kernel in kernels()) {
+            order_changes_nothing(&F32, &plane, &kernel);
+            order_changes_nothing(&F64, &plane, &kernel);
+        }
+
         #[test]
         fn products_are_made_once_for_few_weights(
             plane in planes(),
@@ -460,9 +344,11 @@ mod tests {
                 f64::from(if which[y * 5 + x] { two.0 } else { two.1 }) / 24.0
             });
             let kernel = Kernel::new(kernel).unwrap();
-            products_give_the_same(&F16, &plane, &kernel);
-            products_give_the_same(&Bf16, &plane, &kernel);
-            products_give_the_same(&Q::<i16>::new(12), &plane, &kernel);
+            let weights = Weights::new(&F16, std::slice::from_ref(&kernel));
+            prop_assert!(weights.shared().is_some());
+            order_changes_nothing(&F16, &plane, &kernel);
+            order_changes_nothing(&Bf16, &plane, &kernel);
+            order_changes_nothing(&Q::<i16>::new(12), &plane, &kernel);
         }
 
         #[test]
