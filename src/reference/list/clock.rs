@@ -14,10 +14,12 @@ pub(super) struct Clock {
     start: u64,
     /// From frame to frame, in microseconds.
     duration: f64,
-    /// From the start to the two frames, in microseconds, a hair late.
-    frames: (f64, f64),
-    /// The earlier frame, or time 0 where it is before that.
-    first: f64,
+    /// From the start to the earlier frame, in microseconds, a hair late.
+    from: f64,
+    /// The same, or time 0 if the frame is before that.
+    least: f64,
+    /// From the start to the later frame, in microseconds, a hair late.
+    to: f64,
     /// From the start to the later frame, in whole microseconds.
     span: u64,
 }
@@ -33,15 +35,16 @@ impl Clock {
         // Seventeen years.
         let most = MAGIC / 8.0;
         let duration = (to - from).clamp(0.0, most);
-        let end = (to - start).clamp(0.0, most);
-        let end = end + HAIR.max(end * f64::EPSILON);
-        let from = end - duration;
+        let to = (to - start).clamp(0.0, most);
+        let to = to + HAIR.max(to * f64::EPSILON);
+        let from = to - duration;
         let clock = Self {
             // So that no sum of times overflows.
             start: (start as u64).min(1 << 63),
             duration,
-            frames: (from, end),
-            first: from.max(0.0),
+            from,
+            least: from.max(0.0),
+            to,
             ..Self::default()
         };
         Self {
@@ -68,11 +71,11 @@ impl Clock {
     /// Microseconds from the start to a place, a hair late, not yet rounded.
     #[inline]
     pub(super) fn since(&self, place: f64) -> f64 {
-        let since = self.frames.0 + self.steps(place);
-        if since > self.first {
+        let since = self.from + self.steps(place);
+        if since > self.least {
             since
         } else {
-            self.first
+            self.least
         }
     }
 
@@ -85,8 +88,7 @@ impl Clock {
     /// Such a time rounded, none after the later frame, in the lowest bits, and others above.
     #[inline]
     pub(super) fn whole(&self, since: f64) -> u64 {
-        let last = self.frames.1;
-        let since = if since < last { since } else { last };
+        let since = if since < self.to { since } else { self.to };
         // Added to 2^52, what is next to it stands in the lowest bits.
         (since + MAGIC).to_bits()
     }
