@@ -25,18 +25,17 @@ pub(super) struct Clock {
 }
 
 /// So late, in microseconds, that half a microsecond is rounded up, as a frame's own time is,
-/// and so is what rounding has left just below it.
+/// and so is what rounding has left just below it. In pairs too long for notes it is lost.
 const HAIR: f64 = 1.0 / (1 << 28) as f64;
 
 impl Clock {
     pub(super) fn of(pair: Pair) -> Self {
         let (from, to) = (pair.from * 1e6, pair.to * 1e6);
         let start = from.floor().max(0.0);
-        // Seventeen years.
-        let most = MAGIC / 8.0;
+        // Seventy years.
+        let most = MAGIC / 2.0;
         let duration = (to - from).clamp(0.0, most);
-        let to = (to - start).clamp(0.0, most);
-        let to = to + HAIR.max(to * f64::EPSILON);
+        let to = (to - start).clamp(0.0, most) + HAIR;
         let from = to - duration;
         let clock = Self {
             // So that no sum of times overflows.
@@ -65,7 +64,7 @@ impl Clock {
 
     /// Microseconds from the start to the nearest to a place, none after the later frame.
     pub(super) fn at(&self, place: f64) -> u64 {
-        self.whole(self.since(place)) - MAGIC.to_bits()
+        (self.since(place).min(self.to) + 0.5).floor() as u64
     }
 
     /// Microseconds from the start to a place, a hair late, not yet rounded.
@@ -133,6 +132,17 @@ mod tests {
             prop_assert_eq!(time(1.0), Micros::from_seconds(to));
             prop_assert!(time(place) <= time(1.0));
             prop_assert!(time(0.0).0.abs_diff(Micros::from_seconds(from).0) <= 1);
+            // What notes say.
+            prop_assert_eq!(clock.whole(clock.since(place)) - MAGIC.to_bits(), clock.at(place));
+        }
+
+        #[test]
+        fn a_pair_may_last_as_long_as_times_go(to in 8.0..2.2e9f64, half: bool) {
+            let to = if half { (to * 1e6).floor() * 1e-6 + 5e-7 } else { to };
+            let clock = Clock::of(Pair { index: 0, from: 0.0, to });
+            prop_assert!(clock.is_long());
+            prop_assert_eq!(clock.time(clock.at(1.0)), Micros::from_seconds(to));
+            prop_assert!(clock.at(0.5).abs_diff(Micros::from_seconds(to / 2.0).0) <= 1);
         }
     }
 }
