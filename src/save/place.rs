@@ -7,10 +7,13 @@ use std::{
 };
 
 /// What is written when a path is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A file, there or not: it is replaced whole.
-    File,
+    File {
+        /// Its own name, behind all links.
+        target: PathBuf,
+    },
     /// A device, a FIFO, a socket or an open descriptor: it is written through.
     Node,
     /// Standard output.
@@ -23,7 +26,7 @@ pub enum Kind {
 /// When it leads to a folder, round in a circle, or nowhere that can be looked at.
 pub fn kind(path: &Path) -> io::Result<Kind> {
     Ok(match Place::of(path)? {
-        Place::File { .. } => Kind::File,
+        Place::File { target, .. } => Kind::File { target },
         Place::Descriptor(1, _) => Kind::Stdout,
         Place::Descriptor(..) | Place::Node { .. } => Kind::Node,
     })
