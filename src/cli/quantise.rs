@@ -166,23 +166,23 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         .zip(&all)
         .map(|(to, quantised)| Row::of(*to, kernel, quantised))
         .collect();
-    if let Some(path) = &arguments.output {
-        let [quantised] = &all[..] else {
-            return Err(miette!(
-                help = "give one quantiser with --to",
-                "--output writes one kernel, and {} were asked for",
-                all.len()
-            ));
-        };
-        write(path, arguments, quantised)?;
-    }
-    if let Some(path) = &arguments.picture {
-        write_png(path, &picture(kernel, &all))?;
+    if arguments.output.is_some() && all.len() != 1 {
+        return Err(miette!(
+            help = "give one quantiser with --to",
+            "--output writes one kernel, and {} were asked for",
+            all.len()
+        ));
     }
     let answer = match arguments.threshold {
         Some(threshold) => Some(on_chip(arguments, kernel, threshold)?),
         None => None,
     };
+    if let (Some(path), [quantised]) = (&arguments.output, &all[..]) {
+        write(path, arguments, quantised)?;
+    }
+    if let Some(path) = &arguments.picture {
+        write_png(path, &picture(kernel, &all))?;
+    }
     if arguments.json {
         let json = Json {
             chip: answer,
