@@ -18,12 +18,13 @@ use sha2::{Digest, Sha256};
 
 use super::{
     SCHEMA,
+    difference::NAMES,
     footage::{Footage, Wanted, hex},
     grid::Axes,
     key::Side,
     point::Point,
     sensor,
-    store::Manifest,
+    manifest::Manifest,
     study::Study,
     table,
 };
@@ -105,18 +106,8 @@ impl Plan {
     #[must_use]
     pub fn manifest(&self) -> Manifest {
         let points: Vec<String> = self.entries.iter().map(|entry| entry.id.clone()).collect();
-        let mut digest = Sha256::new();
-        for id in &points {
-            digest.update(id.as_bytes());
-        }
-        Manifest {
-            amacrine: env!("CARGO_PKG_VERSION").to_owned(),
-            schema: SCHEMA,
-            study: hex(&digest.finalize()[..16]),
-            title: self.study.title.clone(),
-            columns: table::names(&self.study.settings),
-            points,
-        }
+        let columns = table::names(&self.study.settings);
+        Manifest::new(self.study.title.clone(), columns, points)
     }
 }
 
@@ -161,7 +152,7 @@ impl Opened<'_> {
         let chip = self.chip(&point)?;
         let mut description: BTreeMap<String, Json> = point.columns().into_iter().collect();
         // Names are replaced by what they stand for.
-        for name in ["scene", "fps", "frames", "upsample", "kernel", "chip"] {
+        for name in NAMES {
             description.remove(name);
         }
         description.insert("light".to_owned(), json!(scene.digest));
