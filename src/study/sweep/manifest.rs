@@ -19,7 +19,7 @@ use super::{
     regular::{self, Unusable},
     seal::{self, Fields},
 };
-use crate::save::save;
+use crate::save::save_durably;
 
 /// What a folder of results says about itself.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,7 +82,7 @@ impl Manifest {
             ));
             return Err(StoreError::Save { path, cause });
         }
-        Ok(save(&path, |out| out.write_all(text.as_bytes()))?)
+        Ok(save_durably(&path, |out| out.write_all(text.as_bytes()))?)
     }
 
     /// Reads and checks that of a folder.

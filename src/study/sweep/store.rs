@@ -8,6 +8,7 @@
 
 use std::{
     collections::{BTreeMap, HashMap},
+    ffi::OsString,
     fs::{self, File, OpenOptions},
     io::{self, Write},
     path::{Path, PathBuf},
@@ -24,7 +25,7 @@ use super::{
     regular::{self, FILE, FOLDER, Unusable},
     table::{self, Row},
 };
-use crate::save::save;
+use crate::save::{is_temporary, make_folder_durably, save_durably, sweep_up};
 
 /// An open folder of results, held by this process alone.
 #[derive(Debug)]
@@ -88,10 +89,6 @@ impl Store {
     /// # Errors
     /// When another process works there, or it holds something else.
     pub fn open(folder: &Path, manifest: &Manifest) -> Kept<Self> {
-        let cannot = |path: &Path| {
-            let path = path.to_owned();
-            move |cause| StoreError::Save { path, cause }
-        };
         check_kinds(folder)?;
         let said = manifest::file(folder);
         if folder.exists() && !said.exists() && !is_own(folder)? {
@@ -99,7 +96,7 @@ impl Store {
                 folder: folder.to_owned(),
             });
         }
-        fs::create_dir_all(folder).map_err(cannot(folder))?;
+        make_folder_durably(folder)?;
         let path = folder.join("lock");
         let lock = open_own(&path, OpenOptions::new().create(true).write(true))?;
         match lock.try_lock() {
@@ -117,9 +114,13 @@ impl Store {
             manifest.write(folder)?;
         }
         let points = folder.join("points");
-        fs::create_dir_all(&points).map_err(cannot(&points))?;
-        sweep_up(&points)?;
-        sweep_up(folder)?;
+        make_folder_durably(&points)?;
+        for folder in [&*points, folder] {
+            sweep_up(folder).map_err(|cause| StoreError::Unreadable {
+                path: folder.to_owned(),
+                cause,
+            })?;
+        }
         let path = folder.join("ledger.txt");
         let ledger = open_own(&path, OpenOptions::new().create(true).append(true))?;
         let indices = manifest.indices().into_iter();
@@ -149,10 +150,7 @@ impl Store {
             return Ok(());
         }
         let aside = self.folder.join("damaged");
-        fs::create_dir_all(&aside).map_err(|cause| StoreError::Save {
-            path: aside.clone(),
-            cause,
-        })?;
+        make_folder_durably(&aside)?;
         for Damage { path, .. } in damaged {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let names = (1..=1000).map(|n| match n {
@@ -196,7 +194,7 @@ impl Store {
             ));
             return Err(StoreError::Save { path, cause });
         }
-        Ok(save(&path, |out| out.write_all(text.as_bytes()))?)
+        Ok(save_durably(&path, |out| out.write_all(text.as_bytes()))?)
     }
 
     /// Writes the tables of all points that are there.
@@ -205,7 +203,7 @@ impl Store {
     /// When a file cannot be read or written.
     pub fn write_tables(&self, parquet: bool) -> Kept<Tables> {
         let (rows, tables) = believed(&self.folder, &self.manifest)?;
-        save(&self.folder.join("results.csv"), |out| {
+        save_durably(&self.folder.join("results.csv"), |out| {
             let mut csv = csv::Writer::from_writer(out);
             csv.write_record(&self.manifest.columns)?;
             for row in &rows {
@@ -214,7 +212,7 @@ impl Store {
             }
             csv.flush()
         })?;
-        save(&self.folder.join("results.jsonl"), |out| {
+        save_durably(&self.folder.join("results.jsonl"), |out| {
             for row in &rows {
                 serde_json::to_writer(&mut *out, row)?;
                 out.write_all(b"\n")?;
@@ -224,7 +222,7 @@ impl Store {
         #[cfg(feature = "parquet")]
         if parquet {
             let columns = &self.manifest.columns;
-            save(&self.folder.join("results.parquet"), |out| {
+            save_durably(&self.folder.join("results.parquet"), |out| {
                 super::parquet::write(out, columns, &rows)
             })?;
         }
@@ -370,21 +368,15 @@ fn check_kinds(folder: &Path) -> Kept<()> {
     Ok(())
 }
 
-/// What a killed process left half-written.
-fn leftover(name: &str) -> bool {
-    name.starts_with(".tmp")
-}
-
 /// Names in a folder, one at a time: there may be any number of them.
-fn names(folder: &Path) -> Kept<impl Iterator<Item = Kept<String>>> {
+fn names(folder: &Path) -> Kept<impl Iterator<Item = Kept<OsString>>> {
     let cannot = |cause| StoreError::Unreadable {
         path: folder.to_owned(),
         cause,
     };
     let entries = fs::read_dir(folder).map_err(cannot)?;
     Ok(entries.map(move |entry| {
-        let name = entry.map_err(cannot)?.file_name();
-        Ok(name.to_string_lossy().into_owned())
+        Ok(entry.map_err(cannot)?.file_name())
     }))
 }
 
@@ -393,8 +385,8 @@ fn names(folder: &Path) -> Kept<impl Iterator<Item = Kept<String>>> {
 fn is_own(folder: &Path) -> Kept<bool> {
     for name in names(folder)? {
         let name = name?;
-        let own = FILES.contains(&&*name) || FOLDERS.contains(&&*name) || leftover(&name);
-        if !own {
+        let mut known = FILES.iter().chain(&FOLDERS);
+        if !known.any(|known| name == *known) && !is_temporary(&name) {
             return Ok(false);
         }
     }
@@ -402,22 +394,11 @@ fn is_own(folder: &Path) -> Kept<bool> {
     if points.exists() {
         for name in names(&points)? {
             let name = name?;
-            let id = name.strip_suffix(".json").unwrap_or_default();
-            if !is_identity(id) && !leftover(&name) {
+            let id = name.to_str().and_then(|name| name.strip_suffix(".json"));
+            if !id.is_some_and(is_identity) && !is_temporary(&name) {
                 return Ok(false);
             }
         }
     }
     Ok(true)
-}
-
-fn sweep_up(folder: &Path) -> Kept<()> {
-    for name in names(folder)? {
-        let name = name?;
-        if leftover(&name) {
-            let path = folder.join(name);
-            fs::remove_file(&path).map_err(|cause| StoreError::Save { path, cause })?;
-        }
-    }
-    Ok(())
 }
