@@ -48,7 +48,10 @@ mod tests {
             is_guarded()
         });
         assert_eq!(nested, Some(true));
-        assert_eq!(caught(|| panic!("{} of 9", 7)), Err::<(), _>("7 of 9".to_owned()));
+        assert_eq!(
+            caught(|| panic!("{} of 9", 7)),
+            Err::<(), _>("7 of 9".to_owned())
+        );
         assert_eq!(caught(|| panic!("one")), Err::<(), _>("one".to_owned()));
         assert!(!is_guarded());
     }

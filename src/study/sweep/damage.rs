@@ -34,5 +34,8 @@ pub fn listed(lines: impl ExactSizeIterator<Item = String>) -> String {
 
 /// Damaged files for people.
 pub(super) fn damages(all: &[Damage]) -> String {
-    listed(all.iter().map(|damage| format!("{}: {}", damage.path.display(), damage.why)))
+    listed(
+        all.iter()
+            .map(|damage| format!("{}: {}", damage.path.display(), damage.why)),
+    )
 }

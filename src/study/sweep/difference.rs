@@ -39,12 +39,18 @@ mod tests {
     #[test]
     fn bits_are_compared_and_times_are_not() {
         let row = |value: Json| value.as_object().unwrap().clone();
-        let a = row(json!({"error": 0.1, "f1": 0.0, "events": 3, "seconds_per_frame": 1.0,
-            "state_memory_bytes": 8, "kernel": "a", "reason": "x"}));
-        let b = row(json!({"error": 0.100_000_000_000_000_02, "f1": -0.0, "events": 3,
-            "seconds_per_frame": 2.0, "state_memory_bytes": 9, "kernel": "b", "reason": "y"}));
+        let a = row(
+            json!({"error": 0.1, "f1": 0.0, "events": 3, "seconds_per_frame": 1.0,
+            "state_memory_bytes": 8, "kernel": "a", "reason": "x"}),
+        );
+        let b = row(
+            json!({"error": 0.100_000_000_000_000_02, "f1": -0.0, "events": 3,
+            "seconds_per_frame": 2.0, "state_memory_bytes": 9, "kernel": "b", "reason": "y"}),
+        );
         let columns: Vec<String> = a.keys().cloned().collect();
-        let found: Vec<_> = differences(&columns, &a, &b).map(|(name, ..)| name).collect();
+        let found: Vec<_> = differences(&columns, &a, &b)
+            .map(|(name, ..)| name)
+            .collect();
         let mut found = found;
         found.sort_unstable();
         assert_eq!(found, ["error", "f1", "state_memory_bytes"]);

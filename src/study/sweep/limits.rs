@@ -49,11 +49,7 @@ pub(super) enum Exhausted {
     /// Memory.
     #[error("it needs {need} bytes, {events} events among them, and may take {may}")]
     #[diagnostic(help("raise --max-memory, or lower --jobs: points share it"))]
-    Bytes {
-        need: u128,
-        events: usize,
-        may: u64,
-    },
+    Bytes { need: u128, events: usize, may: u64 },
 }
 
 impl Exhausted {

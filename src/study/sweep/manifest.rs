@@ -111,9 +111,9 @@ impl Manifest {
             why,
         };
         let fields = seal::parse(&bytes).map_err(damaged)?;
-        check_version(folder, &fields).map_err(|e| e.unwrap_or_else(|| {
-            damaged("it does not say which version made it".to_owned())
-        }))?;
+        check_version(folder, &fields).map_err(|e| {
+            e.unwrap_or_else(|| damaged("it does not say which version made it".to_owned()))
+        })?;
         check_points(&fields).map_err(damaged)?;
         let fields = seal::unsealed(fields).map_err(damaged)?;
         let whole = serde_json::from_value(fields.into_iter().collect());
@@ -203,13 +203,17 @@ fn check_points(fields: &Fields) -> Result<(), String> {
             ));
         };
         if !seen.insert(id) {
-            return Err(format!("the identity of point {index}, {id}, stands there twice"));
+            return Err(format!(
+                "the identity of point {index}, {id}, stands there twice"
+            ));
         }
     }
     let mut seen = HashSet::new();
     for name in columns {
         if !name.as_str().is_some_and(|name| seen.insert(name)) {
-            return Err(format!("its column {name} is no name, or stands there twice"));
+            return Err(format!(
+                "its column {name} is no name, or stands there twice"
+            ));
         }
     }
     for name in ["index", "id", "outcome"] {
@@ -222,5 +226,8 @@ fn check_points(fields: &Fields) -> Result<(), String> {
 
 /// Whether a text can be the identity of a point.
 pub(super) fn is_identity(text: &str) -> bool {
-    text.len() == 32 && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
+    text.len() == 32
+        && text
+            .bytes()
+            .all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
 }

@@ -38,7 +38,10 @@ impl fmt::Display for Disagreement {
             values: [(one, a), (other, b)],
         } = self;
         let (one, other) = (one.display(), other.display());
-        write!(f, "point {point} ({id}), {column}: {a} in {one}, {b} in {other}")
+        write!(
+            f,
+            "point {point} ({id}), {column}: {a} in {one}, {b} in {other}"
+        )
     }
 }
 

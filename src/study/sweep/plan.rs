@@ -22,9 +22,9 @@ use super::{
     footage::{Footage, Wanted, hex},
     grid::Axes,
     key::Side,
+    manifest::Manifest,
     point::Point,
     sensor,
-    manifest::Manifest,
     study::Study,
     table,
 };

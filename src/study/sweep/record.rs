@@ -43,7 +43,12 @@ impl Record {
     pub(super) fn text(&self, index: usize, columns: &[String]) -> String {
         let mut fields: Fields = columns
             .iter()
-            .map(|name| (name.clone(), self.row.get(name).cloned().unwrap_or_default()))
+            .map(|name| {
+                (
+                    name.clone(),
+                    self.row.get(name).cloned().unwrap_or_default(),
+                )
+            })
             .collect();
         fields.insert("index".to_owned(), index.into());
         let provenance = serde_json::to_value(&self.provenance).unwrap_or_default();

@@ -59,7 +59,13 @@ fn named(found: &Metadata) -> &'static str {
 /// Opens a regular file. Looked at first, for a true message; the flags hold against whoever
 /// swaps it in between.
 pub(super) fn open(path: &Path, options: &mut OpenOptions) -> Result<File, Unusable> {
-    let check = |kind| if kind == FILE { Ok(()) } else { Err(Unusable::Kind(kind)) };
+    let check = |kind| {
+        if kind == FILE {
+            Ok(())
+        } else {
+            Err(Unusable::Kind(kind))
+        }
+    };
     if let Some(kind) = kind(path)? {
         check(kind)?;
     }

@@ -111,6 +111,19 @@ impl Run<'_> {
         begin: impl FnOnce(u64),
         done: impl Fn() + Sync,
     ) -> Kept<Did> {
+        let (plan, limits) = (self.plan, self.limits);
+        self.complete_by(store, begin, done, |entry, shared| {
+            measure(plan, entry, shared, limits)
+        })
+    }
+
+    fn complete_by(
+        &self,
+        store: &Store,
+        begin: impl FnOnce(u64),
+        done: impl Fn() + Sync,
+        compute: impl Fn(&Entry, &Shared) -> Row + Sync,
+    ) -> Kept<Did> {
         let held = store.held()?;
         store.set_aside(&held.damaged)?;
         let is_there = |entry: &Entry| held.records.get(&entry.id).is_some_and(Record::is_final);
@@ -129,8 +142,6 @@ impl Run<'_> {
         begin(work.len() as u64);
         let failed = Mutex::new(Vec::new());
         let provenance = Provenance::here();
-        let (plan, limits) = (self.plan, self.limits);
-        let compute = |entry: &Entry, shared: &Shared| measure(plan, entry, shared, limits);
         self.on_threads(work, |point, entry, shared| {
             store.begin(&entry.id)?;
             let row = self.computed(entry, || compute(entry, shared));
@@ -221,7 +232,49 @@ fn alone(work: impl FnOnce() + Send) {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::study::sweep::Study;
+
+    /// One of three points panics: it is a row, the others are done, and the next run mends it.
+    #[test]
+    fn a_point_that_panics_is_a_row_and_the_others_go_on() {
+        let text = "scene = \"pattern:disc?width=16&height=12&frames=3&radius=3\"\nkernel = \"dvs\"\nthreshold = [10, 20, 30]\n[[side]]\nside = \"reference\"\n";
+        let study = Study::parse("study.toml", text).unwrap();
+        let plan = Plan::new(study, Path::new("")).unwrap();
+        let run = Run {
+            plan: &plan,
+            shard: None,
+            jobs: 2,
+            limits: Limits {
+                clock: &|| 0.0,
+                seconds: None,
+                bytes: None,
+            },
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path(), &plan.manifest()).unwrap();
+        let bad = &plan.entries[1].id;
+        let compute = |entry: &Entry, shared: &Shared| {
+            assert!(entry.id != *bad, "a defect");
+            measure(&plan, entry, shared, run.limits)
+        };
+        let did = run.complete_by(&store, |_| {}, || {}, compute).unwrap();
+        let [failed] = &*did.failed else {
+            panic!("{:?}", did.failed);
+        };
+        assert_eq!((did.computed, failed.point), (3, 1));
+        assert!(failed.reason.contains("panicked") && failed.reason.contains("a defect"));
+        let tables = store.write_tables(false).unwrap();
+        assert_eq!((tables.finished, tables.failed), (2, 1));
+        let rows = crate::study::sweep::store::read(folder.path()).unwrap().1;
+        assert_eq!(table::cell(&rows[1], "outcome"), "failed");
+        assert_eq!(table::cell(&rows[1], "threshold_on"), "20.0");
+        let did = run.complete(&store, |_| {}, || {}).unwrap();
+        assert_eq!((did.computed, did.found), (1, 2));
+        assert_eq!(store.write_tables(false).unwrap().finished, 3);
+    }
 
     #[test]
     fn shards_take_every_point_once() {

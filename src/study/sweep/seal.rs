@@ -58,7 +58,9 @@ mod tests {
 
     #[test]
     fn every_value_counts_and_their_order_does_not() {
-        let whole = sealed(fields(&json!({"a": 0.1, "b": null, "c": "x", "d": {"e": 1}})));
+        let whole = sealed(fields(
+            &json!({"a": 0.1, "b": null, "c": "x", "d": {"e": 1}}),
+        ));
         let text = serde_json::to_string(&whole).unwrap();
         assert!(unsealed(parse(text.as_bytes()).unwrap()).is_ok());
         let mut turned: Vec<String> = whole
@@ -81,7 +83,10 @@ mod tests {
         ] {
             let other = text.replacen(from, to, 1);
             assert_ne!(other, text);
-            assert!(unsealed(parse(other.as_bytes()).unwrap()).is_err(), "{from} as {to}");
+            assert!(
+                unsealed(parse(other.as_bytes()).unwrap()).is_err(),
+                "{from} as {to}"
+            );
         }
     }
 

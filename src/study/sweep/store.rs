@@ -375,9 +375,7 @@ fn names(folder: &Path) -> Kept<impl Iterator<Item = Kept<OsString>>> {
         cause,
     };
     let entries = fs::read_dir(folder).map_err(cannot)?;
-    Ok(entries.map(move |entry| {
-        Ok(entry.map_err(cannot)?.file_name())
-    }))
+    Ok(entries.map(move |entry| Ok(entry.map_err(cannot)?.file_name())))
 }
 
 /// Whether nothing is in a folder without `sweep.json` but what a sweep writes: one that was

@@ -50,7 +50,9 @@ impl Share {
     /// So many of all, at least one; none of none.
     #[must_use]
     pub fn of(self, all: usize) -> usize {
-        ((self.0 / 100.0 * all as f64).ceil() as usize).clamp(1, all.max(1)).min(all)
+        ((self.0 / 100.0 * all as f64).ceil() as usize)
+            .clamp(1, all.max(1))
+            .min(all)
     }
 }
 
@@ -84,8 +86,18 @@ pub struct Difference {
 
 impl std::fmt::Display for Difference {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { point, id, column, held, computed, reason } = self;
-        write!(f, "point {point} ({id}), {column}: {held} in the folder, {computed} now")?;
+        let Self {
+            point,
+            id,
+            column,
+            held,
+            computed,
+            reason,
+        } = self;
+        write!(
+            f,
+            "point {point} ({id}), {column}: {held} in the folder, {computed} now"
+        )?;
         match reason {
             Some(reason) => write!(f, " ({reason})"),
             None => Ok(()),
