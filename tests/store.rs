@@ -132,6 +132,10 @@ fn forge(path: &Path, change: impl FnOnce(&mut BTreeMap<String, Value>)) {
     fs::write(path, serde_json::to_string_pretty(&fields).unwrap()).unwrap();
 }
 
+fn provenance(point: &mut BTreeMap<String, Value>) -> &mut Value {
+    point.get_mut("provenance").unwrap()
+}
+
 #[test]
 fn a_point_carries_all_its_columns_and_who_computed_them() {
     let folder = swept();
@@ -347,8 +351,8 @@ fn results_of_other_numerics_are_refused_and_those_of_other_builds_are_told_apar
     let (at, out) = (folder.path(), folder.path().join("out"));
     let files = points(&out);
     forge(&files[3], |point| {
-        point["provenance"]["build"] = json!("0123456789abcdef");
-        point["provenance"]["cpu"] = json!("abacus");
+        provenance(point)["build"] = json!("0123456789abcdef");
+        provenance(point)["cpu"] = json!("abacus");
     });
     assert_eq!(sweep(at, "out")["computed"], 0);
     let by = said(at, &["report", "out"])["computed_by"].clone();
@@ -361,7 +365,7 @@ fn results_of_other_numerics_are_refused_and_those_of_other_builds_are_told_apar
     let sweep = ["sweep", "study.toml", "--output", "out"];
     let merge = ["merge", "out", "--output", "all"];
     forge(&files[5], |point| {
-        point["provenance"]["numerics"] = json!(77)
+        provenance(point)["numerics"] = json!(77);
     });
     for arguments in [&sweep[..], &merge, &["report", "out"]] {
         refused(
@@ -371,7 +375,7 @@ fn results_of_other_numerics_are_refused_and_those_of_other_builds_are_told_apar
         );
     }
     forge(&files[5], |point| {
-        point["provenance"]["numerics"] = json!(amacrine::study::sweep::NUMERICS);
+        provenance(point)["numerics"] = json!(amacrine::study::sweep::NUMERICS);
     });
     forge(&out.join("sweep.json"), |said| {
         said.insert("numerics".to_owned(), json!(77));
@@ -648,7 +652,11 @@ fn a_share_is_computed_again_and_compared_to_the_bit() {
         &arguments,
         &[
             "1 of 16 points that were computed again",
-            &format!("van_rossum_5ms: {next} in the folder, {number} now"),
+            &format!(
+                "van_rossum_5ms: {} in the folder, {} now",
+                json!(next),
+                json!(number)
+            ),
             "nothing was overwritten",
         ],
     );

@@ -39,3 +39,16 @@ pub(super) fn damages(all: &[Damage]) -> String {
             .map(|damage| format!("{}: {}", damage.path.display(), damage.why)),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_are_shown_and_the_others_counted() {
+        let of = |n: usize| listed((0..n).map(|line| format!("line {line}")));
+        assert_eq!(of(2), "\n  line 0\n  line 1");
+        assert_eq!(of(20).lines().count(), 21);
+        assert!(of(23).ends_with("line 19\n  and 3 more"));
+    }
+}

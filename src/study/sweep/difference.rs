@@ -21,7 +21,8 @@ pub(super) fn differences<'a>(
         let values = [one, other].map(|row| row.get(name).unwrap_or(NONE));
         let [one, other] = values;
         // The shortest text that reads back: another text is another number, also of zeros.
-        (one.to_string() != other.to_string()).then_some((name.as_str(), one, other))
+        let [text, another] = values.map(Json::to_string);
+        (text != another).then_some((name.as_str(), one, other))
     })
 }
 

@@ -271,6 +271,17 @@ mod tests {
         let rows = crate::study::sweep::store::read(folder.path()).unwrap().1;
         assert_eq!(table::cell(&rows[1], "outcome"), "failed");
         assert_eq!(table::cell(&rows[1], "threshold_on"), "20.0");
+        // Now there is no room for it.
+        let little = Run {
+            limits: Limits {
+                bytes: Some(1000),
+                ..run.limits
+            },
+            ..run
+        };
+        let did = little.complete(&store, |_| {}, || {}).unwrap();
+        assert!(did.failed[0].reason.contains("bytes") && did.failed[0].reason.contains("1000"));
+        assert_eq!((did.computed, did.found), (1, 2));
         let did = run.complete(&store, |_| {}, || {}).unwrap();
         assert_eq!((did.computed, did.found), (1, 2));
         assert_eq!(store.write_tables(false).unwrap().finished, 3);
