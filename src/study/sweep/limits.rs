@@ -73,7 +73,7 @@ impl Limits<'_> {
         }
         let need = need(size, events);
         match self.bytes {
-            Some(may) if need > may.into() => Err(Exhausted::Bytes { need, events, may }),
+            Some(may) if need > u128::from(may) => Err(Exhausted::Bytes { need, events, may }),
             _ => Ok(()),
         }
     }
