@@ -14,8 +14,12 @@
 //! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it). Fuzzers take
 //! in bytes from outside: they are built with the rooms that do so, in seconds.
 
+#![warn(clippy::disallowed_methods)]
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
 pub mod bits;
 pub mod chance;
+pub mod elementary;
 pub mod guard;
 #[cfg(not(fuzzing))]
 mod lined;

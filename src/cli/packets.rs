@@ -10,6 +10,7 @@ use super::{
     recording::{self, Recording},
 };
 use crate::{
+    elementary,
     event::{
         Packet, Polarity,
         codec::{CodeBook, Coding, Layout, Rate, entropy},
@@ -288,7 +289,7 @@ impl Shown<'_> {
         for (kind, events) in (0..).zip(&c.kinds) {
             let share = *events as f64 / all.max(1) as f64;
             let ideal = if *events > 0 {
-                format!("{:.2}", -share.log2().min(0.0))
+                format!("{:.2}", -elementary::log2(share).min(0.0))
             } else {
                 "-".into()
             };

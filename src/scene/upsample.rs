@@ -9,7 +9,10 @@
 use ndarray::Zip;
 
 use super::{Frame, Scene, SceneError};
-use crate::plane::{Plane, Size};
+use crate::{
+    elementary,
+    plane::{Plane, Size},
+};
 
 /// By how much a pixel may move in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -240,7 +243,7 @@ impl Bound {
             }
             Self::Contrast { contrast, offset } => {
                 // Up by e^c - 1 of what there is, or down by 1 - e^-c of it.
-                let (up, down) = (contrast.exp_m1(), (-contrast).exp_m1());
+                let (up, down) = (elementary::exp_m1(contrast), elementary::exp_m1(-contrast));
                 let changes = Zip::from(from).and(to).and(&between.now);
                 changes.fold(f64::INFINITY, |longest, a, b, now| {
                     let change = b - a;

@@ -4,7 +4,10 @@ use std::{ops::Range, path::Path};
 
 use toml::Spanned;
 
-use crate::kernel::{Kernel, KernelError};
+use crate::{
+    elementary,
+    kernel::{Kernel, KernelError},
+};
 
 use super::{MemoryRule, check::Checked, door::Door, written::WrittenKernel};
 
@@ -127,10 +130,10 @@ fn growth(kernel: &Kernel) -> f64 {
         let (mut re, mut im) = (1.0, 0.0);
         for ((y, x), weight) in kernel.weights().indexed_iter() {
             let phase = fy * (y as f64 - reach_y as f64) + fx * (x as f64 - reach_x as f64);
-            re -= weight * phase.cos();
-            im -= weight * phase.sin();
+            re -= weight * elementary::cos(phase);
+            im -= weight * elementary::sin(phase);
         }
-        f64::hypot(re, im)
+        elementary::hypot(re, im)
     };
     (0..GRID * GRID)
         .map(|i| at(angle(i / GRID), angle(i % GRID)))
