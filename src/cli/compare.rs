@@ -1,8 +1,11 @@
 //! `amacrine compare`: two event files, one judged against the other.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::recording::{self, Recording};
+use super::{
+    files,
+    recording::{self, Recording},
+};
 use crate::{
     compare::{
         Comparison, Pair,
@@ -19,9 +22,9 @@ use crate::{
 #[command(after_help = "Example: amacrine compare out/reference.npy out/device.npy --within 1ms")]
 pub struct Arguments {
     /// The reference: an event file of any format
-    a: PathBuf,
+    a: files::Input,
     /// What is judged against it
-    b: PathBuf,
+    b: files::Input,
     #[command(flatten)]
     recording: Recording,
     /// Events of one pixel, kind and sign match when their times differ by at most this

@@ -4,6 +4,10 @@ use std::{fmt::Write as _, path::PathBuf};
 
 use serde_json::json;
 
+use super::{
+    content::Content,
+    files::{Input, Output},
+};
 use crate::study::sweep::store;
 
 /// What `merge` is asked to do.
@@ -14,10 +18,10 @@ use crate::study::sweep::store;
 pub struct Arguments {
     /// Folders of one study
     #[arg(required = true, value_name = "DIR")]
-    folders: Vec<PathBuf>,
+    folders: Vec<Input>,
     /// The folder of all results
-    #[arg(long, value_name = "DIR")]
-    output: PathBuf,
+    #[arg(long, value_name = "DIR", value_parser = Content::Folder)]
+    output: Output,
     /// Also write results.parquet
     #[arg(long)]
     parquet: bool,
@@ -35,8 +39,8 @@ const SHOWN: usize = 5;
 /// When the folders are not of one study, or cannot be read or written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     super::sweep::check_parquet(arguments.parquet)?;
-    let (manifest, finished) =
-        store::merge(&arguments.folders, &arguments.output, arguments.parquet)?;
+    let folders: Vec<PathBuf> = arguments.folders.iter().map(|f| f.to_path_buf()).collect();
+    let (manifest, finished) = store::merge(&folders, &arguments.output, arguments.parquet)?;
     let (_, rows) = store::read(&arguments.output)?;
     let has = |index: usize| {
         let mut rows = rows.iter();

@@ -1,11 +1,11 @@
 //! `amacrine packets`: what a packet costs on a link, and what a readout makes of it.
 
-use std::path::PathBuf;
-
 use miette::miette;
 use serde_json::{Value, json};
 
 use super::{
+    content::Content,
+    files::{Input, Output},
     readout,
     recording::{self, Recording},
 };
@@ -14,7 +14,7 @@ use crate::{
     event::{
         Packet, Polarity,
         codec::{CodeBook, Coding, Layout, Rate, entropy},
-        file::{self, Loaded},
+        file::Loaded,
         readout::{Frame, ReadOut, settings::Description},
     },
     unit::Micros,
@@ -27,7 +27,7 @@ use crate::{
 )]
 pub struct Arguments {
     /// An event file
-    file: PathBuf,
+    file: Input,
     #[command(flatten)]
     recording: Recording,
     /// Length of a bit map's frame, and of the window that peaks are measured in
@@ -39,8 +39,8 @@ pub struct Arguments {
     #[command(flatten)]
     readout: readout::Choice,
     /// Write the packet behind the readout
-    #[arg(short, long, value_name = "FILE", requires = "readout")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE", requires = "readout", value_parser = Content::Events)]
+    output: Option<Output>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
@@ -52,9 +52,6 @@ pub struct Arguments {
 /// When the file cannot be read, a setting is not what it should be, or the output cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(output) = &arguments.output {
-        file::Format::of(output)?;
-    }
     if arguments.window.0 == 0 {
         return Err(miette!(
             help = "give a time such as 10ms",
@@ -67,7 +64,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let packet = read.as_ref().map_or(&loaded.packet, |(_, r)| &r.packet);
     let counted = Counted::of(packet, arguments)?;
     if let Some(output) = &arguments.output {
-        file::write(output, packet)?;
+        output.write(packet)?;
     }
     let shown = Shown {
         arguments,

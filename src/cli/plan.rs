@@ -2,7 +2,6 @@
 
 use std::{
     fmt::Write as _,
-    path::PathBuf,
     time::{Duration, Instant},
 };
 
@@ -20,6 +19,7 @@ use crate::{
 
 use super::{
     fidelity::{allowed, chosen, line, make, percent, share},
+    files::{Input, Named},
     progress::Progress,
     readout,
     run::read_sensor,
@@ -33,10 +33,10 @@ use super::{
 pub struct Arguments {
     /// The scene, as for `amacrine run`
     #[arg(long)]
-    scene: String,
+    scene: Named,
     /// The sensor file
     #[arg(long)]
-    sensor: PathBuf,
+    sensor: Input,
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
@@ -217,7 +217,7 @@ fn as_json(
     verified: Option<&Verified>,
 ) -> miette::Result<Value> {
     let mut json = serde_json::to_value(plan).into_diagnostic()?;
-    json["scene"] = arguments.scene.clone().into();
+    json["scene"] = (*arguments.scene).into();
     json["sensor"] = arguments.sensor.display().to_string().into();
     json["tolerance"] = arguments.asked.tolerance.into();
     json["within_us"] = arguments.asked.within.0.into();

@@ -4,6 +4,7 @@ use std::{fs, path::Path};
 
 use miette::miette;
 
+use super::files::Named;
 use crate::{
     compile::SLOTS,
     event::{
@@ -17,7 +18,7 @@ use crate::{
 pub struct Choice {
     /// Read the packet out: ideal, scan, arbiter, frame, or a file like those in readouts/
     #[arg(long, value_name = "NAME|FILE.toml")]
-    readout: Option<String>,
+    readout: Option<Named>,
     /// Change a setting of the readout, such as fifo=64 or link=1us; can be given more than once
     #[arg(long = "with", value_name = "KEY=VALUE", value_parser = setting, requires = "readout")]
     settings: Vec<(String, String)>,
@@ -36,8 +37,8 @@ impl Choice {
         let Some(name) = &self.readout else {
             return Ok(None);
         };
-        let mut description = if Path::new(name).extension().is_some_and(|e| e == "toml") {
-            let text = fs::read_to_string(name).map_err(|e| {
+        let mut description = if Path::new(&**name).extension().is_some_and(|e| e == "toml") {
+            let text = fs::read_to_string(&**name).map_err(|e| {
                 miette!(
                     help = "give a file like those in readouts/, or the name of a readout",
                     "cannot read {name}: {e}"

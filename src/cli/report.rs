@@ -1,14 +1,15 @@
 //! `amacrine report`: which points of a sweep no other beats.
 
-use std::{ffi::OsStr, fmt::Write as _, path::PathBuf};
+use std::fmt::Write as _;
 
 use miette::miette;
 
+use super::{
+    content::Content,
+    files::{Input, Output},
+};
 use crate::{
-    picture::{
-        front::{Dot, FrontShow, fronts},
-        write_drawing,
-    },
+    picture::front::{Dot, FrontShow, fronts},
     study::sweep::{
         Report,
         key::Side,
@@ -22,10 +23,10 @@ use crate::{
 #[command(after_help = "Example: amacrine report out/formats -o front.svg")]
 pub struct Arguments {
     /// A folder that `amacrine sweep` or `amacrine merge` has written
-    folder: PathBuf,
+    folder: Input,
     /// Draw error against cost; .svg or .png
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE", value_parser = Content::Drawing)]
+    output: Option<Output>,
     /// What error is weighed against
     #[arg(long, default_value = "seconds_per_frame", value_parser = COSTS)]
     cost: String,
@@ -42,16 +43,6 @@ pub struct Arguments {
 /// # Errors
 /// When the folder holds no results, or the picture cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(path) = &arguments.output {
-        let ending = path.extension().map(OsStr::to_ascii_lowercase);
-        if ending.is_none_or(|e| e != "svg" && e != "png") {
-            return Err(miette!(
-                help = "give a name that ends in .svg or .png",
-                "{}: a chart is written as SVG or PNG",
-                path.display()
-            ));
-        }
-    }
     let (manifest, rows) = store::read(&arguments.folder)?;
     if rows.is_empty() {
         return Err(miette!(
@@ -62,7 +53,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let report = Report::of(&manifest, &rows, &arguments.cost, arguments.pool);
     if let Some(path) = &arguments.output {
-        write_drawing(path, &fronts(&shows(&report)))?;
+        path.draw(&fronts(&shows(&report)))?;
     }
     if arguments.json {
         let text = serde_json::to_string(&report).unwrap_or_default();

@@ -1,9 +1,6 @@
 //! `amacrine run`: a scene through a sensor file.
 
-use std::{
-    fs, io,
-    path::{Path, PathBuf},
-};
+use std::{cell::RefCell, fs, path::Path};
 
 use miette::{WrapErr, miette};
 use serde_json::json;
@@ -12,7 +9,6 @@ use crate::{
     event::{
         Packet,
         address::AddressWord,
-        file,
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
     number::{Format, Number, Visitor},
@@ -21,7 +17,7 @@ use crate::{
         Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Tally, VoxelGrid,
         WhenFull,
     },
-    save::{SaveError, Stack},
+    save::Stack,
     scene::{
         OpenOptions, Scene, open,
         upsample::{Bound, Upsampled, Upsampling},
@@ -30,7 +26,13 @@ use crate::{
     unit::Micros,
 };
 
-use super::{fidelity::Fidelity, progress::Progress, readout};
+use super::{
+    content::Content,
+    fidelity::Fidelity,
+    files::{self, Input, Named, Output},
+    progress::Progress,
+    readout,
+};
 
 /// What `run` is asked to do.
 #[derive(Clone, Debug, clap::Args)]
@@ -40,10 +42,10 @@ use super::{fidelity::Fidelity, progress::Progress, readout};
 pub struct Arguments {
     /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), or pattern:NAME?key=value
     #[arg(long)]
-    scene: String,
+    scene: Named,
     /// The sensor file
     #[arg(long)]
-    sensor: PathBuf,
+    sensor: Input,
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
@@ -57,18 +59,18 @@ pub struct Arguments {
     #[arg(long, default_value = "f64")]
     format: Format,
     /// Write the events; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
-    #[arg(long)]
-    events: Option<PathBuf>,
+    #[arg(long, value_parser = Content::Events)]
+    events: Option<Output>,
     #[command(flatten)]
     readout: readout::Choice,
     #[command(flatten)]
     fidelity: Fidelity,
     /// Write signed event counts, int32 (P,K,H,W)
-    #[arg(long, value_name = "C.npy")]
-    counts: Option<PathBuf>,
+    #[arg(long, value_name = "C.npy", value_parser = Content::Array)]
+    counts: Option<Output>,
     /// Write voxels, float32 (P+1,K,H,W): each event shared between the two nearest frame times
-    #[arg(long, value_name = "V.npy")]
-    voxels: Option<PathBuf>,
+    #[arg(long, value_name = "V.npy", value_parser = Content::Array)]
+    voxels: Option<Output>,
     /// The most events a list may hold
     #[arg(long, default_value_t = Limit::default().events)]
     max_events: usize,
@@ -94,7 +96,6 @@ enum Full {
 /// When the scene or the sensor file is not what it should be, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let description = read_sensor(&arguments.sensor)?;
-    check_outputs(arguments)?;
     let chosen = arguments.readout.open()?;
     if chosen.map(|d| d.readout()).transpose()?.is_some() && arguments.events.is_none() {
         return Err(miette!(
@@ -197,51 +198,6 @@ fn watched(
     Ok(())
 }
 
-/// Refuses outputs that cannot be written before anything is watched.
-fn check_outputs(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(events) = &arguments.events {
-        file::Format::of(events)?;
-    }
-    for (option, path) in [
-        ("--counts", &arguments.counts),
-        ("--voxels", &arguments.voxels),
-    ] {
-        let Some(path) = path else { continue };
-        if path.extension().is_none_or(|e| e != "npy") {
-            return Err(miette!(
-                help = "give a name that ends in .npy",
-                "{option} {}: only .npy arrays are written",
-                path.display()
-            ));
-        }
-    }
-    let outputs = [&arguments.events, &arguments.counts, &arguments.voxels];
-    let outputs: Vec<_> = outputs.into_iter().flatten().collect();
-    for (i, path) in outputs.iter().enumerate() {
-        if outputs[..i].contains(path) {
-            return Err(miette!(
-                help = "give each output a name of its own",
-                "{} is asked for twice",
-                path.display()
-            ));
-        }
-        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
-        if path.is_dir() || folder.is_some_and(|folder| !folder.is_dir()) {
-            let cause = if path.is_dir() {
-                io::ErrorKind::IsADirectory
-            } else {
-                io::ErrorKind::NotFound
-            };
-            return Err(SaveError {
-                path: (*path).clone(),
-                cause: cause.into(),
-            }
-            .into());
-        }
-    }
-    Ok(())
-}
-
 /// Reads a sensor file; the kernel files it names are looked for beside it.
 ///
 /// # Errors
@@ -255,8 +211,18 @@ pub fn read_sensor(path: &Path) -> miette::Result<Description> {
         )
     })?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let read = move |name: &str| fs::read(folder.join(name));
-    Ok(Description::parse(&shown, &text, &read)?)
+    let named = RefCell::new(Vec::new());
+    let read = |name: &str| {
+        let path = folder.join(name);
+        named.borrow_mut().push(path.clone());
+        fs::read(path)
+    };
+    let description = Description::parse(&shown, &text, &read)?;
+    named
+        .take()
+        .iter()
+        .try_for_each(|path| files::reads(path))?;
+    Ok(description)
 }
 
 /// What a run has to say.
@@ -373,7 +339,7 @@ fn watch<N: Number, S: Scene>(
         read_out = Some((chosen, read.statistics));
     }
     if let Some(path) = &arguments.events {
-        file::write(path, &packet)?;
+        path.write(&packet)?;
     }
     count_stack.map(Stack::finish).transpose()?;
     voxel_stack.map(Stack::finish).transpose()?;

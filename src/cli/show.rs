@@ -1,15 +1,17 @@
 //! `amacrine show`: pictures of a packet.
 
-use std::path::{Path, PathBuf};
-
 use miette::miette;
 
-use super::recording::{self, Recording};
+use super::{
+    content::Content,
+    files::{Input, Output},
+    recording::{self, Recording},
+};
 use crate::{
     event::Packet,
     picture::{
         view::{self, Look, View},
-        write_drawing, write_frames,
+        write_frames,
     },
     unit::Micros,
 };
@@ -22,12 +24,12 @@ use crate::{
   amacrine show out/events.npy -o events.gif --window 20ms")]
 pub struct Arguments {
     /// An event file
-    file: PathBuf,
+    file: Input,
     #[command(flatten)]
     recording: Recording,
     /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds)
-    #[arg(short, long, value_name = "PICTURE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "PICTURE", value_parser = Content::View)]
+    output: Output,
     /// What of it
     #[arg(long, value_enum, default_value = "overview")]
     view: Shown,
@@ -77,7 +79,7 @@ impl Arguments {
     fn can_move(&self) -> miette::Result<()> {
         let output = self.output.display();
         match self.view {
-            Shown::Surface | Shown::Kinds if gif(&self.output) => Err(miette!(
+            Shown::Surface | Shown::Kinds if self.output.ending() == "gif" => Err(miette!(
                 help = "give a name that ends in .apng, or leave --view out",
                 "{output}: a GIF has too few colours for this view"
             )),
@@ -113,7 +115,7 @@ const PAGES: u64 = 2000;
 /// When the file cannot be read, the picture's name says no kind of picture, or it cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let moving = moves(&arguments.output)?;
+    let moving = ["gif", "apng"].contains(&arguments.output.ending());
     if arguments.window.0 == 0 {
         return Err(miette!(
             help = "give a time such as 20ms",
@@ -138,7 +140,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             window: arguments.window,
             at: arguments.at,
         };
-        write_drawing(&arguments.output, &view::draw(&packet, &look)?)?;
+        arguments.output.draw(&view::draw(&packet, &look)?)?;
         None
     };
     let events = packet.events.len();
@@ -163,25 +165,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("wrote    {output}: {events} events{of}{frames}\n"));
     }
     Ok(())
-}
-
-fn gif(path: &Path) -> bool {
-    let extension = path.extension();
-    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("gif"))
-}
-
-/// Whether the picture moves, by its name.
-fn moves(path: &Path) -> miette::Result<bool> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    match extension.to_ascii_lowercase().as_str() {
-        "png" | "svg" => Ok(false),
-        "gif" | "apng" => Ok(true),
-        _ => Err(miette!(
-            help = "give a name that ends in .png, .svg, .gif or .apng",
-            "{}: `{extension}` is not a kind of picture that is written",
-            path.display()
-        )),
-    }
 }
 
 /// Leaves only what was asked for.

@@ -11,7 +11,11 @@ use std::{
 use miette::miette;
 use serde_json::json;
 
-use super::progress::Progress;
+use super::{
+    content::Content,
+    files::{Input, Output},
+    progress::Progress,
+};
 use crate::study::sweep::{Plan, Shard, Store, Study, run as run_points, run::Did, schema};
 
 /// What `sweep` is asked to do.
@@ -22,10 +26,10 @@ use crate::study::sweep::{Plan, Shard, Store, Study, run as run_points, run::Did
 pub struct Arguments {
     /// The study file
     #[arg(required_unless_present = "schema")]
-    study: Option<PathBuf>,
+    study: Option<Input>,
     /// The folder of results; the study's name without its ending when left out
-    #[arg(long, value_name = "DIR")]
-    output: Option<PathBuf>,
+    #[arg(long, value_name = "DIR", value_parser = Content::Folder)]
+    output: Option<Output>,
     /// Compute only the points whose number leaves i when divided by n
     #[arg(long, value_name = "i/n", value_parser = shard)]
     shard: Option<Shard>,
@@ -82,7 +86,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let plan = Plan::new(study, folder)?;
     let output = match &arguments.output {
-        Some(output) => output.clone(),
+        Some(output) => output.to_path_buf(),
         None => PathBuf::from(path.file_stem().unwrap_or(path.as_os_str())),
     };
     let manifest = plan.manifest();

@@ -5,7 +5,10 @@ use std::{fs, path::Path};
 use miette::{WrapErr, miette};
 use ndarray_npy::{ReadNpyError, ReadableElement};
 
-use super::{super::registers::Register, Arguments, Light, Set};
+use super::{
+    super::{files, registers::Register},
+    Arguments, Light, Set,
+};
 use crate::{
     array::Array,
     isa::{Device, Figure},
@@ -68,11 +71,12 @@ impl Light {
             arguments.source.folder().join(image).display().to_string()
         });
         let asked = arguments.fps.or(program.settings.fps);
-        let scene = arguments
-            .image
-            .clone()
-            .or(own)
-            .map(|spec| open(&spec, &OpenOptions { fps: asked }))
+        let image = arguments.image.as_deref().or(own.as_deref());
+        if let (None, Some(image)) = (&arguments.image, image) {
+            files::reads(Path::new(image))?;
+        }
+        let scene = image
+            .map(|spec| open(spec, &OpenOptions { fps: asked }))
             .transpose()?;
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let frames = arguments.frames.or(program.settings.frames);

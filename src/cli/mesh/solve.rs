@@ -1,12 +1,17 @@
 //! `amacrine mesh solve`: the settled surround of one signal.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use super::{Constants, Show, extremes, write};
 use crate::{
-    cli::{exec::read_plane, say},
+    cli::{
+        content::Content,
+        exec::read_plane,
+        files::{Named, Output},
+        say,
+    },
     mesh::Steady,
     plane::{Plane, Size},
     scene::{OpenOptions, open},
@@ -22,10 +27,10 @@ pub struct Arguments {
     constants: Constants,
     /// The signal P: a .npy of shape (H,W), or a picture
     #[arg(short, long, value_name = "FILE")]
-    input: PathBuf,
+    input: Named,
     /// Where to: .npy (float64, of P's shape), or .png (gray from least to most)
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", value_parser = Content::Plane)]
+    output: Output,
     /// What to write
     #[arg(long, value_enum, default_value = "surround")]
     show: Show,
@@ -55,7 +60,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let surround = Steady::new(sheet, size)
         .and_then(|mut steady| steady.solve(&signal))
         .map_err(miette::Report::new)
-        .wrap_err_with(|| format!("cannot solve {}", arguments.input.display()))?;
+        .wrap_err_with(|| format!("cannot solve {}", arguments.input))?;
     let shown = match arguments.show {
         Show::Surround => surround,
         Show::Difference => signal - surround,
@@ -89,15 +94,16 @@ fn say_json<T: serde::Serialize>(json: &T) -> miette::Result<()> {
 }
 
 /// A plane of numbers, or the light of one picture.
-pub(super) fn read(path: &Path) -> miette::Result<Plane<f64>> {
+pub(super) fn read(name: &str) -> miette::Result<Plane<f64>> {
+    let path = Path::new(name);
     if path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
     {
         return read_plane(path);
     }
-    let mut scene = open(&path.to_string_lossy(), &OpenOptions::default())?;
+    let mut scene = open(name, &OpenOptions::default())?;
     let frame = scene.next_frame()?;
-    let frame = frame.ok_or_else(|| miette!("{} holds no picture", path.display()))?;
+    let frame = frame.ok_or_else(|| miette!("{name} holds no picture"))?;
     Ok(frame.light)
 }

@@ -1,6 +1,6 @@
 //! `amacrine mesh step`: the surround of a scene over time.
 
-use std::{io, path::PathBuf};
+use std::io;
 
 use miette::{WrapErr, miette};
 use ndarray::Array3;
@@ -8,7 +8,11 @@ use ndarray_npy::WriteNpyExt;
 
 use super::{Constants, Show};
 use crate::{
-    cli::say,
+    cli::{
+        content::Content,
+        files::{Named, Output},
+        say,
+    },
     mesh::{Between, Euler, Flow, MeshError, Sheet},
     photoreceptor::Response,
     plane::{Plane, Size},
@@ -30,7 +34,7 @@ pub struct Arguments {
     tau: Micros,
     /// A clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
     #[arg(short, long)]
-    scene: String,
+    scene: Named,
     /// Frames a second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
@@ -47,8 +51,8 @@ pub struct Arguments {
     #[arg(long)]
     frames: Option<u64>,
     /// Where to: a .npy of shape (T,H,W), float64
-    #[arg(short, long, value_name = "FILE.npy")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE.npy", value_parser = Content::Array)]
+    output: Output,
 }
 
 /// How a sheet is moved on.
