@@ -19,6 +19,7 @@ pub mod chance;
 pub mod guard;
 #[cfg(not(fuzzing))]
 mod lined;
+pub mod memory;
 pub mod plane;
 pub mod save;
 pub mod unit;

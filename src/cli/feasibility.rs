@@ -158,7 +158,10 @@ fn kernel(name: &str) -> miette::Result<Kernel> {
 
 impl Arguments {
     fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        let options = OpenOptions { fps: self.fps };
+        let options = OpenOptions {
+            fps: self.fps,
+            ..OpenOptions::default()
+        };
         match (&self.scene, self.fps) {
             (Some(scene), _) => scene::open(scene, &options),
             (None, None) => scene::bundled(),

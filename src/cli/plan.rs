@@ -113,7 +113,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         readout,
         crop: true,
     };
-    let options = OpenOptions { fps: arguments.fps };
+    let options = OpenOptions {
+        fps: arguments.fps,
+        ..OpenOptions::default()
+    };
     let start = Instant::now();
     let plan = make(&question, &arguments.scene, &options)
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;

@@ -131,7 +131,10 @@ impl Arguments {
             ));
         }
         let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
-        let options = OpenOptions { fps: self.fps };
+        let options = OpenOptions {
+            fps: self.fps,
+            ..OpenOptions::default()
+        };
         let plan = self.fidelity.plan(
             &self.scene,
             &options,
@@ -150,7 +153,13 @@ fn watched(
     description: &Description,
     plan: Option<&Plan>,
 ) -> miette::Result<()> {
-    let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
+    let scene = open(
+        &arguments.scene,
+        &OpenOptions {
+            fps: arguments.fps,
+            ..OpenOptions::default()
+        },
+    )?;
     let sensor = description.clone();
     let watched = match arguments.upsample {
         None => arguments.format.visit(Run {

@@ -72,7 +72,15 @@ impl Light {
             .image
             .clone()
             .or(own)
-            .map(|spec| open(&spec, &OpenOptions { fps: asked }))
+            .map(|spec| {
+                open(
+                    &spec,
+                    &OpenOptions {
+                        fps: asked,
+                        ..OpenOptions::default()
+                    },
+                )
+            })
             .transpose()?;
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let frames = arguments.frames.or(program.settings.frames);

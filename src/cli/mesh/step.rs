@@ -113,7 +113,10 @@ impl Moved {
 /// When the scene cannot be read or solved for, or the output not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
-    let options = OpenOptions { fps: arguments.fps };
+    let options = OpenOptions {
+        fps: arguments.fps,
+        ..OpenOptions::default()
+    };
     let mut scene = open(&arguments.scene, &options)?;
     let size = scene.size();
     let mut sheet_now: Option<(f64, Moved)> = None;

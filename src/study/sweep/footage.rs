@@ -105,7 +105,13 @@ fn play<E: From<SceneError>>(
         // Only its times are others.
         Box::new(Retimed(bundled()?, wanted.fps.unwrap_or(1.0)))
     } else {
-        open(spec, &OpenOptions { fps: wanted.fps })?
+        open(
+            spec,
+            &OpenOptions {
+                fps: wanted.fps,
+                ..OpenOptions::default()
+            },
+        )?
     };
     let read = Source {
         scene,
