@@ -10,7 +10,7 @@ use crate::{
     kernel::{Kernel, quantise::Quantiser},
     plane::Size,
     save::save,
-    scene::{self, Frame, OpenOptions, Scene, SceneError},
+    scene::{self, Frame, Scene, SceneError},
     study::{
         feasibility::{self, Feasibility, Fit, Question, Stream},
         report,
@@ -18,7 +18,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::{progress::Progress, quantise::Total, readout::Choice};
+use super::{budget, progress::Progress, quantise::Total, readout::Choice};
 
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -93,6 +93,9 @@ fn energy(text: &str) -> Result<Energy, String> {
 /// What the scene is called where none was given.
 const BUNDLED: &str = "the bundled clip";
 
+/// Sensors that watch side by side, at most: those of the waterfall.
+const SENSORS: usize = 20;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -101,7 +104,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernel = kernel(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
     let open = || arguments.open();
-    let frames = open()?.frames();
+    let scene = open()?;
+    budget::check_study(&*scene, SENSORS)?;
+    let frames = scene.frames();
+    drop(scene);
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
     let question = Question {
@@ -158,10 +164,7 @@ fn kernel(name: &str) -> miette::Result<Kernel> {
 
 impl Arguments {
     fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        let options = OpenOptions {
-            fps: self.fps,
-            ..OpenOptions::default()
-        };
+        let options = budget::opening(self.fps);
         match (&self.scene, self.fps) {
             (Some(scene), _) => scene::open(scene, &options),
             (None, None) => scene::bundled(),

@@ -1,6 +1,7 @@
 //! The command line: one file a verb, and the only place that prints.
 
 pub mod asm;
+mod budget;
 pub mod compare;
 pub mod compile;
 pub mod convert;
@@ -34,7 +35,7 @@ use std::{io::Write, process::ExitCode};
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::guard;
+use crate::{guard, memory::Budget};
 
 /// One for each verb, as `amacrine help` shows them.
 const EXAMPLES: &str = "\
@@ -61,6 +62,9 @@ Examples:
 #[derive(Debug, Parser)]
 #[command(name = "amacrine", version, about, after_help = EXAMPLES)]
 struct Arguments {
+    /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
+    #[arg(long, global = true, value_name = "SIZE")]
+    max_memory: Option<Budget>,
     #[command(subcommand)]
     verb: Option<Verb>,
 }
@@ -116,7 +120,9 @@ pub fn main() -> ExitCode {
             hook(panic);
         }
     }));
-    let result = match Arguments::parse().verb {
+    let arguments = Arguments::parse();
+    budget::allow(arguments.max_memory);
+    let result = match arguments.verb {
         None => demo::run(&demo::Arguments::default()),
         Some(Verb::Demo(arguments)) => demo::run(&arguments),
         Some(Verb::Run(arguments)) => run::run(&arguments),

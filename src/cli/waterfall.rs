@@ -11,7 +11,7 @@ use crate::{
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
     picture::write_drawing,
-    scene::{self, OpenOptions, Scene as _},
+    scene::{self, Scene as _},
     study::{
         design::Design,
         waterfall::{Question, Shares, Waterfall, ask},
@@ -19,7 +19,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::{progress::Progress, quantise::Total, readout::Choice};
+use super::{budget, progress::Progress, quantise::Total, readout::Choice};
 
 /// What `waterfall` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -91,6 +91,9 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
     super::exec::figure(name, value)
 }
 
+/// Sensors that watch side by side: one a step, and in all but one of them.
+const SENSORS: usize = 20;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -139,9 +142,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         within: arguments.within,
     };
     let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &OpenOptions::default())?,
+        Some(scene) => scene::open(scene, &budget::opening(None))?,
         None => scene::bundled()?,
     };
+    budget::check_study(&*scene, SENSORS)?;
     let progress = Progress::new("watching", scene.frames());
     let answer = ask(&question, &mut scene, |_| progress.tick());
     progress.finish();

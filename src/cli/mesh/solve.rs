@@ -6,10 +6,11 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 
 use super::{Constants, Show, extremes, write};
 use crate::{
-    cli::{exec::read_plane, say},
+    cli::{budget, exec::read_plane, say},
+    memory::Need,
     mesh::Steady,
     plane::{Plane, Size},
-    scene::{OpenOptions, open},
+    scene::open,
 };
 
 /// What `mesh solve` is asked to do.
@@ -44,6 +45,9 @@ struct Json {
     most: f64,
 }
 
+/// Planes of numbers that are held at once.
+const PLANES: u128 = 6;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -52,6 +56,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
     let signal = read(&arguments.input)?;
     let size = Size::of(&signal);
+    // The signal, the surround, the settled sheet on its way to it, and a picture.
+    let need = Need::new().and("planes of the sheet", PLANES * 8 * size.pixels() as u128);
+    let help = "take a smaller signal";
+    budget::check(&need, &format!("a sheet of {size}"), help)?;
     let surround = Steady::new(sheet, size)
         .and_then(|mut steady| steady.solve(&signal))
         .map_err(miette::Report::new)
@@ -96,7 +104,7 @@ pub(super) fn read(path: &Path) -> miette::Result<Plane<f64>> {
     {
         return read_plane(path);
     }
-    let mut scene = open(&path.to_string_lossy(), &OpenOptions::default())?;
+    let mut scene = open(&path.to_string_lossy(), &budget::opening(None))?;
     let frame = scene.next_frame()?;
     let frame = frame.ok_or_else(|| miette!("{} holds no picture", path.display()))?;
     Ok(frame.light)

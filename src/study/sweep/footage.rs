@@ -73,6 +73,12 @@ impl Footage {
         })
     }
 
+    /// Bytes of the frames that are kept.
+    pub fn bytes(&self) -> u128 {
+        let frames = self.held.as_ref().map_or(0, |held| held.len());
+        (frames * self.size.pixels() * size_of::<f64>()) as u128
+    }
+
     /// Shows every frame.
     pub fn play<E: From<SceneError>>(
         &self,
