@@ -4,9 +4,13 @@ use std::path::{Path, PathBuf};
 
 use miette::miette;
 
-use super::recording::{self, Recording};
+use super::{
+    budget,
+    recording::{self, Recording},
+};
 use crate::{
     event::Packet,
+    memory::Need,
     picture::{
         view::{self, Look, View},
         write_drawing, write_frames,
@@ -110,6 +114,9 @@ const PAGES: u64 = 2000;
 /// Bytes of an event: as it was read, and by its cell.
 const EACH: u128 = 48;
 
+/// Bytes of a pixel: times, counts and colours, as numbers and as drawn.
+const PIXEL: u128 = 40;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -129,6 +136,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
     let size_known = loaded.size_known;
     let mut packet = loaded.packet;
+    check(&packet, arguments)?;
     cut(&mut packet, arguments)?;
     let name = arguments.file.display().to_string();
     let title = arguments.title.as_ref().unwrap_or(&name);
@@ -166,6 +174,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("wrote    {output}: {events} events{of}{frames}\n"));
     }
     Ok(())
+}
+
+/// Refuses pictures for which there is no room: a file may say that its sensor is of any size.
+fn check(packet: &Packet, arguments: &Arguments) -> miette::Result<()> {
+    let kinds = match arguments.view {
+        Shown::Kinds | Shown::Overview => u128::from(packet.channels),
+        Shown::Frame | Shown::Surface | Shown::Cloud | Shown::Rate | Shown::Intervals => 1,
+    };
+    let pixels = PIXEL * kinds * packet.size.pixels() as u128;
+    let events = EACH * packet.events.len() as u128;
+    let need = Need::new()
+        .and("pictures of the sensor's size", pixels)
+        .and("events", events);
+    let what = format!("a picture of {}", packet.size);
+    let help = "show one kind of cell, or a file that says the true size of its sensor";
+    budget::check(&need, &what, help)
 }
 
 fn gif(path: &Path) -> bool {
