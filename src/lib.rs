@@ -23,6 +23,7 @@ pub mod elementary;
 pub mod guard;
 #[cfg(not(fuzzing))]
 mod lined;
+pub mod memory;
 pub mod plane;
 pub mod save;
 pub mod unit;

@@ -46,6 +46,9 @@ pub struct Arguments {
     json: bool,
 }
 
+/// Bytes of an event: as it was read, in what a readout makes of it, and what its word costs.
+const EACH: u128 = 80;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -59,7 +62,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     arguments.readout.open()?.map(|d| d.readout()).transpose()?;
-    let loaded = arguments.recording.read(&arguments.file)?;
+    let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
     let read = arguments.readout.apply(&loaded.packet)?;
     let packet = read.as_ref().map_or(&loaded.packet, |(_, r)| &r.packet);
     let counted = Counted::of(packet, arguments)?;

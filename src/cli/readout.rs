@@ -32,6 +32,11 @@ fn setting(text: &str) -> Result<(String, String), String> {
 }
 
 impl Choice {
+    /// Whether one was chosen.
+    pub const fn is_asked(&self) -> bool {
+        self.readout.is_some()
+    }
+
     /// The readout that was chosen, if any.
     pub fn open(&self) -> miette::Result<Option<Description>> {
         let Some(name) = &self.readout else {

@@ -12,10 +12,12 @@ use miette::miette;
 use serde_json::json;
 
 use super::{
+    budget,
     content::Content,
     files::{Input, Output},
     progress::Progress,
 };
+use crate::memory::Need;
 use crate::study::sweep::{Plan, Shard, Store, Study, run as run_points, run::Did, schema};
 
 /// What `sweep` is asked to do.
@@ -85,16 +87,24 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let study = Study::parse(&shown, &text)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let plan = Plan::new(study, folder)?;
+    let jobs = match arguments.jobs {
+        Some(jobs) => jobs.into(),
+        None => thread::available_parallelism().map_or(1, usize::from),
+    };
+    if let Some(size) = plan.largest() {
+        let help = "take fewer --jobs or smaller scenes";
+        let each = budget::SENSOR * 3 * size.pixels() as u128;
+        let need = Need::new()
+            .and(format!("{jobs} points at a time"), each * jobs as u128)
+            .and("scenes that are kept", plan.held());
+        budget::check(&need, &format!("a sweep on frames of {size}"), help)?;
+    }
     let output = match &arguments.output {
         Some(output) => output.to_path_buf(),
         None => PathBuf::from(path.file_stem().unwrap_or(path.as_os_str())),
     };
     let manifest = plan.manifest();
     let store = Store::open(&output, &manifest)?;
-    let jobs = match arguments.jobs {
-        Some(jobs) => jobs.into(),
-        None => thread::available_parallelism().map_or(1, usize::from),
-    };
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
     let progress = std::sync::OnceLock::new();

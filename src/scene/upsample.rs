@@ -8,7 +8,7 @@
 
 use ndarray::Zip;
 
-use super::{Frame, Scene, SceneError};
+use super::{Frame, Scene, SceneError, light};
 use crate::{
     elementary,
     plane::{Plane, Size},
@@ -53,6 +53,9 @@ impl Default for Upsampling {
         }
     }
 }
+
+/// The most frames of an upsampled scene.
+pub const MOST_FRAMES: u64 = light::MOST_FRAMES;
 
 /// A scene with frames inserted.
 ///
@@ -154,6 +157,11 @@ impl<S: Scene> Scene for Upsampled<S> {
         None
     }
 
+    /// Those of the source, the frames on both sides, and the one in between twice.
+    fn bytes(&self) -> u128 {
+        self.source.bytes() + 4 * light::FRAME * self.size().pixels() as u128
+    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let Some(between) = &mut self.between else {
             // The very first frame, or the end.
@@ -191,11 +199,32 @@ impl<S: Scene> Scene for Upsampled<S> {
 }
 
 impl<S: Scene> Upsampled<S> {
+    /// Refuses a pair that takes more steps than there may be, before the first of them.
+    fn check_steps(&self, from: &Frame, to: &Frame) -> Result<(), SceneError> {
+        let least = self.how.bound.least_steps(&from.light, &to.light);
+        let Upsampling { most_steps, .. } = self.how;
+        // Rounding decides about the last step; it is counted when it is made.
+        if least > f64::from(most_steps) + 1.0 {
+            return Err(SceneError::TooManySteps {
+                pair: from.index,
+                most: most_steps,
+            });
+        }
+        if self.given as f64 + least > MOST_FRAMES as f64 {
+            return Err(SceneError::Endless {
+                frame: to.index,
+                most: MOST_FRAMES,
+            });
+        }
+        Ok(())
+    }
+
     /// Gives a source frame and looks for the one after it.
     fn begin(&mut self, from: Frame) -> Result<Option<Frame>, SceneError> {
         let frame = self.give(from.seconds, from.light.clone());
         if let Some(to) = self.source.next_frame()? {
             self.how.bound.check(&to)?;
+            self.check_steps(&from, &to)?;
             self.between = Some(Between {
                 now: from.light.clone(),
                 from,
@@ -227,6 +256,20 @@ impl Bound {
                 value: *value,
                 offset,
             }),
+        }
+    }
+
+    /// The fewest steps from one light to the other, for the pixel that moves most.
+    fn least_steps(self, from: &Plane<f64>, to: &Plane<f64>) -> f64 {
+        let most = |change: &dyn Fn(f64, f64) -> f64| {
+            let fold = |most: f64, a: &f64, b: &f64| most.max(change(*a, *b).abs());
+            Zip::from(from).and(to).fold(0.0, fold)
+        };
+        match self {
+            Self::Contrast { contrast, offset } => {
+                most(&|a, b| ((b + offset) / (a + offset)).ln()) / contrast
+            }
+            Self::Light { light } => most(&|a, b| b - a) / light,
         }
     }
 

@@ -1,12 +1,12 @@
 //! What falls on the array, and what lies in its registers.
 
-use std::{fs, path::Path};
+use std::{fs::File, io::Read as _, path::Path};
 
 use miette::{WrapErr, miette};
-use ndarray_npy::{ReadNpyError, ReadableElement};
+use ndarray_npy::{ReadNpyError, ReadableElement, npy::header::Header};
 
 use super::{
-    super::{files, registers::Register},
+    super::{budget, files, registers::Register},
     Arguments, Light, Set,
 };
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
     isa::{Device, Figure},
     plane::{Plane, Size},
     program::Program,
-    scene::{ASSUMED_FPS, OpenOptions, Scene, open},
+    scene::{ASSUMED_FPS, Scene, open},
 };
 
 impl Set {
@@ -76,7 +76,7 @@ impl Light {
             files::reads(Path::new(image))?;
         }
         let scene = image
-            .map(|spec| open(spec, &OpenOptions { fps: asked }))
+            .map(|spec| open(spec, &budget::opening(asked)))
             .transpose()?;
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let frames = arguments.frames.or(program.settings.frames);
@@ -105,13 +105,30 @@ pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
         Ok(plane.map(|value| number(*value)))
     }
     let shown = path.display();
-    let bytes = fs::read(path).map_err(|e| {
+    let unreadable = |e: std::io::Error| {
         miette!(
             help = "give a .npy of shape (H,W), as numpy.save writes it",
             "{shown}: {e}"
         )
-    })?;
+    };
+    // What `ndarray-npy` reads, it first makes room for: the header must agree with the file.
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(LONGEST_PLANE + 1).read_to_end(&mut bytes))
+        .map_err(unreadable)?;
+    if bytes.len() as u64 > LONGEST_PLANE {
+        return Err(miette!(
+            help = format!("a plane has at most {} pixels", Size::MOST_PIXELS),
+            "{shown}: more than {LONGEST_PLANE} bytes"
+        ));
+    }
     let bytes = bytes.as_slice();
+    check_shape(bytes).map_err(|why| {
+        miette!(
+            help = "give a .npy of shape (H,W) with real numbers, as numpy.save writes it",
+            "{shown}: {why}"
+        )
+    })?;
     let mut result = of::<f64>(bytes, |v| v);
     // Every kind of number that numpy saves; which one it is stands in the header.
     macro_rules! or_else {
@@ -139,6 +156,29 @@ pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
         ));
     }
     Ok(plane)
+}
+
+/// The longest file of a plane: 8 bytes a pixel, and a header.
+const LONGEST_PLANE: u64 = 8 * Size::MOST_PIXELS as u64 + (1 << 16);
+
+/// Whether a header promises no more numbers than there are bytes. What else is wrong with it,
+/// its reader says.
+fn check_shape(bytes: &[u8]) -> Result<(), String> {
+    let Ok(header) = Header::from_reader(&mut &*bytes) else {
+        return Ok(());
+    };
+    let all = header
+        .shape
+        .iter()
+        .try_fold(1_usize, |all, n| all.checked_mul(*n));
+    match all {
+        Some(all) if all <= bytes.len() => Ok(()),
+        _ => Err(format!(
+            "its header promises an array of shape {:?}, the file has {} bytes",
+            header.shape,
+            bytes.len()
+        )),
+    }
 }
 
 /// The size of the array: of what is set, else of the light, else of the program, else of the chip.
@@ -169,13 +209,15 @@ pub(super) fn size(
 }
 
 pub(super) fn checked(size: Size) -> miette::Result<Size> {
-    const LARGEST: usize = 4096;
-    let fits = |n| (1..=LARGEST).contains(&n);
-    if fits(size.height) && fits(size.width) {
+    if size.is_possible() {
         return Ok(size);
     }
     Err(miette!(
-        help = format!("height and width must be from 1 to {LARGEST}"),
+        help = format!(
+            "height and width must be from 1 to {}, and {} pixels at most",
+            Size::LONGEST_SIDE,
+            Size::MOST_PIXELS
+        ),
         "an array of {size}"
     ))
 }

@@ -33,6 +33,7 @@ use crate::{
         text::{Fault, Faults, Place},
     },
     kernel::Kernel,
+    plane::Size,
 };
 
 /// Everything there is to compute.
@@ -70,6 +71,27 @@ struct Opened<'a> {
 }
 
 impl Plan {
+    /// The size of the largest frames; `None` without points.
+    #[must_use]
+    pub fn largest(&self) -> Option<Size> {
+        let sizes = self.entries.iter().map(|entry| entry.scene.size);
+        sizes.max_by_key(|size| size.pixels())
+    }
+
+    /// Bytes of the scenes that are kept in memory.
+    #[must_use]
+    pub fn held(&self) -> u128 {
+        let mut digests: Vec<&str> = Vec::new();
+        let mut all = 0;
+        for entry in &self.entries {
+            if !digests.contains(&entry.scene.digest.as_str()) {
+                digests.push(&entry.scene.digest);
+                all += entry.scene.bytes();
+            }
+        }
+        all
+    }
+
     /// Opens all that a study names, files in `folder`, and checks every point.
     ///
     /// # Errors
