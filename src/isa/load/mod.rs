@@ -9,7 +9,7 @@ mod rows;
 
 use std::{
     collections::BTreeMap,
-    path::{Path, PathBuf},
+    path::Path,
     sync::{Arc, LazyLock},
 };
 
@@ -41,16 +41,9 @@ pub enum LoadError {
         shipped: String,
     },
     /// A file cannot be read.
-    #[error("{}: {cause}", path.display())]
-    #[diagnostic(help(
-        "a chip is a folder with device.toml, primitives.toml and macros.scamp; one that extends another needs device.toml alone"
-    ))]
-    Unreadable {
-        /// Which file.
-        path: PathBuf,
-        /// What the system said.
-        cause: std::io::Error,
-    },
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Unreadable(#[from] crate::source::SourceError),
     /// A file says something wrong.
     #[error(transparent)]
     #[diagnostic(transparent)]
