@@ -65,6 +65,9 @@ pub const ARGUMENTS: usize = 64;
 /// Forms of one row of a chip.
 pub const FORMS: usize = 64;
 
+/// Other names of registers of a chip.
+pub const ALIASES: usize = 256;
+
 /// Rows or columns of an array or a sensor: addresses of events have sixteen bits.
 pub const ARRAY_SIDE: usize = 1 << 16;
 
@@ -138,7 +141,7 @@ table! {
     MOST_WEIGHT, "the largest weight of a kernel that is quantised, compiled or fitted: most", "",
         "sums of squares are still numbers", "is too large";
     QUANTISER_STEPS, "the search for the levels of a kernel", "steps",
-        "some seconds", "steps of search";
+        "ten seconds, about", "steps of search";
     QUANTISER_TABLE, "the table for levels with a sum, or for digits", "entries",
         "128 MiB", "entries of a table";
     EXPANDED_STEPS, "what the text of a program becomes: words, host operations, calls of macros", "steps",
@@ -148,7 +151,7 @@ table! {
     FRAME_STEPS, "what `init`, or one frame, runs: words, host operations, turns of `repeat`", "steps",
         "1.7 s of the chip's clock", "steps run, more than";
     MACROS, "macros of a chip", "macros",
-        "seven times what scamp5 has", "macros at most";
+        "thirteen times what scamp5 has", "macros at most";
     MACRO_DEPTH, "macros inside each other", "levels",
         "scamp5 has 4", "macros inside each other";
     MACRO_STATEMENTS, "statements in the macros of a chip", "statements",
@@ -157,6 +160,8 @@ table! {
         "the most registers of one kind", "arguments at most";
     FORMS, "forms of one row of a chip", "forms",
         "scamp5 has 12", "forms at most";
+    ALIASES, "other names of registers", "names",
+        "scamp5 has 13", "aliases at most";
     ARRAY_SIDE, "rows or columns of an array or a sensor", "px",
         "addresses of events have 16 bits", "from 1 to 65536";
     FIGURE, "the size of a number about a chip", "",

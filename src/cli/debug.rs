@@ -3,7 +3,7 @@
 use std::{
     collections::BTreeSet,
     fmt::Write as _,
-    io::{BufRead, IsTerminal, Write},
+    io::{IsTerminal, Write},
     ops::ControlFlow,
     path::Path,
 };

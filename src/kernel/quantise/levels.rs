@@ -48,8 +48,7 @@ pub(super) fn free(
     let magnitudes = magnitudes(quantiser);
     // Between each two changes all weights are looked up.
     let size = weights.len() as f64;
-    let look = f64::from(magnitudes.len().ilog2() + 1);
-    let steps = size * size * (magnitudes.len() - 1) as f64 * look;
+    let steps = size * size * (magnitudes.len() - 1) as f64;
     affordable(quantiser, weights.len(), steps, QUANTISER_STEPS, "steps of search")?;
     let mut changes: Vec<f64> = magnitudes
         .windows(2)
