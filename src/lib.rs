@@ -21,11 +21,13 @@ pub mod bits;
 pub mod chance;
 pub mod elementary;
 pub mod guard;
+pub mod limit;
 #[cfg(not(fuzzing))]
 mod lined;
 pub mod memory;
 pub mod plane;
 pub mod save;
+pub mod source;
 pub mod unit;
 
 #[cfg(not(fuzzing))]

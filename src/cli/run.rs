@@ -1,6 +1,6 @@
 //! `amacrine run`: a scene through a sensor file.
 
-use std::{cell::RefCell, fs, path::Path};
+use std::{cell::RefCell, path::Path};
 
 use miette::{WrapErr, miette};
 use serde_json::json;
@@ -22,6 +22,7 @@ use crate::{
         Scene, open,
         upsample::{Bound, Upsampled, Upsampling},
     },
+    source,
     study::plan::{Effect, Plan, cost},
     unit::Micros,
 };
@@ -205,18 +206,14 @@ fn watched(
 /// When a file cannot be read, or is not what it should be.
 pub fn read_sensor(path: &Path) -> miette::Result<Description> {
     let shown = path.display().to_string();
-    let text = fs::read_to_string(path).map_err(|e| {
-        miette!(
-            help = "give a sensor file; sensors/ has some to start from",
-            "{shown}: {e}"
-        )
-    })?;
+    let help = "give a sensor file; sensors/ has some to start from";
+    let text = source::text(path, help)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let named = RefCell::new(Vec::new());
     let read = |name: &str| {
         let path = folder.join(name);
         named.borrow_mut().push(path.clone());
-        fs::read(path)
+        Ok(source::bytes(&path, "")?)
     };
     let description = Description::parse(&shown, &text, &read)?;
     named

@@ -2,7 +2,6 @@
 
 use std::{
     fmt::Write as _,
-    fs,
     path::{Path, PathBuf},
     thread,
     time::Instant,
@@ -17,8 +16,8 @@ use super::{
     files::{Input, Output},
     progress::Progress,
 };
-use crate::memory::Need;
 use crate::study::sweep::{Plan, Shard, Store, Study, run as run_points, run::Did, schema};
+use crate::{memory::Need, source};
 
 /// What `sweep` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -78,12 +77,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     check_parquet(arguments.parquet)?;
     let shown = path.display().to_string();
-    let text = fs::read_to_string(path).map_err(|cause| {
-        miette!(
-            help = "give a study file; studies/ has some to start from",
-            "cannot read {shown}: {cause}"
-        )
-    })?;
+    let text = source::text(path, "give a study file; studies/ has some to start from")?;
     let study = Study::parse(&shown, &text)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let plan = Plan::new(study, folder)?;

@@ -1,9 +1,10 @@
 //! What falls on the array, and what lies in its registers.
 
-use std::{fs::File, io::Read as _, path::Path};
+use std::path::Path;
 
 use miette::{WrapErr, miette};
-use ndarray_npy::{ReadNpyError, ReadableElement, npy::header::Header};
+use ndarray::ArrayView2;
+use ndarray_npy::{ReadNpyError, ReadableElement, ViewElement, ViewNpyError, npy::header::Header};
 
 use super::{
     super::{budget, files, registers::Register},
@@ -15,6 +16,7 @@ use crate::{
     plane::{Plane, Size},
     program::Program,
     scene::{ASSUMED_FPS, Scene, open},
+    source,
 };
 
 impl Set {
@@ -96,33 +98,26 @@ impl Light {
 
 /// Reads a plane of any numbers.
 pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
-    fn of<T: ReadableElement + Copy>(
+    fn of<T: ReadableElement + ViewElement + Copy>(
         bytes: &[u8],
         number: impl Fn(T) -> f64,
     ) -> Result<Plane<f64>, ReadNpyError> {
-        use ndarray_npy::ReadNpyExt;
+        use ndarray_npy::{ReadNpyExt, ViewNpyExt};
+        // A view allocates nothing, so that a header can claim what it likes.
+        match ArrayView2::<T>::view_npy(bytes) {
+            Err(ViewNpyError::LengthOverflow) => return Err(ReadNpyError::LengthOverflow),
+            Err(ViewNpyError::MissingBytes(_)) => return Err(ReadNpyError::MissingData),
+            _ => {}
+        }
         let plane = Plane::<T>::read_npy(bytes)?;
         Ok(plane.map(|value| number(*value)))
     }
     let shown = path.display();
-    let unreadable = |e: std::io::Error| {
-        miette!(
-            help = "give a .npy of shape (H,W), as numpy.save writes it",
-            "{shown}: {e}"
-        )
-    };
-    // What `ndarray-npy` reads, it first makes room for: the header must agree with the file.
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(LONGEST_PLANE + 1).read_to_end(&mut bytes))
-        .map_err(unreadable)?;
-    if bytes.len() as u64 > LONGEST_PLANE {
-        return Err(miette!(
-            help = format!("a plane has at most {} pixels", Size::MOST_PIXELS),
-            "{shown}: more than {LONGEST_PLANE} bytes"
-        ));
-    }
+    let help = "give a .npy of shape (H,W), as numpy.save writes it";
+    let bytes = source::numbers(path, help)?;
     let bytes = bytes.as_slice();
+    source::npy_header(bytes).map_err(|what| miette!(help = help, "{shown}: {what}"))?;
+    // The header must agree with the file, before room is made for what it says.
     check_shape(bytes).map_err(|why| {
         miette!(
             help = "give a .npy of shape (H,W) with real numbers, as numpy.save writes it",
@@ -159,7 +154,6 @@ pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
 }
 
 /// The longest file of a plane: 8 bytes a pixel, and a header.
-const LONGEST_PLANE: u64 = 8 * Size::MOST_PIXELS as u64 + (1 << 16);
 
 /// Whether a header promises no more numbers than there are bytes. What else is wrong with it,
 /// its reader says.
