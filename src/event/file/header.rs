@@ -35,6 +35,10 @@ impl Header {
             let at = chunks.at();
             let Some(line) = chunks.line(mark)? else {
                 ends(chunks, format, mark, last)?;
+                // Neither an end nor events: how much is missing is not known.
+                if chunks.here().is_empty() && !header.ours {
+                    return Err(chunks.truncated("its header".into()));
+                }
                 break;
             };
             let text = line[1..].trim();
