@@ -119,12 +119,6 @@ impl About {
         if let Some(size) = about.size {
             within_reach(size)?;
         }
-        for (name, times) in [("span", about.span), ("times", about.times)] {
-            if let Some((from, to)) = times.filter(|(from, to)| from > to) {
-                let why = format!("has a `{name}` that ends before it starts: {}..{}", from.0, to.0);
-                return Err(Fault::About { why });
-            }
-        }
         Ok(Some(about))
     }
 

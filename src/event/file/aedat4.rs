@@ -347,6 +347,10 @@ fn inflate(compression: i32, block: Vec<u8>) -> Result<Vec<u8>, String> {
     let mut packet = Vec::new();
     let read = match compression {
         0 => return Ok(block),
+        // The decoder takes the end of its input for the end of a frame.
+        1 | 2 if !packets::is_lz4_frame(&block) => {
+            return Err("has a packet that is no whole LZ4 frame".into());
+        }
         1 | 2 => FrameDecoder::new(&block[..])
             .take(LONGEST as u64 + 1)
             .read_to_end(&mut packet),

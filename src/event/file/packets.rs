@@ -50,6 +50,26 @@ pub fn read(table: &[u8]) -> Option<Vec<Row>> {
     rows.collect()
 }
 
+/// Whether a block is one LZ4 frame, from its first byte to the mark at its end. Layout:
+/// <https://github.com/lz4/lz4/blob/dev/doc/lz4_Frame_format.md>.
+pub fn is_lz4_frame(block: &[u8]) -> bool {
+    let end = || {
+        let flags = *block.get(4)?;
+        let has = |bit: u8, bytes: usize| usize::from(flags >> bit & 1) * bytes;
+        // Magic, flags and sizes, check sum of these.
+        let mut at = 4 + 2 + has(3, 8) + has(0, 4) + 1;
+        loop {
+            let size = u32::from_le_bytes(*block.get(at..)?.first_chunk()?);
+            at += 4;
+            if size == 0 {
+                return Some(at + has(2, 4));
+            }
+            at += (size & i32::MAX as u32) as usize + has(4, 4);
+        }
+    };
+    end() == Some(block.len())
+}
+
 /// A buffer without its size in front, which must be its size.
 pub fn whole(buffer: &[u8]) -> Option<&[u8]> {
     let (size, body) = buffer.split_first_chunk()?;
