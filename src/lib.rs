@@ -17,10 +17,12 @@
 pub mod bits;
 pub mod chance;
 pub mod guard;
+pub mod limit;
 #[cfg(not(fuzzing))]
 mod lined;
 pub mod plane;
 pub mod save;
+pub mod source;
 pub mod unit;
 
 #[cfg(not(fuzzing))]

@@ -1,8 +1,6 @@
 //! `--readout`: what stands between the cells and the packet, chosen on the command line.
 
-use std::{fs, path::Path};
-
-use miette::miette;
+use std::path::Path;
 
 use crate::{
     compile::SLOTS,
@@ -10,6 +8,7 @@ use crate::{
         Packet,
         readout::{ReadOut, Statistics, settings::Description},
     },
+    source,
 };
 
 /// Which readout, and with which settings.
@@ -37,12 +36,8 @@ impl Choice {
             return Ok(None);
         };
         let mut description = if Path::new(name).extension().is_some_and(|e| e == "toml") {
-            let text = fs::read_to_string(name).map_err(|e| {
-                miette!(
-                    help = "give a file like those in readouts/, or the name of a readout",
-                    "cannot read {name}: {e}"
-                )
-            })?;
+            let help = "give a file like those in readouts/, or the name of a readout";
+            let text = source::text(Path::new(name), help)?;
             Description::parse(name, &text)?
         } else {
             Description::shipped(name)?

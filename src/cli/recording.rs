@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::{
     event::file::{self, FileError, Loaded, Opening},
+    limit::ARRAY_SIDE,
     plane::Size,
 };
 
@@ -42,6 +43,6 @@ pub fn size(text: &str) -> Result<Size, String> {
         Some(Size::new(height.parse().ok()?, width.parse().ok()?))
     };
     read()
-        .filter(|size| size.width.min(size.height) > 0 && size.width.max(size.height) <= 1 << 16)
+        .filter(|size| size.width.min(size.height) > 0 && size.width.max(size.height) <= ARRAY_SIDE)
         .ok_or_else(|| "give width x height in pixels, such as 346x260".into())
 }

@@ -1,7 +1,7 @@
 //! `amacrine run`: a scene through a sensor file.
 
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
 };
 
@@ -26,6 +26,7 @@ use crate::{
         OpenOptions, Scene, open,
         upsample::{Bound, Upsampled, Upsampling},
     },
+    source,
     study::plan::{Effect, Plan, cost},
     unit::Micros,
 };
@@ -248,14 +249,10 @@ fn check_outputs(arguments: &Arguments) -> miette::Result<()> {
 /// When a file cannot be read, or is not what it should be.
 pub fn read_sensor(path: &Path) -> miette::Result<Description> {
     let shown = path.display().to_string();
-    let text = fs::read_to_string(path).map_err(|e| {
-        miette!(
-            help = "give a sensor file; sensors/ has some to start from",
-            "{shown}: {e}"
-        )
-    })?;
+    let help = "give a sensor file; sensors/ has some to start from";
+    let text = source::text(path, help)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let read = move |name: &str| fs::read(folder.join(name));
+    let read = move |name: &str| Ok(source::bytes(&folder.join(name), "")?);
     Ok(Description::parse(&shown, &text, &read)?)
 }
 

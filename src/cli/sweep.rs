@@ -2,7 +2,6 @@
 
 use std::{
     fmt::Write as _,
-    fs,
     path::{Path, PathBuf},
     thread,
     time::Instant,
@@ -12,6 +11,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::progress::Progress;
+use crate::source;
 use crate::study::sweep::{Plan, Shard, Store, Study, run as run_points, run::Did, schema};
 
 /// What `sweep` is asked to do.
@@ -72,12 +72,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     check_parquet(arguments.parquet)?;
     let shown = path.display().to_string();
-    let text = fs::read_to_string(path).map_err(|cause| {
-        miette!(
-            help = "give a study file; studies/ has some to start from",
-            "cannot read {shown}: {cause}"
-        )
-    })?;
+    let text = source::text(path, "give a study file; studies/ has some to start from")?;
     let study = Study::parse(&shown, &text)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let plan = Plan::new(study, folder)?;

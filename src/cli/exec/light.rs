@@ -1,9 +1,10 @@
 //! What falls on the array, and what lies in its registers.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use miette::{WrapErr, miette};
-use ndarray_npy::{ReadNpyError, ReadableElement};
+use ndarray::ArrayView2;
+use ndarray_npy::{ReadNpyError, ReadableElement, ViewElement, ViewNpyError};
 
 use super::{super::registers::Register, Arguments, Light, Set};
 use crate::{
@@ -12,6 +13,7 @@ use crate::{
     plane::{Plane, Size},
     program::Program,
     scene::{ASSUMED_FPS, OpenOptions, Scene, open},
+    source,
 };
 
 impl Set {
@@ -92,22 +94,25 @@ impl Light {
 
 /// Reads a plane of any numbers.
 pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
-    fn of<T: ReadableElement + Copy>(
+    fn of<T: ReadableElement + ViewElement + Copy>(
         bytes: &[u8],
         number: impl Fn(T) -> f64,
     ) -> Result<Plane<f64>, ReadNpyError> {
-        use ndarray_npy::ReadNpyExt;
+        use ndarray_npy::{ReadNpyExt, ViewNpyExt};
+        // A view allocates nothing, so that a header can claim what it likes.
+        match ArrayView2::<T>::view_npy(bytes) {
+            Err(ViewNpyError::LengthOverflow) => return Err(ReadNpyError::LengthOverflow),
+            Err(ViewNpyError::MissingBytes(_)) => return Err(ReadNpyError::MissingData),
+            _ => {}
+        }
         let plane = Plane::<T>::read_npy(bytes)?;
         Ok(plane.map(|value| number(*value)))
     }
     let shown = path.display();
-    let bytes = fs::read(path).map_err(|e| {
-        miette!(
-            help = "give a .npy of shape (H,W), as numpy.save writes it",
-            "{shown}: {e}"
-        )
-    })?;
+    let help = "give a .npy of shape (H,W), as numpy.save writes it";
+    let bytes = source::numbers(path, help)?;
     let bytes = bytes.as_slice();
+    source::npy_header(bytes).map_err(|what| miette!(help = help, "{shown}: {what}"))?;
     let mut result = of::<f64>(bytes, |v| v);
     // Every kind of number that numpy saves; which one it is stands in the header.
     macro_rules! or_else {

@@ -22,6 +22,7 @@ use crate::{
     isa::{Analog, Digital, Figure, text::nearest},
     picture::{panel, write_png},
     plane::{Plane, Size},
+    limit::THREADS,
     program::Step,
     save::save,
     scene::Scene,
@@ -68,7 +69,7 @@ pub struct Arguments {
     #[arg(long)]
     schedule: Option<String>,
     /// On how many threads at most
-    #[arg(long)]
+    #[arg(long, value_parser = threads)]
     threads: Option<usize>,
     /// Write the events that were read out; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
     #[arg(long)]
@@ -141,6 +142,15 @@ pub(super) fn figure(name: &str, value: &str) -> Result<(Figure, f64), String> {
         )
     })?;
     Ok((figure, number))
+}
+
+/// A number of threads, for the command line.
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(number) if number <= THREADS => Ok(number),
+        Ok(_) => Err(format!("{THREADS} threads at most")),
+        Err(_) => Err("give a whole number".to_owned()),
+    }
 }
 
 /// Runs the verb.

@@ -6,6 +6,7 @@ use std::{fmt, sync::Arc};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::{Place, line_column};
+use crate::limit::FAULTS;
 
 /// Whether a text can still be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,6 +97,8 @@ pub struct Faults {
     pub file: String,
     /// What is wrong.
     pub faults: Vec<Located>,
+    /// Whether more is wrong, which is not told.
+    pub more: bool,
 }
 
 impl Faults {
@@ -104,6 +107,13 @@ impl Faults {
     pub fn new(file: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         faults.sort_by_key(|fault| (fault.place.start, fault.place.end));
         faults.dedup();
+        let more = faults.len() > FAULTS;
+        if more {
+            // No warning takes the place of an error.
+            faults.sort_by_key(|fault| fault.severity != Severity::Error);
+            faults.truncate(FAULTS);
+            faults.sort_by_key(|fault| (fault.place.start, fault.place.end));
+        }
         let source = Arc::new(NamedSource::new(file, text.to_owned()));
         let locate = |fault: Fault| {
             let (line, column) = line_column(text, fault.place.start);
@@ -118,6 +128,7 @@ impl Faults {
         Self {
             file: file.to_owned(),
             faults: faults.into_iter().map(locate).collect(),
+            more,
         }
     }
 
@@ -137,6 +148,27 @@ impl Faults {
         }
         Ok(())
     }
+}
+
+/// Leaves out what would not be told, where there is much: so that a text that is wrong
+/// everywhere does not take memory and time without end.
+pub fn thin(faults: &mut Vec<Fault>) {
+    if faults.len() <= 4 * FAULTS {
+        return;
+    }
+    for severity in [Severity::Error, Severity::Warning] {
+        let mut kept = 0;
+        faults.retain(|fault| {
+            kept += usize::from(fault.severity == severity);
+            fault.severity != severity || kept <= FAULTS + 1
+        });
+    }
+}
+
+/// Whether so much is wrong that there is no use in going on.
+pub fn enough(faults: &[Fault]) -> bool {
+    let errors = faults.iter().filter(|f| f.severity == Severity::Error);
+    errors.count() > FAULTS
 }
 
 impl fmt::Display for Located {
@@ -187,7 +219,13 @@ impl fmt::Display for Faults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.faults.as_slice() {
             [only] => only.fmt(f),
-            all => write!(f, "{}: {} things are wrong", self.file, all.len()),
+            all => {
+                write!(f, "{}: {} things are wrong", self.file, all.len())?;
+                if self.more {
+                    f.write_str(", and more are not shown")?;
+                }
+                Ok(())
+            }
         }
     }
 }

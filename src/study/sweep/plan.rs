@@ -7,7 +7,6 @@
 
 use std::{
     collections::{BTreeMap, HashSet},
-    fs,
     path::Path,
     sync::Arc,
 };
@@ -33,6 +32,7 @@ use crate::{
         text::{Fault, Faults, Place},
     },
     kernel::Kernel,
+    source,
 };
 
 /// Everything there is to compute.
@@ -234,14 +234,18 @@ impl Opened<'_> {
 
     fn kernel_file(&self, point: &Point, name: &str) -> Result<Kernel, Faults> {
         let path = self.folder.join(name);
-        let bytes = fs::read(&path).map_err(|cause| {
-            let known: Vec<_> = Kernel::builtin_names().collect();
-            let help = format!(
-                "give a kernel file (.toml, .npy) beside the study or one of {}",
-                known.join(", ")
+        let known: Vec<_> = Kernel::builtin_names().collect();
+        let help = format!(
+            "give a kernel file (.toml, .npy) beside the study or one of {}",
+            known.join(", ")
+        );
+        let bytes = source::bytes(&path, &help).map_err(|error| {
+            let what = format!(
+                "cannot read the kernel {}: {}",
+                path.display(),
+                error.cause
             );
-            let what = format!("cannot read the kernel {}: {cause}", path.display());
-            self.wrong(point, "kernel", &what, Some(help))
+            self.wrong(point, "kernel", &what, Some(error.help))
         })?;
         let kernel = if bytes.starts_with(b"\x93NUMPY") {
             Kernel::from_npy(&bytes)
