@@ -32,6 +32,7 @@ mod header;
 mod line;
 mod npy;
 mod npz;
+mod packets;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod reader;
