@@ -160,7 +160,7 @@ fn outputs() {
         let sensor = Path::new(env!("CARGO_MANIFEST_DIR")).join(SENSOR);
         let path = format!("{}/{name}", sensor.display());
         let message = refused(SCENE, SENSOR, &[option, &path]);
-        says(&message, &["cannot write", name, "not a directory"]);
+        says(&message, &["cannot write", name, "Not a directory"]);
     }
     says(
         &refused(SCENE, SENSOR, &["--events", "e.xyz"]),

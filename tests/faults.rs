@@ -179,7 +179,13 @@ fn every_operation_of_every_verb_fails_once() {
             for how in ways {
                 let at = number.to_string();
                 let ran = bench.run(case, old, &[("SHIM_AT", &at), ("SHIM_HOW", how)]);
-                let what = format!("{line}: {how} of {operation:?}\n{}", message(&ran.said));
+                let Operation {
+                    number, name, path, ..
+                } = operation;
+                let what = format!(
+                    "{line}: {how} of {number}, {name} {path}\n{}",
+                    message(&ran.said)
+                );
                 // Where threads share the work the order may be another.
                 if !ran.operations.iter().any(|o| o.fails) {
                     continue;

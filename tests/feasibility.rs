@@ -527,7 +527,7 @@ fn bad_input_is_one_message_and_no_page() {
         (more(&["--exposure", "soon"]), &["soon", "1ms"]),
         (
             [&ASK[..], &["-o", "zero.toml/report.html"]].concat(),
-            &["cannot write zero.toml/report.html", "not a directory"],
+            &["cannot write zero.toml/report.html", "Not a directory"],
         ),
     ];
     for (arguments, words) in cases {

@@ -87,7 +87,8 @@ fn refused(said: &Output, what: &str, words: &[&str]) {
     assert_eq!(said.status.code(), Some(2), "{what}: {message}");
     assert!(said.stdout.is_empty(), "{what}");
     assert!(!message.contains("panicked"), "{what}: {message}");
-    let messages = message.matches('×').count() + message.matches("error:").count();
+    let usage = usize::from(message.starts_with("error:"));
+    let messages = message.matches('×').count() + usage;
     assert_eq!(messages, 1, "{what}: {message}");
     for word in words {
         assert!(message.contains(word), "{what}: no {word:?} in: {message}");
@@ -398,7 +399,16 @@ fn names_say_what_is_in_them() {
         &["e.csv", "csv", "npy"],
     );
     refused(&named("e.raw", "npy"), "contradiction", &["evt2", "npy"]);
-    good(&named("e.raw", "evt3"), "one of several");
+    let one = [
+        "convert",
+        "../in/events.csv",
+        "e.raw",
+        "--format",
+        "evt3",
+        "--kind",
+        "0",
+    ];
+    good(&ran(&work, &one), "one of several");
     good(&named("e.anything", "npy"), "a name that says nothing");
 }
 
@@ -434,7 +444,10 @@ fn a_dash_is_standard_output() {
             let what = words.join(" ");
             let said = ran(&bench.work(), &words);
             good(&said, &what);
-            if first == ending {
+            if case.verb() == "quantise" && ending == "toml" {
+                // It says its own name.
+                assert!(said.stdout.starts_with(b"name = "), "{what}");
+            } else if first == ending {
                 assert!(said.stdout == *bytes, "{what}");
             } else {
                 assert!(said.stdout.starts_with(b"t,x,y,p"), "{what}");

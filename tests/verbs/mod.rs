@@ -86,8 +86,8 @@ pub const CASES: &[Case] = &[
     case("convert ../in/events.npy c.csv", "c.csv"),
     case("convert ../in/events.csv c.npy", "c.npy"),
     case("convert ../in/events.npy c.npz", "c.npz"),
-    case("convert ../in/events.npy c.aedat4", "c.aedat4"),
-    case("convert ../in/events.npy c.evt3", "c.evt3"),
+    case("convert ../in/events.npy c.aedat4 --kind 0", "c.aedat4"),
+    case("convert ../in/events.npy c.evt3 --kind 1", "c.evt3"),
     #[cfg(feature = "hdf5")]
     case("convert ../in/events.npy c.hdf5", "c.hdf5"),
     #[cfg(feature = "parquet")]
