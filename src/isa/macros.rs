@@ -118,8 +118,12 @@ pub fn parse(text: &str) -> Result<Vec<Macro>, Vec<Fault>> {
                 ("statements", MACRO_STATEMENTS)
             };
             faults.push(
-                Fault::error(place, format!("a chip has {most} {what} at most"), "this macro")
-                    .help("leave out what no program uses"),
+                Fault::error(
+                    place,
+                    format!("a chip has {most} {what} at most"),
+                    "this macro",
+                )
+                .help("leave out what no program uses"),
             );
             return Err(faults);
         }
@@ -324,7 +328,9 @@ pub fn check_calls(device: &Device) -> Vec<(usize, Fault)> {
         }
         open = rest;
     }
-    let circles = open.iter().filter_map(|at| Some((*at, circle(device, &macros[*at])?)));
+    let circles = open
+        .iter()
+        .filter_map(|at| Some((*at, circle(device, &macros[*at])?)));
     faults.extend(circles.take(FAULTS));
     faults
 }
@@ -332,6 +338,15 @@ pub fn check_calls(device: &Device) -> Vec<(usize, Fault)> {
 /// The fault of a macro that comes back to itself, if it does.
 fn circle(device: &Device, it: &Macro) -> Option<Fault> {
     calls_itself(device, it).map(|path| {
+        let names: Vec<&str> = path.split(" calls ").collect();
+        let path = match names.as_slice() {
+            [first @ .., last] if first.len() > 8 => {
+                let left = first.len() - 8;
+                let first = first[..8].join(" calls ");
+                format!("{first} calls {left} others, and then {last}")
+            }
+            _ => path,
+        };
         Fault::error(
             it.signature.place,
             format!("`{}` comes back to itself: {path}", it.signature.name),
