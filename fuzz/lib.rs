@@ -252,7 +252,8 @@ fn sensor(text: &str) {
 fn watch(sensor: &mut dyn Sensor) {
     let mut packet = Packet::new(Size::new(5, 6), sensor.channels());
     for index in 0..2_u64 {
-        let light = Plane::from_shape_fn((5, 6), |(y, x)| ((x + y) as u64 * 9 * (index + 1)) as f64);
+        let light =
+            Plane::from_shape_fn((5, 6), |(y, x)| ((x + y) as u64 * 9 * (index + 1)) as f64);
         let frame = Frame {
             index,
             seconds: index as f64 / 100.0,
@@ -274,7 +275,10 @@ fn chip(number: usize, bytes: &[u8]) {
     ];
     fs::create_dir_all(place().join("chip")).expect("a temporary folder");
     for (i, (name, own)) in files.iter().zip(own).enumerate() {
-        placed(&format!("chip/{name}"), if i == number { bytes } else { own });
+        placed(
+            &format!("chip/{name}"),
+            if i == number { bytes } else { own },
+        );
     }
     drop(Device::load(&place().join("chip")));
 }

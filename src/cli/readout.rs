@@ -7,9 +7,10 @@ use crate::{
     compile::SLOTS,
     event::{
         Packet,
-        readout::{ReadOut, Statistics, settings::Description},
+        readout::{Latency, ReadOut, Statistics, settings::Description},
     },
     source,
+    unit::Picos,
 };
 
 /// Which readout, and with which settings.
@@ -99,11 +100,15 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
     if let Some(l) = &statistics.latency {
         lines.push(format!(
             "latency  mean {}   half {}   90 % {}   99 % {}   longest {}",
-            short(l.mean_s * 1e12),
-            short(l.p50.0 as f64),
-            short(l.p90.0 as f64),
-            short(l.p99.0 as f64),
-            short(l.max.0 as f64),
+            if l.mean_s.is_finite() {
+                short(l.mean_s * 1e12)
+            } else {
+                "unknown".to_owned()
+            },
+            time(l.p50),
+            time(l.p90),
+            time(l.p99),
+            time(l.max),
         ));
     }
     for stage in &statistics.stages {
@@ -127,6 +132,14 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
         ));
     }
     lines
+}
+
+/// A latency.
+fn time(time: Picos) -> String {
+    if time == Latency::BEYOND {
+        return "more than 213 days".to_owned();
+    }
+    short(time.0 as f64)
 }
 
 /// A time of so many picoseconds, with three figures.

@@ -13,6 +13,7 @@ use super::{
 use crate::{
     array::Array,
     isa::{Device, Figure},
+    limit::FRAMES,
     plane::{Plane, Size},
     program::Program,
     scene::{ASSUMED_FPS, Scene, open},
@@ -86,6 +87,12 @@ impl Light {
             return Err(miette!(
                 help = "the first frame runs `init`, every later one `frame`",
                 "--frames 0: nothing would run"
+            ));
+        }
+        if let Some(asked) = frames.filter(|asked| *asked > FRAMES) {
+            return Err(miette!(
+                help = "run fewer frames, or a clip of your own in parts",
+                "{asked} frames; {FRAMES} frames at most"
             ));
         }
         Ok(Self {

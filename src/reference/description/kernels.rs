@@ -7,6 +7,7 @@ use toml::Spanned;
 use crate::{
     elementary,
     kernel::{Kernel, KernelError},
+    plane::Plane,
 };
 
 use super::{MemoryRule, check::Checked, door::Door, written::WrittenKernel};
@@ -18,12 +19,18 @@ impl Door<'_> {
         gain: f64,
         span: &Range<usize>,
     ) -> Checked<Kernel> {
-        Kernel::new(kernel.weights() * gain).map_err(|e| {
-            self.wrong(
-                span.clone(),
-                &format!("with gain {gain:e}: {e}"),
-                "give a smaller gain",
-            )
+        let scaled = kernel.weights() * gain;
+        let is_zero = |weights: &Plane<f64>| weights.iter().all(|w| *w == 0.0);
+        if is_zero(&scaled) && !is_zero(kernel.weights()) {
+            let what = format!("with gain {gain:e}: every weight becomes 0");
+            return Err(self.wrong(span.clone(), &what, "give a larger gain"));
+        }
+        Kernel::new(scaled).map_err(|e| {
+            let advice = match e {
+                KernelError::Subnormal { .. } => "give a larger gain",
+                _ => "give a smaller gain",
+            };
+            self.wrong(span.clone(), &format!("with gain {gain:e}: {e}"), advice)
         })
     }
 
