@@ -15,12 +15,13 @@ use crate::{
     picture::{panel, write_png},
     plane::Plane,
     save::save,
-    scene::{self, OpenOptions, Scene as _},
+    scene::{self, Scene as _},
     study::quantisation::{self, Answer, Outcome, Question, Score},
     unit::Micros,
 };
 
 use super::{
+    budget,
     content::Content,
     files::{Named, Output},
     progress::Progress,
@@ -166,23 +167,23 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         .zip(&all)
         .map(|(to, quantised)| Row::of(*to, kernel, quantised))
         .collect();
-    if let Some(path) = &arguments.output {
-        let [quantised] = &all[..] else {
-            return Err(miette!(
-                help = "give one quantiser with --to",
-                "--output writes one kernel, and {} were asked for",
-                all.len()
-            ));
-        };
-        write(path, arguments, quantised)?;
-    }
-    if let Some(path) = &arguments.picture {
-        write_png(path, &picture(kernel, &all))?;
+    if arguments.output.is_some() && all.len() != 1 {
+        return Err(miette!(
+            help = "give one quantiser with --to",
+            "--output writes one kernel, and {} were asked for",
+            all.len()
+        ));
     }
     let answer = match arguments.threshold {
         Some(threshold) => Some(on_chip(arguments, kernel, threshold)?),
         None => None,
     };
+    if let (Some(path), [quantised]) = (&arguments.output, &all[..]) {
+        write(path, arguments, quantised)?;
+    }
+    if let Some(path) = &arguments.picture {
+        write_png(path, &picture(kernel, &all))?;
+    }
     if arguments.json {
         let json = Json {
             chip: answer,
@@ -219,9 +220,10 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
     }
     let device = Device::find(&arguments.chip)?;
     let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &OpenOptions::default())?,
+        Some(scene) => scene::open(scene, &budget::opening(None))?,
         None => scene::bundled()?,
     };
+    budget::check_study(&*scene, 1 + 2 * arguments.to.len())?;
     let question = Question {
         kernel,
         threshold,

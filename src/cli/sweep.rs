@@ -2,7 +2,6 @@
 
 use std::{
     fmt::Write as _,
-    fs,
     path::{Path, PathBuf},
     sync::OnceLock,
     thread,
@@ -13,6 +12,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::{
+    budget,
     content::Content,
     files::{Input, Output},
     progress::Progress,
@@ -25,6 +25,7 @@ use crate::study::sweep::{
     store::Tables,
     verify::{Share, Verified},
 };
+use crate::{memory::Need, source};
 
 /// What `sweep` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -107,22 +108,20 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     check_parquet(arguments.parquet)?;
     let shown = path.display().to_string();
-    let text = fs::read_to_string(path).map_err(|cause| {
-        miette!(
-            help = "give a study file; studies/ has some to start from",
-            "cannot read {shown}: {cause}"
-        )
-    })?;
+    let text = source::text(path, "give a study file; studies/ has some to start from")?;
     let study = Study::parse(&shown, &text)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let plan = Plan::new(study, folder)?;
-    let output = match &arguments.output {
-        Some(output) => output.to_path_buf(),
-        None => PathBuf::from(path.file_stem().unwrap_or(path.as_os_str())),
-    };
     let jobs = match arguments.jobs {
         Some(jobs) => jobs.into(),
         None => thread::available_parallelism().map_or(1, usize::from),
+    };
+    let scenes = Need::new().and("scenes that are kept", plan.held());
+    budget::check(&scenes, "a sweep", "take smaller scenes, or fewer")?;
+    let share = scenes.left(budget::budget()) / jobs as u64;
+    let output = match &arguments.output {
+        Some(output) => output.to_path_buf(),
+        None => PathBuf::from(path.file_stem().unwrap_or(path.as_os_str())),
     };
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
@@ -133,7 +132,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         limits: Limits {
             clock: &clock,
             seconds: arguments.max_seconds_per_point,
-            bytes: None,
+            bytes: Some(share),
         },
     };
     let progress = Bar::default();

@@ -42,8 +42,7 @@ pub const STDOUT: &str = "/dev/stdout";
 pub struct SaveError {
     /// Which file.
     pub path: PathBuf,
-    /// What the system said.
-    #[source]
+    /// What the system said; the message has it.
     pub cause: io::Error,
 }
 

@@ -16,6 +16,9 @@ use super::folder;
 pub(super) const PREFIX: &str = ".amacrine-";
 pub(super) const SUFFIX: &str = ".tmp";
 
+/// Of those that are not locked, which nobody sweeps up.
+const SPOOL: &str = ".amacrine-spool-";
+
 /// What this process would leave behind if it ended now.
 static ALL: Mutex<Vec<Entry>> = Mutex::new(Vec::new());
 
@@ -55,18 +58,26 @@ impl Temporary {
             _ => Path::new("."),
         };
         let made = folder::make(folder)?;
-        Self::inside(folder, made, 0o666)
+        Self::inside(made, || create(folder, PREFIX, 0o666))
     }
 
-    /// A new, empty file in the system's folder for such, for nobody else to read.
+    /// A new, empty file in the system's folder for such, for nobody else to read; its writer
+    /// may lock it.
     pub(super) fn elsewhere() -> io::Result<(Self, File)> {
-        Self::inside(&std::env::temp_dir(), Vec::new(), 0o600)
+        Self::inside(Vec::new(), || {
+            let (path, file) = create(&std::env::temp_dir(), SPOOL, 0o600)?;
+            let _ = file.unlock();
+            Ok((path, file))
+        })
     }
 
-    fn inside(folder: &Path, made: Vec<PathBuf>, mode: u32) -> io::Result<(Self, File)> {
+    fn inside(
+        made: Vec<PathBuf>,
+        create: impl FnOnce() -> io::Result<(PathBuf, File)>,
+    ) -> io::Result<(Self, File)> {
         // Held while the file is made: nobody is to end between that and its entry.
         let mut list = all();
-        match create(folder, mode) {
+        match create() {
             Ok((path, file)) => {
                 list.push(Entry {
                     path: path.clone(),
@@ -109,12 +120,12 @@ impl Drop for Temporary {
 }
 
 /// A file that was not there, locked as long as it is open: so others can tell that it is in use.
-fn create(folder: &Path, mode: u32) -> io::Result<(PathBuf, File)> {
+fn create(folder: &Path, prefix: &str, mode: u32) -> io::Result<(PathBuf, File)> {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let process = std::process::id();
     for _ in 0..1000 {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        let path = folder.join(format!("{PREFIX}{process}-{number}{SUFFIX}"));
+        let path = folder.join(format!("{prefix}{process}-{number}{SUFFIX}"));
         let mut options = OpenOptions::new();
         options.read(true).write(true).create_new(true);
         #[cfg(unix)]
