@@ -14,13 +14,20 @@
 //! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it). Fuzzers take
 //! in bytes from outside: they are built with the rooms that do so, in seconds.
 
+#![warn(clippy::disallowed_methods)]
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
 pub mod bits;
 pub mod chance;
+pub mod elementary;
 pub mod guard;
+pub mod limit;
 #[cfg(not(fuzzing))]
 mod lined;
+pub mod memory;
 pub mod plane;
 pub mod save;
+pub mod source;
 pub mod unit;
 
 #[cfg(not(fuzzing))]

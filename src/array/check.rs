@@ -3,6 +3,7 @@
 use super::Layout;
 use crate::{
     isa::{Analog, Bit, Digital, Primitive, Source, Target},
+    limit::ARRAY_SIDE,
     plane::Size,
     program::{Action, Code, Host, Step},
 };
@@ -102,7 +103,7 @@ pub fn check(code: &Code, layout: &Layout) -> Result<(), CodeError> {
     let Size { height, width } = layout.size;
     if ![height, width]
         .iter()
-        .all(|side| (1..=1 << 16).contains(side))
+        .all(|side| (1..=ARRAY_SIDE).contains(side))
     {
         let size = layout.size;
         let problem = CodeProblem::Size { size };

@@ -41,13 +41,17 @@ pub struct Arguments {
     json: bool,
 }
 
+/// Bytes of an event: as it was read, sorted by cell, drawn anew, and moved elsewhere.
+const EACH: u128 = 100;
+
 /// Runs the verb.
 ///
 /// # Errors
 /// When a file cannot be read, or the two are of different sensors.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let mut reference = arguments.recording.read(&arguments.a)?;
-    let mut judged = arguments.recording.read(&arguments.b)?;
+    let mut reference = arguments.recording.read(&arguments.a, 0, EACH)?;
+    let held = EACH * reference.packet.events.len() as u128;
+    let mut judged = arguments.recording.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
     let pair = Pair::of(&reference.packet, &judged.packet)?;

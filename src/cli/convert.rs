@@ -92,6 +92,7 @@ struct Seen {
     size_known: bool,
     channels: u8,
     skipped: u64,
+    note: Option<&'static str>,
     damage: Option<FileError>,
 }
 
@@ -135,6 +136,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
                 "size_known": seen.size_known,
                 "kinds": seen.channels,
                 "left_out": seen.skipped,
+                "note": seen.note,
                 "damage": seen.damage.as_ref().map(ToString::to_string),
             },
             "written": files,
@@ -202,6 +204,7 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         size_known: true,
         channels: 1,
         skipped: 0,
+        note: None,
         damage: None,
     };
     let mut events = Vec::new();
@@ -302,6 +305,7 @@ fn pass(
     }
     progress.finish();
     seen.skipped = reader.skipped();
+    seen.note = reader.note();
     let mut written = Vec::new();
     for ((writer, _, ends), (path, _)) in writers.into_iter().zip(targets) {
         written.push(Written {
@@ -356,6 +360,9 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
             "note     {} records that are no events of a pixel were left out (triggers, frames, motion, or before the first time)",
             seen.skipped
         ));
+    }
+    if let Some(note) = seen.note {
+        lines.push(format!("note     {note}"));
     }
     if let Some(damage) = &seen.damage {
         lines.push(format!("damage   {damage}"));

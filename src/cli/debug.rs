@@ -3,7 +3,7 @@
 use std::{
     collections::BTreeSet,
     fmt::Write as _,
-    io::{BufRead, IsTerminal, Write},
+    io::{IsTerminal, Write},
     ops::ControlFlow,
     path::Path,
 };
@@ -18,6 +18,7 @@ use crate::{
     picture::{panel, write_png},
     plane::{Plane, Size},
     program::{Action, Step},
+    source,
     unit::Micros,
 };
 
@@ -193,18 +194,16 @@ impl<'a> Debugger<'a> {
                 // A prompt that does not show is no reason to stop.
                 let _ = std::io::stdout().flush();
             }
-            let mut line = String::new();
-            let read = std::io::stdin().lock().read_line(&mut line);
-            let length = read.map_err(|cause| {
+            let read = source::line(std::io::stdin().lock()).map_err(|cause| {
                 miette!(
                     help = "commands are lines of text",
                     "cannot read a command: {cause}"
                 )
             })?;
-            if length == 0 {
+            let Some(line) = read else {
                 self.mode = Mode::Quit;
                 return Ok(());
-            }
+            };
             let words: Vec<&str> = line.split_whitespace().collect();
             match self.obey(&words, chip) {
                 Ok(Some(mode)) => {

@@ -10,7 +10,7 @@ use crate::{
     kernel::{Kernel, quantise::Quantiser},
     plane::Size,
     save::save,
-    scene::{self, Frame, OpenOptions, Scene, SceneError},
+    scene::{self, Frame, Scene, SceneError},
     study::{
         feasibility::{self, Feasibility, Fit, Question, Stream},
         report,
@@ -19,6 +19,7 @@ use crate::{
 };
 
 use super::{
+    budget,
     content::Content,
     files::{Named, Output},
     progress::Progress,
@@ -99,6 +100,9 @@ fn energy(text: &str) -> Result<Energy, String> {
 /// What the scene is called where none was given.
 const BUNDLED: &str = "the bundled clip";
 
+/// Sensors that watch side by side, at most: those of the waterfall.
+const SENSORS: usize = 20;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -107,7 +111,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernel = kernel(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
     let open = || arguments.open();
-    let frames = open()?.frames();
+    let scene = open()?;
+    budget::check_study(&*scene, SENSORS)?;
+    let frames = scene.frames();
+    drop(scene);
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
     let question = Question {
@@ -164,7 +171,7 @@ fn kernel(name: &str) -> miette::Result<Kernel> {
 
 impl Arguments {
     fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        let options = OpenOptions { fps: self.fps };
+        let options = budget::opening(self.fps);
         match (&self.scene, self.fps) {
             (Some(scene), _) => scene::open(scene, &options),
             (None, None) => scene::bundled(),

@@ -1,6 +1,7 @@
 //! The command line: one file a verb, and the only place that prints.
 
 pub mod asm;
+mod budget;
 pub mod compare;
 pub mod compile;
 pub mod content;
@@ -39,7 +40,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use self::print::{complain, say};
-use crate::guard;
+use crate::{guard, memory::Budget};
 
 /// One for each verb, as `amacrine help` shows them.
 const EXAMPLES: &str = "\
@@ -66,6 +67,9 @@ Examples:
 #[derive(Debug, Parser)]
 #[command(name = "amacrine", version, about, after_help = EXAMPLES)]
 struct Arguments {
+    /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
+    #[arg(long, global = true, value_name = "SIZE")]
+    max_memory: Option<Budget>,
     #[command(subcommand)]
     verb: Option<Verb>,
 }
@@ -137,6 +141,7 @@ pub fn main() -> ExitCode {
         Ok(parsed) => parsed,
         Err(error) => return print::usage(&error),
     };
+    budget::allow(arguments.max_memory);
     match files::check(&command(), &matches).and_then(|()| run(arguments)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(report) => print::failed(&report),

@@ -1,6 +1,6 @@
 //! The one door through which verbs read a program: file, chip, constants.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use miette::miette;
 
@@ -11,6 +11,7 @@ use super::{
 use crate::{
     isa::{Device, Figure},
     program::{Expansion, Overrides, Program},
+    source,
 };
 
 /// Which program, on which chip.
@@ -54,12 +55,8 @@ impl Source {
     /// Reads the text, whatever is wrong with it.
     pub fn read(&self) -> miette::Result<Program> {
         let file = self.program.display().to_string();
-        let text = fs::read_to_string(&self.program).map_err(|cause| {
-            miette!(
-                help = "give the path of a program, such as programs/dvs/snap.scamp",
-                "cannot read {file}: {cause}"
-            )
-        })?;
+        let help = "give the path of a program, such as programs/dvs/snap.scamp";
+        let text = source::text(&self.program, help)?;
         Ok(Program::read(&file, &text))
     }
 

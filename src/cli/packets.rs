@@ -10,6 +10,7 @@ use super::{
     recording::{self, Recording},
 };
 use crate::{
+    elementary,
     event::{
         Packet, Polarity,
         codec::{CodeBook, Coding, Layout, Rate, entropy},
@@ -45,6 +46,9 @@ pub struct Arguments {
     json: bool,
 }
 
+/// Bytes of an event: as it was read, in what a readout makes of it, and what its word costs.
+const EACH: u128 = 80;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -58,7 +62,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     arguments.readout.open()?.map(|d| d.readout()).transpose()?;
-    let loaded = arguments.recording.read(&arguments.file)?;
+    let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
     let read = arguments.readout.apply(&loaded.packet)?;
     let packet = read.as_ref().map_or(&loaded.packet, |(_, r)| &r.packet);
     let counted = Counted::of(packet, arguments)?;
@@ -285,7 +289,7 @@ impl Shown<'_> {
         for (kind, events) in (0..).zip(&c.kinds) {
             let share = *events as f64 / all.max(1) as f64;
             let ideal = if *events > 0 {
-                format!("{:.2}", -share.log2().min(0.0))
+                format!("{:.2}", -elementary::log2(share).min(0.0))
             } else {
                 "-".into()
             };

@@ -11,13 +11,14 @@ use serde_json::{Value, json};
 use crate::{
     event::Packet,
     number::Format,
-    reference::Limit,
-    scene::{OpenOptions, open},
+    reference::{Description, Limit, Reference},
+    scene::{OpenOptions, Scene as _, open},
     study::plan::{Change, Choice, Model, Plan, Question},
     unit::Micros,
 };
 
 use super::{
+    budget,
     fidelity::{allowed, chosen, line, make, percent, share},
     files::{Input, Named},
     progress::Progress,
@@ -56,9 +57,9 @@ pub struct Arguments {
     /// Run it and the full model, and show what every step really changes beside its bound
     #[arg(long)]
     verify: bool,
-    /// The most events a list may hold
-    #[arg(long, default_value_t = Limit::default().events)]
-    max_events: usize,
+    /// The most events a list may hold [default: 100000000, or what there is memory for]
+    #[arg(long)]
+    max_events: Option<usize>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
@@ -113,13 +114,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         readout,
         crop: true,
     };
-    let options = OpenOptions { fps: arguments.fps };
+    let options = budget::opening(arguments.fps);
+    let events = events(arguments, &description)?;
     let start = Instant::now();
     let plan = make(&question, &arguments.scene, &options)
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
     let planning = start.elapsed();
     let limit = Limit {
-        events: arguments.max_events,
+        events,
         ..Limit::default()
     };
     let ran = |model: Model, what| ran(model, what, &arguments.scene, &options);
@@ -170,6 +172,30 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     verified.map_or(Ok(()), |verified| verified.held(&plan))
 }
+
+/// How many events a list may hold beside the model, its probe and what is followed of each cell.
+fn events(arguments: &Arguments, description: &Description) -> miette::Result<usize> {
+    let scene = open(&arguments.scene, &budget::opening(arguments.fps))?;
+    let size = scene.size();
+    let model = <Reference>::bytes(description, size);
+    let cells = (size.pixels() * description.channels.len()) as u128;
+    let need = budget::of_scene(&*scene)
+        .and("the model and its probe", 3 * model)
+        .and("what is followed of each cell", FOLLOWED * cells);
+    let what = format!("a plan for {size}");
+    let lists = 1 + u128::from(arguments.run) + 2 * u128::from(arguments.verify);
+    let help = "take a smaller scene";
+    budget::events(
+        need,
+        arguments.max_events,
+        lists * budget::MADE,
+        &what,
+        help,
+    )
+}
+
+/// Bytes of what is followed of a cell.
+const FOLLOWED: u128 = 200;
 
 impl Verified {
     /// Whether every bound held.

@@ -15,12 +15,13 @@ use crate::{
     picture::{panel, write_png},
     plane::Plane,
     save::save,
-    scene::{self, OpenOptions, Scene as _},
+    scene::{self, Scene as _},
     study::quantisation::{self, Answer, Outcome, Question, Score},
     unit::Micros,
 };
 
 use super::{
+    budget,
     content::Content,
     files::{Named, Output},
     progress::Progress,
@@ -219,9 +220,10 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
     }
     let device = Device::find(&arguments.chip)?;
     let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &OpenOptions::default())?,
+        Some(scene) => scene::open(scene, &budget::opening(None))?,
         None => scene::bundled()?,
     };
+    budget::check_study(&*scene, 1 + 2 * arguments.to.len())?;
     let question = Question {
         kernel,
         threshold,

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use miette::miette;
+use serde_json::json;
 
 use super::{
     content::Content,
@@ -43,7 +44,7 @@ pub struct Arguments {
 /// # Errors
 /// When the folder holds no results, or the picture cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let (manifest, rows) = store::read(&arguments.folder)?;
+    let (manifest, rows, tables) = store::read(&arguments.folder)?;
     if rows.is_empty() {
         return Err(miette!(
             help = "run `amacrine sweep` first",
@@ -56,8 +57,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         path.draw(&fronts(&shows(&report)))?;
     }
     if arguments.json {
-        let text = serde_json::to_string(&report).unwrap_or_default();
-        super::say(&format!("{text}\n"));
+        let mut said = json!(report);
+        if let Some(said) = said.as_object_mut() {
+            said.insert("computed_by".to_owned(), json!(tables.computed_by));
+        }
+        super::say(&format!("{said}\n"));
     } else {
         super::say(&table(&report, arguments));
     }
@@ -146,6 +150,13 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             text,
             "\ncannot   {} ({} points): {}",
             refused.name, refused.points, refused.reason
+        );
+    }
+    for failed in &report.failed {
+        let _ = writeln!(
+            text,
+            "\nfailed   {} ({} points): {}",
+            failed.name, failed.points, failed.reason
         );
     }
     if !report.without.is_empty() {

@@ -1,6 +1,6 @@
 //! `amacrine run`: a scene through a sensor file.
 
-use std::{cell::RefCell, fs, path::Path};
+use std::{cell::RefCell, path::Path};
 
 use miette::{WrapErr, miette};
 use serde_json::json;
@@ -19,14 +19,16 @@ use crate::{
     },
     save::Stack,
     scene::{
-        OpenOptions, Scene, open,
+        Scene, open,
         upsample::{Bound, Upsampled, Upsampling},
     },
+    source,
     study::plan::{Effect, Plan, cost},
     unit::Micros,
 };
 
 use super::{
+    budget,
     content::Content,
     fidelity::Fidelity,
     files::{self, Input, Named, Output},
@@ -71,9 +73,9 @@ pub struct Arguments {
     /// Write voxels, float32 (P+1,K,H,W): each event shared between the two nearest frame times
     #[arg(long, value_name = "V.npy", value_parser = Content::Array)]
     voxels: Option<Output>,
-    /// The most events a list may hold
-    #[arg(long, default_value_t = Limit::default().events)]
-    max_events: usize,
+    /// The most events a list may hold [default: 100000000, or what there is memory for]
+    #[arg(long)]
+    max_events: Option<usize>,
     /// What to do when a frame pair's events do not fit in the list
     #[arg(long, value_enum, default_value = "stop")]
     when_full: Full,
@@ -132,7 +134,7 @@ impl Arguments {
             ));
         }
         let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
-        let options = OpenOptions { fps: self.fps };
+        let options = budget::opening(self.fps);
         let plan = self.fidelity.plan(
             &self.scene,
             &options,
@@ -151,7 +153,7 @@ fn watched(
     description: &Description,
     plan: Option<&Plan>,
 ) -> miette::Result<()> {
-    let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
+    let scene = open(&arguments.scene, &budget::opening(arguments.fps))?;
     let sensor = description.clone();
     let watched = match arguments.upsample {
         None => arguments.format.visit(Run {
@@ -204,18 +206,14 @@ fn watched(
 /// When a file cannot be read, or is not what it should be.
 pub fn read_sensor(path: &Path) -> miette::Result<Description> {
     let shown = path.display().to_string();
-    let text = fs::read_to_string(path).map_err(|e| {
-        miette!(
-            help = "give a sensor file; sensors/ has some to start from",
-            "{shown}: {e}"
-        )
-    })?;
+    let help = "give a sensor file; sensors/ has some to start from";
+    let text = source::text(path, help)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let named = RefCell::new(Vec::new());
     let read = |name: &str| {
         let path = folder.join(name);
         named.borrow_mut().push(path.clone());
-        fs::read(path)
+        Ok(source::bytes(&path, "")?)
     };
     let description = Description::parse(&shown, &text, &read)?;
     named
@@ -265,15 +263,20 @@ fn watch<N: Number, S: Scene>(
     let size = scene.size();
     let channels = description.channels.len();
     let refractory = description.refractory;
-    let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
-    let mut packet = Packet::new(size, channels as u8);
     let limit = Limit {
-        events: arguments.max_events,
+        events: events(
+            arguments,
+            &scene,
+            Reference::<N>::bytes(&description, size),
+            channels,
+        )?,
         when_full: match arguments.when_full {
             Full::Stop => WhenFull::Stop,
             Full::Drop => WhenFull::Drop,
         },
     };
+    let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
+    let mut packet = Packet::new(size, channels as u8);
     let mut tally = Tally::new(channels);
     let mut counts = arguments
         .counts
@@ -356,6 +359,42 @@ fn watch<N: Number, S: Scene>(
         read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
     })
+}
+
+/// How many events the list may hold, after all that a run holds besides.
+fn events(
+    arguments: &Arguments,
+    scene: &dyn Scene,
+    sensor: u128,
+    channels: usize,
+) -> miette::Result<usize> {
+    let size = scene.size();
+    let cells = (channels * size.pixels()) as u128;
+    let [counted, binned, listed] = [
+        arguments.counts.is_some(),
+        arguments.voxels.is_some() || arguments.json,
+        arguments.events.is_some(),
+    ]
+    .map(u128::from);
+    let need = budget::of_scene(scene)
+        .and("the sensor's cells", sensor)
+        // The planes, and one on its way to the file.
+        .and("counts", counted * (cells + size.pixels() as u128) * 4)
+        .and("voxels", binned * (2 * cells + size.pixels() as u128) * 8);
+    let kinds = if channels == 1 { "kind" } else { "kinds" };
+    let what = format!(
+        "a run of {size} with {channels} {kinds} of cells in {}",
+        arguments.format
+    );
+    let help = "take a smaller scene, fewer kinds of cells or a narrower --format";
+    if listed == 0 {
+        budget::check(&need, &what, help)?;
+        return Ok(Limit::default().events);
+    }
+    // A readout makes a second packet.
+    let read = u128::from(arguments.readout.is_asked());
+    let each = budget::MADE + read * Packet::bytes(1);
+    budget::events(need, arguments.max_events, each, &what, help)
 }
 
 /// The bin of a frame that no later event can reach goes out.

@@ -3,12 +3,14 @@
 use miette::miette;
 
 use super::{
+    budget,
     content::Content,
     files::{Input, Output},
     recording::{self, Recording},
 };
 use crate::{
     event::Packet,
+    memory::Need,
     picture::{
         view::{self, Look, View},
         write_frames,
@@ -109,6 +111,12 @@ impl Shown {
 /// The most pages that an animation has.
 const PAGES: u64 = 2000;
 
+/// Bytes of an event: as it was read, and by its cell.
+const EACH: u128 = 48;
+
+/// Bytes of a pixel: times, counts and colours, as numbers and as drawn.
+const PIXEL: u128 = 40;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -125,9 +133,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if moving {
         arguments.can_move()?;
     }
-    let loaded = arguments.recording.read(&arguments.file)?;
+    let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
     let size_known = loaded.size_known;
     let mut packet = loaded.packet;
+    check(&packet, arguments)?;
     cut(&mut packet, arguments)?;
     let name = arguments.file.display().to_string();
     let title = arguments.title.as_ref().unwrap_or(&name);
@@ -165,6 +174,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("wrote    {output}: {events} events{of}{frames}\n"));
     }
     Ok(())
+}
+
+/// Refuses pictures for which there is no room: a file may say that its sensor is of any size.
+fn check(packet: &Packet, arguments: &Arguments) -> miette::Result<()> {
+    let kinds = match arguments.view {
+        Shown::Kinds | Shown::Overview => u128::from(packet.channels),
+        Shown::Frame | Shown::Surface | Shown::Cloud | Shown::Rate | Shown::Intervals => 1,
+    };
+    let pixels = PIXEL * kinds * packet.size.pixels() as u128;
+    let events = EACH * packet.events.len() as u128;
+    let need = Need::new()
+        .and("pictures of the sensor's size", pixels)
+        .and("events", events);
+    let what = format!("a picture of {}", packet.size);
+    let help = "show one kind of cell, or a file that says the true size of its sensor";
+    budget::check(&need, &what, help)
 }
 
 /// Leaves only what was asked for.

@@ -6,7 +6,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::{exec::Bench, registers::Register};
-use crate::{event::Polarity, plane::Plane};
+use crate::{event::Polarity, limit::RUNS, plane::Plane};
 
 /// What many runs gave.
 ///
@@ -38,6 +38,12 @@ impl Statistics {
             return Err(miette!(
                 help = "give the number of runs, one at least",
                 "--repeat 0: nothing would run"
+            ));
+        }
+        if runs > RUNS {
+            return Err(miette!(
+                help = "some thousand runs tell mean and spread",
+                "--repeat {runs}: {RUNS} runs at most"
             ));
         }
         let opened = &bench.opened;

@@ -10,7 +10,7 @@ use crate::{
     compile::Effort,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
-    scene::{self, OpenOptions, Scene as _},
+    scene::{self, Scene as _},
     study::{
         design::Design,
         waterfall::{Question, Shares, Waterfall, ask},
@@ -19,6 +19,7 @@ use crate::{
 };
 
 use super::{
+    budget,
     content::Content,
     files::{Named, Output},
     progress::Progress,
@@ -96,6 +97,9 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
     super::exec::figure(name, value)
 }
 
+/// Sensors that watch side by side: one a step, and in all but one of them.
+const SENSORS: usize = 20;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -131,9 +135,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         within: arguments.within,
     };
     let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &OpenOptions::default())?,
+        Some(scene) => scene::open(scene, &budget::opening(None))?,
         None => scene::bundled()?,
     };
+    budget::check_study(&*scene, SENSORS)?;
     let progress = Progress::new("watching", scene.frames());
     let answer = ask(&question, &mut scene, |_| progress.tick());
     progress.finish();

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::limit::{ARRAY_SIDE, FIGURE, STORE_WORDS};
+
 pub use crate::unit::Evidence;
 
 /// A number as it stands in `device.toml`.
@@ -32,6 +34,10 @@ pub enum Domain {
     Positive,
     /// A whole number, at least one.
     Count,
+    /// A side of the array.
+    Side,
+    /// Words of the kernel store.
+    Words,
     /// A whole number from 2 to 256.
     Codes,
     /// A whole number from 4 to 255.
@@ -48,10 +54,12 @@ impl Domain {
     pub fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
-                Self::Any => true,
-                Self::NotNegative => value >= 0.0,
-                Self::Positive => value > 0.0,
-                Self::Count => value >= 1.0 && value.fract() == 0.0 && value <= 1e9,
+                Self::Any => value.abs() <= FIGURE,
+                Self::NotNegative => (0.0..=FIGURE).contains(&value),
+                Self::Positive => (1.0 / FIGURE..=FIGURE).contains(&value),
+                Self::Count => (1.0..=1e9).contains(&value) && value.fract() == 0.0,
+                Self::Side => (1.0..=ARRAY_SIDE as f64).contains(&value) && value.fract() == 0.0,
+                Self::Words => (1.0..=STORE_WORDS as f64).contains(&value) && value.fract() == 0.0,
                 Self::Codes => (2.0..=256.0).contains(&value) && value.fract() == 0.0,
                 Self::Links => (4.0..=255.0).contains(&value) && value.fract() == 0.0,
                 Self::Part => (0.0..1.0).contains(&value),
@@ -63,10 +71,12 @@ impl Domain {
     #[must_use]
     pub const fn expected(self) -> &'static str {
         match self {
-            Self::Any => "a finite number",
-            Self::NotNegative => "a number of zero or more",
-            Self::Positive => "a number above zero",
-            Self::Count => "a whole number of one or more",
+            Self::Any => "a finite number, at most 1e12 in size",
+            Self::NotNegative => "a number of zero or more, at most 1e12 in size",
+            Self::Positive => "a number above zero, at least 1e-12 and at most 1e12 in size",
+            Self::Count => "a whole number of one or more, at most 1e9",
+            Self::Side => "a whole number from 1 to 65536",
+            Self::Words => "a whole number from 1 to 262144",
             Self::Codes => "a whole number from 2 to 256",
             Self::Links => "a whole number from 4 to 255",
             Self::Part => "a number from 0 to below 1",
@@ -127,9 +137,9 @@ macro_rules! figures {
 
 figures! {
     /// Rows of pixels.
-    Height = "array"."height", "px", Count;
+    Height = "array"."height", "px", Side;
     /// Columns of pixels.
-    Width = "array"."width", "px", Count;
+    Width = "array"."width", "px", Side;
     /// Side of a pixel.
     Pitch = "array"."pitch", "um", Positive;
     /// Instruction words per second.
@@ -139,7 +149,7 @@ figures! {
     /// Electrical power at the full instruction rate.
     Power = "clock"."power", "W", NotNegative;
     /// Instruction words that all kernels of a program may have together.
-    Store = "store"."words", "words", Count;
+    Store = "store"."words", "words", Words;
     /// Bits of an instruction word.
     WordBits = "store"."bits", "bits", Count;
     /// Lowest value of an analogue register.

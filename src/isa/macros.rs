@@ -13,6 +13,10 @@
 //! What a macro destroys is not written down: it is what its body writes and its heading does
 //! not give as a result.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::limit::{FAULTS, MACRO_DEPTH, MACRO_STATEMENTS, MACROS};
+
 use super::{
     Callable, Device, Evidence, Kind as Primitives, Operand, Signature,
     signature::{Given, Mode},
@@ -89,6 +93,9 @@ pub fn parse(text: &str) -> Result<Vec<Macro>, Vec<Fault>> {
             }
             Err(fault) => {
                 faults.push(fault);
+                if faults.len() > FAULTS {
+                    return Err(faults);
+                }
                 // The next macro begins with a word of its own.
                 while cursor.peek().is_some()
                     && !cursor.sees_word("macro")
@@ -100,9 +107,27 @@ pub fn parse(text: &str) -> Result<Vec<Macro>, Vec<Fault>> {
         }
         end = cursor.before().end;
     }
-    for it in &macros {
+    let mut statements = 0;
+    for (at, it) in macros.iter().enumerate() {
+        statements += length(&it.body);
+        let place = it.signature.place;
+        if at == MACROS || statements > MACRO_STATEMENTS {
+            let (what, most) = if at == MACROS {
+                ("macros", MACROS)
+            } else {
+                ("statements", MACRO_STATEMENTS)
+            };
+            faults.push(
+                Fault::error(
+                    place,
+                    format!("a chip has {most} {what} at most"),
+                    "this macro",
+                )
+                .help("leave out what no program uses"),
+            );
+            return Err(faults);
+        }
         if it.doc.is_empty() {
-            let place = it.signature.place;
             faults.push(
                 Fault::error(
                     place,
@@ -118,6 +143,15 @@ pub fn parse(text: &str) -> Result<Vec<Macro>, Vec<Fault>> {
     } else {
         Err(faults)
     }
+}
+
+/// Statements of a body.
+fn length(body: &[Item]) -> usize {
+    let one = |item: &Item| match item {
+        Item::Statement(_) => 1,
+        Item::Repeat { body, .. } => length(body),
+    };
+    body.iter().map(one).sum()
 }
 
 /// The `///` comments between two places.
@@ -239,17 +273,87 @@ pub fn check(device: &Device, it: &Macro) -> Vec<Fault> {
     let mut faults = Vec::new();
     check_heading(device, it, &mut faults);
     check_body(device, it, &it.body, &mut faults);
-    if let Some(path) = calls_itself(device, it) {
-        faults.push(
-            Fault::error(
-                it.signature.place,
-                format!("`{}` comes back to itself: {path}", it.signature.name),
-                "this macro would never end",
-            )
-            .help("a macro is made of primitives and of macros that are simpler"),
-        );
-    }
     faults
+}
+
+/// Checks that no macro of a device comes back to itself, and that none is too deep. What is
+/// wrong comes with the number of the macro.
+#[must_use]
+pub fn check_calls(device: &Device) -> Vec<(usize, Fault)> {
+    let macros = &device.macros;
+    let mut named: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (at, it) in macros.iter().enumerate() {
+        named.entry(&it.signature.name).or_default().push(at);
+    }
+    let called: Vec<BTreeSet<usize>> = macros
+        .iter()
+        .map(|it| {
+            let mut calls = Vec::new();
+            statements(&it.body, &mut calls);
+            let candidates = |call: &&Statement| {
+                let all = named.get(call.name.as_str()).into_iter().flatten();
+                let call = *call;
+                let meant: Vec<usize> = all
+                    .copied()
+                    .filter(|at| may_mean(call, &macros[*at]))
+                    .collect();
+                meant
+            };
+            calls.iter().flat_map(candidates).collect()
+        })
+        .collect();
+    // Level by level: first the macros that call none, then those that call only these, …
+    let mut settled = vec![false; macros.len()];
+    let mut open: Vec<usize> = (0..macros.len()).collect();
+    let mut faults = Vec::new();
+    for level in 1.. {
+        let (ready, rest): (Vec<usize>, Vec<usize>) = open
+            .iter()
+            .partition(|at| called[**at].iter().all(|next| settled[*next]));
+        if ready.is_empty() {
+            open = rest;
+            break;
+        }
+        for at in &ready {
+            settled[*at] = true;
+            if level > MACRO_DEPTH && faults.len() <= FAULTS {
+                let it = &macros[*at].signature;
+                let what = format!("`{}` has {level} macros inside each other", it.name);
+                faults.push((
+                    *at,
+                    Fault::error(it.place, what, format!("at most {MACRO_DEPTH}"))
+                        .help("write what it does in fewer steps"),
+                ));
+            }
+        }
+        open = rest;
+    }
+    let circles = open
+        .iter()
+        .filter_map(|at| Some((*at, circle(device, &macros[*at])?)));
+    faults.extend(circles.take(FAULTS));
+    faults
+}
+
+/// The fault of a macro that comes back to itself, if it does.
+fn circle(device: &Device, it: &Macro) -> Option<Fault> {
+    calls_itself(device, it).map(|path| {
+        let names: Vec<&str> = path.split(" calls ").collect();
+        let path = match names.as_slice() {
+            [first @ .., last] if first.len() > 8 => {
+                let left = first.len() - 8;
+                let first = first[..8].join(" calls ");
+                format!("{first} calls {left} others, and then {last}")
+            }
+            _ => path,
+        };
+        Fault::error(
+            it.signature.place,
+            format!("`{}` comes back to itself: {path}", it.signature.name),
+            "this macro would never end",
+        )
+        .help("a macro is made of primitives and of macros that are simpler")
+    })
 }
 
 fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
@@ -510,13 +614,23 @@ impl Macro {
     #[must_use]
     pub fn scratch(&self, device: &Device) -> Vec<String> {
         let mut names = Vec::new();
-        self.collect_scratch(device, &mut names, 0);
+        self.collect_scratch(device, &mut names, &mut Vec::new());
         names.sort();
         names.dedup();
         names
     }
 
-    fn collect_scratch(&self, device: &Device, names: &mut Vec<String>, depth: usize) {
+    /// Each macro is looked at once, however often it is called.
+    fn collect_scratch<'d>(
+        &'d self,
+        device: &'d Device,
+        names: &mut Vec<String>,
+        seen: &mut Vec<&'d Self>,
+    ) {
+        if seen.iter().any(|known| std::ptr::eq(*known, self)) {
+            return;
+        }
+        seen.push(self);
         let roles = device.registers().roles;
         let mut calls = Vec::new();
         statements(&self.body, &mut calls);
@@ -526,10 +640,7 @@ impl Macro {
                 let signature = callable.signature();
                 match callable {
                     Callable::Macro(next) if !may_mean(call, next) => continue,
-                    // Loading refuses macros that come back to themselves.
-                    Callable::Macro(next) if depth < 32 => {
-                        next.collect_scratch(device, names, depth + 1);
-                    }
+                    Callable::Macro(next) => next.collect_scratch(device, names, seen),
                     Callable::Primitive(Primitives::Square, _) => {
                         names.push(device.analog_name(device.news()));
                     }

@@ -10,6 +10,8 @@
 
 use std::fmt;
 
+use crate::limit::ARGUMENTS;
+
 use super::{
     Bit, Source, Value,
     text::{Cursor, Expression, Fault, Kind, Place, Token},
@@ -140,7 +142,17 @@ impl Signature {
         let mut parameters = Vec::new();
         if !cursor.take(")") {
             loop {
+                let start = cursor.place();
+                let several = parameters.last().is_some_and(Parameter::is_open);
                 parameters.push(parameter(cursor)?);
+                if several || parameters.len() > ARGUMENTS {
+                    let what = if several {
+                        "only the last parameter can take several arguments".to_owned()
+                    } else {
+                        format!("a form has {ARGUMENTS} arguments at most")
+                    };
+                    return Err(Fault::error(start, what, "this parameter").help(HELP));
+                }
                 if cursor.take(")") {
                     break;
                 }
@@ -279,11 +291,26 @@ impl Operand {
     }
 }
 
+/// As many arguments as a statement has.
+const OPEN: f64 = 1e6;
+
+impl Parameter {
+    /// Whether it takes arguments up to the last.
+    fn is_open(&self) -> bool {
+        !self.group && self.count != (1, 1)
+    }
+}
+
 fn parameter(cursor: &mut Cursor<'_>) -> Result<Parameter, Fault> {
     const HELP: &str = "a parameter is `[out|inout|trash] name: kind [* least..most] [= default]`";
+    let start = cursor.place();
     if cursor.take("{") {
-        let inner = parameter(cursor)?;
+        let inner = cursor.deeper(parameter)?;
         cursor.expect("}", HELP)?;
+        if inner.group {
+            let fault = Fault::error(start, "braces inside braces", "this parameter");
+            return Err(fault.help("one pair of braces is enough"));
+        }
         return Ok(Parameter {
             group: true,
             ..inner
@@ -326,7 +353,19 @@ fn parameter(cursor: &mut Cursor<'_>) -> Result<Parameter, Fault> {
                 ..
             }) | None
         );
-        let most = if open { 1e6 } else { number(cursor)? };
+        let most = if open { OPEN } else { number(cursor)? };
+        let whole = |count: f64| count.fract() == 0.0 && count >= 0.0;
+        let limit = ARGUMENTS as f64;
+        if !(whole(least) && whole(most) && least <= most && least <= limit)
+            || !open && most > limit
+        {
+            return Err(Fault::error(
+                start.to(cursor.before()),
+                format!("`{least}..{most}` is no number of arguments: least and most are whole, {ARGUMENTS} arguments at most"),
+                "this parameter",
+            )
+            .help("write `source * 0..2` for none to two of them"));
+        }
         (least as usize, most as usize)
     } else {
         (1, 1)
@@ -355,6 +394,11 @@ fn operand(cursor: &mut Cursor<'_>) -> Result<Operand, Fault> {
         cursor.expect("..", "bounds are `[low..high]`")?;
         bounds = (low, number(cursor)?);
         cursor.expect("]", "bounds are `[low..high]`")?;
+        if bounds.0 > bounds.1 {
+            let what = format!("no number is from {} to {}", bounds.0, bounds.1);
+            let fault = Fault::error(place.to(cursor.before()), what, "these bounds");
+            return Err(fault.help("swap them"));
+        }
     }
     Ok(match kind.as_str() {
         "areg" => Operand::Areg,

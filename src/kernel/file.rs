@@ -10,12 +10,12 @@
 //!
 //! Learned kernels come as `.npy` arrays of shape (rows, columns).
 
-use ndarray::ArrayView2;
+use ndarray::{Array, ArrayView, Dimension, Ix2, Ix3};
 use ndarray_npy::{ViewElement, ViewNpyError, ViewNpyExt};
 use serde::Deserialize;
 
 use super::{Kernel, KernelError};
-use crate::plane::Plane;
+use crate::{elementary, limit::KERNEL_SIDE, plane::Plane, source};
 
 /// A kernel file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -114,31 +114,19 @@ impl Kernel {
     /// # Errors
     /// When it is not such an array of floats or integers, or is not a kernel.
     pub fn from_npy(bytes: &[u8]) -> Result<Self, KernelFileError> {
-        // Its fifth word is how long a header of version 2 or 3 is said to be.
-        if let Some(&[version @ 2..=255, _, a, b, c, d]) = bytes.get(6..12) {
-            let header = u32::from_le_bytes([a, b, c, d]) as usize;
-            if header > bytes.len() {
-                let found = format!("its header, of version {version}, goes beyond its end");
-                return Err(KernelFileError::Array(found));
-            }
-        }
-        // Numbers are read in place, which wants them aligned.
-        let mut room = vec![0; bytes.len() + ALIGNMENT];
-        let start = room.as_ptr().align_offset(ALIGNMENT).min(ALIGNMENT);
-        let aligned = &mut room[start..start + bytes.len()];
-        aligned.copy_from_slice(bytes);
-        let readers: [Reader; 7] = [
-            |b| read::<f64>(b, |w| w),
-            |b| read::<f32>(b, f64::from),
-            |b| read::<i64>(b, |w| w as f64),
-            |b| read::<i32>(b, f64::from),
-            |b| read::<i16>(b, f64::from),
-            |b| read::<i8>(b, f64::from),
-            |b| read::<u8>(b, f64::from),
+        let aligned = Aligned::new(bytes)?;
+        let readers: [Reader<Ix2>; 7] = [
+            |b| read::<f64, _>(b, |w| w),
+            |b| read::<f32, _>(b, f64::from),
+            |b| read::<i64, _>(b, |w| w as f64),
+            |b| read::<i32, _>(b, f64::from),
+            |b| read::<i16, _>(b, f64::from),
+            |b| read::<i8, _>(b, f64::from),
+            |b| read::<u8, _>(b, f64::from),
         ];
         let mut found = String::new();
         for reader in readers {
-            match reader(aligned) {
+            match reader(&aligned) {
                 Ok(weights) => return Ok(Self::new(weights)?),
                 // Another reader may know this type of number.
                 Err(ViewNpyError::WrongDescriptor(of)) => {
@@ -157,6 +145,27 @@ impl Kernel {
         Err(KernelFileError::Array(found))
     }
 
+    /// Reads a `.npy` array of shape (kernels, rows, columns); `None` when it is none.
+    #[must_use]
+    pub fn planes_from_npy(bytes: &[u8]) -> Option<Vec<Plane<f64>>> {
+        let aligned = Aligned::new(bytes).ok()?;
+        let readers: [Reader<Ix3>; 7] = [
+            |b| read::<f64, _>(b, |w| w),
+            |b| read::<f32, _>(b, f64::from),
+            |b| read::<i64, _>(b, |w| w as f64),
+            |b| read::<i32, _>(b, f64::from),
+            |b| read::<i16, _>(b, f64::from),
+            |b| read::<i8, _>(b, f64::from),
+            |b| read::<u8, _>(b, f64::from),
+        ];
+        let stack = readers.iter().find_map(|reader| reader(&aligned).ok())?;
+        // No weights can be any number of kernels.
+        if stack.is_empty() {
+            return Some(Vec::new());
+        }
+        Some(stack.outer_iter().map(|plane| plane.to_owned()).collect())
+    }
+
     /// Centre 1 and a surround of equal weights that sum to -1, `side` by `side`.
     ///
     /// # Errors
@@ -166,6 +175,13 @@ impl Kernel {
             return Err(KernelFileError::Parameter(format!(
                 "centre-surround must be an odd side of 3 or more, it is {side}"
             )));
+        }
+        if side > KERNEL_SIDE {
+            return Err(KernelError::Size {
+                height: side,
+                width: side,
+            }
+            .into());
         }
         let others = -1.0 / ((side * side - 1) as f64);
         let mut weights = Plane::from_elem((side, side), others);
@@ -177,14 +193,44 @@ impl Kernel {
 /// More than the largest number that is read needs.
 const ALIGNMENT: usize = 64;
 
-/// Reads weights of one type of number.
-type Reader = fn(&[u8]) -> Result<Plane<f64>, ViewNpyError>;
+/// The bytes of a `.npy` where numbers can be read in place.
+struct Aligned {
+    room: Vec<u8>,
+    start: usize,
+    length: usize,
+}
 
-fn read<T: ViewElement + Copy>(
+impl Aligned {
+    fn new(bytes: &[u8]) -> Result<Self, KernelFileError> {
+        source::npy_header(bytes).map_err(KernelFileError::Array)?;
+        let length = bytes.len();
+        let mut room = vec![0; length + ALIGNMENT];
+        let start = room.as_ptr().align_offset(ALIGNMENT).min(ALIGNMENT);
+        room[start..start + length].copy_from_slice(bytes);
+        Ok(Self {
+            room,
+            start,
+            length,
+        })
+    }
+}
+
+impl std::ops::Deref for Aligned {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        &self.room[self.start..self.start + self.length]
+    }
+}
+
+/// Reads weights of one type of number.
+type Reader<D> = fn(&[u8]) -> Result<Array<f64, D>, ViewNpyError>;
+
+fn read<T: ViewElement + Copy, D: Dimension>(
     bytes: &[u8],
     weight: impl Fn(T) -> f64,
-) -> Result<Plane<f64>, ViewNpyError> {
-    Ok(ArrayView2::<T>::view_npy(bytes)?.mapv(weight))
+) -> Result<Array<f64, D>, ViewNpyError> {
+    Ok(ArrayView::<T, D>::view_npy(bytes)?.mapv(weight))
 }
 
 /// Each Gaussian is cut at `int(6 sigma) + 1` (made odd) and normalised to sum 1 before its
@@ -203,7 +249,7 @@ fn sum_of_gaussians(parts: &[Gaussian]) -> Result<Kernel, KernelFileError> {
         let own = side_of(part);
         let half = (own / 2) as f64;
         let line: Vec<f64> = (0..own)
-            .map(|i| (-(i as f64 - half).powi(2) / (2.0 * part.sigma * part.sigma)).exp())
+            .map(|i| elementary::exp(-(i as f64 - half).powi(2) / (2.0 * part.sigma * part.sigma)))
             .collect();
         let total: f64 = line.iter().sum::<f64>().powi(2);
         let inset = (side - own) / 2;

@@ -10,7 +10,10 @@ mod zoo;
 
 pub use file::KernelFileError;
 
-use crate::plane::Plane;
+use crate::{
+    limit::{KERNEL_SIDE, LEAST_WEIGHT, MOST_WEIGHT},
+    plane::Plane,
+};
 
 /// A receptive field.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +51,54 @@ pub enum KernelError {
         /// The length of row 0.
         want: usize,
     },
+    /// A side that is too long.
+    #[error(
+        "the kernel is {height} rows by {width} columns; a side of a kernel is at most {KERNEL_SIDE}"
+    )]
+    Size {
+        /// Rows.
+        height: usize,
+        /// Columns.
+        width: usize,
+    },
+    /// Weights that floats hold only in part.
+    #[error(
+        "the largest weight, {value:e} at row {row}, column {column}, is too small: a float below {:e} loses its digits",
+        f64::MIN_POSITIVE
+    )]
+    Subnormal {
+        /// Row.
+        row: usize,
+        /// Column.
+        column: usize,
+        /// The weight.
+        value: f64,
+    },
+    /// Weights whose sizes have no finite sum.
+    #[error(
+        "the sizes of the weights add up beyond the largest float, 1.8e308; the largest is {value:e} at row {row}, column {column}"
+    )]
+    Overflow {
+        /// Row.
+        row: usize,
+        /// Column.
+        column: usize,
+        /// The weight.
+        value: f64,
+    },
+    /// Weights that cannot be squared and added up.
+    #[error(
+        "the largest weight, {value:e} at row {row}, column {column}, is too {}: it must lie from {LEAST_WEIGHT:e} to {MOST_WEIGHT:e} in size",
+        if value.abs() < 1.0 { "small" } else { "large" }
+    )]
+    Unworkable {
+        /// Row.
+        row: usize,
+        /// Column.
+        column: usize,
+        /// The weight.
+        value: f64,
+    },
     /// NaN or infinity.
     #[error("the weight at row {row}, column {column} is {value}; weights must be finite")]
     NotFinite {
@@ -64,7 +115,8 @@ impl Kernel {
     /// A kernel from a plane of weights, `[row, column]`, row 0 north.
     ///
     /// # Errors
-    /// When a side is zero or even, or a weight is not finite.
+    /// When a side is zero, even or too long, when a weight is not finite, or when the weights
+    /// are too small or too large for floats to compute with.
     pub fn new(weights: Plane<f64>) -> Result<Self, KernelError> {
         let (height, width) = weights.dim();
         if height == 0 || width == 0 {
@@ -73,11 +125,48 @@ impl Kernel {
         if height % 2 == 0 || width % 2 == 0 {
             return Err(KernelError::Even { height, width });
         }
+        if height.max(width) > KERNEL_SIDE {
+            return Err(KernelError::Size { height, width });
+        }
         if let Some(((row, column), &value)) = weights.indexed_iter().find(|(_, w)| !w.is_finite())
         {
             return Err(KernelError::NotFinite { row, column, value });
         }
-        Ok(Self { weights })
+        let kernel = Self { weights };
+        let ((row, column), value) = kernel.largest();
+        if value.is_subnormal() {
+            return Err(KernelError::Subnormal { row, column, value });
+        }
+        let sizes = kernel.weights.iter().map(|w| w.abs());
+        if sizes.sum::<f64>().is_infinite() {
+            return Err(KernelError::Overflow { row, column, value });
+        }
+        Ok(kernel)
+    }
+
+    /// Where the weight that is largest in size stands, and what it is.
+    fn largest(&self) -> ((usize, usize), f64) {
+        let all = self.weights.indexed_iter().map(|(at, w)| (at, *w));
+        all.reduce(|most, one| {
+            if one.1.abs() > most.1.abs() {
+                one
+            } else {
+                most
+            }
+        })
+        .unwrap_or(((0, 0), 0.0))
+    }
+
+    /// Whether the weights can be squared and added up, as quantising, compiling and fitting do.
+    ///
+    /// # Errors
+    /// When the largest weight is too small or too large for that. All weights may be zero.
+    pub fn workable(&self) -> Result<(), KernelError> {
+        let ((row, column), value) = self.largest();
+        if value == 0.0 || (LEAST_WEIGHT..=MOST_WEIGHT).contains(&value.abs()) {
+            return Ok(());
+        }
+        Err(KernelError::Unworkable { row, column, value })
     }
 
     /// A kernel from rows of weights, row 0 north.
@@ -86,6 +175,12 @@ impl Kernel {
     /// As [`Kernel::new`], and when rows differ in length.
     pub fn from_rows(rows: &[Vec<f64>]) -> Result<Self, KernelError> {
         let width = rows.first().map_or(0, Vec::len);
+        if rows.len().max(width) > KERNEL_SIDE {
+            return Err(KernelError::Size {
+                height: rows.len(),
+                width,
+            });
+        }
         if let Some((row, bad)) = rows.iter().enumerate().find(|(_, row)| row.len() != width) {
             return Err(KernelError::Ragged {
                 row,

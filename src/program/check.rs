@@ -8,9 +8,12 @@ use super::{
     effect::{Cell, FlagState},
     expand::{Entry, Expanded, Expansion},
 };
-use crate::isa::{
-    Device, Figure,
-    text::{Fault, Place},
+use crate::{
+    isa::{
+        Device, Figure,
+        text::{Fault, Place},
+    },
+    limit::FAULTS,
 };
 
 /// Adds what is wrong with an expanded program.
@@ -21,11 +24,11 @@ pub(super) fn check(expansion: &Expansion, device: &Device, faults: &mut Vec<Fau
         destroyed: BTreeMap::new(),
         faults: Vec::new(),
     };
-    walk.entries(&expansion.init);
-    walk.entries(&expansion.frame);
+    walk.entries(&expansion.init, true);
+    walk.entries(&expansion.frame, true);
     if !expansion.bare {
         // The next frame begins where this one ended.
-        walk.entries(&expansion.frame);
+        walk.entries(&expansion.frame, false);
     }
     faults.append(&mut walk.faults);
     store(expansion, device, faults);
@@ -59,14 +62,20 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    fn entries(&mut self, entries: &[Entry]) {
+    /// Some entries, from left to right. A body that is repeated is walked twice, which is
+    /// enough to see what one pass leaves to the next, but only on the first visit: what a body
+    /// leaves of what came before does not depend on how often it runs, so that all that a
+    /// later visit can bring is seen in its first pass. So repeats inside each other cost the
+    /// sum of their passes, not the product.
+    fn entries(&mut self, entries: &[Entry], first: bool) {
         for entry in entries {
             match entry {
                 Entry::Statement(statement) => self.statement(statement),
+                Entry::Repeat { times: 0, .. } => {}
                 Entry::Repeat { times, body, .. } => {
-                    // Twice is enough to see what one pass leaves to the next.
-                    for _ in 0..(*times).min(2) {
-                        self.entries(body);
+                    self.entries(body, first);
+                    if first && *times > 1 {
+                        self.entries(body, false);
                     }
                 }
             }
@@ -130,6 +139,10 @@ impl Walk<'_> {
 
     /// The same fault again, from the next pass, says nothing new.
     fn report(&mut self, fault: Fault) {
+        let alike = self.faults.iter().filter(|f| f.severity == fault.severity);
+        if alike.count() > FAULTS {
+            return;
+        }
         let known = |f: &Fault| f.message == fault.message && f.place.start == fault.place.start;
         if !self.faults.iter().any(known) {
             self.faults.push(fault);

@@ -18,7 +18,8 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Of some steps. A repetition counts as often as it runs.
+    /// Of some steps. A repetition counts as often as it runs; what a program expands to
+    /// ([`Program::expand`](super::Program::expand)) ends long before counts do.
     #[must_use]
     pub fn of(steps: &[Step], device: &Device) -> Self {
         let mut cost = Self::default();

@@ -1,7 +1,10 @@
 //! From text to tree. After a fault it goes on, so that all faults of a file are found.
 
 use super::syntax::{Comment, Item, Node, Syntax};
-use crate::isa::text::{Cursor, Fault, Kind, Place, Token, lex};
+use crate::{
+    isa::text::{Cursor, Fault, Kind, Place, Token, lex},
+    limit::FAULTS,
+};
 
 /// The tree of a text, and what is wrong with the text. Lines of settings and expectation
 /// come with the byte at which they begin.
@@ -90,7 +93,7 @@ impl Parser<'_> {
         let mut items: Vec<Item> = Vec::new();
         loop {
             self.comments_before(self.cursor.place().start, &mut items);
-            if self.cursor.peek().is_none() {
+            if self.cursor.peek().is_none() || self.faults.len() > FAULTS {
                 return items;
             }
             if self.cursor.sees("}") {

@@ -12,6 +12,7 @@
 //! model part.
 
 mod band;
+mod bytes;
 mod counts;
 mod description;
 mod drive;
@@ -49,6 +50,7 @@ use rayon::prelude::*;
 use crate::{
     event::Packet,
     kernel::Kernel,
+    limit::ARRAY_SIDE,
     number::{F64, Number, Real},
     plane::{Plane, Size},
     scene::Frame,
@@ -148,7 +150,7 @@ impl<N: Number> Reference<N> {
         seed: u64,
         rows: usize,
     ) -> Result<Self, SensorError> {
-        let addresses = 1..=1 << 16;
+        let addresses = 1..=ARRAY_SIDE;
         if !addresses.contains(&size.width) || !addresses.contains(&size.height) {
             return Err(SensorError::Addresses { size });
         }

@@ -39,6 +39,7 @@ use crate::{
         Kernel,
         quantise::{QuantiseError, Quantised, Quantiser, Sum},
     },
+    limit::ARRAY_SIDE,
     number::{Format, Number, Visitor},
     photoreceptor::{Curve, Response},
     plane::Size,
@@ -377,7 +378,7 @@ impl Sensor for AllEvents {
 }
 
 fn addressed(size: Size) -> Result<(), SensorError> {
-    let addresses = 1..=1 << 16;
+    let addresses = 1..=ARRAY_SIDE;
     if addresses.contains(&size.width) && addresses.contains(&size.height) {
         Ok(())
     } else {

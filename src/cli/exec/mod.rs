@@ -26,6 +26,7 @@ use crate::{
     array::{Arithmetic, Array, Schedule, Settings},
     event::Packet,
     isa::{Analog, Device, Digital, Figure, text::nearest},
+    limit::THREADS,
     picture::{panel, write_png},
     plane::{Plane, Size},
     program::Step,
@@ -33,6 +34,15 @@ use crate::{
     scene::Scene,
     unit::Micros,
 };
+
+/// The most frames of a run: at 240 frames/s, 19 hours.
+const MOST_FRAMES: u64 = 1 << 24;
+
+/// The most runs of `--repeat`.
+const MOST_RUNS: u64 = 1 << 20;
+
+/// The most threads.
+const MOST_THREADS: usize = 1024;
 
 /// What `exec` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -50,7 +60,7 @@ pub struct Arguments {
     #[arg(long)]
     image: Option<Named>,
     /// How many frames to run; the first one runs `init`, the others `frame`
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(..=MOST_FRAMES))]
     frames: Option<u64>,
     /// Frames per second, instead of what the scene says
     #[arg(long)]
@@ -74,7 +84,7 @@ pub struct Arguments {
     #[arg(long)]
     schedule: Option<String>,
     /// On how many threads at most
-    #[arg(long)]
+    #[arg(long, value_parser = threads)]
     threads: Option<usize>,
     /// Write the events that were read out; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
     #[arg(long, value_parser = Content::Events)]
@@ -86,7 +96,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
     strip: Option<Output>,
     /// Run so many times, with this seed and those that follow; print mean and spread
-    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=MOST_RUNS), conflicts_with_all = ["dump", "events", "strip", "debug"])]
     repeat: Option<u64>,
     /// Step through the program; commands are read from standard input, `help` lists them
     #[arg(long, conflicts_with_all = ["json", "strip"])]
@@ -149,6 +159,15 @@ pub(super) fn figure(name: &str, value: &str) -> Result<(Figure, f64), String> {
     Ok((figure, number))
 }
 
+/// A number of threads, for the command line.
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(number) if number <= THREADS => Ok(number),
+        Ok(_) => Err(format!("{THREADS} threads at most")),
+        Err(_) => Err("give a whole number".to_owned()),
+    }
+}
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -160,6 +179,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
     }
     let bench = Bench::new(arguments)?;
+    bench.check()?;
     if let Some(folder) = &arguments.dump {
         let dumped = dumped(&bench.opened.device);
         files::writes(dumped.iter().flat_map(|(_, name)| named(folder, name)))?;
@@ -232,6 +252,8 @@ pub(super) struct Bench<'a> {
     pub opened: Opened,
     planes: Vec<Set>,
     size: Size,
+    /// Bytes of the frames of its light.
+    frames: u128,
     arithmetic: Arithmetic,
     settings: Settings,
     schedule: Schedule,

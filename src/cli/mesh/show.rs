@@ -10,6 +10,7 @@ use crate::{
         files::{Named, Output},
         kernels, say,
     },
+    elementary,
     kernel::Kernel,
     mesh::{Fitting, Sheet, Steady, fit},
     picture::{SurroundShow, surround, write_png},
@@ -209,7 +210,7 @@ impl Shown {
                 weights
                     .map(|((y, x), w)| {
                         let turns = fy * (y as f64 - ry as f64) + fx * (x as f64 - rx as f64);
-                        w * (std::f64::consts::TAU * turns).cos()
+                        w * elementary::cos(std::f64::consts::TAU * turns)
                     })
                     .sum()
             };

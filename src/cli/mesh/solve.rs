@@ -7,14 +7,16 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 use super::{Constants, Show, extremes, write};
 use crate::{
     cli::{
+        budget,
         content::Content,
         exec::read_plane,
         files::{Named, Output},
         say,
     },
+    memory::Need,
     mesh::Steady,
     plane::{Plane, Size},
-    scene::{OpenOptions, open},
+    scene::open,
 };
 
 /// What `mesh solve` is asked to do.
@@ -49,6 +51,9 @@ struct Json {
     most: f64,
 }
 
+/// Planes of numbers that are held at once.
+const PLANES: u128 = 6;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -57,6 +62,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
     let signal = read(&arguments.input)?;
     let size = Size::of(&signal);
+    // The signal, the surround, the settled sheet on its way to it, and a picture.
+    let need = Need::new().and("planes of the sheet", PLANES * 8 * size.pixels() as u128);
+    let help = "take a smaller signal";
+    budget::check(&need, &format!("a sheet of {size}"), help)?;
     let surround = Steady::new(sheet, size)
         .and_then(|mut steady| steady.solve(&signal))
         .map_err(miette::Report::new)
@@ -102,7 +111,7 @@ pub(super) fn read(name: &str) -> miette::Result<Plane<f64>> {
     {
         return read_plane(path);
     }
-    let mut scene = open(name, &OpenOptions::default())?;
+    let mut scene = open(name, &budget::opening(None))?;
     let frame = scene.next_frame()?;
     let frame = frame.ok_or_else(|| miette!("{name} holds no picture"))?;
     Ok(frame.light)

@@ -9,6 +9,7 @@ use ndarray_npy::WriteNpyExt;
 use super::{Constants, Show};
 use crate::{
     cli::{
+        budget,
         content::Content,
         files::{Named, Output},
         say,
@@ -17,7 +18,7 @@ use crate::{
     photoreceptor::Response,
     plane::{Plane, Size},
     save::save,
-    scene::{Frame, OpenOptions, open},
+    scene::{Frame, Scene, open},
     unit::Micros,
 };
 
@@ -111,15 +112,20 @@ impl Moved {
     }
 }
 
+/// Planes of numbers that a sheet in time holds: modes, steps, and the signal.
+const PLANES: u128 = 14;
+
 /// Runs the verb.
 ///
 /// # Errors
 /// When the scene cannot be read or solved for, or the output not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
-    let options = OpenOptions { fps: arguments.fps };
+    let options = budget::opening(arguments.fps);
     let mut scene = open(&arguments.scene, &options)?;
     let size = scene.size();
+    let layers = asked(arguments, &*scene);
+    check(&*scene, layers.unwrap_or(0))?;
     let mut sheet_now: Option<(f64, Moved)> = None;
     let mut written: Vec<f64> = Vec::new();
     let mut frames = 0;
@@ -127,6 +133,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let Some(frame) = scene.next_frame()? else {
             break;
         };
+        if layers.is_none() {
+            check(&*scene, frame.index + 1)?;
+        }
         let in_frame = || format!("frame {} of {}", frame.index, arguments.scene);
         let signal = signal(arguments.response, &frame).wrap_err_with(in_frame)?;
         let moved = match sheet_now.take() {
@@ -158,6 +167,26 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         arguments.output.display()
     ));
     Ok(())
+}
+
+/// How many frames will be written, where that is known.
+fn asked(arguments: &Arguments, scene: &dyn Scene) -> Option<u64> {
+    let most = arguments.frames.unwrap_or(u64::MAX);
+    scene.frames().map(|frames| frames.min(most))
+}
+
+/// Refuses more frames than there is room for: they are written all at once.
+fn check(scene: &dyn Scene, layers: u64) -> miette::Result<()> {
+    let size = scene.size();
+    let pixels = size.pixels() as u128;
+    let need = budget::of_scene(scene)
+        .and("the sheet", PLANES * 8 * pixels)
+        .and(
+            format!("{layers} frames to write"),
+            8 * pixels * u128::from(layers),
+        );
+    let what = format!("a sheet of {size} over time");
+    budget::check(&need, &what, "take fewer --frames or a smaller scene")
 }
 
 /// A frame as the photoreceptors give it.

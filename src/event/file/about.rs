@@ -1,10 +1,15 @@
 //! What a file says about its packet beside the events: one comment.
 //!
-//! `amacrine size=346x260 channels=2 span=0..2000000 dropped=0,0` (time in microseconds;
-//! dropped for want of a slot, then over the limit, then, where any were, for a full queue and
-//! merged). Each part may be left out.
+//! `amacrine size=346x260 channels=2 span=0..2000000 dropped=0,0 events=40000 times=12..1999950`
+//! (time in microseconds; dropped for want of a slot, then over the limit, then, where any
+//! were, for a full queue and merged; the last two are written when the file is whole: how
+//! many events it has, and when the first and the last were). Each part may be left out. What
+//! is there must be true of the file, see [`About::disagreement`].
 
-use std::{fmt, str::FromStr};
+use std::{
+    fmt::{self, Write},
+    str::FromStr,
+};
 
 use super::Fault;
 use crate::{
@@ -30,7 +35,21 @@ pub struct About {
     pub span: Option<(Micros, Micros)>,
     /// What is missing.
     pub dropped: Option<Dropped>,
+    /// How many events the file has.
+    pub events: Option<u64>,
+    /// When its first and its last event are.
+    pub times: Option<(Micros, Micros)>,
 }
+
+/// Columns of the longest [`About::tail`].
+const TAIL: usize =
+    " events=18446744073709551615 times=18446744073709551615..18446744073709551615".len();
+
+/// The place of a tail that is not known yet, in a remark that stands before the events.
+pub(super) const BLANK: &str = match str::from_utf8(&[b' '; TAIL]) {
+    Ok(blank) => blank,
+    Err(_) => "",
+};
 
 impl About {
     /// A file that does not say anything.
@@ -39,6 +58,8 @@ impl About {
         channels: None,
         span: None,
         dropped: None,
+        events: None,
+        times: None,
     };
 
     /// All of a packet but its events.
@@ -49,6 +70,38 @@ impl About {
             channels: Some(packet.channels),
             span: Some(packet.span),
             dropped: Some(packet.dropped),
+            ..Self::NOTHING
+        }
+    }
+
+    /// What is told of the events when all are written: ` events=40000 times=12..1999950`.
+    pub(super) fn tail(&self) -> String {
+        let mut tail = String::new();
+        if let Some(events) = self.events {
+            let _ = write!(tail, " events={events}");
+        }
+        if let Some((first, last)) = self.times {
+            let _ = write!(tail, " times={}..{}", first.0, last.0);
+        }
+        tail
+    }
+
+    /// What the comment says and the events are not.
+    pub(super) fn disagreement(
+        &self,
+        events: u64,
+        times: Option<(Micros, Micros)>,
+    ) -> Option<Fault> {
+        let differ = |said, found| Some(Fault::Remark { said, found });
+        if let Some(said) = self.events.filter(|said| *said != events) {
+            return differ(counted(said), counted(events));
+        }
+        match (self.times, times) {
+            (Some(said), found) if Some(said) != found => {
+                let found = found.map_or_else(|| counted(0), ends);
+                differ(ends(said), found)
+            }
+            _ => None,
         }
     }
 
@@ -84,10 +137,32 @@ impl About {
                 self.span = Some((Micros(from), Micros(to)));
             }
             "dropped" if self.dropped.is_none() => self.dropped = Some(dropped(value)?),
+            "events" if self.events.is_none() => self.events = Some(value.parse().ok()?),
+            "times" if self.times.is_none() => {
+                let (first, last) = two(value, "..")?;
+                self.times = Some((Micros(first), Micros(last)));
+            }
             _ => return None,
         }
         Some(())
     }
+}
+
+/// So many events, in words.
+fn counted(events: u64) -> String {
+    match events {
+        0 => "no event".into(),
+        1 => "1 event".into(),
+        more => format!("{more} events"),
+    }
+}
+
+/// When the first and the last event are, in words.
+fn ends((first, last): (Micros, Micros)) -> String {
+    format!(
+        "a first event at {} us and a last at {} us",
+        first.0, last.0
+    )
 }
 
 /// Two or four numbers: what only a readout drops may be left out.
@@ -138,6 +213,6 @@ impl fmt::Display for About {
                 write!(f, ",{},{}", d.queue_full, d.merged)?;
             }
         }
-        Ok(())
+        f.write_str(&self.tail())
     }
 }

@@ -13,10 +13,11 @@ use std::io;
 
 use super::{
     Fault, Format,
+    about::{About, BLANK},
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
-    header::Header,
+    header::{Header, complete},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
@@ -80,7 +81,7 @@ pub(super) fn sink(head: &Head) -> Writing {
         header: format!(
             "#!AER-DAT2.0\r\n# This is a raw AE data file - do not edit\r\n\
              # Data format is int32 address, int32 timestamp (8 bytes total), repeated for each event\r\n\
-             # Timestamps tick is 1 us\r\n# {}\r\n",
+             # Timestamps tick is 1 us\r\n# {}{BLANK}\r\n",
             head.about()
         ),
         begun: false,
@@ -122,7 +123,7 @@ impl Sink for Writing {
         out.write_all(&self.bytes)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
-        Ok(())
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
+        complete(out, self.header.as_bytes(), about)
     }
 }

@@ -10,11 +10,11 @@ use std::io;
 
 use super::{
     Fault, Format, Place,
-    about::About,
+    about::{About, BLANK},
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
-    header::Header,
+    header::{Header, complete},
     source::{BLOCK, Out, Sink, Source},
     writer::Head,
 };
@@ -49,6 +49,9 @@ struct Packet {
     record: usize,
     /// Records left.
     left: u32,
+    /// Where it starts, how many of its records should be valid, and how many were.
+    at: u64,
+    valid: (u32, u32),
 }
 
 pub(super) struct Reading {
@@ -64,6 +67,16 @@ pub(super) struct Reading {
 pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
     magic(&mut chunks, b"#!AER-DAT3.1", Format::Aedat3)?;
     let header = Header::read(&mut chunks, Format::Aedat3, b'#', "!END-HEADER")?;
+    // As this writes it: `Source 1: amacrine 346x260`.
+    let source = header.get("source").unwrap_or_default();
+    let named = source.rsplit_once(" amacrine ").map(|(_, size)| size);
+    if let (Some(size), Some(named)) = (header.about.size, named)
+        && named != size.to_string()
+    {
+        let one = format!("its remark says that the sensor is {size}");
+        let other = format!("its source says {named}");
+        return Err(Stop::twice(Format::Aedat3, 0, one, other));
+    }
     Ok(Reading {
         chunks,
         about: header.about,
@@ -76,13 +89,19 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
 impl Reading {
     /// The header of the next packet; false at the end of the file.
     fn next_packet(&mut self) -> Result<bool, Stop> {
+        let Packet { events, valid, .. } = self.packet;
+        if events && valid.0 != valid.1 {
+            let one = format!("a packet says that {} of its events are valid", valid.0);
+            let other = format!("{} are", valid.1);
+            return Err(Stop::twice(Format::Aedat3, self.packet.at, one, other));
+        }
         if self.chunks.ahead(1)?.is_empty() {
             return Ok(false);
         }
         let at = self.chunks.at();
         let header: [u8; 28] = self.chunks.take("the header of a packet")?;
         let (fields, _) = header[4..].as_chunks();
-        let [size, offset, turns, _, number, valid] =
+        let [size, offset, turns, room, number, valid] =
             std::array::from_fn(|i| fields.get(i).map_or(0, |f| u32::from_le_bytes(*f)));
         let wrong = |why| {
             let format = Format::Aedat3;
@@ -94,6 +113,11 @@ impl Reading {
                 "has a packet of events of {size} bytes, the time at byte {offset}; they have 8, the time at byte 4"
             ));
         }
+        if number > room {
+            let one = format!("a packet says that it has room for {room} records");
+            let other = format!("it says that it has {number}");
+            return Err(Stop::twice(Format::Aedat3, at, one, other));
+        }
         if size == 0 || size > 1 << 26 || valid > number || turns > i32::MAX as u32 {
             return wrong(format!(
                 "has a packet with {valid} of {number} records valid, {size} bytes each, after {turns} turns of the clock"
@@ -104,6 +128,8 @@ impl Reading {
             turns: turns.into(),
             record: size as usize,
             left: number,
+            at,
+            valid: (valid, 0),
         };
         Ok(true)
     }
@@ -143,6 +169,7 @@ impl Source for Reading {
             let from = self.chunks.at();
             let here = self.chunks.ahead(EVENT)?;
             let (words, _) = here[..here.len().min(want)].as_chunks();
+            let before = events.len();
             for (i, word) in words.iter().enumerate() {
                 let word = u64::from_le_bytes(*word);
                 let (address, low) = (word as u32, (word >> 32) as u32);
@@ -165,6 +192,7 @@ impl Source for Reading {
             }
             self.chunks.eat(read * EVENT);
             self.packet.left -= read as u32;
+            self.packet.valid.1 += (events.len() - before) as u32;
         }
         Ok(true)
     }
@@ -184,7 +212,7 @@ pub(super) fn sink(head: &Head) -> Writing {
     Writing {
         header: format!(
             "#!AER-DAT3.1\r\n#Format: RAW\r\n#Source 1: amacrine {width}x{height}\r\n\
-             #Start-Time: 1970-01-01 00:00:00 (TZ+0000)\r\n# {}\r\n#!END-HEADER\r\n",
+             #Start-Time: 1970-01-01 00:00:00 (TZ+0000)\r\n# {}{BLANK}\r\n#!END-HEADER\r\n",
             head.about()
         ),
         bytes: Vec::new(),
@@ -224,7 +252,7 @@ impl Sink for Writing {
         out.write_all(&self.bytes)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
-        Ok(())
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
+        complete(out, self.header.as_bytes(), about)
     }
 }

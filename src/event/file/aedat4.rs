@@ -13,14 +13,16 @@ use std::io::{self, Read, SeekFrom};
 use lz4_flex::frame::{FrameDecoder, FrameEncoder, FrameInfo};
 
 use super::{
-    Format, Place,
-    about::About,
+    Fault, Format, Place,
+    about::{About, BLANK},
     aedat3::magic,
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
     flat::{Builder, Table, identifier},
     gate::Raw,
+    header::complete,
+    packets::{self, Row},
     source::{BLOCK, Out, Sink, Source},
     writer::{Compression, Head},
 };
@@ -38,10 +40,18 @@ pub(super) struct Reading {
     chunks: Chunks,
     about: About,
     compression: i32,
-    /// Where the table of packets starts; before, there are packets.
-    end: Option<u64>,
+    /// Where the header says that the table of packets is; -1 where there is none.
+    table: i64,
+    /// The streams that the header describes.
+    streams: Vec<Described>,
     /// The stream of the events.
     stream: Option<i32>,
+    /// The packets so far.
+    found: Vec<Row>,
+    /// What does not agree with the packets, which are read all the same.
+    damage: Option<Stop>,
+    /// The recording ends without a table, as its header says.
+    unclosed: bool,
     /// The packet being read, where it is, and how much of it has been read.
     packet: Vec<u8>,
     at: u64,
@@ -78,13 +88,18 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
         let why = format!("is compressed in a way numbered {compression}; 0 to 4 are known");
         return Err(wrong(at, why));
     }
-    let about = describe(&String::from_utf8_lossy(xml)).map_err(|why| wrong(at, why))?;
+    let (about, streams) = describe(&String::from_utf8_lossy(xml), compression)
+        .map_err(|fault| Stop::Fault(Place::Byte(at), fault))?;
     Ok(Reading {
         chunks,
         about,
         compression,
-        end: u64::try_from(end).ok().filter(|end| *end > 0),
+        table: end,
+        streams,
         stream: None,
+        found: Vec::new(),
+        damage: None,
+        unclosed: false,
         packet: Vec::new(),
         at,
         next: 0,
@@ -94,30 +109,46 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
     })
 }
 
-/// What the XML of the header says of the first stream of events.
-fn describe(xml: &str) -> Result<About, String> {
-    let document = match roxmltree::Document::parse(xml.trim_end_matches('\0').trim()) {
-        Ok(document) => document,
-        Err(e) => {
-            return Err(format!(
-                "describes its streams in XML that cannot be read: {e}"
-            ));
-        }
-    };
+/// A stream as the XML of the header describes it.
+#[derive(Clone, Debug)]
+struct Described {
+    number: i32,
+    /// Four letters, such as `EVTS`.
+    kind: String,
+}
+
+/// Ways of compression by number, as the XML calls them.
+const COMPRESSIONS: [&str; 5] = ["NONE", "LZ4", "LZ4_HIGH", "ZSTD", "ZSTD_HIGH"];
+
+/// What the XML of the header says of its streams, and of the first one of events.
+fn describe(xml: &str, compression: i32) -> Result<(About, Vec<Described>), Fault> {
+    let document = roxmltree::Document::parse(xml.trim_end_matches('\0').trim());
+    let document = document.map_err(|e| Fault::Layout {
+        format: Format::Aedat4,
+        why: format!("describes its streams in XML that cannot be read: {e}"),
+    })?;
     let value = |node: roxmltree::Node<'_, '_>, key: &str| {
         let mut children = node.children();
         let child = children.find(|c| c.attribute("key") == Some(key))?;
         child.text().map(str::to_owned)
     };
-    let stream = document
-        .descendants()
-        .find(|node| value(*node, "typeIdentifier").as_deref() == Some("EVTS"));
+    let nodes = document.descendants();
+    let typed = nodes.filter_map(|node| Some((node, value(node, "typeIdentifier")?)));
+    let typed: Vec<_> = typed.collect();
+    let streams = typed.iter().filter_map(|(node, kind)| {
+        let number = node.attribute("name")?.parse().ok()?;
+        let kind = kind.clone();
+        Some(Described { number, kind })
+    });
+    let streams = streams.collect();
     let mut about = About::NOTHING;
-    let Some(info) = stream.and_then(|stream| {
+    let of_events = typed.iter().find(|(_, kind)| kind == "EVTS");
+    let Some((stream, info)) = of_events.and_then(|(stream, _)| {
         let mut children = stream.children();
-        children.find(|c| c.attribute("name") == Some("info"))
+        let info = children.find(|c| c.attribute("name") == Some("info"))?;
+        Some((stream, info))
     }) else {
-        return Ok(about);
+        return Ok((about, streams));
     };
     let side = |key| {
         value(info, key)?
@@ -129,49 +160,187 @@ fn describe(xml: &str) -> Result<About, String> {
     if let (Some(width), Some(height)) = (side("sizeX"), side("sizeY")) {
         about.size = Some(Size { height, width });
     }
-    if let Some(comment) = value(info, "amacrine") {
-        let ours = About::parse(&comment).map_err(|e| e.to_string())?;
-        about = ours.unwrap_or(about);
+    if let Some(comment) = value(info, "amacrine")
+        && let Some(ours) = About::parse(&comment)?
+    {
+        let twice = |one, other| Err(Fault::twice(Format::Aedat4, one, other));
+        if let (Some(said), Some(other)) = (ours.size, about.size)
+            && said != other
+        {
+            let one = format!("its remark says that the sensor is {said}");
+            return twice(one, format!("`sizeX` and `sizeY` say {other}"));
+        }
+        let named = value(*stream, "compression");
+        let known = usize::try_from(compression).ok();
+        let known = known.and_then(|number| COMPRESSIONS.get(number));
+        if let (Some(named), Some(known)) = (named, known)
+            && named.trim() != *known
+        {
+            let one = format!("its header says that packets are compressed by {known}");
+            return twice(one, format!("its description says {named}"));
+        }
+        about = ours;
     }
-    Ok(about)
+    Ok((about, streams))
 }
 
 impl Reading {
-    /// The next packet with events; false at the end.
+    /// The next packet with events; false at the end. What did not agree before comes first.
     fn next_packet(&mut self) -> Result<bool, Stop> {
+        let next = self.next();
+        match (next, self.damage.is_some()) {
+            (Ok(true), _) => Ok(true),
+            (other, false) => other,
+            (_, true) => self.damage.take().map_or(Ok(false), Err),
+        }
+    }
+
+    fn next(&mut self) -> Result<bool, Stop> {
         loop {
             let at = self.chunks.at();
-            if self.end.is_some_and(|end| at >= end) || self.chunks.ahead(1)?.is_empty() {
+            let here = self.chunks.ahead(12)?;
+            if packets::starts(here) {
+                self.hold_to_table(at)?;
                 return Ok(false);
             }
-            let header: [u8; 8] = self.chunks.take("the header of a packet")?;
-            let [s0, s1, s2, s3, b0, b1, b2, b3] = header;
-            let stream = i32::from_le_bytes([s0, s1, s2, s3]);
-            let length = u32::from_le_bytes([b0, b1, b2, b3]) as usize;
-            if length > LONGEST {
-                return Err(wrong(at, format!("has a packet of {length} bytes")));
+            if here.is_empty() {
+                self.without_table(at)?;
+                return Ok(false);
             }
-            let block = self.chunks.block(length, "a packet")?;
-            let packet = inflate(self.compression, block).map_err(|why| wrong(at, why))?;
-            // Without the size in front, which says it again.
-            let body = packet.get(4..).unwrap_or(&[]);
-            if identifier(body) != Some(*b"EVTS") {
-                self.skipped += 1;
-                continue;
+            let table = u64::try_from(self.table).ok();
+            if let Some(table) = table.filter(|table| *table <= at && self.damage.is_none()) {
+                let one = format!("its header says that the table of packets is at byte {table}");
+                let other = if table == at {
+                    "what starts there is no table".to_owned()
+                } else {
+                    format!("packets go on at byte {at}")
+                };
+                self.damage = Some(Stop::twice(Format::Aedat4, at, one, other));
             }
-            if *self.stream.get_or_insert(stream) != stream {
-                return Err(wrong(at, "has two streams of events, which would be mixed"));
-            }
-            let events = Table::root(body).and_then(|table| table.vector(0, EVENT));
-            let Some((events, start)) = events else {
-                return Err(wrong(at, "has a packet that cannot be read"));
-            };
-            self.packet = events.to_vec();
-            (self.at, self.start, self.next) = (at, start + 4, 0);
-            if !self.packet.is_empty() {
+            if self.packet(at)? {
                 return Ok(true);
             }
         }
+    }
+
+    /// Reads a packet; whether it has events.
+    fn packet(&mut self, at: u64) -> Result<bool, Stop> {
+        let header: [u8; 8] = self.chunks.take("the header of a packet")?;
+        let [s0, s1, s2, s3, b0, b1, b2, b3] = header;
+        let stream = i32::from_le_bytes([s0, s1, s2, s3]);
+        let length = u32::from_le_bytes([b0, b1, b2, b3]);
+        if length as usize > LONGEST {
+            return Err(wrong(at, format!("has a packet of {length} bytes")));
+        }
+        let block = self.chunks.block(length as usize, "a packet")?;
+        let packet = inflate(self.compression, block).map_err(|why| wrong(at, why))?;
+        // Without the size in front, which says it again.
+        let Some(body) = packets::whole(&packet) else {
+            let one = "a packet says its own size".to_owned();
+            let other = format!("it has {} bytes in all", packet.len());
+            return Err(Stop::twice(Format::Aedat4, at, one, other));
+        };
+        let mut row = Row {
+            at: at + 8,
+            stream,
+            bytes: length,
+            events: None,
+        };
+        let kind = identifier(body).unwrap_or_default();
+        self.hold_to_description(at, stream, kind)?;
+        if kind != *b"EVTS" {
+            self.found.push(row);
+            self.skipped += 1;
+            return Ok(false);
+        }
+        if *self.stream.get_or_insert(stream) != stream {
+            return Err(wrong(at, "has two streams of events, which would be mixed"));
+        }
+        let events = Table::root(body).and_then(|table| table.vector(0, EVENT));
+        let Some((events, start)) = events else {
+            return Err(wrong(at, "has a packet that cannot be read"));
+        };
+        let (records, _) = events.as_chunks::<EVENT>();
+        let time = |record: Option<&[u8; EVENT]>| {
+            record.map_or(0, |record| u128::from_le_bytes(*record) as i64)
+        };
+        let ends = (time(records.first()), time(records.last()));
+        row.events = Some((records.len() as u64, ends.0, ends.1));
+        self.found.push(row);
+        self.packet = events.to_vec();
+        (self.at, self.start, self.next) = (at, start + 4, 0);
+        Ok(!self.packet.is_empty())
+    }
+
+    /// Holds a packet to what the header says of its stream.
+    fn hold_to_description(&self, at: u64, stream: i32, kind: [u8; 4]) -> Result<(), Stop> {
+        let kind = String::from_utf8_lossy(&kind);
+        let mut streams = self.streams.iter();
+        let Some(described) = streams.find(|described| described.number == stream) else {
+            // Of files that describe nothing, nothing is asked; nor of what is left out.
+            if self.streams.is_empty() || kind != "EVTS" {
+                return Ok(());
+            }
+            let one = "its header describes other streams";
+            let other = format!("a packet of events is of stream {stream}");
+            return Err(Stop::twice(Format::Aedat4, at, one, other));
+        };
+        // A type that is not that of events is left out whatever it is.
+        if described.kind == kind || (described.kind != "EVTS" && kind != "EVTS") {
+            return Ok(());
+        }
+        let one = format!(
+            "its header says that stream {stream} is of {}",
+            described.kind
+        );
+        let other = format!("a packet of it is of {kind}");
+        Err(Stop::twice(Format::Aedat4, at, one, other))
+    }
+
+    /// At the table of packets, which is the end.
+    fn hold_to_table(&mut self, at: u64) -> Result<(), Stop> {
+        let said = match u64::try_from(self.table) {
+            Ok(table) if table == at => None,
+            Ok(table) => Some(format!("is at byte {table}")),
+            Err(_) => Some("is not there (-1)".into()),
+        };
+        if let (Some(said), None) = (said, &self.damage) {
+            let one = format!("its header says that the table of packets {said}");
+            let other = format!("it is at byte {at}");
+            return Err(Stop::twice(Format::Aedat4, at, one, other));
+        }
+        let mut table = Vec::new();
+        loop {
+            let here = self.chunks.ahead(1)?;
+            let eaten = here.len();
+            if eaten == 0 {
+                break;
+            }
+            table.extend_from_slice(here);
+            self.chunks.eat(eaten);
+            if table.len() > LONGEST {
+                return Err(wrong(at, "has a table of packets that is too long"));
+            }
+        }
+        let table = inflate(self.compression, table)
+            .map_err(|_| wrong(at, "has a table of packets that cannot be decompressed"))?;
+        let rows = packets::read(&table)
+            .ok_or_else(|| wrong(at, "has a table of packets that cannot be read"))?;
+        packets::agree(&self.found, &rows).map_err(|fault| Stop::Fault(Place::Byte(at), fault))
+    }
+
+    /// At the end of a file without a table.
+    fn without_table(&mut self, at: u64) -> Result<(), Stop> {
+        if self.table == -1 {
+            self.unclosed = true;
+            return Ok(());
+        }
+        let one = format!(
+            "its header says that the table of packets is at byte {}",
+            self.table
+        );
+        let other = format!("the file ends at byte {at} without one");
+        Err(Stop::twice(Format::Aedat4, at, one, other))
     }
 }
 
@@ -180,6 +349,10 @@ fn inflate(compression: i32, block: Vec<u8>) -> Result<Vec<u8>, String> {
     let mut packet = Vec::new();
     let read = match compression {
         0 => return Ok(block),
+        // The decoder takes the end of its input for the end of a frame.
+        1 | 2 if !packets::is_lz4_frame(&block) => {
+            return Err("has a packet that is no whole LZ4 frame".into());
+        }
         1 | 2 => FrameDecoder::new(&block[..])
             .take(LONGEST as u64 + 1)
             .read_to_end(&mut packet),
@@ -200,6 +373,7 @@ impl Source for Reading {
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
         if self.next >= self.packet.len() && !self.next_packet()? {
+            (self.packet, self.next) = (Vec::new(), 0);
             return Ok(false);
         }
         self.first = self.next;
@@ -223,7 +397,16 @@ impl Source for Reading {
         Ok(true)
     }
 
+    fn note(&self) -> Option<&'static str> {
+        self.unclosed.then_some(
+            "the recording was not closed: it has no table of packets, which would tell whether any are missing at its end",
+        )
+    }
+
     fn place(&self, event: usize) -> Place {
+        if self.next == 0 && self.packet.is_empty() {
+            return Place::Byte(self.chunks.at());
+        }
         if self.compression == 0 {
             let inside = self.start + self.first + event * EVENT;
             return Place::Byte(self.at + 8 + inside as u64);
@@ -243,20 +426,11 @@ pub(super) fn sink(head: &Head, compression: Compression) -> Writing {
         head: *head,
         compression,
         table: Vec::new(),
+        header: Vec::new(),
         at: 0,
         position: 0,
         rest: Vec::new(),
     }
-}
-
-/// A row of the table of packets.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    at: u64,
-    bytes: u32,
-    events: u64,
-    from: u64,
-    to: u64,
 }
 
 #[derive(Debug)]
@@ -264,6 +438,8 @@ pub(super) struct Writing {
     head: Head,
     compression: Compression,
     table: Vec<Row>,
+    /// All that stands before the packets.
+    header: Vec<u8>,
     /// Bytes so far.
     at: u64,
     /// Where the header says where the table is.
@@ -308,23 +484,20 @@ impl Writing {
                 | u128::from(e.polarity.bit()) << 96;
             bytes.extend(word.to_le_bytes());
         }
-        let row = Row {
-            at: self.at + 8,
-            bytes: 0,
-            events: self.rest.len() as u64,
-            from: first.t.0,
-            to: last.t.0,
-        };
+        let events = self.rest.len() as u64;
+        let events = Some((events, first.t.0.cast_signed(), last.t.0.cast_signed()));
         let packet = self.deflate(builder.finish())?;
         let length = u32::try_from(packet.len()).map_err(io::Error::other)?;
         out.write_all(&0_i32.to_le_bytes())?;
         out.write_all(&length.to_le_bytes())?;
         out.write_all(&packet)?;
-        self.at += 8 + packet.len() as u64;
         self.table.push(Row {
+            at: self.at + 8,
+            stream: 0,
             bytes: length,
-            ..row
+            events,
         });
+        self.at += 8 + packet.len() as u64;
         self.rest.clear();
         Ok(())
     }
@@ -347,7 +520,7 @@ impl Writing {
             <attr key="typeDescription" type="string">Array of events (polarity ON/OFF).</attr>
             <attr key="typeIdentifier" type="string">EVTS</attr>
             <node name="info" path="/mainloop/Recorder/outInfo/0/info/">
-                <attr key="amacrine" type="string">{}</attr>
+                <attr key="amacrine" type="string">{}{BLANK}</attr>
                 <attr key="sizeX" type="int">{width}</attr>
                 <attr key="sizeY" type="int">{height}</attr>
                 <attr key="source" type="string">amacrine</attr>
@@ -387,6 +560,7 @@ impl Sink for Writing {
         out.write_all(&header)?;
         self.position = (MAGIC.len() + 4 + position) as u64;
         self.at = (MAGIC.len() + header.len()) as u64;
+        self.header = [MAGIC, &header].concat();
         Ok(())
     }
 
@@ -403,50 +577,12 @@ impl Sink for Writing {
         Ok(())
     }
 
-    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()> {
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         self.packet(out)?;
-        let table = self.deflate(table(&self.table))?;
+        let table = self.deflate(packets::written(&self.table))?;
         out.write_all(&table)?;
         out.seek(SeekFrom::Start(self.position))?;
         out.write_all(&self.at.to_le_bytes())?;
-        out.seek(SeekFrom::End(0))?;
-        Ok(())
+        complete(out, &self.header, about)
     }
-}
-
-/// The table of packets: a vector of offsets to tables of one shape.
-fn table(rows: &[Row]) -> Vec<u8> {
-    /// Bytes of a row's table; its fields follow its offset to the table of fields.
-    const ROW: usize = 44;
-    let mut builder = Builder::new(*b"FTAB", 8, &[4]);
-    let bytes = &mut builder.bytes;
-    bytes.extend(4_u32.to_le_bytes());
-    bytes.extend((rows.len() as u32).to_le_bytes());
-    let offsets = bytes.len();
-    // One table of fields for all: place, packet (stream and bytes), events, first, last.
-    let mut fields = offsets + 4 * rows.len();
-    while !(fields + 14).is_multiple_of(8) {
-        fields += 1;
-    }
-    let first = fields + 14;
-    // Rows of 44 bytes at multiples of 8.
-    let stride = ROW + 4;
-    for i in 0..rows.len() {
-        let from = offsets + 4 * i;
-        bytes.extend(((first + i * stride - from) as u32).to_le_bytes());
-    }
-    bytes.resize(fields, 0);
-    for field in [14_u16, ROW as u16, 4, 36, 12, 20, 28] {
-        bytes.extend(field.to_le_bytes());
-    }
-    for row in rows {
-        bytes.extend(((bytes.len() - fields) as u32).to_le_bytes());
-        for number in [row.at, row.events, row.from, row.to] {
-            bytes.extend(number.to_le_bytes());
-        }
-        bytes.extend(0_i32.to_le_bytes());
-        bytes.extend(row.bytes.to_le_bytes());
-        bytes.extend([0; 4]);
-    }
-    builder.finish()
 }

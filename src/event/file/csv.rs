@@ -11,6 +11,7 @@ use std::io;
 
 use super::{
     Fault,
+    about::About,
     chunks::Chunks,
     fault::Stop,
     gate::Raw,
@@ -60,7 +61,7 @@ impl Sink for Writing {
         out.write_all(&self.text)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
+    fn finish(&mut self, _: &mut dyn Out, _: &About) -> io::Result<()> {
         Ok(())
     }
 }

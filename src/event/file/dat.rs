@@ -10,10 +10,11 @@ use std::io;
 
 use super::{
     Fault, Format,
+    about::{About, BLANK},
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
-    header::Header,
+    header::{Header, complete},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
@@ -48,7 +49,14 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Dat>, Stop> {
         );
         return Err(Stop::Fault(super::Place::Byte(here), wrong(why)));
     }
-    header.about.size = header.about.size.or(header.prophesee_size());
+    header.about.size = header
+        .size(Format::Dat)
+        .map_err(|fault| chunks.stop(fault))?;
+    if header.ours && address.0 != 14 {
+        let one = "the comment `# amacrine …` is that of a file of version 2";
+        let fault = Fault::twice(Format::Dat, one, "its header says another version");
+        return Err(chunks.stop(fault));
+    }
     Ok(Stream::new(chunks, Dat { address }, header.about))
 }
 
@@ -83,7 +91,7 @@ impl Words for Dat {
 pub(super) fn sink(head: &Head) -> Writing {
     Writing {
         header: format!(
-            "% Data file containing CD events.\n% Version 2\n% Height {}\n% Width {}\n% {}\n",
+            "% Data file containing CD events.\n% Version 2\n% Height {}\n% Width {}\n% {}{BLANK}\n",
             head.size.height,
             head.size.width,
             head.about()
@@ -114,7 +122,7 @@ impl Sink for Writing {
         out.write_all(&self.bytes)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
-        Ok(())
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
+        complete(out, self.header.as_bytes(), about)
     }
 }

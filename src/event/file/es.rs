@@ -143,7 +143,7 @@ impl Sink for Writing {
         out.write_all(&self.bytes)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
+    fn finish(&mut self, _: &mut dyn Out, _: &About) -> io::Result<()> {
         Ok(())
     }
 }

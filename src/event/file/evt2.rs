@@ -11,9 +11,10 @@ use std::io;
 
 use super::{
     Fault, Format,
+    about::About,
     chunks::Chunks,
     fault::Stop,
-    header::{Header, prophesee},
+    header::{Header, complete, prophesee},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
@@ -75,11 +76,14 @@ pub const fn polarity(on: bool) -> Polarity {
     if on { Polarity::On } else { Polarity::Off }
 }
 
-/// Holds a file to the byte order that this reads.
-pub fn little_endian(header: &Header, chunks: &Chunks, format: Format) -> Result<(), Stop> {
+/// The header of a file of words, and the byte order that this reads.
+pub fn opened(chunks: &mut Chunks, format: Format) -> Result<Header, Stop> {
+    let mut header = Header::read(chunks, format, b'%', "end")?;
+    header.names(format).map_err(|fault| chunks.stop(fault))?;
+    header.about.size = header.size(format).map_err(|fault| chunks.stop(fault))?;
     let order = header.setting("endianness").or(header.get("endianness"));
     match order {
-        None | Some("little" | "legacy") => Ok(()),
+        None | Some("little" | "legacy") => Ok(header),
         Some(other) => {
             let why = format!("is {other}-endian; only little-endian files are read");
             Err(chunks.stop(Fault::Layout { format, why }))
@@ -95,9 +99,7 @@ pub(super) struct Evt2 {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt2>, Stop> {
-    let mut header = Header::read(&mut chunks, Format::Evt2, b'%', "end")?;
-    little_endian(&header, &chunks, Format::Evt2)?;
-    header.about.size = header.about.size.or(header.prophesee_size());
+    let header = opened(&mut chunks, Format::Evt2)?;
     Ok(Stream::new(chunks, Evt2::default(), header.about))
 }
 
@@ -177,8 +179,8 @@ impl Sink for Writing {
         out.write_all(&self.bytes)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
-        Ok(())
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
+        complete(out, self.header.as_bytes(), about)
     }
 }
 

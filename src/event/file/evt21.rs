@@ -11,10 +11,11 @@ use std::io;
 
 use super::{
     Fault, Format,
+    about::About,
     chunks::Chunks,
-    evt2::{Clock, LOW, little_endian, polarity},
+    evt2::{Clock, LOW, opened, polarity},
     fault::Stop,
-    header::{Header, prophesee},
+    header::{complete, prophesee},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
@@ -30,9 +31,7 @@ pub(super) struct Evt21 {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt21>, Stop> {
-    let mut header = Header::read(&mut chunks, Format::Evt21, b'%', "end")?;
-    little_endian(&header, &chunks, Format::Evt21)?;
-    header.about.size = header.about.size.or(header.prophesee_size());
+    let header = opened(&mut chunks, Format::Evt21)?;
     let words = Evt21 {
         legacy: header.setting("endianness") == Some("legacy"),
         ..Evt21::default()
@@ -156,7 +155,7 @@ impl Sink for Writing {
         out.write_all(&self.bytes)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
-        Ok(())
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
+        complete(out, self.header.as_bytes(), about)
     }
 }

@@ -12,11 +12,12 @@ use std::io;
 
 use super::{
     Fault, Format,
+    about::About,
     chunks::Chunks,
-    evt2::{little_endian, polarity},
+    evt2::{opened, polarity},
     evt21::together,
     fault::Stop,
-    header::{Header, prophesee},
+    header::{complete, prophesee},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
@@ -48,9 +49,7 @@ pub(super) struct Evt3 {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt3>, Stop> {
-    let mut header = Header::read(&mut chunks, Format::Evt3, b'%', "end")?;
-    little_endian(&header, &chunks, Format::Evt3)?;
-    header.about.size = header.about.size.or(header.prophesee_size());
+    let header = opened(&mut chunks, Format::Evt3)?;
     let words = Evt3 {
         high: None,
         low: 0,
@@ -257,7 +256,7 @@ impl Sink for Writing {
         out.write_all(&self.bytes)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
-        Ok(())
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
+        complete(out, self.header.as_bytes(), about)
     }
 }

@@ -254,6 +254,24 @@ pub enum Fault {
         /// What is wrong with it.
         why: String,
     },
+    /// The comment says one thing of the file, and the file is another.
+    #[error("the comment `# amacrine …` says {said}, and the file has {found}")]
+    Remark {
+        /// What the comment says.
+        said: String,
+        /// What there is.
+        found: String,
+    },
+    /// The file says the same thing twice, and not the same.
+    #[error("the {format} file contradicts itself: {one}, {other}")]
+    Twice {
+        /// Which format.
+        format: Format,
+        /// What it says in one place, and where.
+        one: String,
+        /// What it says or has in the other.
+        other: String,
+    },
     /// A word that the format does not have.
     #[error("a word of kind {kind}, which {format} does not have")]
     Word {
@@ -291,6 +309,12 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// What a file says in one place, and what in the other.
+    pub(super) fn twice(format: Format, one: impl Into<String>, other: impl Into<String>) -> Self {
+        let (one, other) = (one.into(), other.into());
+        Self::Twice { format, one, other }
+    }
+
     /// What to do about it.
     #[must_use]
     pub const fn help(&self) -> &'static str {
@@ -334,6 +358,9 @@ impl Fault {
             Self::About { .. } => {
                 "it should read like `# amacrine size=346x260 channels=1 span=0..2000000 dropped=0,0`, before the first event, once; all but `amacrine` may be left out"
             }
+            Self::Remark { .. } | Self::Twice { .. } => {
+                "the file was cut short, damaged, or changed by a program that left the rest as it was: write or copy it again, or keep what is there with `convert --salvage`"
+            }
             Self::Npy { .. } => {
                 "save a one-dimensional array of dtype [('t','<i8'),('x','<i2'),('y','<i2'),('p','i1')], and perhaps ('channel','u1')"
             }
@@ -359,6 +386,16 @@ impl Stop {
     pub fn layout(format: Format, byte: u64, why: impl Into<String>) -> Self {
         let why = why.into();
         Self::Fault(Place::Byte(byte), Fault::Layout { format, why })
+    }
+
+    /// A file that says two different things, found at this byte.
+    pub fn twice(
+        format: Format,
+        byte: u64,
+        one: impl Into<String>,
+        other: impl Into<String>,
+    ) -> Self {
+        Self::Fault(Place::Byte(byte), Fault::twice(format, one, other))
     }
 }
 

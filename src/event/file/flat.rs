@@ -32,6 +32,19 @@ impl<'a> Table<'a> {
         Some(Self { bytes, at })
     }
 
+    /// The table at a place of a buffer (without its size).
+    pub const fn at(bytes: &'a [u8], at: usize) -> Self {
+        Self { bytes, at }
+    }
+
+    /// A field of two 32-bit numbers.
+    pub fn pair(&self, number: usize) -> Option<(i32, i32)> {
+        let field = self.field(number)?;
+        let first = at(self.bytes, field).map(i32::from_le_bytes)?;
+        let second = at(self.bytes, field.checked_add(4)?).map(i32::from_le_bytes)?;
+        Some((first, second))
+    }
+
     /// Where a field is; `None` when it is left out.
     fn field(&self, number: usize) -> Option<usize> {
         let back = i32::from_le_bytes(at(self.bytes, self.at)?);

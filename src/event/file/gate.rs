@@ -148,6 +148,17 @@ impl Gate {
         Ok(())
     }
 
+    /// When the first and the last event were.
+    pub fn times(&self) -> Option<(Micros, Micros)> {
+        self.first.map(|first| (first, self.last))
+    }
+
+    /// At the end of a file: whether its events are those that it says it has.
+    pub fn complete(&self) -> Result<(), Fault> {
+        let fault = self.about.disagreement(self.events, self.times());
+        fault.map_or(Ok(()), Err)
+    }
+
     /// The time that the next event follows.
     fn before(&self, events: &[Event]) -> u64 {
         match events.first() {
@@ -184,6 +195,17 @@ impl Gate {
             }),
             _ => Ok(()),
         }
+    }
+}
+
+/// Whether a file has the column of kinds that its remark speaks of.
+pub fn hold_kinds(about: Option<&About>, column: bool) -> Result<(), Fault> {
+    match about.and_then(|about| about.channels) {
+        Some(kinds) if kinds > 1 && !column => Err(Fault::Remark {
+            said: format!("{kinds} channels"),
+            found: "no column `channel`".into(),
+        }),
+        _ => Ok(()),
     }
 }
 

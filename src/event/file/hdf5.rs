@@ -18,10 +18,10 @@ use hdf5_pure::{
 };
 
 use super::{
-    Format, Place,
+    Fault, Format, Place,
     about::About,
     fault::Stop,
-    gate::Raw,
+    gate::{Raw, hold_kinds},
     reader::Origin,
     source::{BLOCK, Out, Sink, Source},
     writer::Head,
@@ -72,8 +72,12 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     };
     let about = comment.map_or(Ok(None), |text| About::parse(&text));
     let about = about.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    hold_kinds(about.as_ref(), columns.len() == COLUMNS.len())
+        .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    let index = file.dataset("ms_to_idx").ok().map(Index::new).transpose()?;
     Ok(Reading {
         columns,
+        index,
         offset: offset.unwrap_or(0),
         about: about.unwrap_or_default(),
         events: events.unwrap_or(0),
@@ -82,9 +86,93 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     })
 }
 
+/// `ms_to_idx`, which says the times of `t` again: for each millisecond the first event at or
+/// after it.
+struct Index {
+    entries: Dataset,
+    length: u64,
+    /// The next millisecond, and entries from `from` on.
+    next: u64,
+    from: u64,
+    here: Vec<i64>,
+}
+
+impl Index {
+    fn new(entries: Dataset) -> Result<Self, Stop> {
+        let shape = entries.shape();
+        let shape = shape.map_err(|e| wrong(format!("has an index that cannot be read: {e}")))?;
+        let [length] = shape[..] else {
+            return Err(wrong(format!("has an index of {} dimensions", shape.len())));
+        };
+        Ok(Self {
+            entries,
+            length,
+            next: 0,
+            from: 0,
+            here: Vec::new(),
+        })
+    }
+
+    /// What stands at a millisecond.
+    fn at(&mut self, millisecond: u64) -> Result<Option<i64>, Stop> {
+        if millisecond >= self.length {
+            return Ok(None);
+        }
+        let inside = |from: u64, here: &[i64]| {
+            let at = usize::try_from(millisecond.checked_sub(from)?).ok()?;
+            here.get(at).copied()
+        };
+        if inside(self.from, &self.here).is_none() {
+            let count = (self.length - millisecond).min(BLOCK as u64);
+            let here = self.entries.read_i64_rows(millisecond, count);
+            self.here = here
+                .map_err(|e| wrong(format!("has an index `ms_to_idx` that cannot be read: {e}")))?;
+            self.from = millisecond;
+        }
+        Ok(inside(self.from, &self.here))
+    }
+
+    /// Holds the milliseconds up to this one to the event that is the first after them.
+    fn hold(&mut self, to: u64, event: u64) -> Result<(), Stop> {
+        // Of a long silence the end says enough.
+        self.next = self.next.max(to.saturating_sub(BLOCK as u64));
+        while self.next <= to {
+            let Some(said) = self.at(self.next)? else {
+                return Ok(());
+            };
+            if u64::try_from(said) != Ok(event) {
+                let millisecond = self.next;
+                let one = format!(
+                    "`ms_to_idx` says that event {said} is the first after {millisecond} ms"
+                );
+                let fault = Fault::twice(Format::Hdf5, one, format!("`t` says {event}"));
+                return Err(Stop::Fault(Place::Event(event), fault));
+            }
+            self.next += 1;
+        }
+        Ok(())
+    }
+
+    /// At the end: entries behind the last event say that no event comes, and the index of a
+    /// file of this program has none of them, and no fewer than there are.
+    fn end(&mut self, events: u64, ours: bool) -> Result<(), Stop> {
+        let last = self.length.saturating_sub(1).min(self.next + BLOCK as u64);
+        if ours && self.length != self.next {
+            let one = format!("`ms_to_idx` has {} milliseconds", self.length);
+            let fault = Fault::twice(Format::Hdf5, one, format!("`t` has {}", self.next));
+            return Err(Stop::Fault(Place::Event(events), fault));
+        }
+        if self.next < self.length {
+            self.hold(last, events)?;
+        }
+        Ok(())
+    }
+}
+
 /// The columns side by side.
 pub(super) struct Reading {
     columns: Vec<Dataset>,
+    index: Option<Index>,
     offset: i64,
     about: About,
     events: u64,
@@ -101,6 +189,10 @@ impl Source for Reading {
         self.first = self.read;
         let count = (self.events - self.read).min(BLOCK as u64);
         if count == 0 {
+            let ours = self.about.events.is_some();
+            if let Some(index) = &mut self.index {
+                index.end(self.events, ours)?;
+            }
             return Ok(false);
         }
         let mut columns = Vec::new();
@@ -125,6 +217,12 @@ impl Source for Reading {
             let event = raw
                 .event()
                 .map_err(|fault| Stop::Fault(self.place(i), fault))?;
+            if let Some(index) = &mut self.index {
+                let millisecond = u64::try_from(value(0)).unwrap_or(0) / 1000;
+                if millisecond >= index.next {
+                    index.hold(millisecond, self.first + i as u64)?;
+                }
+            }
             events.push(event);
         }
         self.read += count;
@@ -273,12 +371,17 @@ impl Sink for Writing {
         Ok(())
     }
 
-    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()> {
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         if self.open.is_none() {
             self.begin()?;
         }
         self.write().map_err(io::Error::other)?;
         if let Some(Open { mut place, file }) = self.open.take() {
+            let about = AttrValue::String(about.to_string());
+            let stated = file.root().set_attr("amacrine", about);
+            stated
+                .and_then(|()| file.commit())
+                .map_err(io::Error::other)?;
             file.close().map_err(io::Error::other)?;
             place.file().seek(SeekFrom::Start(0))?;
             io::copy(place.file(), out)?;

@@ -1,8 +1,18 @@
 //! The headers of text in front of binary events.
 
-use std::fmt::Write;
+use std::{
+    fmt::Write,
+    io::{self, ErrorKind, SeekFrom},
+};
 
-use super::{Fault, Format, about::About, chunks::Chunks, fault::Stop, writer::Head};
+use super::{
+    Fault, Format,
+    about::{About, BLANK},
+    chunks::Chunks,
+    fault::Stop,
+    source::Out,
+    writer::Head,
+};
 use crate::plane::Size;
 
 /// What the lines of a header say, each `% key value` or `# key value`.
@@ -10,6 +20,8 @@ use crate::plane::Size;
 pub struct Header {
     /// What the file says of itself.
     pub about: About,
+    /// It is this program's comment.
+    pub ours: bool,
     /// All keys and values, keys in small letters.
     pub lines: Vec<(String, String)>,
 }
@@ -22,12 +34,17 @@ impl Header {
         loop {
             let at = chunks.at();
             let Some(line) = chunks.line(mark)? else {
+                ends(chunks, format, mark, last)?;
+                // Neither an end nor events: how much is missing is not known.
+                if chunks.here().is_empty() && !header.ours {
+                    return Err(chunks.truncated("its header".into()));
+                }
                 break;
             };
             let text = line[1..].trim();
             let here = |fault| Stop::Fault(super::Place::Byte(at), fault);
             if let Some(about) = About::parse(text).map_err(here)? {
-                header.about = about;
+                (header.about, header.ours) = (about, true);
             }
             if text == last {
                 break;
@@ -55,20 +72,116 @@ impl Header {
         settings.find_map(|s| s.trim().strip_prefix(name)?.strip_prefix('='))
     }
 
-    /// The size, from any of the ways in which Prophesee's files say it.
-    pub fn prophesee_size(&self) -> Option<Size> {
-        let number = |text: Option<&str>| text?.trim().parse::<u16>().ok().map(usize::from);
-        let size = |height, width| Some(Size::new(number(height)?, number(width)?));
-        let geometry = || {
-            let (width, height) = self.get("geometry")?.split_once('x')?;
-            size(Some(height), Some(width))
+    /// The size, from any of the ways in which files say it, which must agree; some say 0
+    /// where they do not know.
+    pub fn size(&self, format: Format) -> Result<Option<Size>, Fault> {
+        let number = |text: Option<&str>| {
+            let number = text?.trim().parse::<u16>().ok().map(usize::from);
+            number.filter(|side| *side > 0)
         };
-        let found = size(self.setting("height"), self.setting("width"))
-            .or_else(geometry)
-            .or_else(|| size(self.get("height"), self.get("width")));
-        // Some files say 0 where they do not know.
-        found.filter(|size| size.pixels() > 0)
+        let geometry = self.get("geometry").and_then(|g| g.split_once('x'));
+        let ours = self.about.size;
+        let ways = [
+            (
+                "the comment `# amacrine …`",
+                ours.map(|s| s.width),
+                ours.map(|s| s.height),
+            ),
+            (
+                "`format`",
+                number(self.setting("width")),
+                number(self.setting("height")),
+            ),
+            (
+                "`geometry`",
+                number(geometry.map(|(width, _)| width)),
+                number(geometry.map(|(_, height)| height)),
+            ),
+            (
+                "`width` and `height`",
+                number(self.get("width")),
+                number(self.get("height")),
+            ),
+        ];
+        let mut known: [Option<(&str, usize)>; 2] = [None; 2];
+        for (way, width, height) in ways {
+            let sides = [("wide", width), ("high", height)];
+            for (known, (side, here)) in known.iter_mut().zip(sides) {
+                let Some(here) = here else { continue };
+                let (first, said) = *known.get_or_insert((way, here));
+                if said != here {
+                    let one = format!("{first} says that the sensor is {said} pixels {side}");
+                    return Err(Fault::twice(format, one, format!("{way} says {here}")));
+                }
+            }
+        }
+        let [width, height] = known;
+        Ok(ours.or_else(|| Some(Size::new(height?.1, width?.1))))
     }
+
+    /// Holds a Prophesee file to the encoding that its header names, once or twice.
+    pub fn names(&self, format: Format) -> Result<(), Fault> {
+        let of = |name: &str| match name.to_ascii_lowercase().as_str() {
+            "2" | "2.0" | "evt2" => Some(Format::Evt2),
+            "2.1" | "evt21" => Some(Format::Evt21),
+            "3" | "3.0" | "evt3" => Some(Format::Evt3),
+            _ => None,
+        };
+        for key in ["evt", "format"] {
+            let value = self.get(key).unwrap_or_default();
+            let name = value.split(';').next().unwrap_or_default().trim();
+            if of(name).is_some_and(|named| named != format) {
+                let one = format!("`{key}` in its header says {name}");
+                return Err(Fault::twice(format, one, "it is read as another encoding"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// No line of a header comes behind its end: one before it was damaged.
+fn ends(chunks: &mut Chunks, format: Format, mark: u8, last: &str) -> Result<(), Stop> {
+    /// As far as this is looked for one.
+    const FAR: usize = 4096;
+    let from = chunks.at();
+    let here = chunks.ahead(FAR)?;
+    let here = &here[..here.len().min(FAR)];
+    let mark = char::from(mark);
+    let gap = if mark == '%' { " " } else { "" };
+    let lines = [
+        format!("{mark} amacrine size="),
+        format!("\n{mark}{gap}{last}\n"),
+        format!("\n{mark}{gap}{last}\r\n"),
+    ];
+    let has = |line: &String| {
+        let mut windows = here.windows(line.len());
+        windows.position(|window| window == line.as_bytes())
+    };
+    let known = if last.is_empty() { 1 } else { 3 };
+    let Some(more) = lines.iter().take(known).find_map(has) else {
+        return Ok(());
+    };
+    let why = format!(
+        "has a header that ends here, and goes on at byte {}",
+        from + more as u64
+    );
+    Err(chunks.stop(Fault::Layout { format, why }))
+}
+
+/// Writes what the remark of a header lacks, now that all events are there. What cannot go back
+/// goes without.
+pub fn complete(out: &mut dyn Out, header: &[u8], about: &About) -> io::Result<()> {
+    let blank = BLANK.as_bytes();
+    let Some(at) = header.windows(blank.len()).position(|here| here == blank) else {
+        return Ok(());
+    };
+    match out.seek(SeekFrom::Start(at as u64)) {
+        Err(e) if e.kind() == ErrorKind::NotSeekable => return Ok(()),
+        other => other?,
+    };
+    out.write_all(about.tail().as_bytes())?;
+    out.seek(SeekFrom::End(0))?;
+    Ok(())
 }
 
 /// The header of a Prophesee file of words.
@@ -84,7 +197,7 @@ pub fn prophesee(format: Format, head: &Head) -> String {
     let _ = write!(
         text,
         "% evt {evt}\n% format {name};height={height};width={width}\n% geometry {width}x{height}\n\
-         % {}\n% end\n",
+         % {}{BLANK}\n% end\n",
         head.about()
     );
     text

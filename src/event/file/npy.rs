@@ -14,10 +14,10 @@ use std::io::{self, SeekFrom};
 
 use super::{
     Fault, Place,
-    about::About,
+    about::{About, BLANK},
     chunks::Chunks,
     fault::Stop,
-    gate::Raw,
+    gate::{Raw, hold_kinds},
     source::{BLOCK, Out, Sink, Source},
     writer::Head,
 };
@@ -55,14 +55,14 @@ pub(super) struct Writing {
 
 impl Writing {
     /// The header, whatever the number of events always of one length.
-    fn header(&self) -> io::Result<Vec<u8>> {
+    fn header(&self, tail: &str) -> io::Result<Vec<u8>> {
         let more = if self.head.channels > 1 {
             ", ('channel', '|u1')"
         } else {
             ""
         };
         let record = format!("[('t', '<i8'), ('x', '<i2'), ('y', '<i2'), ('p', '|i1'){more}]");
-        let comment = format!(" # {}", self.head.about());
+        let comment = format!(" # {}{tail:width$}", self.head.about(), width = BLANK.len());
         written_header(&record, self.events, &comment)
     }
 }
@@ -89,7 +89,7 @@ pub(super) fn written_header(record: &str, events: u64, comment: &str) -> io::Re
 
 impl Sink for Writing {
     fn start(&mut self, out: &mut dyn Out) -> io::Result<()> {
-        out.write_all(&self.header()?)
+        out.write_all(&self.header("")?)
     }
 
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
@@ -118,9 +118,9 @@ impl Sink for Writing {
         out.write_all(&self.bytes)
     }
 
-    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()> {
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         out.seek(SeekFrom::Start(0))?;
-        out.write_all(&self.header()?)?;
+        out.write_all(&self.header(&about.tail())?)?;
         out.seek(SeekFrom::End(0))?;
         Ok(())
     }
@@ -143,6 +143,8 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
     let Shape::Record(record) = header.shape else {
         return Err(Stop::Fault(Place::Byte(0), Fault::Magic));
     };
+    hold_kinds(header.about.as_ref(), record.channel.is_some())
+        .map_err(|fault| chunks.stop(fault))?;
     Ok(Reading {
         from: chunks.at(),
         chunks,

@@ -19,7 +19,7 @@ use super::{
     about::About,
     chunks::Chunks,
     fault::Stop,
-    gate::Raw,
+    gate::{Raw, hold_kinds},
     npy::{self, Column},
     reader::Origin,
     source::{BLOCK, Out, Sink, Source},
@@ -45,6 +45,7 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     let input = BufReader::new(origin.open()?);
     let mut archive =
         ZipArchive::new(input).map_err(|e| wrong(format!("cannot be read as an archive: {e}")))?;
+    archived(origin, &archive)?;
     let names: Result<Vec<String>, _> = archive
         .file_names()
         .map(|name| name.map(std::borrow::Cow::into_owned))
@@ -84,6 +85,8 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     }
     let comment = String::from_utf8_lossy(archive.comment()).into_owned();
     let about = About::parse(&comment).map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    hold_kinds(about.as_ref(), has("channel"))
+        .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
     Ok(Box::new(Reading {
         about: about.unwrap_or_default(),
         columns: columns.into_iter().map(|(_, column)| column).collect(),
@@ -91,6 +94,164 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
         first: 0,
         read: 0,
     }))
+}
+
+/// Holds the end of an archive, its list of members and their own headers to each other.
+fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(), Stop> {
+    let start = archive.central_directory_start();
+    let mut input = origin.open()?;
+    let length = input.seek(SeekFrom::End(0))?;
+    input.seek(SeekFrom::Start(start))?;
+    let mut list = Vec::new();
+    input.by_ref().take(LONGEST_LIST).read_to_end(&mut list)?;
+    let list = Listed::read(&list).ok_or_else(|| {
+        Stop::layout(
+            Format::Npz,
+            start,
+            "has a list of arrays that cannot be read",
+        )
+    })?;
+    let end = start + list.end as u64;
+    let counts = [
+        ("arrays", list.said.0, list.members.len() as u64),
+        ("arrays", list.said.0, archive.len() as u64),
+        ("bytes of list", list.said.1, list.bytes as u64),
+        ("bytes of remark at its end", list.said.2, length - end),
+    ];
+    for (what, said, found) in counts {
+        if said != found {
+            let one = format!("its end says that it has {said} {what}");
+            return Err(Stop::twice(
+                Format::Npz,
+                end,
+                one,
+                format!("there are {found}"),
+            ));
+        }
+    }
+    for member in &list.members {
+        let at = member.at + archive.offset();
+        let local = input.seek(SeekFrom::Start(at)).and_then(|_| {
+            let mut local = vec![0; 30 + member.name.len()];
+            input.read_exact(&mut local).map(|()| local)
+        });
+        let unlike = |what: &str| {
+            let name = String::from_utf8_lossy(&member.name);
+            let one = format!("its list says one thing of the {what} of `{name}`");
+            Err(Stop::twice(
+                Format::Npz,
+                at,
+                one,
+                "the array's own header another",
+            ))
+        };
+        let Ok(local) = local else {
+            return unlike("place");
+        };
+        let part = |from, to| local.get(from..to).unwrap_or_default();
+        if part(0, 4) != b"PK\x03\x04" {
+            return unlike("place");
+        }
+        if part(30, local.len()) != member.name || part(26, 28) != member.head(28, 30) {
+            return unlike("name");
+        }
+        if part(6, 8) != member.head(8, 10) || part(8, 10) != member.head(10, 12) {
+            return unlike("compression");
+        }
+        // Sizes that come behind the data, or with more digits, are elsewhere.
+        let later = part(6, 7).first().is_some_and(|flags| flags & 8 != 0);
+        if !later && part(14, 18) != member.head(16, 20) {
+            return unlike("check sum");
+        }
+        let elsewhere = |size: &[u8]| size == [0xFF; 4];
+        for (own, listed) in [((18, 22), (20, 24)), ((22, 26), (24, 28))] {
+            let (own, listed) = (part(own.0, own.1), member.head(listed.0, listed.1));
+            if !later && own != listed && !elsewhere(own) && !elsewhere(listed) {
+                return unlike("size");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// No list of a few arrays is longer, with its remark.
+const LONGEST_LIST: u64 = 1 << 20;
+
+/// The list of members of an archive, and what its end says of it.
+struct Listed {
+    members: Vec<Member>,
+    /// Bytes of the list, and from its start to the remark behind its end.
+    bytes: usize,
+    end: usize,
+    /// Members, bytes of the list, bytes of the remark.
+    said: (u64, u64, u64),
+}
+
+/// A member of an archive as it is listed.
+struct Member {
+    head: [u8; 46],
+    name: Vec<u8>,
+    /// Where its own header is.
+    at: u64,
+}
+
+impl Member {
+    fn head(&self, from: usize, to: usize) -> &[u8] {
+        self.head.get(from..to).unwrap_or_default()
+    }
+}
+
+impl Listed {
+    /// From the bytes that start with the list.
+    fn read(bytes: &[u8]) -> Option<Self> {
+        /// `N` bytes of a number.
+        fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<u64> {
+            let mut wide = [0; 8];
+            wide[..N].copy_from_slice(bytes.get(at..at + N)?);
+            Some(u64::from_le_bytes(wide))
+        }
+        let (mut at, mut members) = (0, Vec::new());
+        while bytes.get(at..at + 4)? == b"PK\x01\x02" {
+            let head: [u8; 46] = bytes.get(at..at + 46)?.try_into().ok()?;
+            let part = |place| number::<2>(&head, place).map(|n| n as usize);
+            let (name, extra, comment) = (part(28)?, part(30)?, part(32)?);
+            let start = at + 46;
+            let wide = bytes.get(start + name..start + name + extra)?;
+            let mut place = number::<4>(&head, 42)?;
+            if place == u64::from(u32::MAX) {
+                // Behind the sizes that are too large as well.
+                let sizes = [20, 24].map(|p| number::<4>(&head, p) == Some(u64::from(u32::MAX)));
+                let before = sizes.iter().filter(|wide| **wide).count();
+                place = number::<8>(wide, 4 + 8 * before)?;
+            }
+            members.push(Member {
+                head,
+                name: bytes.get(start..start + name)?.to_vec(),
+                at: place,
+            });
+            at = start + name + extra + comment;
+        }
+        let length = at;
+        let mut wide = None;
+        if bytes.get(at..at + 4)? == b"PK\x06\x06" {
+            wide = Some((number::<8>(bytes, at + 32)?, number::<8>(bytes, at + 40)?));
+            at += 12 + usize::try_from(number::<8>(bytes, at + 4)?).ok()? + 20;
+        }
+        if bytes.get(at..at.checked_add(4)?)? != b"PK\x05\x06" {
+            return None;
+        }
+        let (count, size) = (number::<2>(bytes, at + 10)?, number::<4>(bytes, at + 12)?);
+        let (count, size) = match wide {
+            Some(wide) => wide,
+            None => (count, size),
+        };
+        Some(Self {
+            members,
+            bytes: length,
+            end: at + 22,
+            said: (count, size, number::<2>(bytes, at + 20)?),
+        })
+    }
 }
 
 /// One array of the archive, with a hand of its own on the file.
@@ -102,6 +263,7 @@ fn member(
     let bad = |e| wrong(format!("has an array `{name}` that cannot be read: {e}"));
     let file = archive.by_name_raw(name.as_bytes()).map_err(bad)?;
     let (start, size) = (file.data_start(), file.compressed_size());
+    let length = file.size();
     let (method, crc, encrypted) = (file.compression(), file.crc32(), file.encrypted());
     let start = start.ok_or_else(|| wrong(format!("does not say where `{name}` is")))?;
     drop(file);
@@ -123,6 +285,7 @@ fn member(
         bytes,
         sum: flate2::Crc::new(),
         crc,
+        left: length,
     })))
 }
 
@@ -131,12 +294,20 @@ struct Checked {
     bytes: Box<dyn Read + Send>,
     sum: flate2::Crc,
     crc: u32,
+    /// Bytes that should still come.
+    left: u64,
 }
 
 impl Read for Checked {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let read = self.bytes.read(buffer)?;
         self.sum.update(&buffer[..read]);
+        let left = self.left.checked_sub(read as u64);
+        if left.is_none() || (read == 0 && !buffer.is_empty() && left != Some(0)) {
+            let why = "an array does not have as many bytes as its archive says";
+            return Err(io::Error::new(io::ErrorKind::InvalidData, why));
+        }
+        self.left = left.unwrap_or(0);
         if read == 0 && !buffer.is_empty() && self.sum.sum() != self.crc {
             let why = "an array is damaged: its check sum is another";
             return Err(io::Error::new(io::ErrorKind::InvalidData, why));
@@ -259,7 +430,6 @@ pub(super) fn sink(head: &Head) -> io::Result<Writing> {
     let count = if head.channels > 1 { 5 } else { 4 };
     let columns = (0..count).map(|_| tempfile::tempfile().map(BufWriter::new));
     Ok(Writing {
-        head: *head,
         events: 0,
         columns: columns.collect::<io::Result<_>>()?,
     })
@@ -267,7 +437,6 @@ pub(super) fn sink(head: &Head) -> io::Result<Writing> {
 
 #[derive(Debug)]
 pub(super) struct Writing {
-    head: Head,
     events: u64,
     columns: Vec<BufWriter<File>>,
 }
@@ -293,18 +462,18 @@ impl Sink for Writing {
         Ok(())
     }
 
-    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()> {
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         let mut steady = Steady::new(out);
-        let written = self.archive(&mut steady);
+        let written = self.archive(&mut steady, about);
         // What went wrong first.
         steady.lost.map_or(written, Err)
     }
 }
 
 impl Writing {
-    fn archive(&mut self, out: &mut Steady<'_>) -> io::Result<()> {
+    fn archive(&mut self, out: &mut Steady<'_>, about: &About) -> io::Result<()> {
         let mut zip = ZipWriter::new(out);
-        zip.set_comment(self.head.about().to_string())?;
+        zip.set_comment(about.to_string())?;
         // The same file for the same events: no clock.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Stored)

@@ -31,10 +31,10 @@ use parquet::{
 };
 
 use super::{
-    Format, Place,
+    Fault, Format, Place,
     about::About,
     fault::Stop,
-    gate::Raw,
+    gate::{Raw, hold_kinds},
     reader::Origin,
     source::{BLOCK, Out, Sink, Source},
     writer::Head,
@@ -160,6 +160,9 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     });
     let about = comment.map_or(Ok(None), |text| About::parse(&text));
     let about = about.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    hold_kinds(about.as_ref(), columns.len() == COLUMNS.len())
+        .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    hold_rows(&*file)?;
     Ok(Reading {
         file,
         columns,
@@ -170,6 +173,36 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
         read: 0,
         first: 0,
     })
+}
+
+/// Holds the counts of a file, of its row groups and of their columns to each other.
+fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
+    let said = file.metadata().file_metadata().num_rows();
+    let mut sum = 0_i64;
+    for (number, group) in file.metadata().row_groups().iter().enumerate() {
+        let rows = group.num_rows();
+        sum = sum.saturating_add(rows);
+        for column in group.columns() {
+            // A column of lists has more values than rows.
+            let flat = column.column_descr().max_rep_level() == 0;
+            if flat && column.num_values() != rows {
+                let one = format!("row group {number} says that it has {rows} rows");
+                let (name, values) = (column.column_path(), column.num_values());
+                let other = format!("its column {name} has {values} values");
+                return Err(Stop::twice(Format::Parquet, 0, one, other));
+            }
+        }
+    }
+    if sum != said {
+        let one = format!("its footer says that it has {said} rows");
+        return Err(Stop::twice(
+            Format::Parquet,
+            0,
+            one,
+            format!("its row groups have {sum}"),
+        ));
+    }
+    Ok(())
 }
 
 /// The columns side by side.
@@ -220,6 +253,19 @@ impl Source for Reading {
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
         self.first = self.read;
         while self.left == 0 {
+            // No values behind those of the last row.
+            for (column, name) in self.open.iter_mut().zip(COLUMNS) {
+                if !guarded(|| integers(column, 1))?.is_empty() {
+                    let one = format!("row group {} says how many rows it has", self.group - 1);
+                    let fault = Fault::twice(
+                        Format::Parquet,
+                        one,
+                        format!("its pages of `{name}` have more"),
+                    );
+                    return Err(Stop::Fault(Place::Event(self.read), fault));
+                }
+            }
+            self.open.clear();
             if self.group == self.file.num_row_groups() {
                 return Ok(false);
             }
@@ -289,10 +335,8 @@ impl Writing {
             "message events {{ REQUIRED INT64 t; REQUIRED INT32 x (INTEGER(16,false)); \
              REQUIRED INT32 y (INTEGER(16,false)); REQUIRED INT32 p (INTEGER(8,false)); {channel} }}"
         ))?;
-        let about = KeyValue::new("amacrine".into(), self.head.about().to_string());
         let properties = WriterProperties::builder()
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
-            .set_key_value_metadata(Some(vec![about]))
             .build();
         let file = tempfile::tempfile()?;
         let writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
@@ -357,9 +401,11 @@ impl Sink for Writing {
         Ok(())
     }
 
-    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()> {
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         self.write().map_err(io::Error::other)?;
-        if let Some(writer) = self.writer.take() {
+        if let Some(mut writer) = self.writer.take() {
+            let about = KeyValue::new("amacrine".into(), about.to_string());
+            writer.append_key_value_metadata(about);
             let mut file = writer.into_inner().map_err(io::Error::other)?;
             file.seek(SeekFrom::Start(0))?;
             io::copy(&mut file, out)?;

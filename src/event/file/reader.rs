@@ -169,6 +169,12 @@ impl Reader {
         self.source.skipped()
     }
 
+    /// What is no damage, and should be known of the file: told at its end.
+    #[must_use]
+    pub fn note(&self) -> Option<&'static str> {
+        self.source.note()
+    }
+
     /// The smallest sensor that holds the events so far.
     #[must_use]
     pub const fn reach(&self) -> Size {
@@ -204,7 +210,15 @@ impl Reader {
             }
             match self.source.fill(events) {
                 Ok(true) => (),
-                Ok(false) => self.ended = true,
+                Ok(false) => {
+                    self.listen();
+                    if let Err(fault) = self.gate.complete() {
+                        let stop = Stop::Fault(self.source.place(0), fault);
+                        self.stopped = Some(named(&self.path, stop));
+                        continue;
+                    }
+                    self.ended = true;
+                }
                 Err(stop) => self.stopped = Some(named(&self.path, stop)),
             }
             self.listen();

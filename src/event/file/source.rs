@@ -18,13 +18,19 @@ pub trait Source: Send {
     /// What came before damage is added before the damage is reported.
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop>;
 
-    /// Where the event is that the last [`Source::fill`] added with this number.
+    /// Where the event is that the last [`Source::fill`] added with this number; after the
+    /// last one, number 0 is the end of the file.
     fn place(&self, event: usize) -> Place;
 
     /// Records so far that are no events of a pixel: triggers, frames, motion, and events
     /// before the first time.
     fn skipped(&self) -> u64 {
         0
+    }
+
+    /// What is no damage, and should be known of the file all the same.
+    fn note(&self) -> Option<&'static str> {
+        None
     }
 }
 
@@ -36,8 +42,9 @@ pub trait Sink: Send {
     /// Writes events; they have been checked.
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()>;
 
-    /// Writes what comes last, or what the start could not know.
-    fn finish(&mut self, out: &mut dyn Out) -> io::Result<()>;
+    /// Writes what comes last, or what the start could not know: `about` tells how many events
+    /// there are, and when.
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()>;
 }
 
 /// Where a file goes.
@@ -95,13 +102,13 @@ impl<W: Words> Source for Stream<W> {
         self.chunks.ahead(longest)?;
         self.before.clone_from(&self.words);
         self.from = self.chunks.at();
+        self.chunk.clear();
         let here = self.chunks.here();
         if here.is_empty() {
             return Ok(false);
         }
         // Not more at a time than its events have room in the cache.
         let here = &here[..here.len().min(longest.max(BLOCK * 4))];
-        self.chunk.clear();
         self.chunk.extend_from_slice(here);
         match self.words.read(here, events) {
             Ok(0) => Err(self.chunks.truncated("an event".into())),

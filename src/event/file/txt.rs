@@ -8,6 +8,7 @@ use std::io;
 
 use super::{
     Fault,
+    about::About,
     chunks::Chunks,
     fault::Stop,
     gate::Raw,
@@ -50,7 +51,7 @@ impl Sink for Writing {
         out.write_all(&self.text)
     }
 
-    fn finish(&mut self, _: &mut dyn Out) -> io::Result<()> {
+    fn finish(&mut self, _: &mut dyn Out, _: &About) -> io::Result<()> {
         Ok(())
     }
 }

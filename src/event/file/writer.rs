@@ -69,6 +69,7 @@ impl Head {
             channels: Some(self.channels),
             span: self.span,
             dropped: self.dropped,
+            ..About::NOTHING
         }
     }
 }
@@ -81,6 +82,7 @@ pub struct Writer {
     draft: Draft,
     sink: Box<dyn Sink>,
     gate: Gate,
+    about: About,
 }
 
 impl Writer {
@@ -136,6 +138,7 @@ impl Writer {
             draft,
             sink,
             gate,
+            about: head.about(),
         })
     }
 
@@ -159,7 +162,12 @@ impl Writer {
     /// # Errors
     /// When the disk does not take it; whatever was at the path is then as it was.
     pub fn finish(mut self) -> Result<u64, FileError> {
-        let finished = self.sink.finish(&mut self.draft);
+        let about = About {
+            events: Some(self.gate.events),
+            times: self.gate.times(),
+            ..self.about
+        };
+        let finished = self.sink.finish(&mut self.draft, &about);
         finished.map_err(|cause| self.draft.failed(cause))?;
         self.draft.keep()?;
         Ok(self.gate.events)

@@ -22,7 +22,11 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Arbiter, Frame, Ideal, Readout, Requests, RowOrder, Scan, WhenFull, scan::Order};
+use crate::limit::QUEUE;
 use crate::unit::{Evidence, Micros, Picos};
+
+/// What a queue can be.
+const FIFO: &str = "a whole number, at most 4294967296, or `unlimited`";
 
 /// The readouts that come with the program, by name.
 const SHIPPED: [(&str, &str); 4] = [
@@ -266,9 +270,9 @@ impl Description {
                     "`one` or `all`",
                     &[("one", Requests::One), ("all", Requests::All)],
                 )?,
-                fifo: self.read("fifo", "a whole number, or `unlimited`", |v| match v {
+                fifo: self.read("fifo", FIFO, |v| match v {
                     "unlimited" => Some(None),
-                    number => number.parse().ok().map(Some),
+                    number => number.parse().ok().filter(|n| *n <= QUEUE).map(Some),
                 })?,
                 when_full: self.one_of(
                     "when-full",

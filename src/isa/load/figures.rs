@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use toml::Spanned;
 
+use crate::limit::ALIASES;
+
 use super::{
     super::{
         Analog, Digital, Figure, Quantity, Registers, Roles,
@@ -182,10 +184,18 @@ pub(super) fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
     let mut aliases: Vec<(String, Digital)> = Vec::new();
     for part in parts() {
         for (alias, name) in &part.aliases {
-            if !aliases.iter().any(|(known, _)| known == alias.get_ref()) {
+            // One more than there can be tells enough.
+            if aliases.len() <= ALIASES
+                && !aliases.iter().any(|(known, _)| known == alias.get_ref())
+            {
                 aliases.push((alias.get_ref().clone(), bit(name)));
             }
         }
+    }
+    if aliases.len() > ALIASES {
+        let what = format!("too many other names: {ALIASES} aliases at most");
+        let place = top.device.name.span().into();
+        faults.push(Fault::error(place, what, "this chip").help("leave some out"));
     }
     let owner = layers.iter().rev().find(|l| l.device.registers.is_some());
     owner.unwrap_or(top).wrong("device.toml", faults)?;

@@ -1,6 +1,6 @@
 //! The folders that a chip is made of, one over the other.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use super::{
     super::{
@@ -9,6 +9,10 @@ use super::{
     },
     CHAIN, Folder, Layer, LoadError, PrimitivesFile, SHIPPED, toml_fault, unknown,
 };
+use crate::source;
+
+/// What a chip's folder holds.
+const FILES: &str = "a chip is a folder with device.toml, primitives.toml and macros.scamp; one that extends another needs device.toml alone";
 
 impl Layer {
     pub(super) fn wrong(&self, file: &str, faults: Vec<Fault>) -> Result<(), Faults> {
@@ -34,11 +38,8 @@ pub(super) fn shipped_folder(name: &str) -> Result<Folder, LoadError> {
 }
 
 pub(super) fn disk_folder(folder: &Path) -> Result<Folder, LoadError> {
-    let read = |file: &str| {
-        let path = folder.join(file);
-        fs::read_to_string(&path).map_err(|cause| LoadError::Unreadable { path, cause })
-    };
-    let maybe = |file: &str| {
+    let read = |file: &str| source::text(&folder.join(file), FILES);
+    let maybe = |file: &str| -> Result<_, source::SourceError> {
         if folder.join(file).exists() {
             read(file).map(Some)
         } else {

@@ -9,7 +9,7 @@ mod rows;
 
 use std::{
     collections::BTreeMap,
-    path::{Path, PathBuf},
+    path::Path,
     sync::{Arc, LazyLock},
 };
 
@@ -21,6 +21,8 @@ use self::{
     layers::{disk_folder, layers, shipped_folder},
     rows::{all_macros, host_rows, primitive_rows},
 };
+use crate::limit::FAULTS;
+
 use super::{
     Clock, Device, Evidence, HostKind, Kind, Quantity, macros,
     text::{Fault, Faults, Place, nearest},
@@ -41,16 +43,9 @@ pub enum LoadError {
         shipped: String,
     },
     /// A file cannot be read.
-    #[error("{}: {cause}", path.display())]
-    #[diagnostic(help(
-        "a chip is a folder with device.toml, primitives.toml and macros.scamp; one that extends another needs device.toml alone"
-    ))]
-    Unreadable {
-        /// Which file.
-        path: PathBuf,
-        /// What the system said.
-        cause: std::io::Error,
-    },
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Unreadable(#[from] crate::source::SourceError),
     /// A file says something wrong.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -256,9 +251,18 @@ fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
         macros,
         base,
     };
+    let calls = macros::check_calls(&device);
     for (at, layer) in layers.iter().enumerate() {
         let own = device.macros.iter().zip(&owners).filter(|(_, o)| **o == at);
-        let faults = own.flat_map(|(it, _)| macros::check(&device, it)).collect();
+        let mut faults = Vec::new();
+        for (it, _) in own {
+            faults.extend(macros::check(&device, it));
+            if faults.len() > FAULTS {
+                break;
+            }
+        }
+        let circles = calls.iter().filter(|(number, _)| owners[*number] == at);
+        faults.extend(circles.map(|(_, fault)| fault.clone()));
         layer.wrong("macros.scamp", faults)?;
     }
     Ok(device)

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use toml::Spanned;
 
+use crate::limit::FORMS;
+
 use super::{
     super::{
         Analog, Digital, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
@@ -21,6 +23,11 @@ pub(super) fn forms(
     fits: impl Fn(&Signature) -> bool,
 ) -> Vec<Signature> {
     let mut parsed = Vec::new();
+    if let Some(form) = list.get(FORMS) {
+        let what = format!("{} forms; a row has {FORMS} forms at most", list.len());
+        faults.push(Fault::error(form.span().into(), what, "this form").help("leave some out"));
+        return parsed;
+    }
     for form in list {
         match Signature::parse(form.get_ref()) {
             Ok(signature) if fits(&signature) => parsed.push(signature),

@@ -1,10 +1,9 @@
 //! Walking over tokens: what is expected, what stands there instead, and how to go on after
 //! a fault.
 
-use super::{Argument, Expression, Fault, Kind, Operator, Place, Statement, Term, Token};
+use crate::limit::NESTING;
 
-/// Parentheses and blocks inside each other, at most.
-const DEPTH: usize = 32;
+use super::{Argument, Expression, Fault, Kind, Operator, Place, Statement, Term, Token};
 
 /// A place in a list of tokens.
 #[derive(Debug)]
@@ -160,10 +159,10 @@ impl<'a> Cursor<'a> {
     /// # Errors
     /// When that is too deep.
     pub fn enter(&mut self) -> Result<(), Fault> {
-        if self.depth == DEPTH {
+        if self.depth == NESTING {
             return Err(Fault::error(
                 self.place(),
-                format!("more than {DEPTH} levels inside each other"),
+                format!("more than {NESTING} levels inside each other"),
                 "too deep",
             )
             .help("take it apart"));
@@ -276,7 +275,7 @@ impl<'a> Cursor<'a> {
         while let Some(&(_, operator)) = operators.iter().find(|(mark, _)| self.sees(mark)) {
             // A long sum is a deep tree.
             length += 1;
-            if length > DEPTH {
+            if length > NESTING {
                 return Err(self.unexpected("a shorter sum", "take it apart"));
             }
             self.advance();

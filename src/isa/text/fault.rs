@@ -6,6 +6,7 @@ use std::{fmt, sync::Arc};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::{Place, line_column};
+use crate::limit::FAULTS;
 
 /// Whether a text can still be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,6 +88,8 @@ pub struct Located {
     /// Column in characters, from 1.
     pub column: u32,
     source: Arc<NamedSource<String>>,
+    /// Whether the lines around it are short enough to be shown.
+    shows: bool,
 }
 
 /// All faults of one text, in the order of the text. Never empty.
@@ -96,18 +99,32 @@ pub struct Faults {
     pub file: String,
     /// What is wrong.
     pub faults: Vec<Located>,
+    /// Whether more is wrong, which is not told.
+    pub more: bool,
 }
 
 impl Faults {
     /// The faults of a text, sorted by place.
     #[must_use]
     pub fn new(file: &str, text: &str, mut faults: Vec<Fault>) -> Self {
+        let more = faults.len() > FAULTS;
         faults.sort_by_key(|fault| (fault.place.start, fault.place.end));
         faults.dedup();
+        if faults.len() > FAULTS {
+            // No warning takes the place of an error.
+            faults.sort_by_key(|fault| fault.severity != Severity::Error);
+            faults.truncate(FAULTS);
+            faults.sort_by_key(|fault| (fault.place.start, fault.place.end));
+        }
         let source = Arc::new(NamedSource::new(file, text.to_owned()));
         let locate = |fault: Fault| {
             let (line, column) = line_column(text, fault.place.start);
+            let also = fault.also.iter().map(|also| also.0);
+            let shows = also
+                .chain([fault.place])
+                .all(|place| shows(text, place.start) && shows(text, place.end));
             Located {
+                shows,
                 file: file.to_owned(),
                 line,
                 column,
@@ -118,6 +135,7 @@ impl Faults {
         Self {
             file: file.to_owned(),
             faults: faults.into_iter().map(locate).collect(),
+            more,
         }
     }
 
@@ -137,6 +155,38 @@ impl Faults {
         }
         Ok(())
     }
+}
+
+/// The longest line that is shown, in bytes.
+const SHOWN: usize = 2000;
+
+/// Whether the line of a byte, and those beside it, are short enough to be shown.
+fn shows(text: &str, byte: usize) -> bool {
+    let (before, after) = text.split_at(text.floor_char_boundary(byte));
+    let above = before.rsplit('\n').take(2).map(str::len);
+    let below = after.split('\n').take(2).map(str::len);
+    above.chain(below).all(|length| length <= SHOWN)
+}
+
+/// Leaves out what would not be told, where there is much: so that a text that is wrong
+/// everywhere does not take memory and time without end.
+pub fn thin(faults: &mut Vec<Fault>) {
+    if faults.len() <= 4 * FAULTS {
+        return;
+    }
+    for severity in [Severity::Error, Severity::Warning] {
+        let mut kept = 0;
+        faults.retain(|fault| {
+            kept += usize::from(fault.severity == severity);
+            fault.severity != severity || kept <= FAULTS + 1
+        });
+    }
+}
+
+/// Whether so much is wrong that there is no use in going on.
+pub fn enough(faults: &[Fault]) -> bool {
+    let errors = faults.iter().filter(|f| f.severity == Severity::Error);
+    errors.count() > FAULTS
 }
 
 impl fmt::Display for Located {
@@ -164,7 +214,7 @@ impl Diagnostic for Located {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.source)
+        self.shows.then_some(&self.source as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
@@ -186,8 +236,19 @@ impl Diagnostic for Located {
 impl fmt::Display for Faults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.faults.as_slice() {
-            [only] => only.fmt(f),
-            all => write!(f, "{}: {} things are wrong", self.file, all.len()),
+            [only] if !self.more => only.fmt(f),
+            all => {
+                let are = if all.len() == 1 {
+                    "thing is"
+                } else {
+                    "things are"
+                };
+                write!(f, "{}: {} {are} wrong", self.file, all.len())?;
+                if self.more {
+                    f.write_str(", and more are not shown")?;
+                }
+                Ok(())
+            }
         }
     }
 }
@@ -228,7 +289,7 @@ impl Faults {
     /// The fault, when there is one alone: it is then shown without a heading.
     fn only(&self) -> Option<&Located> {
         match self.faults.as_slice() {
-            [only] => Some(only),
+            [only] if !self.more => Some(only),
             _ => None,
         }
     }

@@ -9,6 +9,7 @@ use winnow::{
 };
 
 use super::{Fault, Place};
+use crate::limit::FAULTS;
 
 /// One word of the text.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +61,9 @@ pub fn lex(text: &str) -> (Vec<Token>, Vec<Fault>) {
             Ok(Ok(kind)) => tokens.push(Token { kind, place }),
             Ok(Err(fault)) => {
                 faults.push(Fault { place, ..fault });
+                if faults.len() > FAULTS {
+                    return (tokens, faults);
+                }
                 // A number all the same, so that the statement around it is not a fault too.
                 if text[start..].starts_with(|c: char| c.is_ascii_digit()) {
                     let kind = Kind::Number(0.0);

@@ -11,7 +11,7 @@ mod nearest;
 
 pub use cursor::Cursor;
 pub use expression::{Argument, Expression, Operator, Statement, Term};
-pub use fault::{Fault, Faults, Located, Severity};
+pub use fault::{Fault, Faults, Located, Severity, enough, thin};
 pub use lex::{Kind, Token, lex};
 pub use nearest::{nearest, suggestion, suggestion_or};
 
@@ -65,6 +65,30 @@ pub fn line_column(text: &str, byte: usize) -> (u32, u32) {
     (line, before[start..].chars().count() as u32 + 1)
 }
 
+/// The lines of a text, for looking up many places.
+#[derive(Clone, Debug)]
+pub struct Lines {
+    /// The byte at which each line but the first begins.
+    starts: Vec<usize>,
+}
+
+impl Lines {
+    /// The lines of a text.
+    #[must_use]
+    pub fn of(text: &str) -> Self {
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        Self {
+            starts: ends.map(|(at, _)| at + 1).collect(),
+        }
+    }
+
+    /// The line of a byte, from 1.
+    #[must_use]
+    pub fn line(&self, byte: usize) -> u32 {
+        self.starts.partition_point(|start| *start <= byte) as u32 + 1
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,5 +100,7 @@ mod tests {
         assert_eq!(line_column(text, 3), (2, 1));
         assert_eq!(line_column(text, 5), (2, 2), "µ has two bytes");
         assert_eq!(line_column(text, 999), (2, 7), "past the end is the end");
+        let lines = Lines::of(text);
+        assert!((0..9).all(|byte| lines.line(byte) == line_column(text, byte).0));
     }
 }

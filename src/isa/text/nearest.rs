@@ -1,12 +1,20 @@
 //! Suggestions: which of the known names did the writer mean?
 
+/// The longest name that is looked at, in characters.
+const LONGEST: usize = 64;
+
 /// The known name nearest to `name`, if one is near enough to be what was meant: at most one
 /// edit in three letters and never all of them, a change of case counting as none.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();
     let limit = 1.max(length / 3);
+    // What is longer is no slip of the pen; comparing takes the product of the lengths.
+    if length > LONGEST {
+        return None;
+    }
     known
         .into_iter()
+        .filter(|candidate| candidate.len() <= 4 * LONGEST)
         .map(|candidate| {
             let lower = distance(&name.to_lowercase(), &candidate.to_lowercase());
             (lower, distance(name, candidate), candidate)

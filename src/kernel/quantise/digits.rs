@@ -5,8 +5,12 @@
 //! weight the nearest number of 0, 1, 2 … digits is looked up; dynamic programming over
 //! the weights then finds how the budget is best shared out.
 
-use super::{FINEST, QuantiseError, Quantiser, Sum};
-use crate::number::signed_digits;
+use super::{FINEST, QuantiseError, Quantiser, Sum, affordable};
+use crate::{
+    elementary,
+    limit::{QUANTISER_STEPS, QUANTISER_TABLE},
+    number::signed_digits,
+};
 
 /// The levels, whole numbers of [`FINEST`] bits, and the scale.
 pub(super) fn quantise(
@@ -17,7 +21,7 @@ pub(super) fn quantise(
 ) -> Result<(Vec<f64>, f64), QuantiseError> {
     let largest = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     let top = 1i64 << FINEST;
-    let scale = 2f64.powi(largest.log2().ceil() as i32) / top as f64;
+    let scale = 2f64.powi(elementary::log2(largest).ceil() as i32) / top as f64;
     let values: Vec<f64> = weights.iter().map(|w| w / scale).collect();
     let asked = match sum {
         Sum::Free => None,
@@ -25,9 +29,17 @@ pub(super) fn quantise(
         Sum::Kept => Some(values.iter().sum::<f64>().round() as i64),
     };
     let budget = budget.min(weights.len() as u32 * most_digits(top)) as usize;
+    let (n, size) = (weights.len(), weights.len() as f64);
+    let table = size * (budget + 1) as f64;
+    affordable(quantiser, n, table, QUANTISER_TABLE, "entries of a table")?;
+    if asked.is_some() {
+        // At worst a step for each weight, each of which looks at every level of every weight.
+        let steps = size * size * (2 * top) as f64;
+        affordable(quantiser, n, steps, QUANTISER_STEPS, "steps of search")?;
+    }
     let levels = share(&values, budget, asked).ok_or(QuantiseError::Sum {
         quantiser,
-        sum: asked.unwrap_or(0),
+        sum: asked.unwrap_or(0) as f64,
         weights: weights.len(),
     })?;
     Ok((levels, scale))
@@ -62,12 +74,13 @@ fn share(values: &[f64], budget: usize, asked: Option<i64>) -> Option<Vec<f64>> 
     let mut taken = Vec::with_capacity(values.len());
     for (value, choices) in values.iter().zip(&choices) {
         let mut next = vec![f64::INFINITY; budget + 1];
-        let mut by = vec![0usize; budget + 1];
+        // A weight has few digits.
+        let mut by = vec![0u8; budget + 1];
         for used in 0..=budget {
             for (k, level) in choices.iter().enumerate().take(used + 1) {
                 let total = cost[used - k] + (*level as f64 - value).powi(2);
                 if total < next[used] {
-                    (next[used], by[used]) = (total, k);
+                    (next[used], by[used]) = (total, k as u8);
                 }
             }
         }
@@ -77,8 +90,9 @@ fn share(values: &[f64], budget: usize, asked: Option<i64>) -> Option<Vec<f64>> 
     let mut levels = vec![0i64; values.len()];
     let mut left = budget;
     for ((level, by), choices) in levels.iter_mut().zip(&taken).zip(&choices).rev() {
-        *level = choices[by[left]];
-        left -= by[left];
+        let digits = usize::from(by[left]);
+        *level = choices[digits];
+        left -= digits;
     }
     if let Some(asked) = asked {
         balance(values, &mut levels, budget as u32, asked)?;

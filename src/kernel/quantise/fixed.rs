@@ -36,7 +36,7 @@ pub(super) fn quantise(
         };
         total::settle(&values, &mut steps, (low, high), asked).ok_or(QuantiseError::Sum {
             quantiser,
-            sum: asked as i64,
+            sum: asked,
             weights: weights.len(),
         })?;
     }

@@ -5,7 +5,8 @@
 //! grows from 0, a weight changes its level where it lies in the middle of two; between these
 //! places nothing changes, so looking once between each finds the best of all.
 
-use super::{QuantiseError, Quantiser, Sum, best_scale, total};
+use super::{QuantiseError, Quantiser, Sum, affordable, best_scale, total};
+use crate::limit::{QUANTISER_STEPS, QUANTISER_TABLE};
 
 /// The level of each weight, and the scale.
 type Chosen = (Vec<f64>, f64);
@@ -45,13 +46,24 @@ pub(super) fn free(
     sum: Sum,
 ) -> Result<Chosen, QuantiseError> {
     let magnitudes = magnitudes(quantiser);
+    // Between each two changes all weights are looked up.
+    let size = weights.len() as f64;
+    let steps = size * size * (magnitudes.len() - 1) as f64;
+    affordable(
+        quantiser,
+        weights.len(),
+        steps,
+        QUANTISER_STEPS,
+        "steps of search",
+    )?;
     let mut changes: Vec<f64> = magnitudes
         .windows(2)
         .flat_map(|pair| {
             let middle = (pair[0] + pair[1]) as f64 / 2.0;
             weights.iter().map(move |w| w.abs() / middle)
         })
-        .filter(|scale| *scale > 0.0)
+        // A scale that is not a normal number would make weights infinite.
+        .filter(|scale| *scale > 4.0 * f64::MIN_POSITIVE)
         .collect();
     changes.sort_by(f64::total_cmp);
     changes.dedup();
@@ -176,6 +188,21 @@ fn with_sum(
     if sum == Sum::Free {
         return Ok((levels, scale));
     }
+    if !matches!(quantiser, Quantiser::Whole(_)) {
+        // Each weight can lead to each sum.
+        let (size, most) = (
+            weights.len() as f64,
+            magnitudes[magnitudes.len() - 1] as f64,
+        );
+        let table = size * (2.0 * size * most + 1.0);
+        affordable(
+            quantiser,
+            weights.len(),
+            table,
+            QUANTISER_TABLE,
+            "entries of a table",
+        )?;
+    }
     let mut all: Vec<i64> = magnitudes
         .iter()
         .flat_map(|level| [-level, *level])
@@ -199,7 +226,7 @@ fn with_sum(
         };
         let next = next.ok_or(QuantiseError::Sum {
             quantiser,
-            sum: asked,
+            sum: asked as f64,
             weights: weights.len(),
         })?;
         let settled = next == levels;

@@ -30,8 +30,8 @@ mod total;
 pub use name::QuantiserNameError;
 pub use response::Change;
 
-use super::Kernel;
-use crate::plane::Plane;
+use super::{Kernel, KernelError};
+use crate::{elementary, plane::Plane};
 
 /// Bits of the levels of `csd-D`, without their sign.
 pub const FINEST: u32 = 8;
@@ -93,6 +93,27 @@ pub struct Quantised {
 /// A kernel that cannot be quantised as asked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum QuantiseError {
+    /// Weights too small or too large to compute with.
+    #[error(transparent)]
+    #[diagnostic(help("multiply the kernel by a number, and the threshold with it"))]
+    Weights(#[from] KernelError),
+    /// More work than is allowed.
+    #[error("{weights} weights in {quantiser} take {needed:.1e} {what}, more than {most:.1e}")]
+    #[diagnostic(help(
+        "cut the kernel where its weights are small, take a quantiser of fewer levels or digits, or leave the sum free"
+    ))]
+    Work {
+        /// Which quantiser.
+        quantiser: Quantiser,
+        /// How many weights there are.
+        weights: usize,
+        /// How much it would be.
+        needed: f64,
+        /// How much it may be.
+        most: f64,
+        /// In what.
+        what: &'static str,
+    },
     /// No weight but 0.
     #[error("all weights are 0")]
     #[diagnostic(help("give a kernel that sees something"))]
@@ -106,7 +127,7 @@ pub enum QuantiseError {
         /// Which quantiser.
         quantiser: Quantiser,
         /// In levels.
-        sum: i64,
+        sum: f64,
         /// How many weights there are.
         weights: usize,
     },
@@ -136,6 +157,7 @@ impl Quantiser {
         sum: Sum,
         seed: u64,
     ) -> Result<Quantised, QuantiseError> {
+        kernel.workable()?;
         let weights: Vec<f64> = kernel.weights().iter().copied().collect();
         let largest = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
         if largest == 0.0 {
@@ -188,7 +210,7 @@ impl Quantised {
             .iter()
             .fold(0.0, |most: f64, l| most.max(l.abs()));
         if largest > 0.0 {
-            let power = 2f64.powi(largest.log2().ceil() as i32);
+            let power = 2f64.powi(elementary::log2(largest).ceil() as i32);
             self.levels.weights /= power;
             self.scale *= power;
         }
@@ -210,6 +232,27 @@ impl Quantised {
         let square = |plane: &Plane<f64>| plane.iter().map(|w| w * w).sum::<f64>();
         (square(&(self.kernel().weights() - weights)) / square(weights)).sqrt()
     }
+}
+
+/// Refuses work that would take too long or too much room.
+fn affordable(
+    quantiser: Quantiser,
+    weights: usize,
+    needed: f64,
+    most: u64,
+    what: &'static str,
+) -> Result<(), QuantiseError> {
+    let most = most as f64;
+    if needed <= most {
+        return Ok(());
+    }
+    Err(QuantiseError::Work {
+        quantiser,
+        weights,
+        needed,
+        most,
+        what,
+    })
 }
 
 /// The scale that brings levels nearest to the weights.

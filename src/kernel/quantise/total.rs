@@ -3,6 +3,8 @@
 //! Where the levels are whole numbers without a gap, by steps; otherwise by dynamic
 //! programming over the sums that the first few weights can have.
 
+use std::{cmp::Ordering, collections::BinaryHeap};
+
 /// The levels, one of `all` for each value, whose sum is `sum` and that are nearest to the
 /// values; `None` when there are none.
 pub(super) fn nearest(values: &[f64], all: &[i64], sum: i64) -> Option<Vec<f64>> {
@@ -52,10 +54,11 @@ pub(super) fn nearest(values: &[f64], all: &[i64], sum: i64) -> Option<Vec<f64>>
     Some(levels)
 }
 
-/// Moves weights by a step, each time the one that it hurts least, until they sum to `asked`.
+/// Moves weights by steps, each time the one that it hurts least, until they sum to `asked`.
 ///
 /// What a step costs grows with each step that a weight has taken, so no other choice of
-/// steps from here is nearer.
+/// steps from here is nearer. Many steps are taken at once, up to a level below which every
+/// step is among those that hurt least; the last few go one by one.
 pub(super) fn settle(
     values: &[f64],
     steps: &mut [f64],
@@ -64,13 +67,117 @@ pub(super) fn settle(
 ) -> Option<()> {
     let missing = asked - steps.iter().sum::<f64>();
     let way = missing.signum();
-    for _ in 0..missing.abs() as u64 {
-        let hurt = |i: usize| (steps[i] + way - values[i]).powi(2) - (steps[i] - values[i]).powi(2);
-        let room = |i: &usize| (low..=high).contains(&(steps[*i] + way));
-        let least = (0..steps.len())
-            .filter(room)
-            .min_by(|a, b| hurt(*a).total_cmp(&hurt(*b)))?;
+    let mut left = missing.abs();
+    let end = if way > 0.0 { high } else { low };
+    let room = |step: f64| (way * (end - step)).max(0.0);
+    if left > steps.iter().map(|step| room(*step)).sum::<f64>() {
+        return None;
+    }
+    // How far a weight is ahead of its value: half of what a step hurts, less a half.
+    let ahead = |i: usize, step: f64| way * (step - values[i]);
+    let up_to =
+        |level: f64, i: usize, step: f64| (level - ahead(i, step)).floor().clamp(0.0, room(step));
+    if left > steps.len() as f64 {
+        let places = || steps.iter().enumerate();
+        let first = places()
+            .map(|(i, s)| ahead(i, *s))
+            .fold(f64::INFINITY, f64::min);
+        let (mut under, mut over) = (first, first + left + 1.0);
+        while over - under > 0.25 && f64::midpoint(under, over) > under {
+            let level = f64::midpoint(under, over);
+            let taken: f64 = places().map(|(i, s)| up_to(level, i, *s)).sum();
+            if taken > left {
+                over = level;
+            } else {
+                under = level;
+            }
+        }
+        // A level lower, so that no step is taken that does not hurt less than those left.
+        for (i, step) in steps.iter_mut().enumerate() {
+            let many = up_to(under - 1.0, i, *step);
+            *step += way * many;
+            left -= many;
+        }
+    }
+    let hurt = |i: usize, step: f64| (step + way - values[i]).powi(2) - (step - values[i]).powi(2);
+    let mut next: BinaryHeap<Step> = (0..steps.len())
+        .filter(|i| room(steps[*i]) >= 1.0)
+        .map(|i| Step(hurt(i, steps[i]), i))
+        .collect();
+    for _ in 0..left as u64 {
+        let Step(_, least) = next.pop()?;
         steps[least] += way;
+        if room(steps[least]) >= 1.0 {
+            next.push(Step(hurt(least, steps[least]), least));
+        }
     }
     Some(())
+}
+
+/// What a step of a weight hurts; the greatest is what hurts least, the first weight of equals.
+struct Step(f64, usize);
+
+impl Ord for Step {
+    fn cmp(&self, other: &Self) -> Ordering {
+        (other.0.total_cmp(&self.0)).then(other.1.cmp(&self.1))
+    }
+}
+
+impl PartialOrd for Step {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Step {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Step {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One step after the other, as the words say it.
+    fn one_by_one(values: &[f64], steps: &mut [f64], (low, high): (f64, f64), asked: f64) -> bool {
+        let missing = asked - steps.iter().sum::<f64>();
+        let way = missing.signum();
+        (0..missing.abs() as u64).all(|_| {
+            let hurt =
+                |i: usize| (steps[i] + way - values[i]).powi(2) - (steps[i] - values[i]).powi(2);
+            let room = |i: &usize| (low..=high).contains(&(steps[*i] + way));
+            let least = (0..steps.len())
+                .filter(room)
+                .min_by(|a, b| hurt(*a).total_cmp(&hurt(*b)));
+            least.map(|least| steps[least] += way).is_some()
+        })
+    }
+
+    #[test]
+    fn many_steps_at_once_are_the_steps_one_by_one() {
+        let values = [0.3, -40.25, 12.5, 12.5, 99.0, -3.75, 0.0];
+        for asked in -300_i32..300 {
+            let asked = f64::from(asked);
+            let mut fast: Vec<f64> = values.iter().map(|v| v.round()).collect();
+            let mut slow = fast.clone();
+            let bounds = (-40.0, 99.0);
+            let done = one_by_one(&values, &mut slow, bounds, asked);
+            assert_eq!(settle(&values, &mut fast, bounds, asked).is_some(), done);
+            if done {
+                assert_eq!(fast, slow, "{asked}");
+            }
+        }
+    }
+
+    #[test]
+    fn more_steps_than_there_is_time_for() {
+        let end = 2f64.powi(47);
+        let mut steps = [0.0; 3];
+        settle(&[0.0; 3], &mut steps, (-end, end - 1.0), 3e13).unwrap();
+        assert_eq!(steps, [1e13; 3]);
+        assert!(settle(&[0.0; 3], &mut steps, (-end, end - 1.0), 1e16).is_none());
+    }
 }

@@ -16,14 +16,12 @@ use super::{
 use crate::isa::{
     Bit, Callable, Device, Digital, Macro, Source, Value, macros, row,
     signature::{Bound, Mode, Signature},
-    text::{Fault, Place, Severity, Statement, line_column},
+    text::{Fault, Lines, Place, Severity, Statement, enough, thin},
 };
+use crate::limit::{EXPANDED_STEPS, FRAME_STEPS, STATEMENT_WORDS};
 
 /// Constants that are set from outside, by name.
 pub type Overrides = BTreeMap<String, f64>;
-
-/// One statement may become so many words; more would fill any kernel store.
-const LONGEST: usize = 100_000;
 
 /// A program, expanded.
 #[derive(Clone, Debug, Default)]
@@ -99,7 +97,10 @@ pub(super) fn expand(
 ) -> (Expansion, Vec<Fault>) {
     let mut lowering = Lowering {
         device,
-        text,
+        lines: Lines::of(text),
+        scratch: BTreeMap::new(),
+        left: EXPANDED_STEPS,
+        full: false,
         constants: BTreeMap::new(),
         drawing: None,
         faults: Vec::new(),
@@ -107,6 +108,7 @@ pub(super) fn expand(
     lowering.constants(syntax, settings, overrides);
     let mut expansion = Expansion::default();
     lowering.sections(syntax, &mut expansion);
+    lowering.frame_runs(&expansion);
     let constants = lowering.constants.iter();
     expansion.constants = constants
         .filter_map(|(name, value)| Some((name.clone(), value.number()?)))
@@ -117,6 +119,7 @@ pub(super) fn expand(
     };
     let mut faults = lowering.faults;
     check::check(&expansion, device, &mut faults);
+    thin(&mut faults);
     expansion.warnings = faults
         .iter()
         .filter(|f| f.severity == Severity::Warning)
@@ -144,7 +147,13 @@ fn steps_of(entries: &[Entry]) -> Vec<Step> {
 
 struct Lowering<'a> {
     device: &'a Device,
-    text: &'a str,
+    lines: Lines,
+    /// What macros use as scratch, by name and place of their heading.
+    scratch: BTreeMap<(&'a str, usize), Vec<Cell>>,
+    /// Words, host operations and calls that there is still room for.
+    left: usize,
+    /// Whether that was told, and the text is read no further.
+    full: bool,
     constants: BTreeMap<String, Value>,
     /// The register of the last `scamp5_draw_begin`.
     drawing: Option<Digital>,
@@ -210,12 +219,17 @@ impl<'d> Lowering<'d> {
     fn block<'i>(&mut self, items: impl IntoIterator<Item = &'i Item>) -> Vec<Entry> {
         let mut entries = Vec::new();
         for item in items {
+            thin(&mut self.faults);
+            if self.full || enough(&self.faults) {
+                break;
+            }
             match &item.node {
                 Node::Statement(statement) => match self.statement(statement) {
                     Ok(expanded) => entries.push(Entry::Statement(expanded)),
                     Err(fault) => self.faults.push(fault),
                 },
                 Node::Repeat { times, body } => {
+                    let heading = times.place;
                     let times = match self.times(times) {
                         Ok(times) => times,
                         Err(fault) => {
@@ -223,11 +237,19 @@ impl<'d> Lowering<'d> {
                             1
                         }
                     };
-                    entries.push(Entry::Repeat {
+                    let mut repeat = Entry::Repeat {
                         times,
                         body: self.block(body),
-                        line: line_column(self.text, item.place.start).0,
-                    });
+                        line: self.lines.line(item.place.start),
+                    };
+                    if let (None, Entry::Repeat { times, .. }) =
+                        (runs(std::slice::from_ref(&repeat)), &mut repeat)
+                    {
+                        self.faults.push(runs_too_long("this `repeat`", heading));
+                        // So that those around it are no fault of their own.
+                        *times = 1;
+                    }
+                    entries.push(repeat);
                 }
                 // Found by the parser, where they do not belong.
                 Node::Comment(_) | Node::Const { .. } | Node::Init(_) | Node::Frame(_) => {}
@@ -239,13 +261,16 @@ impl<'d> Lowering<'d> {
     fn statement(&mut self, statement: &Statement) -> Result<Expanded, Fault> {
         let mut sink = Sink {
             steps: Vec::new(),
-            line: line_column(self.text, statement.place.start).0,
+            line: self.lines.line(statement.place.start),
             place: statement.place,
             length: 0,
         };
         let (callable, bound) = self.call(statement, &[])?;
         self.warn_of_scratch(statement, callable, &bound);
         self.lower(statement, callable, &bound, &mut sink, 0)?;
+        if steps_run(&sink.steps).is_none() {
+            return Err(runs_too_long("this statement", statement.place));
+        }
         let effect = Effect::of(&sink.steps, self.device);
         let (results, whole_flag, host) = match callable {
             Callable::Primitive(..) => (effect.writes.iter().copied().collect(), false, false),
@@ -302,7 +327,7 @@ impl<'d> Lowering<'d> {
                 };
                 self.reject_twice(&word, statement, sink, depth)?;
                 self.warn_in_place(&word, sink, depth);
-                push(sink, Action::Word(word), 1)
+                self.push(sink, Action::Word(word), 1)
             }
             Callable::Host(kind, form) => {
                 let operation =
@@ -315,9 +340,10 @@ impl<'d> Lowering<'d> {
                     super::Host::DrawEnd => self.drawing = None,
                     _ => {}
                 }
-                push(sink, Action::Host(operation), 1)
+                self.push(sink, Action::Host(operation), 1)
             }
             Callable::Macro(it) => {
+                self.spend(sink)?;
                 self.reject_aliases(it, bound, sink)?;
                 let scope: Vec<(&str, Value)> = it
                     .signature
@@ -357,7 +383,7 @@ impl<'d> Lowering<'d> {
                     let place = sink.place;
                     let times = match self.value(times, scope).map_err(|f| outside(f, place))? {
                         // Rounded down, and none below zero: macros count halves with it.
-                        Value::Number(n) => n.floor().clamp(0.0, LONGEST as f64) as usize,
+                        Value::Number(n) => n.floor().clamp(0.0, STATEMENT_WORDS as f64) as usize,
                         _ => 0,
                     };
                     let mut inner = Sink {
@@ -368,19 +394,18 @@ impl<'d> Lowering<'d> {
                         self.body(it, body, scope, &mut inner, depth)?;
                     }
                     if it.host && times > 1 {
-                        push(
-                            sink,
-                            Action::Repeat {
-                                times: times as u32,
-                                body: inner.steps,
-                            },
-                            0,
-                        )?;
+                        sink.length = inner.length;
+                        let body = inner.steps;
+                        let times = times as u32;
+                        self.push(sink, Action::Repeat { times, body }, 0)?;
+                        continue;
+                    }
+                    if inner.steps.is_empty() {
                         continue;
                     }
                     for _ in 0..times {
                         for step in &inner.steps {
-                            push(sink, step.action.clone(), 1)?;
+                            self.push(sink, step.action.clone(), 1)?;
                         }
                     }
                 }
@@ -388,21 +413,91 @@ impl<'d> Lowering<'d> {
         }
         Ok(())
     }
+
+    fn push(&mut self, sink: &mut Sink, action: Action, length: usize) -> Result<(), Fault> {
+        self.spend(sink)?;
+        sink.length += length;
+        if sink.length > STATEMENT_WORDS {
+            return Err(Fault::error(
+                sink.place,
+                format!("this statement is longer than {STATEMENT_WORDS} words"),
+                "no kernel store holds it",
+            )
+            .help("repeat less often, or use `repeat N { … }`, which is stored once"));
+        }
+        let line = sink.line;
+        sink.steps.push(Step { action, line });
+        Ok(())
+    }
+
+    /// One more word, host operation or call.
+    fn spend(&mut self, sink: &Sink) -> Result<(), Fault> {
+        if let Some(left) = self.left.checked_sub(1) {
+            self.left = left;
+            return Ok(());
+        }
+        self.full = true;
+        Err(Fault::error(
+            sink.place,
+            format!("the program becomes more than {EXPANDED_STEPS} steps: words, host operations and calls of macros"),
+            "here there is no room left",
+        )
+        .help("use `repeat N { … }`, whose body counts once"))
+    }
+
+    /// Whether `init`, and a frame, ends in time.
+    fn frame_runs(&mut self, expansion: &Expansion) {
+        let whole = if expansion.bare {
+            "the program"
+        } else {
+            "`frame`"
+        };
+        for (what, entries) in [("`init`", &expansion.init), (whole, &expansion.frame)] {
+            if runs(entries).is_none() {
+                self.faults.push(runs_too_long(what, Place::default()));
+            }
+        }
+    }
 }
 
-fn push(sink: &mut Sink, action: Action, length: usize) -> Result<(), Fault> {
-    sink.length += length;
-    if sink.length > LONGEST {
-        return Err(Fault::error(
-            sink.place,
-            format!("this statement is longer than {LONGEST} words"),
-            "no kernel store holds it",
-        )
-        .help("repeat less often, or use `repeat N { … }`, which is stored once"));
-    }
-    let line = sink.line;
-    sink.steps.push(Step { action, line });
-    Ok(())
+/// How many steps run: words, host operations, turns of `repeat`. None beyond the limit.
+fn runs(entries: &[Entry]) -> Option<u64> {
+    entries.iter().try_fold(0, |sum, entry| {
+        let one = match entry {
+            Entry::Statement(statement) => steps_run(&statement.steps)?,
+            Entry::Repeat { times, body, .. } => turns(*times, runs(body)?)?,
+        };
+        within(one + sum)
+    })
+}
+
+/// The same of some steps.
+fn steps_run(steps: &[Step]) -> Option<u64> {
+    steps.iter().try_fold(0, |sum, step| {
+        let one = match &step.action {
+            Action::Word(_) | Action::Host(_) => 1,
+            Action::Repeat { times, body } => turns(*times, steps_run(body)?)?,
+        };
+        within(one + sum)
+    })
+}
+
+/// A turn of an empty body takes time as well.
+fn turns(times: u32, body: u64) -> Option<u64> {
+    u64::from(times).checked_mul(body.max(1)).and_then(within)
+}
+
+fn within(steps: u64) -> Option<u64> {
+    (steps <= FRAME_STEPS).then_some(steps)
+}
+
+fn runs_too_long(what: &str, place: Place) -> Fault {
+    Fault::error(
+        place,
+        format!("{what} runs more than {FRAME_STEPS} steps: words, host operations and turns of `repeat`"),
+        "this would take very long",
+    )
+    .help("repeat less often: repeats inside each other multiply")
 }
 
 /// The cell that a value names.

@@ -1,13 +1,13 @@
 //! What the chip does not allow, and what is lost on the way.
 
-use super::{super::effect::Cell, Lowering, Sink, cell};
+use super::{Lowering, Sink, cell};
 use crate::isa::{
     Bit, Callable, Macro, Operand, Primitive, Source, Target,
     signature::{Bound, Mode},
     text::{Fault, Statement},
 };
 
-impl Lowering<'_> {
+impl<'d> Lowering<'d> {
     pub(super) fn reject_aliases(
         &self,
         it: &Macro,
@@ -154,18 +154,22 @@ impl Lowering<'_> {
     pub(super) fn warn_of_scratch(
         &mut self,
         statement: &Statement,
-        callable: Callable<'_>,
+        callable: Callable<'d>,
         bound: &[Bound],
     ) {
         let Callable::Macro(it) = callable else {
             return;
         };
-        let scratch = it.scratch(self.device);
-        let scratch: Vec<Cell> = scratch
-            .iter()
-            .filter(|name| !it.gives.contains(name))
-            .filter_map(|name| cell(&self.device.value_of(name)?))
-            .collect();
+        // Looked up once for each macro: its heading stands in one place.
+        let (device, signature) = (self.device, &it.signature);
+        let key = (signature.name.as_str(), signature.place.start);
+        let scratch = self.scratch.entry(key).or_insert_with(|| {
+            let names = it.scratch(device).into_iter();
+            names
+                .filter(|name| !it.gives.contains(name))
+                .filter_map(|name| cell(&device.value_of(&name)?))
+                .collect()
+        });
         let mut warnings = Vec::new();
         for (parameter, values) in it.signature.parameters.iter().zip(bound) {
             let by_default = parameter.mode == Mode::Trash && parameter.default.is_some();

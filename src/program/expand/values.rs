@@ -9,7 +9,7 @@ use super::{
 use crate::isa::{
     Bit, Direction, Source, Value,
     signature::Given,
-    text::{Argument, Expression, Fault, Place, Term, suggestion},
+    text::{Argument, Expression, Fault, Place, Term, enough, suggestion, thin},
 };
 
 impl Lowering<'_> {
@@ -32,6 +32,10 @@ impl Lowering<'_> {
             else {
                 continue;
             };
+            thin(&mut self.faults);
+            if enough(&self.faults) {
+                break;
+            }
             if self.device.value_of(name).is_some() {
                 self.faults.push(
                     Fault::error(

@@ -8,7 +8,7 @@ use super::{
 use crate::isa::text::{Fault, Place};
 
 /// The most points that a study may name.
-pub const MOST_POINTS: u64 = 100_000;
+pub const MOST_POINTS: u64 = crate::limit::STUDY_POINTS;
 
 /// One axis of one side.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,11 +96,11 @@ impl Axis {
 }
 
 impl Axes {
-    /// Points of this side; the most that 128 bits hold, where there are more.
+    /// Points of this side; `None` where 128 bits do not hold their number.
     #[must_use]
-    pub fn count(&self) -> u128 {
-        let counts = self.axes.iter().map(|axis| axis.count().unwrap_or(1));
-        counts.fold(1, |all: u128, one| all.saturating_mul(one.into()))
+    pub fn count(&self) -> Option<u128> {
+        let mut counts = self.axes.iter().map(|axis| axis.count().unwrap_or(1));
+        counts.try_fold(1, |all: u128, one| all.checked_mul(one.into()))
     }
 
     /// A point of the grid, from 0.
@@ -122,22 +122,30 @@ impl Axes {
 pub fn points(sides: &[Axes]) -> Result<Vec<Point>, Fault> {
     let all = sides
         .iter()
-        .fold(0_u128, |all, axes| all.saturating_add(axes.count()));
-    if all > u128::from(MOST_POINTS) {
+        .try_fold(0_u128, |all, axes| all.checked_add(axes.count()?));
+    if all.is_none_or(|all| all > u128::from(MOST_POINTS)) {
         return Err(too_many(sides, all));
     }
     let mut points = Vec::new();
     for axes in sides {
         // Checked above.
-        let count = u64::try_from(axes.count()).unwrap_or(0);
+        let count = axes
+            .count()
+            .and_then(|n| u64::try_from(n).ok())
+            .unwrap_or(0);
         points.extend((0..count).map(|index| axes.at(index)));
     }
     Ok(points)
 }
 
 /// Points at the longest axis of the largest side.
-fn too_many(sides: &[Axes], all: u128) -> Fault {
-    let largest = sides.iter().max_by_key(|axes| axes.count());
+fn too_many(sides: &[Axes], all: Option<u128>) -> Fault {
+    let largest = sides
+        .iter()
+        .max_by_key(|axes| axes.count().unwrap_or(u128::MAX));
+    let all = all.map_or("more points than can be counted".to_owned(), |all| {
+        format!("{all} points")
+    });
     let longest = largest.and_then(|axes| axes.axes.iter().max_by_key(|axis| axis.count()));
     let factors: Vec<String> = largest
         .iter()
@@ -148,7 +156,7 @@ fn too_many(sides: &[Axes], all: u128) -> Fault {
     let place = longest.map_or(Place::new(0, 0), |axis| axis.place);
     Fault::error(
         place,
-        format!("the grid has {all} points ({}), more than {MOST_POINTS}", factors.join(" x ")),
+        format!("the grid has {all} ({}), more than {MOST_POINTS}", factors.join(" x ")),
         "the longest axis",
     )
     .help("take fewer values, several studies, or draw points from the grid with sample = { method = \"sobol\", points = 1024 } above the first [[side]]")

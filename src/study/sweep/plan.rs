@@ -7,7 +7,6 @@
 
 use std::{
     collections::{BTreeMap, HashSet},
-    fs,
     path::Path,
     sync::Arc,
 };
@@ -18,12 +17,13 @@ use sha2::{Digest, Sha256};
 
 use super::{
     SCHEMA,
+    difference::NAMES,
     footage::{Footage, Wanted, hex},
     grid::Axes,
     key::Side,
+    manifest::Manifest,
     point::Point,
     sensor,
-    store::Manifest,
     study::Study,
     table,
 };
@@ -33,6 +33,8 @@ use crate::{
         text::{Fault, Faults, Place},
     },
     kernel::Kernel,
+    plane::Size,
+    source,
 };
 
 /// Everything there is to compute.
@@ -70,6 +72,20 @@ struct Opened<'a> {
 }
 
 impl Plan {
+    /// Bytes of the scenes that are kept in memory.
+    #[must_use]
+    pub fn held(&self) -> u128 {
+        let mut digests: Vec<&str> = Vec::new();
+        let mut all = 0;
+        for entry in &self.entries {
+            if !digests.contains(&entry.scene.digest.as_str()) {
+                digests.push(&entry.scene.digest);
+                all += entry.scene.bytes();
+            }
+        }
+        all
+    }
+
     /// Opens all that a study names, files in `folder`, and checks every point.
     ///
     /// # Errors
@@ -105,18 +121,8 @@ impl Plan {
     #[must_use]
     pub fn manifest(&self) -> Manifest {
         let points: Vec<String> = self.entries.iter().map(|entry| entry.id.clone()).collect();
-        let mut digest = Sha256::new();
-        for id in &points {
-            digest.update(id.as_bytes());
-        }
-        Manifest {
-            amacrine: env!("CARGO_PKG_VERSION").to_owned(),
-            schema: SCHEMA,
-            study: hex(&digest.finalize()[..16]),
-            title: self.study.title.clone(),
-            columns: table::names(&self.study.settings),
-            points,
-        }
+        let columns = table::names(&self.study.settings);
+        Manifest::new(self.study.title.clone(), columns, points)
     }
 }
 
@@ -161,7 +167,7 @@ impl Opened<'_> {
         let chip = self.chip(&point)?;
         let mut description: BTreeMap<String, Json> = point.columns().into_iter().collect();
         // Names are replaced by what they stand for.
-        for name in ["scene", "fps", "frames", "upsample", "kernel", "chip"] {
+        for name in NAMES {
             description.remove(name);
         }
         description.insert("light".to_owned(), json!(scene.digest));
@@ -234,14 +240,14 @@ impl Opened<'_> {
 
     fn kernel_file(&self, point: &Point, name: &str) -> Result<Kernel, Faults> {
         let path = self.folder.join(name);
-        let bytes = fs::read(&path).map_err(|cause| {
-            let known: Vec<_> = Kernel::builtin_names().collect();
-            let help = format!(
-                "give a kernel file (.toml, .npy) beside the study or one of {}",
-                known.join(", ")
-            );
-            let what = format!("cannot read the kernel {}: {cause}", path.display());
-            self.wrong(point, "kernel", &what, Some(help))
+        let known: Vec<_> = Kernel::builtin_names().collect();
+        let help = format!(
+            "give a kernel file (.toml, .npy) beside the study or one of {}",
+            known.join(", ")
+        );
+        let bytes = source::bytes(&path, &help).map_err(|error| {
+            let what = format!("cannot read the kernel {}: {}", path.display(), error.cause);
+            self.wrong(point, "kernel", &what, Some(error.help))
         })?;
         let kernel = if bytes.starts_with(b"\x93NUMPY") {
             Kernel::from_npy(&bytes)

@@ -1,5 +1,0 @@
-#![no_main]
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    amacrine_fuzz::read(amacrine::event::file::Format::Aedat3, bytes);
-});
