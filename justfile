@@ -25,7 +25,7 @@ bench:
 interop:
     .ci/interop
 
-# Every reader of event files under libFuzzer, so many seconds each
+# All that takes in bytes under libFuzzer, so many seconds each
 fuzz SECONDS="60":
     .ci/fuzz {{SECONDS}}
 

@@ -23,7 +23,7 @@ use amacrine::{
     isa::Device,
     kernel::Kernel,
     plane::{Plane, Size},
-    program::Program,
+    program::{Action, Program, Step},
     reference::{Description, Reference},
     scene::{self, Frame, OpenOptions},
     sensor::Sensor,
@@ -294,7 +294,7 @@ fn program(text: &str) {
         return;
     };
     let code = &expansion.code;
-    if code.init.len() + code.frame.len() > 500 {
+    if steps(&code.init) + steps(&code.frame) > 1000.0 {
         return;
     }
     let chip = Chip::new(
@@ -303,12 +303,21 @@ fn program(text: &str) {
         code.clone(),
         device,
         Size::new(5, 6),
-        Settings::default(),
+        Settings::of(device),
     );
     if let Ok(mut chip) = chip {
         watch(&mut chip);
-        drop(chip.ledger());
+        let _ = chip.ledger();
     }
+}
+
+/// How many steps run in all.
+fn steps(steps: &[Step]) -> f64 {
+    let of = |step: &Step| match &step.action {
+        Action::Repeat { times, body } => f64::from(*times) * self::steps(body),
+        _ => 1.0,
+    };
+    steps.iter().map(of).sum()
 }
 
 /// A study and its points.
@@ -320,7 +329,7 @@ fn study(text: &str) {
 
 /// A readout's settings.
 fn arbiter(text: &str) {
-    if let Ok(settings) = readout::Settings::parse("fuzz", text) {
+    if let Ok(settings) = readout::settings::Description::parse("fuzz", text) {
         drop(settings.readout());
     }
 }
@@ -332,13 +341,11 @@ fn results(bytes: &[u8]) {
     let points = folder.join("points");
     fs::create_dir_all(&points).expect("a temporary folder");
     placed("results/sweep.json", said);
-    // The point that the seed is of; whatever else the bytes name is missing.
-    placed(&format!("results/points/{POINT}.json"), point);
+    // The point that the folder names first; the others are missing.
+    let id = String::from_utf8_lossy(said);
+    let mut words = id.split('"');
+    let id = words.find(|word| word.len() == 32 && word.bytes().all(|b| b.is_ascii_hexdigit()));
+    placed(&format!("results/points/{}.json", id.unwrap_or("none")), point);
     drop(store::read(&folder));
 }
 
-/// Identity of the point of the seed, which `.ci/fuzz` has the program compute.
-const POINT: &str = match option_env!("AMACRINE_FUZZ_POINT") {
-    Some(point) => point,
-    None => "00000000000000000000000000000000",
-};

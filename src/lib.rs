@@ -11,8 +11,8 @@
 //! ```
 //!
 //! The rooms, in the order in which light passes them. Imports run downward only
-//! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it). Fuzzers take
-//! in bytes from outside: they are built with the rooms that do so, in seconds.
+//! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it). Fuzzers are
+//! built with all rooms but the last.
 
 #![warn(clippy::disallowed_methods)]
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
@@ -22,7 +22,6 @@ pub mod chance;
 pub mod elementary;
 pub mod guard;
 pub mod limit;
-#[cfg(not(fuzzing))]
 mod lined;
 pub mod memory;
 pub mod plane;
@@ -30,42 +29,27 @@ pub mod save;
 pub mod source;
 pub mod unit;
 
-#[cfg(not(fuzzing))]
 pub mod number;
 
 pub mod event;
-#[cfg(not(fuzzing))]
 pub mod isa;
-#[cfg(not(fuzzing))]
 pub mod kernel;
-#[cfg(not(fuzzing))]
 pub mod mesh;
-#[cfg(not(fuzzing))]
 pub mod photoreceptor;
-#[cfg(not(fuzzing))]
 pub mod scene;
 
-#[cfg(not(fuzzing))]
 pub mod compare;
-#[cfg(not(fuzzing))]
 pub mod picture;
-#[cfg(not(fuzzing))]
 pub mod program;
-#[cfg(not(fuzzing))]
 pub mod sensor;
 
-#[cfg(not(fuzzing))]
 pub mod array;
-#[cfg(not(fuzzing))]
 pub mod compile;
-#[cfg(not(fuzzing))]
 pub mod reference;
-#[cfg(not(fuzzing))]
 pub mod rig;
 
-#[cfg(all(feature = "proptest", not(fuzzing)))]
+#[cfg(feature = "proptest")]
 pub mod property;
-#[cfg(not(fuzzing))]
 pub mod study;
 
 #[cfg(all(feature = "cli", not(fuzzing)))]

@@ -107,6 +107,7 @@ impl Draft {
 
     fn finish(self, durably: bool) -> Result<(), SaveError> {
         let Self { path, file, end } = self;
+        let hears = end.hears();
         let finish = || -> io::Result<()> {
             let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
             match end {
@@ -135,7 +136,7 @@ impl Draft {
             }
             Ok(())
         };
-        finish().map_err(|cause| noticed(cause, &path))
+        finish().map_err(hears).map_err(SaveError::at(&path))
     }
 
     /// An error of the system, with the name of this file.
@@ -145,12 +146,17 @@ impl Draft {
     }
 }
 
-/// Notes that a reader has gone. A regular file has none.
-fn noticed(cause: io::Error, path: &Path) -> SaveError {
-    if cause.kind() == io::ErrorKind::BrokenPipe && !path.is_file() {
-        GONE.store(true, Ordering::Relaxed);
+impl End {
+    /// Notes that a reader has gone. A file has none.
+    const fn hears(&self) -> impl Fn(io::Error) -> io::Error + use<> {
+        let through = !matches!(self, Self::Rename { .. });
+        move |cause| {
+            if through && cause.kind() == io::ErrorKind::BrokenPipe {
+                GONE.store(true, Ordering::Relaxed);
+            }
+            cause
+        }
     }
-    SaveError::at(path)(cause)
 }
 
 /// A file that takes the place of another has its mode and, where that is allowed, its owner.
@@ -178,12 +184,12 @@ fn take_after(file: &File, old: &Metadata) -> io::Result<()> {
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.file.write(bytes);
-        written.map_err(|cause| noticed(cause, &self.path).cause)
+        written.map_err(self.end.hears())
     }
 
     fn flush(&mut self) -> io::Result<()> {
         let flushed = self.file.flush();
-        flushed.map_err(|cause| noticed(cause, &self.path).cause)
+        flushed.map_err(self.end.hears())
     }
 }
 

@@ -42,7 +42,7 @@ pub const CASES: &[Case] = &[
         "run --scene ../in/clip.npy --sensor ../in/sensor.toml --events e.npy --counts c.npy --voxels v.npy",
         "e.npy,c.npy,v.npy",
     ),
-    case(
+    slow(
         "exec ../in/words.scamp --image ../in/clip.npy --events e.csv --strip s.png",
         "e.csv,s.png",
     ),
