@@ -252,7 +252,8 @@ fn sensor(text: &str) {
 fn watch(sensor: &mut dyn Sensor) {
     let mut packet = Packet::new(Size::new(5, 6), sensor.channels());
     for index in 0..2_u64 {
-        let light = Plane::from_shape_fn((5, 6), |(y, x)| ((x + y) as u64 * 9 * (index + 1)) as f64);
+        let light =
+            Plane::from_shape_fn((5, 6), |(y, x)| ((x + y) as u64 * 9 * (index + 1)) as f64);
         let frame = Frame {
             index,
             seconds: index as f64 / 100.0,
@@ -274,7 +275,10 @@ fn chip(number: usize, bytes: &[u8]) {
     ];
     fs::create_dir_all(place().join("chip")).expect("a temporary folder");
     for (i, (name, own)) in files.iter().zip(own).enumerate() {
-        placed(&format!("chip/{name}"), if i == number { bytes } else { own });
+        placed(
+            &format!("chip/{name}"),
+            if i == number { bytes } else { own },
+        );
     }
     drop(Device::load(&place().join("chip")));
 }
@@ -337,11 +341,11 @@ fn results(bytes: &[u8]) {
     let points = folder.join("points");
     fs::create_dir_all(&points).expect("a temporary folder");
     placed("results/sweep.json", said);
-    // The point that the folder names first; the others are missing.
+    // As each of the first points that the folder names; the others are missing.
     let id = String::from_utf8_lossy(said);
-    let mut words = id.split('"');
-    let id = words.find(|word| word.len() == 32 && word.bytes().all(|b| b.is_ascii_hexdigit()));
-    placed(&format!("results/points/{}.json", id.unwrap_or("none")), point);
+    let is_id = |word: &&str| word.len() == 32 && word.bytes().all(|b| b.is_ascii_hexdigit());
+    for id in id.split('"').filter(is_id).take(4) {
+        placed(&format!("results/points/{id}.json"), point);
+    }
     drop(store::read(&folder));
 }
-

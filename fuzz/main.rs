@@ -18,10 +18,12 @@ fn target() -> &'static Target {
             std::process::exit(0);
         }
         let mut targets = TARGETS.iter();
-        targets.find(|target| target.name == asked).unwrap_or_else(|| {
-            eprintln!("AMACRINE_FUZZ should be one of\n{names}");
-            std::process::exit(2);
-        })
+        targets
+            .find(|target| target.name == asked)
+            .unwrap_or_else(|| {
+                eprintln!("AMACRINE_FUZZ should be one of\n{names}");
+                std::process::exit(2);
+            })
     })
 }
 

@@ -125,9 +125,30 @@ fn moved(bytes: &[u8], field: Field, fields: &[Field], dice: &mut Dice) -> Optio
 /// A number in a text becomes another, or a line comes twice or goes.
 fn line(bytes: &[u8], dice: &mut Dice) -> Option<Vec<u8>> {
     const NUMBERS: [&str; 24] = [
-        "0", "1", "-1", "2", "3", "127", "128", "255", "256", "4096", "32767", "65535", "65536",
-        "2147483647", "2147483648", "4294967295", "4294967297", "9223372036854775807",
-        "9223372036854775808", "18446744073709551615", "1e308", "1e-320", "nan", "inf",
+        "0",
+        "1",
+        "-1",
+        "2",
+        "3",
+        "127",
+        "128",
+        "255",
+        "256",
+        "4096",
+        "32767",
+        "65535",
+        "65536",
+        "2147483647",
+        "2147483648",
+        "4294967295",
+        "4294967297",
+        "9223372036854775807",
+        "9223372036854775808",
+        "18446744073709551615",
+        "1e308",
+        "1e-320",
+        "nan",
+        "inf",
     ];
     let digits: Vec<(usize, usize)> = runs(bytes, u8::is_ascii_digit);
     if !digits.is_empty() && dice.roll(4) > 0 {
@@ -185,15 +206,29 @@ fn fields(shape: Shape, bytes: &[u8]) -> Vec<Field> {
         Shape::Png => chunks(bytes, |at, length| {
             fields.push(number(at, 4, true));
             let inside = (at + 8).min(bytes.len())..(at + 8 + length).min(bytes.len());
-            fields.extend(every(inside.start, inside.end.min(inside.start + 26), 4, true));
-            fields.extend(every(inside.start, inside.end.min(inside.start + 26), 1, true));
+            fields.extend(every(
+                inside.start,
+                inside.end.min(inside.start + 26),
+                4,
+                true,
+            ));
+            fields.extend(every(
+                inside.start,
+                inside.end.min(inside.start + 26),
+                1,
+                true,
+            ));
         }),
         Shape::Gif => {
             fields.extend(every(6, 13, 2, false).chain(every(6, 13, 1, false)));
             // Image descriptors and extensions; what only looks like one does no harm.
             for (i, byte) in bytes.iter().enumerate().skip(13) {
                 match byte {
-                    0x2C => fields.extend(every(i + 1, i + 9, 2, false).chain([number(i + 9, 1, false)])),
+                    0x2C => fields.extend(every(i + 1, i + 9, 2, false).chain([number(
+                        i + 9,
+                        1,
+                        false,
+                    )])),
                     0x21 => fields.extend(every(i + 1, i + 8, 1, false)),
                     _ => (),
                 }
@@ -223,7 +258,9 @@ const fn number(at: usize, width: usize, big: bool) -> Field {
 
 /// Numbers side by side.
 fn every(from: usize, to: usize, width: usize, big: bool) -> impl Iterator<Item = Field> {
-    (from..to).step_by(width).map(move |at| number(at, width, big))
+    (from..to)
+        .step_by(width)
+        .map(move |at| number(at, width, big))
 }
 
 fn u32_at(bytes: &[u8], at: usize, big: bool) -> Option<usize> {
@@ -240,10 +277,23 @@ fn boxes(bytes: &[u8], mut at: usize, end: usize, depth: usize, fields: &mut Vec
     while at + 8 <= end && fields.len() < 4096 {
         let size = u32_at(bytes, at, true).unwrap_or(0);
         let kind = bytes.get(at + 4..at + 8).unwrap_or_default();
-        fields.extend([number(at, 4, true), number(at + 4, 4, true), number(at + 8, 8, true)]);
+        fields.extend([
+            number(at, 4, true),
+            number(at + 4, 4, true),
+            number(at + 8, 8, true),
+        ]);
         let next = at.saturating_add(size.max(8)).min(end);
         let holds = [
-            &b"moov"[..], b"trak", b"mdia", b"minf", b"stbl", b"edts", b"dinf", b"mvex", b"moof", b"traf",
+            &b"moov"[..],
+            b"trak",
+            b"mdia",
+            b"minf",
+            b"stbl",
+            b"edts",
+            b"dinf",
+            b"mvex",
+            b"moof",
+            b"traf",
         ];
         if holds.contains(&kind) && depth < 8 {
             boxes(bytes, at + 8, next, depth + 1, fields);

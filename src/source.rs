@@ -262,7 +262,10 @@ mod tests {
     }
 
     fn message(bytes: &[u8]) -> String {
-        text(file(bytes).path(), "help").unwrap_err().cause.to_string()
+        text(file(bytes).path(), "help")
+            .unwrap_err()
+            .cause
+            .to_string()
     }
 
     #[test]

@@ -123,7 +123,14 @@ fn edits(bytes: &[u8], at: usize, width: usize) -> Vec<Vec<u8>> {
     wide[..width].copy_from_slice(field);
     let value = u64::from_le_bytes(wide);
     let most = u64::MAX >> (64 - 8 * width);
-    let values = [0, 1, most, most >> 1, value.wrapping_add(1), value.wrapping_sub(1)];
+    let values = [
+        0,
+        1,
+        most,
+        most >> 1,
+        value.wrapping_add(1),
+        value.wrapping_sub(1),
+    ];
     let mut edits: Vec<Vec<u8>> = values
         .iter()
         .filter(|new| **new & most != value)
@@ -165,13 +172,17 @@ fn every_edit(format: Format, compression: Compression, packet: &Packet, widths:
                     assert!(
                         all || counts_nothing(format),
                         "{format} {compression:?}: {width} bytes at {at} of {}: {} events of {}",
-                        bytes.len(), read.events.len(), packet.events.len()
+                        bytes.len(),
+                        read.events.len(),
+                        packet.events.len()
                     );
                 } else {
                     assert!(
                         same,
                         "{format} {compression:?}: {width} bytes at {at} of {}: other events ({} of {}) in silence",
-                        bytes.len(), read.events.len(), packet.events.len()
+                        bytes.len(),
+                        read.events.len(),
+                        packet.events.len()
                     );
                 }
             }
@@ -190,7 +201,11 @@ fn a_changed_number_is_noticed_or_changes_nothing() {
         }
     }));
     for format in formats() {
-        let widths = if format == Format::Hdf5 { &[1, 8][..] } else { &[1, 2, 4, 8] };
+        let widths = if format == Format::Hdf5 {
+            &[1, 8][..]
+        } else {
+            &[1, 2, 4, 8]
+        };
         every_edit(format, Compression::Lz4, &packet(format, 3), widths);
     }
     for compression in [Compression::None, Compression::Zstd] {
@@ -204,7 +219,9 @@ fn a_changed_number_is_noticed_or_changes_nothing() {
 fn a_file_cut_anywhere_is_noticed() {
     let compressions = [Compression::None, Compression::Zstd];
     let others = compressions.map(|compression| (Format::Aedat4, compression));
-    let all = formats().map(|format| (format, Compression::Lz4)).chain(others);
+    let all = formats()
+        .map(|format| (format, Compression::Lz4))
+        .chain(others);
     for (format, compression) in all {
         // Text and es have no room for a count: what they lack is not known.
         if counts_nothing(format) {
@@ -215,7 +232,10 @@ fn a_file_cut_anywhere_is_noticed() {
         for length in 0..bytes.len() {
             let cut = read(format, bytes[..length].to_vec());
             let Err((kept, _)) = cut else {
-                panic!("{format} {compression:?}: {length} of {} bytes pass for the file", bytes.len());
+                panic!(
+                    "{format} {compression:?}: {length} of {} bytes pass for the file",
+                    bytes.len()
+                );
             };
             assert_eq!(kept, packet.events[..kept.len()], "{format}");
         }
@@ -249,16 +269,29 @@ fn packets_are_held_to_their_table() {
     let kept = says(with(field, &(-1_i64).to_le_bytes()), "is not there (-1)");
     assert_eq!(kept, packet.events);
     // A packet taken out, where all else is as it was.
-    let row = bytes[table..].windows(8).position(|w| w == 8192_u64.to_le_bytes()).unwrap() + table;
-    says(with(row, &8191_u64.to_le_bytes()), "packet 0 has this many events: 8191");
-    says(with(row + 8, &1_u64.to_le_bytes()), "packet 0 has its first event at 1");
+    let row = bytes[table..]
+        .windows(8)
+        .position(|w| w == 8192_u64.to_le_bytes())
+        .unwrap()
+        + table;
+    says(
+        with(row, &8191_u64.to_le_bytes()),
+        "packet 0 has this many events: 8191",
+    );
+    says(
+        with(row + 8, &1_u64.to_le_bytes()),
+        "packet 0 has its first event at 1",
+    );
     // Cut before the table.
     let kept = says(bytes[..table].to_vec(), "without one");
     assert_eq!(kept, packet.events);
     // A recording that was never closed does not lie, as long as its events are all there.
     let mut open = with(field, &(-1_i64).to_le_bytes());
     open.truncate(table);
-    assert_eq!(read(Format::Aedat4, open.clone()).ok().unwrap().events, packet.events);
+    assert_eq!(
+        read(Format::Aedat4, open.clone()).ok().unwrap().events,
+        packet.events
+    );
     let last = 8 + 4 + 28 + (40_000 - 4 * 8192) * 16;
     open.truncate(open.len() - last);
     let kept = says(open, "says 40000 events, and the file has 32768 events");

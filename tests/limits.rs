@@ -26,7 +26,10 @@ fn root() -> &'static Path {
 
 /// Runs the program in a folder, with bounded memory and time.
 fn amacrine(folder: &Path, arguments: &[&str]) -> Output {
-    let shell = format!("ulimit -v {MEMORY} && exec timeout {} \"$0\" \"$@\"", 2 * TIME.as_secs());
+    let shell = format!(
+        "ulimit -v {MEMORY} && exec timeout {} \"$0\" \"$@\"",
+        2 * TIME.as_secs()
+    );
     let start = Instant::now();
     let output = Command::new("sh")
         .args(["-c", &shell, env!("CARGO_BIN_EXE_amacrine")])
@@ -37,7 +40,11 @@ fn amacrine(folder: &Path, arguments: &[&str]) -> Output {
         .env("NO_COLOR", "1")
         .output()
         .unwrap();
-    assert!(start.elapsed() < TIME, "{arguments:?} took {:?}", start.elapsed());
+    assert!(
+        start.elapsed() < TIME,
+        "{arguments:?} took {:?}",
+        start.elapsed()
+    );
     output
 }
 
@@ -53,7 +60,11 @@ fn refused(folder: &Path, arguments: &[&str], what: &str) {
     let told = told(&output);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
     assert!(told.contains(what), "{arguments:?}: no `{what}` in: {told}");
-    assert!(told.len() < 200_000, "{arguments:?} tells {} bytes", told.len());
+    assert!(
+        told.len() < 200_000,
+        "{arguments:?} tells {} bytes",
+        told.len()
+    );
 }
 
 /// One way to meet a limit: files, and what is asked for. Without an answer to "at the limit"
@@ -167,7 +178,9 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
         "LINE_BYTES" => Case::program(format!("//{}\nnop();", "x".repeat(n - 2))),
         "NUMBERS_BYTES" => {
             let case = Case::exec(&["--set", "A=a.npy"]).file("a.npy", b"\x93NUMPY");
-            let file = fs::File::options().write(true).open(case.folder.path().join("a.npy"));
+            let file = fs::File::options()
+                .write(true)
+                .open(case.folder.path().join("a.npy"));
             file.unwrap().set_len(n as u64).unwrap();
             case.wrong_anyway()
         }
@@ -178,28 +191,36 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
             });
             Case::program(lines).wrong_anyway()
         }
-        "NESTING" => Case::program(format!(
-            "{}nop();{}",
-            "repeat 1 {".repeat(n),
-            "}".repeat(n)
-        )),
+        "NESTING" => Case::program(format!("{}nop();{}", "repeat 1 {".repeat(n), "}".repeat(n))),
         "KERNEL_SIDE" => {
             // The next odd side.
             let side = value + 2 * usize::from(beyond);
-            Case::new(&["run", "--scene", "pattern:bar?width=4&height=4&frames=2", "--sensor", "s.toml"])
-                .file("s.toml", SENSOR)
-                .file("k.toml", format!("centre-surround = {side}"))
+            Case::new(&[
+                "run",
+                "--scene",
+                "pattern:bar?width=4&height=4&frames=2",
+                "--sensor",
+                "s.toml",
+            ])
+            .file("s.toml", SENSOR)
+            .file("k.toml", format!("centre-surround = {side}"))
         }
         "KERNELS" => Case::new(&["quantise", "k.npy", "--to", "ternary"])
             .file("k.npy", zeros("<f8", &[n, 1, 1], 8))
             .wrong_anyway(),
         "LEAST_WEIGHT" => {
             let weight = if beyond { "9.9e-31" } else { "1e-30" };
-            Case::kernel(&format!("weights = [[{weight}]]"), &["ternary,int-5,csd-2,po2-3"])
+            Case::kernel(
+                &format!("weights = [[{weight}]]"),
+                &["ternary,int-5,csd-2,po2-3"],
+            )
         }
         "MOST_WEIGHT" => {
             let weight = if beyond { "1.1e30" } else { "1e30" };
-            Case::kernel(&format!("weights = [[{weight}]]"), &["ternary,int-5,csd-2,po2-3"])
+            Case::kernel(
+                &format!("weights = [[{weight}]]"),
+                &["ternary,int-5,csd-2,po2-3"],
+            )
         }
         "QUANTISER_STEPS" if beyond => Case::kernel("centre-surround = 29", &["int-12"]),
         "QUANTISER_TABLE" if beyond => {
@@ -244,10 +265,12 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
             });
             Case::chip(&aliases, "", "")
         }
-        "ARRAY_SIDE" => Case::new(&["run", "--scene", "s.npy", "--fps", "100", "--sensor", "s.toml"])
-            .file("s.npy", zeros("|u1", &[2, 1, n], 1))
-            .file("k.toml", "weights = [[1]]")
-            .file("s.toml", SENSOR),
+        "ARRAY_SIDE" => Case::new(&[
+            "run", "--scene", "s.npy", "--fps", "100", "--sensor", "s.toml",
+        ])
+        .file("s.npy", zeros("|u1", &[2, 1, n], 1))
+        .file("k.toml", "weights = [[1]]")
+        .file("s.toml", SENSOR),
         "FIGURE" => {
             let value = if beyond { "1.1e12" } else { "1e12" };
             Case::exec(&["--set", &format!("clock.rate={value}")])
@@ -259,8 +282,17 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
         ),
         "RUNS" if beyond => Case::exec(&["--repeat", &n.to_string()]),
         "THREADS" if beyond => Case::exec(&["--threads", &n.to_string()]),
-        "QUEUE" => Case::new(&["packets", "e.csv", "--size", "4x4", "--readout", "arbiter", "--with", &format!("fifo={n}")])
-            .file("e.csv", "t,x,y,p\n1,0,0,1\n"),
+        "QUEUE" => Case::new(&[
+            "packets",
+            "e.csv",
+            "--size",
+            "4x4",
+            "--readout",
+            "arbiter",
+            "--with",
+            &format!("fifo={n}"),
+        ])
+        .file("e.csv", "t,x,y,p\n1,0,0,1\n"),
         "QUANTISER_STEPS" | "QUANTISER_TABLE" | "STUDY_POINTS" | "RUNS" | "THREADS" => return None,
         _ => panic!("{name} is not tried"),
     })
@@ -291,7 +323,8 @@ fn at_each_limit_it_works_and_one_beyond_is_refused() {
 #[test]
 fn the_page_holds_the_table() {
     let page = fs::read_to_string(root().join("docs/limits.md")).unwrap();
-    let mut table = "| limit | of | value | why there | beyond it |\n|---|---|---|---|---|\n".to_owned();
+    let mut table =
+        "| limit | of | value | why there | beyond it |\n|---|---|---|---|---|\n".to_owned();
     for row in TABLE {
         let value = if row.value.fract() == 0.0 && row.value < 1e12 {
             format!("{}", row.value)
@@ -300,7 +333,12 @@ fn the_page_holds_the_table() {
         };
         let value = format!("{value} {}", row.unit);
         let (name, of, why, beyond) = (row.name, row.of, row.why, row.beyond);
-        writeln!(table, "| `{name}` | {of} | {} | {why} | “{beyond} …” |", value.trim()).unwrap();
+        writeln!(
+            table,
+            "| `{name}` | {of} | {} | {why} | “{beyond} …” |",
+            value.trim()
+        )
+        .unwrap();
     }
     assert!(page.contains(&table), "docs/limits.md should hold\n{table}");
 }
@@ -329,7 +367,10 @@ fn nobody_else_reads_files_whole() {
             continue;
         }
         for word in ["fs::read(", "read_to_string(", "read_line("] {
-            assert!(!code.contains(word), "{shown} reads by {word}…), not through source");
+            assert!(
+                !code.contains(word),
+                "{shown} reads by {word}…), not through source"
+            );
         }
     }
 }
@@ -343,7 +384,15 @@ fn kernels_whose_side_overflows_are_refused() {
             &["compile", name, "--filter-only"],
             &["mesh", "fit", name],
             &["waterfall", name, "--threshold", "128"],
-            &["feasibility", "--kernel", name, "--threshold", "128", "-o", "/dev/null"],
+            &[
+                "feasibility",
+                "--kernel",
+                name,
+                "--threshold",
+                "128",
+                "-o",
+                "/dev/null",
+            ],
         ];
         for arguments in every {
             refused(&folder, arguments, "a side of a kernel is at most 127");
@@ -355,14 +404,22 @@ fn kernels_whose_side_overflows_are_refused() {
 fn repeats_inside_each_other_are_refused() {
     let folder = root().join("tests/bad/limit");
     for verb in ["asm", "disasm", "exec"] {
-        refused(&folder, &[verb, "nested_repeat.scamp"], "levels inside each other");
+        refused(
+            &folder,
+            &[verb, "nested_repeat.scamp"],
+            "levels inside each other",
+        );
     }
     // Shallow enough to be read, and still without end.
     for depth in [25, 28, 32] {
         let text = format!("{}nop();{}", "repeat 2 {".repeat(depth), "}".repeat(depth));
         let case = Case::new(&[]).file("p.scamp", text);
         for verb in ["asm", "disasm", "exec"] {
-            refused(case.folder.path(), &[verb, "p.scamp"], "runs more than 16777216 steps");
+            refused(
+                case.folder.path(),
+                &[verb, "p.scamp"],
+                "runs more than 16777216 steps",
+            );
         }
     }
     let one = Case::program("repeat 4294967295 { repeat 4294967295 { add(A, B, C); } }");
@@ -383,11 +440,23 @@ fn a_chip_cannot_ask_for_billions_of_arguments() {
     ] {
         let form = format!("bus2(out y: target, out z: target, {wrong})");
         let case = Case::chip("", &whole.replace(was, &form), "");
-        refused(case.folder.path(), &["asm", "p.scamp", "--chip", "c"], "arguments");
+        refused(
+            case.folder.path(),
+            &["asm", "p.scamp", "--chip", "c"],
+            "arguments",
+        );
     }
     let deep = format!("nop({}", "{".repeat(100_000));
-    let case = Case::chip("", &row(&format!("'''{}'''", deep[..60_000].to_owned())), "");
-    refused(case.folder.path(), &["asm", "p.scamp", "--chip", "c"], "levels inside each other");
+    let case = Case::chip(
+        "",
+        &row(&format!("'''{}'''", deep[..60_000].to_owned())),
+        "",
+    );
+    refused(
+        case.folder.path(),
+        &["asm", "p.scamp", "--chip", "c"],
+        "levels inside each other",
+    );
 }
 
 #[test]
@@ -396,7 +465,11 @@ fn macros_that_double_each_other_are_refused() {
         let mut macros = format!("/// m\nmacro m0() {{ {inner} }}\n");
         for i in 1..30 {
             let before = i - 1;
-            writeln!(macros, "/// m\nmacro m{i}() {{ m{before}(); m{before}(); }}").unwrap();
+            writeln!(
+                macros,
+                "/// m\nmacro m{i}() {{ m{before}(); m{before}(); }}"
+            )
+            .unwrap();
         }
         let case = Case::chip("", "", &macros).file("p.scamp", "m29();");
         let arguments = ["asm", "p.scamp", "--chip", "c"];
@@ -429,7 +502,15 @@ fn what_never_ends_is_read_no_further() {
         &["compile", zero],
         &["mesh", "fit", zero],
         &["sweep", zero],
-        &["feasibility", "--kernel", zero, "--threshold", "128", "-o", "x.html"],
+        &[
+            "feasibility",
+            "--kernel",
+            zero,
+            "--threshold",
+            "128",
+            "-o",
+            "x.html",
+        ],
     ];
     for arguments in every {
         refused(here, arguments, "a text file holds at most 4194304 bytes");
@@ -447,8 +528,7 @@ fn what_never_ends_is_read_no_further() {
     assert!(code == Some(2) && what.contains("holds at most"), "{what}");
     let (code, what) = shell("echo 'nop();' | \"$0\" asm /dev/stdin");
     assert_eq!(code, Some(0), "{what}");
-    let (code, what) =
-        shell("mkfifo p.scamp && (echo 'nop();' > p.scamp & \"$0\" asm p.scamp)");
+    let (code, what) = shell("mkfifo p.scamp && (echo 'nop();' > p.scamp & \"$0\" asm p.scamp)");
     assert_eq!(code, Some(0), "{what}");
     refused(here, &["asm", "."], "it is a folder");
 }
@@ -467,7 +547,11 @@ fn brackets_without_end_are_refused() {
     ];
     for text in programs {
         // No line is too long.
-        let text = if text.starts_with("//!") { text } else { text.replace(['{', '+'], "$0\n").replace("$0", "{") };
+        let text = if text.starts_with("//!") {
+            text
+        } else {
+            text.replace(['{', '+'], "$0\n").replace("$0", "{")
+        };
         let case = Case::program(text);
         refused(case.folder.path(), &["asm", "p.scamp"], "");
     }
@@ -477,27 +561,56 @@ fn brackets_without_end_are_refused() {
         format!("a{} = 1", deep(".a")),
     ] {
         let case = Case::new(&[]).file("k.toml", &text[..60_000]);
-        refused(case.folder.path(), &["quantise", "k.toml", "--to", "ternary"], "k.toml");
+        refused(
+            case.folder.path(),
+            &["quantise", "k.toml", "--to", "ternary"],
+            "k.toml",
+        );
         refused(case.folder.path(), &["sweep", "k.toml"], "");
-        refused(case.folder.path(), &["run", "--scene", "pattern:bar", "--sensor", "k.toml"], "");
+        refused(
+            case.folder.path(),
+            &["run", "--scene", "pattern:bar", "--sensor", "k.toml"],
+            "",
+        );
     }
 }
 
 #[test]
 fn arrays_that_lie_are_refused() {
-    for shape in [&[1 << 20, 1 << 20][..], &[1 << 40, 1 << 40], &[3, 1 << 40, 1 << 20], &[3, 0, 0]] {
+    for shape in [
+        &[1 << 20, 1 << 20][..],
+        &[1 << 40, 1 << 40],
+        &[3, 1 << 40, 1 << 20],
+        &[3, 0, 0],
+    ] {
         let case = Case::new(&[]).file("k.npy", npy("<f8", shape));
-        refused(case.folder.path(), &["quantise", "k.npy", "--to", "ternary"], "k.npy");
+        refused(
+            case.folder.path(),
+            &["quantise", "k.npy", "--to", "ternary"],
+            "k.npy",
+        );
         let case = case.file("p.scamp", "nop();");
-        refused(case.folder.path(), &["exec", "p.scamp", "--set", "A=k.npy"], "k.npy");
+        refused(
+            case.folder.path(),
+            &["exec", "p.scamp", "--set", "A=k.npy"],
+            "k.npy",
+        );
     }
     let mut deep = b"\x93NUMPY\x01\x00".to_vec();
     deep.extend(60_000_u16.to_le_bytes());
     deep.extend(vec![b'('; 60_000]);
     deep.push(b'\n');
     let case = Case::new(&[]).file("k.npy", deep).file("p.scamp", "nop();");
-    refused(case.folder.path(), &["quantise", "k.npy", "--to", "ternary"], "levels inside each other");
-    refused(case.folder.path(), &["exec", "p.scamp", "--set", "A=k.npy"], "levels inside each other");
+    refused(
+        case.folder.path(),
+        &["quantise", "k.npy", "--to", "ternary"],
+        "levels inside each other",
+    );
+    refused(
+        case.folder.path(),
+        &["exec", "p.scamp", "--set", "A=k.npy"],
+        "levels inside each other",
+    );
 }
 
 /// Each verb that takes a kernel says what is wrong with one that floats cannot compute with.
@@ -521,8 +634,23 @@ fn kernels_at_the_ends_of_floats_are_refused_truly() {
             &["compile", "k.toml", "--to", "int-5", "--filter-only"],
             &["mesh", "fit", "k.toml"],
             &["mesh", "show", "--kernel", "k.toml", "-o", "x.png"],
-            &["waterfall", "k.toml", "--to", "ternary", "--threshold", "128"],
-            &["feasibility", "--kernel", "k.toml", "--threshold", "128", "-o", "x.html"],
+            &[
+                "waterfall",
+                "k.toml",
+                "--to",
+                "ternary",
+                "--threshold",
+                "128",
+            ],
+            &[
+                "feasibility",
+                "--kernel",
+                "k.toml",
+                "--threshold",
+                "128",
+                "-o",
+                "x.html",
+            ],
         ];
         for arguments in every {
             refused(case.folder.path(), arguments, what);
@@ -535,25 +663,50 @@ fn kernels_at_the_ends_of_floats_are_refused_truly() {
     ] {
         let sensor = SENSOR.replace("\"k.toml\"", weights);
         let case = Case::new(&[]).file("s.toml", sensor);
-        let arguments = ["run", "--scene", "pattern:bar?width=4&height=4&frames=2", "--sensor", "s.toml"];
+        let arguments = [
+            "run",
+            "--scene",
+            "pattern:bar?width=4&height=4&frames=2",
+            "--sensor",
+            "s.toml",
+        ];
         refused(case.folder.path(), &arguments, what);
     }
     // All zero is another thing.
     let case = Case::new(&[]).file("k.toml", "weights = [[0]]");
-    refused(case.folder.path(), &["quantise", "k.toml", "--to", "ternary"], "all weights are 0");
+    refused(
+        case.folder.path(),
+        &["quantise", "k.toml", "--to", "ternary"],
+        "all weights are 0",
+    );
     // A weight that is nothing beside the others is no reason to refuse them.
     let case = Case::new(&[]).file("k.toml", "weights = [[1, 5e-324, -0.5]]");
-    for to in ["binary", "ternary", "ternary-0.7", "ternary-split", "po2-3", "int-5", "csd-4", "q3.4"] {
+    for to in [
+        "binary",
+        "ternary",
+        "ternary-0.7",
+        "ternary-split",
+        "po2-3",
+        "int-5",
+        "csd-4",
+        "q3.4",
+    ] {
         let output = amacrine(case.folder.path(), &["quantise", "k.toml", "--to", to]);
         let table = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(output.status.success(), "{to}: {}", told(&output));
-        assert!(!table.contains("NaN") && !table.contains("inf"), "{to}: {table}");
+        assert!(
+            !table.contains("NaN") && !table.contains("inf"),
+            "{to}: {table}"
+        );
     }
 }
 
 #[test]
 fn a_sum_far_away_is_found_at_once() {
-    let case = Case::new(&[]).file("k.toml", "weights = [[8000000, -8000000, 0], [1, 2, 3], [0, 0, 1]]");
+    let case = Case::new(&[]).file(
+        "k.toml",
+        "weights = [[8000000, -8000000, 0], [1, 2, 3], [0, 0, 1]]",
+    );
     let zero = ["quantise", "k.toml", "--to", "q24.24", "--sum", "zero"];
     let output = amacrine(case.folder.path(), &zero);
     assert!(output.status.success(), "{}", told(&output));
@@ -565,7 +718,13 @@ fn a_sum_far_away_is_found_at_once() {
 /// What is wrong everywhere is told, but not without end.
 #[test]
 fn a_text_that_is_wrong_everywhere_is_told_in_part() {
-    for text in ["§\n".repeat(500_000), "x\n".repeat(1_000_000), "none();\n".repeat(300_000), "const a = 1;\n".repeat(200_000), "where(A);add(A,A,B);\n".repeat(100_000)] {
+    for text in [
+        "§\n".repeat(500_000),
+        "x\n".repeat(1_000_000),
+        "none();\n".repeat(300_000),
+        "const a = 1;\n".repeat(200_000),
+        "where(A);add(A,A,B);\n".repeat(100_000),
+    ] {
         let case = Case::program(text);
         refused(case.folder.path(), &["asm", "p.scamp"], "more");
     }
@@ -576,7 +735,11 @@ fn a_text_that_is_wrong_everywhere_is_told_in_part() {
 fn assembling_takes_time_in_proportion() {
     let case = Case::program(format!("{}\n", "mov(A, B); // one\n".repeat(60_000)));
     // More than the chip stores: all of it was looked at.
-    refused(case.folder.path(), &["asm", "p.scamp"], "120000 instruction words");
+    refused(
+        case.folder.path(),
+        &["asm", "p.scamp"],
+        "120000 instruction words",
+    );
 }
 
 #[test]

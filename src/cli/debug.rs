@@ -12,13 +12,13 @@ use miette::miette;
 
 use super::{exec::Moment, opened::Opened, registers::Register};
 use crate::{
-    source,
     array::Array,
     event::Packet,
     isa::Figure,
     picture::{panel, write_png},
     plane::{Plane, Size},
     program::{Action, Step},
+    source,
     unit::Micros,
 };
 

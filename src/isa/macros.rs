@@ -118,8 +118,12 @@ pub fn parse(text: &str) -> Result<Vec<Macro>, Vec<Fault>> {
                 ("statements", MACRO_STATEMENTS)
             };
             faults.push(
-                Fault::error(place, format!("a chip has {most} {what} at most"), "this macro")
-                    .help("leave out what no program uses"),
+                Fault::error(
+                    place,
+                    format!("a chip has {most} {what} at most"),
+                    "this macro",
+                )
+                .help("leave out what no program uses"),
             );
             return Err(faults);
         }
@@ -324,7 +328,9 @@ pub fn check_calls(device: &Device) -> Vec<(usize, Fault)> {
         }
         open = rest;
     }
-    let circles = open.iter().filter_map(|at| Some((*at, circle(device, &macros[*at])?)));
+    let circles = open
+        .iter()
+        .filter_map(|at| Some((*at, circle(device, &macros[*at])?)));
     faults.extend(circles.take(FAULTS));
     faults
 }

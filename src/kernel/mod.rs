@@ -52,7 +52,9 @@ pub enum KernelError {
         want: usize,
     },
     /// A side that is too long.
-    #[error("the kernel is {height} rows by {width} columns; a side of a kernel is at most {KERNEL_SIDE}")]
+    #[error(
+        "the kernel is {height} rows by {width} columns; a side of a kernel is at most {KERNEL_SIDE}"
+    )]
     Size {
         /// Rows.
         height: usize,
@@ -73,7 +75,9 @@ pub enum KernelError {
         value: f64,
     },
     /// Weights whose sizes have no finite sum.
-    #[error("the sizes of the weights add up beyond the largest float, 1.8e308; the largest is {value:e} at row {row}, column {column}")]
+    #[error(
+        "the sizes of the weights add up beyond the largest float, 1.8e308; the largest is {value:e} at row {row}, column {column}"
+    )]
     Overflow {
         /// Row.
         row: usize,
@@ -143,8 +147,14 @@ impl Kernel {
     /// Where the weight that is largest in size stands, and what it is.
     fn largest(&self) -> ((usize, usize), f64) {
         let all = self.weights.indexed_iter().map(|(at, w)| (at, *w));
-        all.reduce(|most, one| if one.1.abs() > most.1.abs() { one } else { most })
-            .unwrap_or(((0, 0), 0.0))
+        all.reduce(|most, one| {
+            if one.1.abs() > most.1.abs() {
+                one
+            } else {
+                most
+            }
+        })
+        .unwrap_or(((0, 0), 0.0))
     }
 
     /// Whether the weights can be squared and added up, as quantising, compiling and fitting do.

@@ -42,7 +42,8 @@ pub struct About {
 }
 
 /// Columns of the longest [`About::tail`].
-const TAIL: usize = " events=18446744073709551615 times=18446744073709551615..18446744073709551615".len();
+const TAIL: usize =
+    " events=18446744073709551615 times=18446744073709551615..18446744073709551615".len();
 
 /// The place of a tail that is not known yet, in a remark that stands before the events.
 pub(super) const BLANK: &str = match str::from_utf8(&[b' '; TAIL]) {
@@ -158,7 +159,10 @@ fn counted(events: u64) -> String {
 
 /// When the first and the last event are, in words.
 fn ends((first, last): (Micros, Micros)) -> String {
-    format!("a first event at {} us and a last at {} us", first.0, last.0)
+    format!(
+        "a first event at {} us and a last at {} us",
+        first.0, last.0
+    )
 }
 
 /// Two or four numbers: what only a readout drops may be left out.

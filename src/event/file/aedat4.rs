@@ -289,7 +289,10 @@ impl Reading {
         if described.kind == kind || (described.kind != "EVTS" && kind != "EVTS") {
             return Ok(());
         }
-        let one = format!("its header says that stream {stream} is of {}", described.kind);
+        let one = format!(
+            "its header says that stream {stream} is of {}",
+            described.kind
+        );
         let other = format!("a packet of it is of {kind}");
         Err(Stop::twice(Format::Aedat4, at, one, other))
     }
@@ -319,9 +322,8 @@ impl Reading {
                 return Err(wrong(at, "has a table of packets that is too long"));
             }
         }
-        let table = inflate(self.compression, table).map_err(|_| {
-            wrong(at, "has a table of packets that cannot be decompressed")
-        })?;
+        let table = inflate(self.compression, table)
+            .map_err(|_| wrong(at, "has a table of packets that cannot be decompressed"))?;
         let rows = packets::read(&table)
             .ok_or_else(|| wrong(at, "has a table of packets that cannot be read"))?;
         packets::agree(&self.found, &rows).map_err(|fault| Stop::Fault(Place::Byte(at), fault))

@@ -49,7 +49,9 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Dat>, Stop> {
         );
         return Err(Stop::Fault(super::Place::Byte(here), wrong(why)));
     }
-    header.about.size = header.size(Format::Dat).map_err(|fault| chunks.stop(fault))?;
+    header.about.size = header
+        .size(Format::Dat)
+        .map_err(|fault| chunks.stop(fault))?;
     if header.ours && address.0 != 14 {
         let one = "the comment `# amacrine …` is that of a file of version 2";
         let fault = Fault::twice(Format::Dat, one, "its header says another version");

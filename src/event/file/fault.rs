@@ -310,11 +310,7 @@ pub enum Fault {
 
 impl Fault {
     /// What a file says in one place, and what in the other.
-    pub(super) fn twice(
-        format: Format,
-        one: impl Into<String>,
-        other: impl Into<String>,
-    ) -> Self {
+    pub(super) fn twice(format: Format, one: impl Into<String>, other: impl Into<String>) -> Self {
         let (one, other) = (one.into(), other.into());
         Self::Twice { format, one, other }
     }

@@ -140,7 +140,9 @@ impl Index {
             };
             if u64::try_from(said) != Ok(event) {
                 let millisecond = self.next;
-                let one = format!("`ms_to_idx` says that event {said} is the first after {millisecond} ms");
+                let one = format!(
+                    "`ms_to_idx` says that event {said} is the first after {millisecond} ms"
+                );
                 let fault = Fault::twice(Format::Hdf5, one, format!("`t` says {event}"));
                 return Err(Stop::Fault(Place::Event(event), fault));
             }
@@ -373,7 +375,9 @@ impl Sink for Writing {
         if let Some(Open { mut place, file }) = self.open.take() {
             let about = AttrValue::String(about.to_string());
             let stated = file.root().set_attr("amacrine", about);
-            stated.and_then(|()| file.commit()).map_err(io::Error::other)?;
+            stated
+                .and_then(|()| file.commit())
+                .map_err(io::Error::other)?;
             file.close().map_err(io::Error::other)?;
             place.as_file_mut().seek(SeekFrom::Start(0))?;
             io::copy(&mut place.as_file_mut().by_ref(), out)?;

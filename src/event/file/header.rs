@@ -82,7 +82,11 @@ impl Header {
         let geometry = self.get("geometry").and_then(|g| g.split_once('x'));
         let ours = self.about.size;
         let ways = [
-            ("the comment `# amacrine …`", ours.map(|s| s.width), ours.map(|s| s.height)),
+            (
+                "the comment `# amacrine …`",
+                ours.map(|s| s.width),
+                ours.map(|s| s.height),
+            ),
             (
                 "`format`",
                 number(self.setting("width")),

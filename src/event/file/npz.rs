@@ -85,7 +85,8 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     }
     let comment = String::from_utf8_lossy(archive.comment()).into_owned();
     let about = About::parse(&comment).map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
-    hold_kinds(about.as_ref(), has("channel")).map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    hold_kinds(about.as_ref(), has("channel"))
+        .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
     Ok(Box::new(Reading {
         about: about.unwrap_or_default(),
         columns: columns.into_iter().map(|(_, column)| column).collect(),
@@ -104,7 +105,11 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
     let mut list = Vec::new();
     input.by_ref().take(LONGEST_LIST).read_to_end(&mut list)?;
     let list = Listed::read(&list).ok_or_else(|| {
-        Stop::layout(Format::Npz, start, "has a list of arrays that cannot be read")
+        Stop::layout(
+            Format::Npz,
+            start,
+            "has a list of arrays that cannot be read",
+        )
     })?;
     let end = start + list.end as u64;
     let counts = [
@@ -116,7 +121,12 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
     for (what, said, found) in counts {
         if said != found {
             let one = format!("its end says that it has {said} {what}");
-            return Err(Stop::twice(Format::Npz, end, one, format!("there are {found}")));
+            return Err(Stop::twice(
+                Format::Npz,
+                end,
+                one,
+                format!("there are {found}"),
+            ));
         }
     }
     for member in &list.members {
@@ -128,7 +138,12 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
         let unlike = |what: &str| {
             let name = String::from_utf8_lossy(&member.name);
             let one = format!("its list says one thing of the {what} of `{name}`");
-            Err(Stop::twice(Format::Npz, at, one, "the array's own header another"))
+            Err(Stop::twice(
+                Format::Npz,
+                at,
+                one,
+                "the array's own header another",
+            ))
         };
         let Ok(local) = local else {
             return unlike("place");

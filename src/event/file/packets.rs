@@ -23,8 +23,7 @@ pub struct Row {
 /// stream has such a number, and no packet so many bytes.
 pub fn starts(here: &[u8]) -> bool {
     let compressed = [[0x04, 0x22, 0x4D, 0x18], [0x28, 0xB5, 0x2F, 0xFD]];
-    compressed.iter().any(|magic| here.starts_with(magic))
-        || here.get(8..12) == Some(&b"FTAB"[..])
+    compressed.iter().any(|magic| here.starts_with(magic)) || here.get(8..12) == Some(&b"FTAB"[..])
 }
 
 /// The rows of a table that is no longer compressed.
@@ -80,9 +79,17 @@ pub fn whole(buffer: &[u8]) -> Option<&[u8]> {
 pub fn agree(found: &[Row], table: &[Row]) -> Result<(), Fault> {
     for (i, (found, said)) in found.iter().zip(table).enumerate() {
         let mut pairs = vec![
-            ("starts at byte", said.at.cast_signed(), found.at.cast_signed()),
+            (
+                "starts at byte",
+                said.at.cast_signed(),
+                found.at.cast_signed(),
+            ),
             ("is of stream", said.stream.into(), found.stream.into()),
-            ("has this many bytes:", said.bytes.into(), found.bytes.into()),
+            (
+                "has this many bytes:",
+                said.bytes.into(),
+                found.bytes.into(),
+            ),
         ];
         if let (Some(said), Some(found)) = (said.events, found.events) {
             let (count, here) = (said.0.cast_signed(), found.0.cast_signed());

@@ -195,7 +195,12 @@ fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
     }
     if sum != said {
         let one = format!("its footer says that it has {said} rows");
-        return Err(Stop::twice(Format::Parquet, 0, one, format!("its row groups have {sum}")));
+        return Err(Stop::twice(
+            Format::Parquet,
+            0,
+            one,
+            format!("its row groups have {sum}"),
+        ));
     }
     Ok(())
 }
@@ -252,7 +257,11 @@ impl Source for Reading {
             for (column, name) in self.open.iter_mut().zip(COLUMNS) {
                 if !guarded(|| integers(column, 1))?.is_empty() {
                     let one = format!("row group {} says how many rows it has", self.group - 1);
-                    let fault = Fault::twice(Format::Parquet, one, format!("its pages of `{name}` have more"));
+                    let fault = Fault::twice(
+                        Format::Parquet,
+                        one,
+                        format!("its pages of `{name}` have more"),
+                    );
                     return Err(Stop::Fault(Place::Event(self.read), fault));
                 }
             }

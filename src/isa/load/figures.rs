@@ -185,7 +185,8 @@ pub(super) fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
     for part in parts() {
         for (alias, name) in &part.aliases {
             // One more than there can be tells enough.
-            if aliases.len() <= ALIASES && !aliases.iter().any(|(known, _)| known == alias.get_ref())
+            if aliases.len() <= ALIASES
+                && !aliases.iter().any(|(known, _)| known == alias.get_ref())
             {
                 aliases.push((alias.get_ref().clone(), bit(name)));
             }

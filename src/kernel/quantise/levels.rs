@@ -49,7 +49,13 @@ pub(super) fn free(
     // Between each two changes all weights are looked up.
     let size = weights.len() as f64;
     let steps = size * size * (magnitudes.len() - 1) as f64;
-    affordable(quantiser, weights.len(), steps, QUANTISER_STEPS, "steps of search")?;
+    affordable(
+        quantiser,
+        weights.len(),
+        steps,
+        QUANTISER_STEPS,
+        "steps of search",
+    )?;
     let mut changes: Vec<f64> = magnitudes
         .windows(2)
         .flat_map(|pair| {
@@ -184,9 +190,18 @@ fn with_sum(
     }
     if !matches!(quantiser, Quantiser::Whole(_)) {
         // Each weight can lead to each sum.
-        let (size, most) = (weights.len() as f64, magnitudes[magnitudes.len() - 1] as f64);
+        let (size, most) = (
+            weights.len() as f64,
+            magnitudes[magnitudes.len() - 1] as f64,
+        );
         let table = size * (2.0 * size * most + 1.0);
-        affordable(quantiser, weights.len(), table, QUANTISER_TABLE, "entries of a table")?;
+        affordable(
+            quantiser,
+            weights.len(),
+            table,
+            QUANTISER_TABLE,
+            "entries of a table",
+        )?;
     }
     let mut all: Vec<i64> = magnitudes
         .iter()

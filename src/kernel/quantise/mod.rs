@@ -98,9 +98,7 @@ pub enum QuantiseError {
     #[diagnostic(help("multiply the kernel by a number, and the threshold with it"))]
     Weights(#[from] KernelError),
     /// More work than is allowed.
-    #[error(
-        "{weights} weights in {quantiser} take {needed:.1e} {what}, more than {most:.1e}"
-    )]
+    #[error("{weights} weights in {quantiser} take {needed:.1e} {what}, more than {most:.1e}")]
     #[diagnostic(help(
         "cut the kernel where its weights are small, take a quantiser of fewer levels or digits, or leave the sum free"
     ))]

@@ -75,12 +75,13 @@ pub(super) fn settle(
     }
     // How far a weight is ahead of its value: half of what a step hurts, less a half.
     let ahead = |i: usize, step: f64| way * (step - values[i]);
-    let up_to = |level: f64, i: usize, step: f64| {
-        (level - ahead(i, step)).floor().clamp(0.0, room(step))
-    };
+    let up_to =
+        |level: f64, i: usize, step: f64| (level - ahead(i, step)).floor().clamp(0.0, room(step));
     if left > steps.len() as f64 {
         let places = || steps.iter().enumerate();
-        let first = places().map(|(i, s)| ahead(i, *s)).fold(f64::INFINITY, f64::min);
+        let first = places()
+            .map(|(i, s)| ahead(i, *s))
+            .fold(f64::INFINITY, f64::min);
         let (mut under, mut over) = (first, first + left + 1.0);
         while over - under > 0.25 && f64::midpoint(under, over) > under {
             let level = f64::midpoint(under, over);

@@ -242,7 +242,8 @@ impl<'d> Lowering<'d> {
                         body: self.block(body),
                         line: self.lines.line(item.place.start),
                     };
-                    if let (None, Entry::Repeat { times, .. }) = (runs(std::slice::from_ref(&repeat)), &mut repeat)
+                    if let (None, Entry::Repeat { times, .. }) =
+                        (runs(std::slice::from_ref(&repeat)), &mut repeat)
                     {
                         self.faults.push(runs_too_long("this `repeat`", heading));
                         // So that those around it are no fault of their own.
@@ -446,7 +447,11 @@ impl<'d> Lowering<'d> {
 
     /// Whether `init`, and a frame, ends in time.
     fn frame_runs(&mut self, expansion: &Expansion) {
-        let whole = if expansion.bare { "the program" } else { "`frame`" };
+        let whole = if expansion.bare {
+            "the program"
+        } else {
+            "`frame`"
+        };
         for (what, entries) in [("`init`", &expansion.init), (whole, &expansion.frame)] {
             if runs(entries).is_none() {
                 self.faults.push(runs_too_long(what, Place::default()));

@@ -129,7 +129,10 @@ pub fn points(sides: &[Axes]) -> Result<Vec<Point>, Fault> {
     let mut points = Vec::new();
     for axes in sides {
         // Checked above.
-        let count = axes.count().and_then(|n| u64::try_from(n).ok()).unwrap_or(0);
+        let count = axes
+            .count()
+            .and_then(|n| u64::try_from(n).ok())
+            .unwrap_or(0);
         points.extend((0..count).map(|index| axes.at(index)));
     }
     Ok(points)
@@ -137,7 +140,9 @@ pub fn points(sides: &[Axes]) -> Result<Vec<Point>, Fault> {
 
 /// Points at the longest axis of the largest side.
 fn too_many(sides: &[Axes], all: Option<u128>) -> Fault {
-    let largest = sides.iter().max_by_key(|axes| axes.count().unwrap_or(u128::MAX));
+    let largest = sides
+        .iter()
+        .max_by_key(|axes| axes.count().unwrap_or(u128::MAX));
     let all = all.map_or("more points than can be counted".to_owned(), |all| {
         format!("{all} points")
     });

@@ -240,11 +240,7 @@ impl Opened<'_> {
             known.join(", ")
         );
         let bytes = source::bytes(&path, &help).map_err(|error| {
-            let what = format!(
-                "cannot read the kernel {}: {}",
-                path.display(),
-                error.cause
-            );
+            let what = format!("cannot read the kernel {}: {}", path.display(), error.cause);
             self.wrong(point, "kernel", &what, Some(error.help))
         })?;
         let kernel = if bytes.starts_with(b"\x93NUMPY") {
