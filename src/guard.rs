@@ -11,10 +11,22 @@ thread_local! {
 
 /// Does the work; `None` where it panics, on this thread.
 pub fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
+    caught(work).ok()
+}
+
+/// Does the work; what it says where it panics, on this thread.
+///
+/// # Errors
+/// The panic's own words.
+pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     let before = GUARDED.replace(true);
     let done = catch_unwind(AssertUnwindSafe(work));
     GUARDED.set(before);
-    done.ok()
+    done.map_err(|payload| {
+        let text = payload.downcast_ref::<&str>().map(ToString::to_string);
+        let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+        text.unwrap_or_else(|| "without a word".to_owned())
+    })
 }
 
 /// Whether a panic of this thread has an answer: a panic hook then need not tell of it.
@@ -36,6 +48,11 @@ mod tests {
             is_guarded()
         });
         assert_eq!(nested, Some(true));
+        assert_eq!(
+            caught(|| panic!("{} of 9", 7)),
+            Err::<(), _>("7 of 9".to_owned())
+        );
+        assert_eq!(caught(|| panic!("one")), Err::<(), _>("one".to_owned()));
         assert!(!is_guarded());
     }
 }

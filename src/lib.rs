@@ -14,11 +14,16 @@
 //! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it). Fuzzers are
 //! built with all rooms but the last.
 
+#![warn(clippy::disallowed_methods)]
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
 pub mod bits;
 pub mod chance;
+pub mod elementary;
 pub mod guard;
 pub mod limit;
 mod lined;
+pub mod memory;
 pub mod plane;
 pub mod save;
 pub mod source;

@@ -41,7 +41,7 @@ pub const QUANTISER_STEPS: u64 = 1 << 30;
 pub const QUANTISER_TABLE: u64 = 1 << 26;
 
 /// Instruction words, host operations and calls of macros that a program's text becomes.
-pub const EXPANDED_STEPS: usize = 1 << 18;
+pub const EXPANDED_STEPS: usize = 1 << 19;
 
 /// Instruction words that one statement becomes.
 pub const STATEMENT_WORDS: usize = 100_000;
@@ -82,6 +82,9 @@ pub const STUDY_POINTS: u64 = 100_000;
 
 /// Runs of one `exec --repeat`.
 pub const RUNS: u64 = 1_000_000;
+
+/// Frames of one `exec`.
+pub const FRAMES: u64 = 10_000_000;
 
 /// Threads that can be asked for.
 pub const THREADS: usize = 1024;
@@ -145,21 +148,21 @@ table! {
     QUANTISER_TABLE, "the table for levels with a sum, or for digits", "entries",
         "128 MiB", "entries of a table";
     EXPANDED_STEPS, "what the text of a program becomes: words, host operations, calls of macros", "steps",
-        "64 times the words that the largest shipped chip stores", "the program becomes more than";
+        "128 times the words that the largest shipped chip stores", "the program becomes more than";
     STATEMENT_WORDS, "what one statement becomes", "words",
         "no kernel store holds it", "this statement is longer than";
     FRAME_STEPS, "what `init`, or one frame, runs: words, host operations, turns of `repeat`", "steps",
-        "1.7 s of the chip's clock", "steps run, more than";
+        "1.7 s of the chip's clock", "runs more than";
     MACROS, "macros of a chip", "macros",
         "thirteen times what scamp5 has", "macros at most";
     MACRO_DEPTH, "macros inside each other", "levels",
-        "scamp5 has 4", "macros inside each other";
+        "nobody reads more", "macros inside each other";
     MACRO_STATEMENTS, "statements in the macros of a chip", "statements",
-        "a hundred times what scamp5 has", "statements at most";
+        "two hundred times what scamp5 has", "statements at most";
     ARGUMENTS, "parameters of a form, arguments of a parameter", "arguments",
         "the most registers of one kind", "arguments at most";
     FORMS, "forms of one row of a chip", "forms",
-        "scamp5 has 12", "forms at most";
+        "one for each way to write it", "forms at most";
     ALIASES, "other names of registers", "names",
         "scamp5 has 13", "aliases at most";
     ARRAY_SIDE, "rows or columns of an array or a sensor", "px",
@@ -167,11 +170,13 @@ table! {
     FIGURE, "the size of a number about a chip", "",
         "times and powers stay finite", "at most 1e12 in size";
     STORE_WORDS, "the kernel store of a chip", "words",
-        "what a program's text can become", "from 1 to 262144";
+        "64 times what the largest shipped chip has", "from 1 to 262144";
     STUDY_POINTS, "points of a study", "points",
         "a day at one a second", "more than 100000";
     RUNS, "runs of `exec --repeat`", "runs",
         "a mean to a thousandth of the spread", "runs at most";
+    FRAMES, "frames of `exec`", "frames",
+        "eleven hours at 240 frames/s", "frames at most";
     THREADS, "threads of `--threads`", "threads",
         "more than any one machine has cores", "threads at most";
     QUEUE, "events in the queue of a readout", "events",

@@ -14,6 +14,8 @@
 
 use serde::Deserialize;
 
+use crate::elementary;
+
 /// The static response of the photoreceptor.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "Written")]
@@ -86,9 +88,9 @@ impl Response {
         let signal = match self.curve {
             Curve::Identity => light,
             Curve::Linear { white } => light / white,
-            Curve::Log { white, offset } => (light / white + offset).ln(),
-            Curve::LinLog { knee } if light <= knee => light * (knee.ln() / knee),
-            Curve::LinLog { .. } => light.ln(),
+            Curve::Log { white, offset } => elementary::ln(light / white + offset),
+            Curve::LinLog { knee } if light <= knee => light * (elementary::ln(knee) / knee),
+            Curve::LinLog { .. } => elementary::ln(light),
         };
         Ok(if self.round_f32 {
             f64::from(signal as f32)
@@ -103,9 +105,11 @@ impl Response {
         match self.curve {
             Curve::Identity => signal,
             Curve::Linear { white } => signal * white,
-            Curve::Log { white, offset } => (signal.exp() - offset) * white,
-            Curve::LinLog { knee } if signal <= knee.ln() => signal * (knee / knee.ln()),
-            Curve::LinLog { .. } => signal.exp(),
+            Curve::Log { white, offset } => (elementary::exp(signal) - offset) * white,
+            Curve::LinLog { knee } if signal <= elementary::ln(knee) => {
+                signal * (knee / elementary::ln(knee))
+            }
+            Curve::LinLog { .. } => elementary::exp(signal),
         }
     }
 }

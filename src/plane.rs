@@ -18,6 +18,21 @@ pub struct Size {
 }
 
 impl Size {
+    /// The longest side of a sensor: what the 16 bits of an event's address hold.
+    pub const LONGEST_SIDE: usize = 1 << 16;
+
+    /// The most pixels of a sensor, and of a frame that it watches: 4096 times 4096.
+    pub const MOST_PIXELS: usize = 1 << 24;
+
+    /// Whether a sensor can have this size: at least one pixel, within [`Size::LONGEST_SIDE`]
+    /// and [`Size::MOST_PIXELS`].
+    #[must_use]
+    pub const fn is_possible(self) -> bool {
+        let Self { height, width } = self;
+        let sides = height <= Self::LONGEST_SIDE && width <= Self::LONGEST_SIDE;
+        height > 0 && width > 0 && sides && height * width <= Self::MOST_PIXELS
+    }
+
     /// A size of `height` rows and `width` columns.
     #[must_use]
     pub const fn new(height: usize, width: usize) -> Self {

@@ -134,7 +134,7 @@ fn the_host_s_readings_are_told_and_the_table_follows() {
 #[test]
 fn what_is_no_command_is_told_and_the_end_of_input_quits() {
     let text = Bench::new().script(
-        "fly\nstep x\nbreak 1\nbreak 99\nbreak x\nclear 3\nprint Q\nprint A 9 9\nprint\ndump A none/a.png\nhelp\n",
+        "fly\nstep x\nbreak 1\nbreak 99\nbreak x\nclear 3\nprint Q\nprint A 9 9\nprint\ndump A /dev/null/a.png\nhelp\n",
     );
     for message in [
         "`fly` is no command; `help` lists them",
@@ -146,7 +146,7 @@ fn what_is_no_command_is_told_and_the_end_of_input_quits() {
         "Q: no such register; scamp5 has A B C D E F NEWS R0",
         "there is no pixel (9, 9) on an array of 3x2",
         "write `print REG`, `print REG X Y` or `dump REG FILE.png`",
-        "none/a.png",
+        "/dev/null/a.png",
         "run on to the first instruction of the next frame",
     ] {
         assert!(text.contains(message), "{message:?} in {text}");

@@ -526,8 +526,8 @@ fn bad_input_is_one_message_and_no_page() {
         (more(&["--link-energy", "9..1"]), &["9..1", "1..20"]),
         (more(&["--exposure", "soon"]), &["soon", "1ms"]),
         (
-            [&ASK[..], &["-o", "no/such/report.html"]].concat(),
-            &["report.html", "folder exists"],
+            [&ASK[..], &["-o", "zero.toml/report.html"]].concat(),
+            &["cannot write zero.toml/report.html", "Not a directory"],
         ),
     ];
     for (arguments, words) in cases {

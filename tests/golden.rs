@@ -43,7 +43,14 @@ fn outcome(program: &Program) -> Expectation {
         .image
         .as_ref()
         .unwrap_or_else(|| panic!("{}: no image in the settings", program.file));
-    let mut scene = open(spec, &OpenOptions { fps: settings.fps }).unwrap();
+    let mut scene = open(
+        spec,
+        &OpenOptions {
+            fps: settings.fps,
+            ..OpenOptions::default()
+        },
+    )
+    .unwrap();
     let chip_settings = Settings {
         clip: settings.clip.unwrap_or(false),
         edge: settings.edge.unwrap_or(Settings::of(&device).edge),

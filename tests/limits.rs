@@ -172,7 +172,7 @@ const SENSOR: &str = "response = \"identity\"\nmemory = \"filtered-step\"\n[[cha
 /// A case at a limit, or one beyond it; `None` where the limit itself takes long.
 #[expect(clippy::too_many_lines, reason = "one arm a limit")]
 fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
-    let n = value + usize::from(beyond);
+    let n = value.saturating_add(usize::from(beyond));
     Some(match name {
         "TEXT_BYTES" => Case::program("\n".repeat(n)),
         "LINE_BYTES" => Case::program(format!("//{}\nnop();", "x".repeat(n - 2))),
@@ -226,7 +226,7 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
         "QUANTISER_TABLE" if beyond => {
             Case::kernel("centre-surround = 15", &["po2-8", "--sum", "kept"])
         }
-        "EXPANDED_STEPS" => Case::program("nop();\n".repeat(n.div_ceil(2))).wrong_anyway(),
+        "EXPANDED_STEPS" => Case::program("nop();\n".repeat(n)).wrong_anyway(),
         "STATEMENT_WORDS" => {
             let macros = "/// many\nmacro many(n: int[0..1000000]) { repeat n { nop(); } }";
             Case::chip("", "", macros)
@@ -281,6 +281,7 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
             format!("seed = {{ from = 1, to = {n} }}\n[[side]]\nsensor = \"reference\"\n"),
         ),
         "RUNS" if beyond => Case::exec(&["--repeat", &n.to_string()]),
+        "FRAMES" if beyond => Case::exec(&["--frames", &n.to_string()]),
         "THREADS" if beyond => Case::exec(&["--threads", &n.to_string()]),
         "QUEUE" => Case::new(&[
             "packets",
@@ -293,7 +294,9 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
             &format!("fifo={n}"),
         ])
         .file("e.csv", "t,x,y,p\n1,0,0,1\n"),
-        "QUANTISER_STEPS" | "QUANTISER_TABLE" | "STUDY_POINTS" | "RUNS" | "THREADS" => return None,
+        "QUANTISER_STEPS" | "QUANTISER_TABLE" | "STUDY_POINTS" | "RUNS" | "FRAMES" | "THREADS" => {
+            return None;
+        }
         _ => panic!("{name} is not tried"),
     })
 }
@@ -718,23 +721,33 @@ fn a_sum_far_away_is_found_at_once() {
 /// What is wrong everywhere is told, but not without end.
 #[test]
 fn a_text_that_is_wrong_everywhere_is_told_in_part() {
-    for text in [
+    let texts = [
         "§\n".repeat(500_000),
         "x\n".repeat(1_000_000),
         "none();\n".repeat(300_000),
         "const a = 1;\n".repeat(200_000),
         "where(A);add(A,A,B);\n".repeat(100_000),
-    ] {
+    ];
+    for text in texts {
         let case = Case::program(text);
         refused(case.folder.path(), &["asm", "p.scamp"], "more");
     }
+    // A long line is not shown, but named.
+    let case = Case::program(format!("nop();\n{}none();", "nop();".repeat(9000)));
+    let output = amacrine(case.folder.path(), &["asm", "p.scamp"]);
+    let what = told(&output);
+    assert!(
+        what.contains("p.scamp:2:54001: unknown statement `none`"),
+        "{what}"
+    );
+    assert!(what.len() < 1000, "{what}");
 }
 
 /// Sixty thousand statements take a moment, not minutes.
 #[test]
 fn assembling_takes_time_in_proportion() {
     let case = Case::program(format!("{}\n", "mov(A, B); // one\n".repeat(60_000)));
-    // More than the chip stores: all of it was looked at.
+    // More than the chip stores, and all of it was looked at.
     refused(
         case.folder.path(),
         &["asm", "p.scamp"],
@@ -746,4 +759,127 @@ fn assembling_takes_time_in_proportion() {
 fn limits_are_one_with_the_code() {
     assert_eq!(limit::KERNEL_SIDE % 2, 1);
     const { assert!(limit::STATEMENT_WORDS < limit::EXPANDED_STEPS) };
+}
+
+/// Pieces of which texts are made that look like something: names, numbers at the ends of what
+/// a float holds, brackets.
+const PIECES: &[&str] = &[
+    "weights",
+    "centre-surround",
+    "gaussians",
+    "sigma",
+    "gain",
+    "kernel",
+    "channel",
+    "threshold",
+    "response",
+    "memory",
+    "\"identity\"",
+    "\"filtered-step\"",
+    "noise",
+    "mesh",
+    "lambda",
+    "side",
+    "sensor",
+    "\"reference\"",
+    "seed",
+    "from",
+    "to",
+    "steps",
+    "sample",
+    "points",
+    "readout",
+    "settings",
+    "fifo",
+    "value",
+    "repeat",
+    "const",
+    "frame",
+    "init",
+    "macro",
+    "source",
+    "dreg",
+    "add",
+    "mov",
+    "A",
+    "B",
+    "nop",
+    "out",
+    "{",
+    "}",
+    "[",
+    "]",
+    "[[",
+    "]]",
+    "(",
+    ")",
+    ",",
+    ";",
+    "=",
+    ".",
+    "..",
+    "*",
+    "-",
+    "/",
+    "\n",
+    " ",
+    "0",
+    "1",
+    "-1",
+    "3",
+    "1e308",
+    "5e-324",
+    "nan",
+    "inf",
+    "4294967297",
+    "18446744073709551616",
+    "1e999",
+    "//!",
+    "//=",
+    "\"",
+    "'''",
+    "#",
+    "§",
+    "\u{feff}",
+];
+
+/// Every reader of texts, with what it says.
+fn read_all(text: &str) {
+    use amacrine::{
+        event::readout::settings,
+        isa::{Device, macros, signature::Signature},
+        kernel::Kernel,
+        program::Program,
+        reference::Description,
+        study::sweep::Study,
+    };
+    let none = |name: &str| Err(std::io::Error::other(name.to_owned()));
+    let _ = Description::parse("s.toml", text, &none).map_err(|e| e.to_string());
+    let _ = Kernel::from_toml(text).map_err(|e| e.to_string());
+    let _ = Kernel::from_npy(text.as_bytes()).map_err(|e| e.to_string());
+    let _ = Study::parse("study.toml", text).map_err(|e| e.to_string());
+    let _ = settings::Description::parse("r.toml", text).map(|d| d.readout().is_ok());
+    let _ = macros::parse(text);
+    let _ = Signature::parse(text).map(|form| form.to_string());
+    let program = Program::read("p.scamp", text);
+    let _ = program
+        .expand(&Device::scamp5(), &Default::default())
+        .map_err(|e| e.to_string());
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::test_runner::Config { failure_persistence: None, ..proptest::test_runner::Config::with_cases(400) })]
+
+    /// Whatever text comes: an answer, soon, without a panic.
+    #[test]
+    fn any_text_is_answered(
+        pieces in proptest::collection::vec(proptest::sample::select(PIECES), 0..60),
+        times in 1_usize..40,
+        junk in ".{0,40}",
+    ) {
+        let text = format!("{}{junk}", pieces.concat().repeat(times));
+        let start = Instant::now();
+        read_all(&text);
+        assert!(start.elapsed() < TIME, "{text}");
+    }
 }

@@ -7,9 +7,10 @@
 //! values within what that rounding can do (half an ulp of each share), and holds the shares
 //! themselves, added as the released code adds them, to 1e-6 max(1, |v|).
 
+mod npz;
+
 use std::{
     fmt::Write as _,
-    fs::File,
     ops::Range,
     path::{Path, PathBuf},
 };
@@ -22,33 +23,27 @@ use amacrine::{
     sensor::SensorError,
 };
 use ndarray::{Array1, Array2, Array3, Array4, Array5, ArrayD, ArrayView2, Axis};
-use ndarray_npy::NpzReader;
+use npz::Npz;
 
 struct Oracle {
     name: String,
-    arrays: NpzReader<File>,
+    arrays: Npz,
 }
 
 impl Oracle {
     fn open(path: &Path) -> Self {
         Self {
             name: path.display().to_string(),
-            arrays: NpzReader::new(File::open(path).unwrap()).unwrap(),
+            arrays: Npz::open(path),
         }
     }
 
-    fn has(&mut self, key: &str) -> bool {
-        self.arrays
-            .names()
-            .unwrap()
-            .iter()
-            .any(|name| name.trim_end_matches(".npy") == key)
+    fn has(&self, key: &str) -> bool {
+        self.arrays.has(key)
     }
 
     fn f64(&mut self, key: &str) -> ArrayD<f64> {
-        self.arrays
-            .by_name(key)
-            .unwrap_or_else(|e| panic!("{}: {key}: {e}", self.name))
+        self.arrays.array(key)
     }
 
     fn is(&self, mode: &str) -> bool {
@@ -186,10 +181,10 @@ fn agree(path: &Path) -> u64 {
     let text = oracle.sensor();
     let description = Description::parse(&oracle.name, &text, &|_| unreachable!())
         .unwrap_or_else(|e| panic!("{}: {e}\n{text}", oracle.name));
-    let input: Array3<f32> = oracle.arrays.by_name("input").unwrap();
+    let input: Array3<f32> = oracle.arrays.array("input");
     let times = oracle.f64("t");
-    let expected: Array4<i16> = oracle.arrays.by_name("N").unwrap();
-    let voxels: Array5<f32> = oracle.arrays.by_name("events").unwrap();
+    let expected: Array4<i16> = oracle.arrays.array("N");
+    let voxels: Array5<f32> = oracle.arrays.array("events");
     let size = Size::new(input.shape()[1], input.shape()[2]);
     let (pairs, channels) = (expected.shape()[0], expected.shape()[1]);
 

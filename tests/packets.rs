@@ -281,10 +281,7 @@ fn bad_input_gets_one_message() {
     let show = |more: &[&str], words: &[&str]| refused(&[&["show", "e.csv"], more].concat(), words);
     show(
         &["-o", "x.jpg"],
-        &[
-            "`jpg` is not a kind of picture",
-            ".png, .svg, .gif or .apng",
-        ],
+        &["x.jpg ends in `.jpg`", ".png, .svg, .gif or .apng"],
     );
     show(
         &["-o", "x.apng", "--view", "rate"],
@@ -310,7 +307,7 @@ fn bad_input_gets_one_message() {
         &["-o", "x.png", "--from", "2s"],
         &["nothing is in between", "0 us to 20000 us"],
     );
-    show(&["-o", "no/x.png"], &["cannot write no/x.png"]);
+    show(&["-o", "e.csv/x.png"], &["cannot write e.csv/x.png"]);
     show(&[], &["--output"]);
 }
 

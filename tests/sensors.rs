@@ -3,6 +3,8 @@
 //! scene. The files of `sensors/authors/` give the counts of the authors' released simulator
 //! when fed its own clips as 8-bit light (`tests/oracle/`, README there).
 
+mod npz;
+
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -20,7 +22,8 @@ use amacrine::{
     sensor::Sensor,
 };
 use ndarray::{Array3, Array4, ArrayD, s};
-use ndarray_npy::{NpzReader, read_npy};
+use ndarray_npy::read_npy;
+use npz::Npz;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -237,9 +240,9 @@ fn the_authors_files_give_the_authors_counts() {
         for (mode, file) in MODES {
             for refractory in ["r0", "r1"] {
                 let path = folder.join(format!("{mode}_{refractory}.npz"));
-                let mut stored = NpzReader::new(fs::File::open(&path).unwrap()).unwrap();
+                let mut stored = Npz::open(&path);
                 let mut one = |key: &str| -> f64 {
-                    let array: ArrayD<f64> = stored.by_name(key).unwrap();
+                    let array: ArrayD<f64> = stored.array(key);
                     *array.first().unwrap()
                 };
                 // The stored runs have thresholds of their own, and no mismatch.
@@ -250,7 +253,7 @@ fn the_authors_files_give_the_authors_counts() {
                 threshold.sigma = 0.0;
                 description.refractory.us = one("refractory_s") * 1e6;
                 assert_eq!(description.memory, MemoryRule::FilteredStep);
-                let expected: Array4<i16> = stored.by_name("N").unwrap();
+                let expected: Array4<i16> = stored.array("N");
 
                 let size = Size::new(light.dim().1, light.dim().2);
                 let mut reference = Reference::new(description, size, 0).unwrap();

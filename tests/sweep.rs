@@ -641,7 +641,7 @@ fn folders_of_others_are_left_alone() {
     refused(at, &sweep, &["out is in use by another amacrine", "merge"]);
     drop(lock);
 
-    // A point that was damaged is named, and can be made again.
+    // A point that was damaged is named, and made again.
     let point = at
         .join("out/points")
         .read_dir()
@@ -651,9 +651,16 @@ fn folders_of_others_are_left_alone() {
         .unwrap()
         .path();
     fs::write(&point, "{\"id\":").unwrap();
-    refused(at, &sweep, &["is damaged", "delete it"]);
-    fs::remove_file(&point).unwrap();
-    amacrine(at, &sweep).assert().success();
+    refused(
+        at,
+        &["report", "out"],
+        &["1 of the files of points", "sets the damaged files aside"],
+    );
+    let said = json(at, &[&sweep[..], &["--json"]].concat());
+    assert_eq!(
+        (&said["computed"], &said["damaged"][0]["point"]),
+        (&1.into(), &0.into())
+    );
 
     let said = fs::read_to_string(at.join("out/sweep.json")).unwrap();
     let before = fs::read(&point).unwrap();
@@ -671,7 +678,7 @@ fn folders_of_others_are_left_alone() {
     );
     fs::write(
         at.join("out/sweep.json"),
-        said.replace("\"schema\": 1", "\"schema\": 99"),
+        said.replace("\"schema\": 2", "\"schema\": 99"),
     )
     .unwrap();
     refused(at, &sweep, &["results version 99"]);

@@ -69,6 +69,29 @@ impl Arithmetic {
         }
     }
 
+    /// Bytes that a chip of this size holds while it runs, on whichever schedule: registers and
+    /// photodiodes twice (`active` keeps what was, and copies what has changed), bits likewise;
+    /// the errors of `silicon` for each cell.
+    #[must_use]
+    pub fn bytes(self, device: &Device, size: Size) -> u128 {
+        let layout = Layout::of(device, size);
+        let cell = match self {
+            Self::Number(Format::F64) => 8,
+            Self::Number(Format::F32) | Self::Silicon { .. } => 4,
+            Self::Number(Format::F16 | Format::Bf16) => 2,
+            Self::Number(Format::Fixed(format)) => u128::from(format.bits()) / 8,
+        };
+        let planes = u128::from(layout.analog) + 1;
+        let errors = match self {
+            Self::Silicon { .. } => 2 * 4 * planes + 8,
+            Self::Number(_) => 0,
+        };
+        // In eighths of a byte: three more planes of bits than there are registers.
+        let bits = u128::from(layout.digital) + 3;
+        let pixel = 8 * (2 * cell * planes + errors) + 2 * bits;
+        size.pixels() as u128 * pixel / 8
+    }
+
     /// A chip in this arithmetic.
     ///
     /// # Errors

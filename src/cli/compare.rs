@@ -1,8 +1,11 @@
 //! `amacrine compare`: two event files, one judged against the other.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::recording::{self, Recording};
+use super::{
+    files,
+    recording::{self, Recording},
+};
 use crate::{
     compare::{
         Comparison, Pair,
@@ -19,9 +22,9 @@ use crate::{
 #[command(after_help = "Example: amacrine compare out/reference.npy out/device.npy --within 1ms")]
 pub struct Arguments {
     /// The reference: an event file of any format
-    a: PathBuf,
+    a: files::Input,
     /// What is judged against it
-    b: PathBuf,
+    b: files::Input,
     #[command(flatten)]
     recording: Recording,
     /// Events of one pixel, kind and sign match when their times differ by at most this
@@ -38,13 +41,17 @@ pub struct Arguments {
     json: bool,
 }
 
+/// Bytes of an event: as it was read, sorted by cell, drawn anew, and moved elsewhere.
+const EACH: u128 = 100;
+
 /// Runs the verb.
 ///
 /// # Errors
 /// When a file cannot be read, or the two are of different sensors.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let mut reference = arguments.recording.read(&arguments.a)?;
-    let mut judged = arguments.recording.read(&arguments.b)?;
+    let mut reference = arguments.recording.read(&arguments.a, 0, EACH)?;
+    let held = EACH * reference.packet.events.len() as u128;
+    let mut judged = arguments.recording.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
     let pair = Pair::of(&reference.packet, &judged.packet)?;

@@ -1,11 +1,19 @@
 //! `amacrine convert`: an event file into another format, a slice of it, one kind of cell.
 
-use std::path::{Path, PathBuf};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
 
 use miette::miette;
 use serde_json::json;
 
-use super::{progress::Progress, recording};
+use super::{
+    content::Content,
+    files::{self, Input, Output},
+    progress::Progress,
+    recording,
+};
 use crate::{
     event::{
         Event,
@@ -22,9 +30,10 @@ use crate::{
 )]
 pub struct Arguments {
     /// The event file to read
-    a: PathBuf,
+    a: Input,
     /// The event file to write
-    b: PathBuf,
+    #[arg(value_parser = Content::Converted)]
+    b: Output,
     /// The format of A, where its name and first bytes do not say it
     #[arg(long, value_name = "NAME")]
     from: Option<Format>,
@@ -99,10 +108,10 @@ struct Written {
 /// # Errors
 /// When A cannot be read or is damaged, or B cannot hold its events or cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let format = match arguments.format {
-        Some(format) => format,
-        None => Format::of(&arguments.b)?,
-    };
+    let format = format(arguments)?;
+    if !arguments.each_kind {
+        files::writes([&*arguments.b])?;
+    }
     let mut seen = look(arguments)?;
     if let Some(kind) = arguments.kind.filter(|kind| *kind >= seen.channels) {
         return Err(miette!(
@@ -113,6 +122,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     let targets = targets(arguments, &seen);
+    if arguments.each_kind {
+        files::writes(targets.iter().map(|(path, _)| path))?;
+    }
     let written = pass(arguments, format, &targets, &mut seen)?;
     if arguments.json {
         let files: Vec<_> = written.iter().map(|w| file_json(format, w)).collect();
@@ -134,6 +146,33 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&table(arguments, format, &seen, &written));
     }
     Ok(())
+}
+
+/// The format of B, which its name must not contradict.
+fn format(arguments: &Arguments) -> miette::Result<Format> {
+    let b = &arguments.b;
+    if arguments.each_kind && b.is_node() {
+        return Err(miette!(
+            help = "give B a name that is no device",
+            "{}: --each-kind writes several files, named after B",
+            b.display()
+        ));
+    }
+    let Some(asked) = arguments.format else {
+        return Ok(b.format()?);
+    };
+    match b.says() {
+        Some(said) if !b.is_node() && !said.contains(&asked) => {
+            let said: Vec<_> = said.iter().map(|format| format.name()).collect();
+            Err(miette!(
+                help = "give another name, or leave --format out",
+                "{} is the name of {}, and --format says {asked}",
+                b.display(),
+                said.join(" or ")
+            ))
+        }
+        _ => Ok(asked),
+    }
 }
 
 fn file_json(format: Format, written: &Written) -> serde_json::Value {
@@ -199,14 +238,15 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
 /// Which kinds go to which file.
 fn targets(arguments: &Arguments, seen: &Seen) -> Vec<(PathBuf, Option<u8>)> {
     if !arguments.each_kind {
-        return vec![(arguments.b.clone(), arguments.kind)];
+        return vec![(arguments.b.to_path_buf(), arguments.kind)];
     }
     let name = |kind: u8| {
-        let extension = arguments.b.extension().unwrap_or_default();
-        let extension = extension.to_string_lossy();
-        arguments
-            .b
-            .with_extension(format!("kind{kind}.{extension}"))
+        let mut extension = OsString::from(format!("kind{kind}"));
+        if let Some(own) = arguments.b.extension() {
+            extension.push(".");
+            extension.push(own);
+        }
+        arguments.b.with_extension(extension)
     };
     (0..seen.channels)
         .map(|kind| (name(kind), Some(kind)))

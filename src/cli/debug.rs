@@ -10,7 +10,7 @@ use std::{
 
 use miette::miette;
 
-use super::{exec::Moment, opened::Opened, registers::Register};
+use super::{content::Content, exec::Moment, files::Output, opened::Opened, registers::Register};
 use crate::{
     array::Array,
     event::Packet,
@@ -280,7 +280,9 @@ impl<'a> Debugger<'a> {
                 let register = self.register(name)?;
                 let (black, white) = self.scale(register);
                 let picture = panel::frame(&register.values(chip), black, white);
-                write_png(Path::new(file), &picture).map_err(|e| e.to_string())?;
+                let output = Output::late(Path::new(file), Content::Picture);
+                let output = output.map_err(|e| e.to_string())?;
+                write_png(&output, &picture).map_err(|e| e.to_string())?;
                 super::say(&format!("{name} is in {file}\n"));
             }
             ["print" | "p" | "dump", ..] => {

@@ -1,11 +1,7 @@
 //! `amacrine demo`: a real clip through the float reference and through a program on the array.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
-use miette::{IntoDiagnostic, WrapErr};
 use serde_json::json;
 
 use crate::{
@@ -26,7 +22,12 @@ use crate::{
     unit::Micros,
 };
 
-use super::{progress::Progress, timed::Timed};
+use super::{
+    content::Content,
+    files::{self, Output},
+    progress::Progress,
+    timed::Timed,
+};
 
 /// The float model.
 const SENSOR: (&str, &str) = (
@@ -73,8 +74,8 @@ const WIDE: Micros = Micros(20_000);
 #[command(after_help = "Example: amacrine demo --out out")]
 pub struct Arguments {
     /// Where the event files and pictures go
-    #[arg(long, default_value = "out", value_name = "FOLDER")]
-    out: PathBuf,
+    #[arg(long, default_value = "out", value_name = "FOLDER", value_parser = Content::Folder)]
+    out: Output,
     /// Chooses the silicon's mismatch and noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -83,21 +84,13 @@ pub struct Arguments {
     json: bool,
 }
 
-impl Default for Arguments {
-    fn default() -> Self {
-        Self {
-            out: PathBuf::from("out"),
-            seed: 0,
-            json: false,
-        }
-    }
-}
-
 /// Runs the verb.
 ///
 /// # Errors
 /// When the output folder cannot be written to.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    files::writes(events(&arguments.out).into_iter().flatten())?;
+    files::writes(pictures(&arguments.out))?;
     let mut scene = Upsampled::new(bundled()?, UPSAMPLING)?;
     let size = scene.size();
     let mut reference = Timed::new(Reference::new(description()?, size, arguments.seed)?);
@@ -187,6 +180,19 @@ impl Moments {
     }
 }
 
+/// The event files: the reference's first.
+fn events(out: &Path) -> Vec<[PathBuf; 2]> {
+    let names = std::iter::once("reference").chain(DOMAINS.iter().map(|(domain, _)| *domain));
+    names
+        .map(|name| ["csv", "npy"].map(|kind| out.join(format!("{name}.{kind}"))))
+        .collect()
+}
+
+/// The pictures.
+fn pictures(out: &Path) -> [PathBuf; 2] {
+    ["sheet.png", "watch.gif"].map(|name| out.join(name))
+}
+
 /// Writes events and pictures; returns what was written.
 fn write(
     out: &Path,
@@ -194,14 +200,10 @@ fn write(
     said: &[Packet],
     moments: &[Moment],
 ) -> miette::Result<Vec<PathBuf>> {
-    fs::create_dir_all(out)
-        .into_diagnostic()
-        .wrap_err_with(|| format!("cannot make the folder {}", out.display()))?;
     let mut written = Vec::new();
-    let names = std::iter::once("reference").chain(DOMAINS.iter().map(|(domain, _)| *domain));
-    for (name, packet) in names.zip(std::iter::once(truth).chain(said)) {
-        for kind in ["csv", "npy"] {
-            let path = out.join(format!("{name}.{kind}"));
+    let packets = std::iter::once(truth).chain(said);
+    for (paths, packet) in events(out).into_iter().zip(packets) {
+        for path in paths {
             file::write(&path, packet)?;
             written.push(path);
         }
@@ -225,9 +227,8 @@ fn write(
     busiest.sort_by_cached_key(|moment| std::cmp::Reverse(events(moment)));
     busiest.truncate(4);
     busiest.sort_by_key(|moment| moment.from);
-    let sheet = out.join("sheet.png");
+    let [sheet, animation] = pictures(out);
     write_png(&sheet, &contact_sheet(&show, &busiest)?)?;
-    let animation = out.join("watch.gif");
     write_animation(&animation, &show, moments, 0.1)?;
     written.extend([sheet, animation]);
     Ok(written)

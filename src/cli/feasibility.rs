@@ -1,6 +1,6 @@
 //! `amacrine feasibility`: whether a kernel can run on a chip, as a page to forward.
 
-use std::{fmt::Write as _, path::PathBuf};
+use std::fmt::Write as _;
 
 use miette::{IntoDiagnostic, miette};
 
@@ -10,7 +10,7 @@ use crate::{
     kernel::{Kernel, quantise::Quantiser},
     plane::Size,
     save::save,
-    scene::{self, Frame, OpenOptions, Scene, SceneError},
+    scene::{self, Frame, Scene, SceneError},
     study::{
         feasibility::{self, Feasibility, Fit, Question, Stream},
         report,
@@ -18,7 +18,14 @@ use crate::{
     unit::Micros,
 };
 
-use super::{progress::Progress, quantise::Total, readout::Choice};
+use super::{
+    budget,
+    content::Content,
+    files::{Named, Output},
+    progress::Progress,
+    quantise::Total,
+    readout::Choice,
+};
 
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -28,13 +35,13 @@ use super::{progress::Progress, quantise::Total, readout::Choice};
 pub struct Arguments {
     /// A kernel file (.toml or .npy), or the name of a built-in
     #[arg(long)]
-    kernel: String,
+    kernel: Named,
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
     /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long)]
-    scene: Option<String>,
+    scene: Option<Named>,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
     /// best of the candidates
     #[arg(long, value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
@@ -47,7 +54,7 @@ pub struct Arguments {
     sum: Total,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
-    chip: String,
+    chip: Named,
     /// Frames a second of the scene, with which the chip must keep up; instead of what it says
     #[arg(long)]
     fps: Option<f64>,
@@ -67,8 +74,8 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Write the page here
-    #[arg(short, long, value_name = "REPORT.html")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "REPORT.html", value_parser = Content::Page)]
+    output: Option<Output>,
     /// Print one JSON object instead of the summary
     #[arg(long)]
     json: bool,
@@ -93,6 +100,9 @@ fn energy(text: &str) -> Result<Energy, String> {
 /// What the scene is called where none was given.
 const BUNDLED: &str = "the bundled clip";
 
+/// Sensors that watch side by side, at most: those of the waterfall.
+const SENSORS: usize = 20;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -101,7 +111,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernel = kernel(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
     let open = || arguments.open();
-    let frames = open()?.frames();
+    let scene = open()?;
+    budget::check_study(&*scene, SENSORS)?;
+    let frames = scene.frames();
+    drop(scene);
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
     let question = Question {
@@ -158,7 +171,7 @@ fn kernel(name: &str) -> miette::Result<Kernel> {
 
 impl Arguments {
     fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        let options = OpenOptions { fps: self.fps };
+        let options = budget::opening(self.fps);
         match (&self.scene, self.fps) {
             (Some(scene), _) => scene::open(scene, &options),
             (None, None) => scene::bundled(),

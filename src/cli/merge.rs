@@ -4,7 +4,11 @@ use std::{fmt::Write as _, path::PathBuf};
 
 use serde_json::json;
 
-use crate::study::sweep::store;
+use super::{
+    content::Content,
+    files::{Input, Output},
+};
+use crate::study::sweep::merge;
 
 /// What `merge` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -14,10 +18,10 @@ use crate::study::sweep::store;
 pub struct Arguments {
     /// Folders of one study
     #[arg(required = true, value_name = "DIR")]
-    folders: Vec<PathBuf>,
+    folders: Vec<Input>,
     /// The folder of all results
-    #[arg(long, value_name = "DIR")]
-    output: PathBuf,
+    #[arg(long, value_name = "DIR", value_parser = Content::Folder)]
+    output: Output,
     /// Also write results.parquet
     #[arg(long)]
     parquet: bool,
@@ -32,30 +36,22 @@ const SHOWN: usize = 5;
 /// Runs the verb.
 ///
 /// # Errors
-/// When the folders are not of one study, or cannot be read or written.
+/// When the folders are not of one study, are damaged, disagree on a point, or cannot be read or
+/// written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     super::sweep::check_parquet(arguments.parquet)?;
-    let (manifest, finished) =
-        store::merge(&arguments.folders, &arguments.output, arguments.parquet)?;
-    let (_, rows) = store::read(&arguments.output)?;
-    let has = |index: usize| {
-        let mut rows = rows.iter();
-        rows.any(|row| row.get("index").and_then(serde_json::Value::as_u64) == Some(index as u64))
-    };
-    let missing: Vec<usize> = if finished == manifest.points.len() {
-        Vec::new()
-    } else {
-        (0..manifest.points.len())
-            .filter(|index| !has(*index))
-            .collect()
-    };
+    let folders: Vec<PathBuf> = arguments.folders.iter().map(|f| f.to_path_buf()).collect();
+    let (manifest, tables) = merge(&folders, &arguments.output, arguments.parquet)?;
+    let missing = &tables.missing;
     if arguments.json {
         let said = json!({
             "study": manifest.title,
             "output": arguments.output,
             "points": manifest.points.len(),
-            "finished": finished,
+            "finished": tables.finished,
+            "failed": tables.failed,
             "missing": missing,
+            "computed_by": tables.computed_by,
         });
         super::say(&format!("{said}\n"));
         return Ok(());
@@ -63,9 +59,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut text = format!(
         "study    {}\npoints   {} of {}\n",
         manifest.title,
-        finished,
+        tables.finished,
         manifest.points.len()
     );
+    if tables.failed > 0 {
+        let _ = writeln!(
+            text,
+            "failed   {} points: compute them again with `amacrine sweep STUDY --output {}`",
+            tables.failed,
+            arguments.output.display()
+        );
+    }
     if !missing.is_empty() {
         let first: Vec<String> = missing.iter().take(SHOWN).map(usize::to_string).collect();
         let more = if missing.len() > SHOWN { ", …" } else { "" };

@@ -1,8 +1,10 @@
 //! The command line: one file a verb, and the only place that prints.
 
 pub mod asm;
+mod budget;
 pub mod compare;
 pub mod compile;
+pub mod content;
 pub mod convert;
 mod debug;
 pub mod demo;
@@ -10,12 +12,14 @@ pub mod disasm;
 pub mod exec;
 pub mod feasibility;
 mod fidelity;
+pub mod files;
 mod kernels;
 pub mod merge;
 pub mod mesh;
 mod opened;
 pub mod packets;
 pub mod plan;
+mod print;
 mod progress;
 pub mod quantise;
 mod readout;
@@ -24,17 +28,19 @@ mod registers;
 pub mod report;
 pub mod run;
 pub mod show;
+mod signals;
 mod statistics;
 mod strip;
 pub mod sweep;
 mod timed;
 pub mod waterfall;
 
-use std::{io::Write, process::ExitCode};
+use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::guard;
+use self::print::{complain, say};
+use crate::{guard, memory::Budget};
 
 /// One for each verb, as `amacrine help` shows them.
 const EXAMPLES: &str = "\
@@ -61,6 +67,9 @@ Examples:
 #[derive(Debug, Parser)]
 #[command(name = "amacrine", version, about, after_help = EXAMPLES)]
 struct Arguments {
+    /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
+    #[arg(long, global = true, value_name = "SIZE")]
+    max_memory: Option<Budget>,
     #[command(subcommand)]
     verb: Option<Verb>,
 }
@@ -107,7 +116,8 @@ enum Verb {
 
 /// Parses the command line, runs the verb, prints what went wrong.
 ///
-/// Exit code 0 when all went well, 2 for bad input.
+/// Exit code 0 when all went well, or nobody reads standard output any more; 1 when standard
+/// output takes no more; 2 for bad input, and for outputs that cannot be written.
 #[must_use]
 pub fn main() -> ExitCode {
     let hook = std::panic::take_hook();
@@ -116,8 +126,31 @@ pub fn main() -> ExitCode {
             hook(panic);
         }
     }));
-    let result = match Arguments::parse().verb {
-        None => demo::run(&demo::Arguments::default()),
+    signals::watch();
+    let command = || Arguments::command();
+    let matches = match command().try_get_matches() {
+        Ok(matches) if matches.subcommand().is_some() => Ok(matches),
+        Ok(_) => command().try_get_matches_from(["amacrine", "demo"]),
+        Err(error) => Err(error),
+    };
+    let parsed = matches.and_then(|matches| {
+        let arguments = Arguments::from_arg_matches(&matches)?;
+        Ok((matches, arguments))
+    });
+    let (matches, arguments) = match parsed {
+        Ok(parsed) => parsed,
+        Err(error) => return print::usage(&error),
+    };
+    budget::allow(arguments.max_memory);
+    match files::check(&command(), &matches).and_then(|()| run(arguments)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(report) => print::failed(&report),
+    }
+}
+
+fn run(arguments: Arguments) -> miette::Result<()> {
+    match arguments.verb {
+        None => Ok(()),
         Some(Verb::Demo(arguments)) => demo::run(&arguments),
         Some(Verb::Run(arguments)) => run::run(&arguments),
         Some(Verb::Exec(arguments)) => exec::run(&arguments),
@@ -136,13 +169,6 @@ pub fn main() -> ExitCode {
         Some(Verb::Sweep(arguments)) => sweep::run(&arguments),
         Some(Verb::Merge(arguments)) => merge::run(&arguments),
         Some(Verb::Report(arguments)) => report::run(&arguments),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(report) => {
-            eprintln!("{report:?}");
-            ExitCode::from(2)
-        }
     }
 }
 
@@ -156,9 +182,34 @@ fn verbs() -> String {
     names.join(", ")
 }
 
-/// Prints to standard output. A reader that has gone (`amacrine … | head`) is no error.
-fn say(text: &str) {
-    if std::io::stdout().write_all(text.as_bytes()).is_err() {
-        std::process::exit(0);
+#[cfg(test)]
+mod tests {
+    use std::{any::TypeId, path::PathBuf};
+
+    use super::*;
+
+    /// Arguments that are texts, and no names of files.
+    const TEXTS: [&str; 7] = ["domain", "schedule", "title", "cost", "into", "keep", ""];
+
+    /// Every argument that is a path is of a kind that [`files::check`] finds.
+    #[test]
+    fn no_path_goes_around_the_door() {
+        fn walk(command: &clap::Command, seen: &mut Vec<String>) {
+            for argument in command.get_arguments() {
+                let kind = argument.get_value_parser().type_id();
+                let name = argument.get_id().as_str();
+                let path = kind == TypeId::of::<PathBuf>();
+                let text = kind == TypeId::of::<String>() && !TEXTS.contains(&name);
+                if path || text {
+                    seen.push(format!("{} {name}", command.get_name()));
+                }
+            }
+            for verb in command.get_subcommands() {
+                walk(verb, seen);
+            }
+        }
+        let mut seen = Vec::new();
+        walk(&Arguments::command(), &mut seen);
+        assert!(seen.is_empty(), "paths as plain paths or texts: {seen:?}");
     }
 }

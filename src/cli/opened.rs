@@ -1,9 +1,13 @@
 //! The one door through which verbs read a program: file, chip, constants.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use miette::miette;
 
+use super::{
+    complain,
+    files::{Input, Named},
+};
 use crate::{
     isa::{Device, Figure},
     program::{Expansion, Overrides, Program},
@@ -14,10 +18,10 @@ use crate::{
 #[derive(Debug, Default, clap::Args)]
 pub struct Source {
     /// The program; a file of bare statements is a whole program
-    program: PathBuf,
+    program: Input,
     /// A shipped chip by name, or the folder of another; else the one of the program's settings
     #[arg(long)]
-    chip: Option<String>,
+    chip: Option<Named>,
     /// Set a constant of the program; can be given more than once
     #[arg(long = "const", value_name = "NAME=VALUE", value_parser = constant)]
     constants: Vec<(String, f64)>,
@@ -60,14 +64,15 @@ impl Source {
     /// Warnings are shown.
     pub fn open(&self, figures: &[(Figure, f64)]) -> miette::Result<Opened> {
         let program = self.read()?;
-        let chip = self.chip.as_ref().or(program.settings.chip.as_ref());
-        let mut device = Device::find(chip.map_or("scamp5", String::as_str))?;
+        let chip = self.chip.as_deref();
+        let chip = chip.or(program.settings.chip.as_deref());
+        let mut device = Device::find(chip.unwrap_or("scamp5"))?;
         for (figure, value) in figures {
             device = device.what_if(*figure, *value)?;
         }
         let expansion = program.expand(&device, &self.overrides())?;
         if let Some(warnings) = program.warnings(&expansion) {
-            eprintln!("{:?}", miette!(warnings));
+            complain(&format!("{:?}\n", miette!(warnings)));
         }
         Ok(Opened {
             program,

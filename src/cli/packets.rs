@@ -1,19 +1,20 @@
 //! `amacrine packets`: what a packet costs on a link, and what a readout makes of it.
 
-use std::path::PathBuf;
-
 use miette::miette;
 use serde_json::{Value, json};
 
 use super::{
+    content::Content,
+    files::{Input, Output},
     readout,
     recording::{self, Recording},
 };
 use crate::{
+    elementary,
     event::{
         Packet, Polarity,
         codec::{CodeBook, Coding, Layout, Rate, entropy},
-        file::{self, Loaded},
+        file::Loaded,
         readout::{Frame, ReadOut, settings::Description},
     },
     unit::Micros,
@@ -26,7 +27,7 @@ use crate::{
 )]
 pub struct Arguments {
     /// An event file
-    file: PathBuf,
+    file: Input,
     #[command(flatten)]
     recording: Recording,
     /// Length of a bit map's frame, and of the window that peaks are measured in
@@ -38,12 +39,15 @@ pub struct Arguments {
     #[command(flatten)]
     readout: readout::Choice,
     /// Write the packet behind the readout
-    #[arg(short, long, value_name = "FILE", requires = "readout")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE", requires = "readout", value_parser = Content::Events)]
+    output: Option<Output>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
 }
+
+/// Bytes of an event: as it was read, in what a readout makes of it, and what its word costs.
+const EACH: u128 = 80;
 
 /// Runs the verb.
 ///
@@ -51,9 +55,6 @@ pub struct Arguments {
 /// When the file cannot be read, a setting is not what it should be, or the output cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(output) = &arguments.output {
-        file::Format::of(output)?;
-    }
     if arguments.window.0 == 0 {
         return Err(miette!(
             help = "give a time such as 10ms",
@@ -61,12 +62,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     arguments.readout.open()?.map(|d| d.readout()).transpose()?;
-    let loaded = arguments.recording.read(&arguments.file)?;
+    let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
     let read = arguments.readout.apply(&loaded.packet)?;
     let packet = read.as_ref().map_or(&loaded.packet, |(_, r)| &r.packet);
     let counted = Counted::of(packet, arguments)?;
     if let Some(output) = &arguments.output {
-        file::write(output, packet)?;
+        output.write(packet)?;
     }
     let shown = Shown {
         arguments,
@@ -288,7 +289,7 @@ impl Shown<'_> {
         for (kind, events) in (0..).zip(&c.kinds) {
             let share = *events as f64 / all.max(1) as f64;
             let ideal = if *events > 0 {
-                format!("{:.2}", -share.log2().min(0.0))
+                format!("{:.2}", -elementary::log2(share).min(0.0))
             } else {
                 "-".into()
             };

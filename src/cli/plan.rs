@@ -2,7 +2,6 @@
 
 use std::{
     fmt::Write as _,
-    path::PathBuf,
     time::{Duration, Instant},
 };
 
@@ -12,14 +11,16 @@ use serde_json::{Value, json};
 use crate::{
     event::Packet,
     number::Format,
-    reference::Limit,
-    scene::{OpenOptions, open},
+    reference::{Description, Limit, Reference},
+    scene::{OpenOptions, Scene as _, open},
     study::plan::{Change, Choice, Model, Plan, Question},
     unit::Micros,
 };
 
 use super::{
+    budget,
     fidelity::{allowed, chosen, line, make, percent, share},
+    files::{Input, Named},
     progress::Progress,
     readout,
     run::read_sensor,
@@ -33,10 +34,10 @@ use super::{
 pub struct Arguments {
     /// The scene, as for `amacrine run`
     #[arg(long)]
-    scene: String,
+    scene: Named,
     /// The sensor file
     #[arg(long)]
-    sensor: PathBuf,
+    sensor: Input,
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
@@ -56,9 +57,9 @@ pub struct Arguments {
     /// Run it and the full model, and show what every step really changes beside its bound
     #[arg(long)]
     verify: bool,
-    /// The most events a list may hold
-    #[arg(long, default_value_t = Limit::default().events)]
-    max_events: usize,
+    /// The most events a list may hold [default: 100000000, or what there is memory for]
+    #[arg(long)]
+    max_events: Option<usize>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
@@ -113,13 +114,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         readout,
         crop: true,
     };
-    let options = OpenOptions { fps: arguments.fps };
+    let options = budget::opening(arguments.fps);
+    let events = events(arguments, &description)?;
     let start = Instant::now();
     let plan = make(&question, &arguments.scene, &options)
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
     let planning = start.elapsed();
     let limit = Limit {
-        events: arguments.max_events,
+        events,
         ..Limit::default()
     };
     let ran = |model: Model, what| ran(model, what, &arguments.scene, &options);
@@ -171,6 +173,30 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     verified.map_or(Ok(()), |verified| verified.held(&plan))
 }
 
+/// How many events a list may hold beside the model, its probe and what is followed of each cell.
+fn events(arguments: &Arguments, description: &Description) -> miette::Result<usize> {
+    let scene = open(&arguments.scene, &budget::opening(arguments.fps))?;
+    let size = scene.size();
+    let model = <Reference>::bytes(description, size);
+    let cells = (size.pixels() * description.channels.len()) as u128;
+    let need = budget::of_scene(&*scene)
+        .and("the model and its probe", 3 * model)
+        .and("what is followed of each cell", FOLLOWED * cells);
+    let what = format!("a plan for {size}");
+    let lists = 1 + u128::from(arguments.run) + 2 * u128::from(arguments.verify);
+    let help = "take a smaller scene";
+    budget::events(
+        need,
+        arguments.max_events,
+        lists * budget::MADE,
+        &what,
+        help,
+    )
+}
+
+/// Bytes of what is followed of a cell.
+const FOLLOWED: u128 = 200;
+
 impl Verified {
     /// Whether every bound held.
     fn held(&self, plan: &Plan) -> miette::Result<()> {
@@ -217,7 +243,7 @@ fn as_json(
     verified: Option<&Verified>,
 ) -> miette::Result<Value> {
     let mut json = serde_json::to_value(plan).into_diagnostic()?;
-    json["scene"] = arguments.scene.clone().into();
+    json["scene"] = (*arguments.scene).into();
     json["sensor"] = arguments.sensor.display().to_string().into();
     json["tolerance"] = arguments.asked.tolerance.into();
     json["within_us"] = arguments.asked.within.0.into();

@@ -1,9 +1,6 @@
 //! `amacrine quantise`: a kernel in few values, and what that does to it.
 
-use std::{
-    fmt::Write,
-    path::{Path, PathBuf},
-};
+use std::fmt::Write;
 
 use image::{RgbImage, imageops};
 use miette::{Diagnostic as _, miette};
@@ -18,12 +15,17 @@ use crate::{
     picture::{panel, write_png},
     plane::Plane,
     save::save,
-    scene::{self, OpenOptions, Scene as _},
+    scene::{self, Scene as _},
     study::quantisation::{self, Answer, Outcome, Question, Score},
     unit::Micros,
 };
 
-use super::progress::Progress;
+use super::{
+    budget,
+    content::Content,
+    files::{Named, Output},
+    progress::Progress,
+};
 
 /// What `quantise` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -32,7 +34,7 @@ use super::progress::Progress;
 )]
 pub struct Arguments {
     /// A kernel file (.toml or .npy), or the name of a built-in
-    kernel: String,
+    kernel: Named,
     /// One quantiser, or several with commas between
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,
@@ -43,21 +45,21 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Write the levels as a kernel file
-    #[arg(short, long, value_name = "FILE.toml")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE.toml", value_parser = Content::Kernel)]
+    output: Option<Output>,
     /// Draw the kernel and each of the quantised ones, side by side
-    #[arg(long, value_name = "FILE.png")]
-    picture: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
+    picture: Option<Output>,
     /// Compile each for the chip and run it against the float kernel: events where kernel times
     /// light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: Option<f64>,
     /// What they watch, with --threshold: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long, requires = "threshold")]
-    scene: Option<String>,
+    scene: Option<Named>,
     /// A shipped chip by name, or the folder of another, with --threshold
     #[arg(long, default_value = "scamp5", requires = "threshold")]
-    chip: String,
+    chip: Named,
     /// How long to search for each program, in seconds of two cores of 2024, with --threshold
     #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds, requires = "threshold")]
     effort: f64,
@@ -165,23 +167,23 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         .zip(&all)
         .map(|(to, quantised)| Row::of(*to, kernel, quantised))
         .collect();
-    if let Some(path) = &arguments.output {
-        let [quantised] = &all[..] else {
-            return Err(miette!(
-                help = "give one quantiser with --to",
-                "--output writes one kernel, and {} were asked for",
-                all.len()
-            ));
-        };
-        write(path, arguments, quantised)?;
-    }
-    if let Some(path) = &arguments.picture {
-        write_png(path, &picture(kernel, &all))?;
+    if arguments.output.is_some() && all.len() != 1 {
+        return Err(miette!(
+            help = "give one quantiser with --to",
+            "--output writes one kernel, and {} were asked for",
+            all.len()
+        ));
     }
     let answer = match arguments.threshold {
         Some(threshold) => Some(on_chip(arguments, kernel, threshold)?),
         None => None,
     };
+    if let (Some(path), [quantised]) = (&arguments.output, &all[..]) {
+        write(path, arguments, quantised)?;
+    }
+    if let Some(path) = &arguments.picture {
+        write_png(path, &picture(kernel, &all))?;
+    }
     if arguments.json {
         let json = Json {
             chip: answer,
@@ -218,9 +220,10 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
     }
     let device = Device::find(&arguments.chip)?;
     let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &OpenOptions::default())?,
+        Some(scene) => scene::open(scene, &budget::opening(None))?,
         None => scene::bundled()?,
     };
+    budget::check_study(&*scene, 1 + 2 * arguments.to.len())?;
     let question = Question {
         kernel,
         threshold,
@@ -313,7 +316,7 @@ fn rows_of(weights: &Plane<f64>) -> Vec<Vec<f64>> {
 }
 
 /// The levels as a kernel file.
-fn write(path: &Path, arguments: &Arguments, quantised: &Quantised) -> miette::Result<()> {
+fn write(path: &Output, arguments: &Arguments, quantised: &Quantised) -> miette::Result<()> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let source = format!(
         "{} as {}, sum {:?}; times {} it is the kernel: divide thresholds by that",

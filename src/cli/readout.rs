@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
+use super::files::Named;
 use crate::{
     compile::SLOTS,
     event::{
         Packet,
-        readout::{ReadOut, Statistics, settings::Description},
+        readout::{Latency, ReadOut, Statistics, settings::Description},
     },
     source,
+    unit::Picos,
 };
 
 /// Which readout, and with which settings.
@@ -16,7 +18,7 @@ use crate::{
 pub struct Choice {
     /// Read the packet out: ideal, scan, arbiter, frame, or a file like those in readouts/
     #[arg(long, value_name = "NAME|FILE.toml")]
-    readout: Option<String>,
+    readout: Option<Named>,
     /// Change a setting of the readout, such as fifo=64 or link=1us; can be given more than once
     #[arg(long = "with", value_name = "KEY=VALUE", value_parser = setting, requires = "readout")]
     settings: Vec<(String, String)>,
@@ -30,14 +32,19 @@ fn setting(text: &str) -> Result<(String, String), String> {
 }
 
 impl Choice {
+    /// Whether one was chosen.
+    pub const fn is_asked(&self) -> bool {
+        self.readout.is_some()
+    }
+
     /// The readout that was chosen, if any.
     pub fn open(&self) -> miette::Result<Option<Description>> {
         let Some(name) = &self.readout else {
             return Ok(None);
         };
-        let mut description = if Path::new(name).extension().is_some_and(|e| e == "toml") {
+        let mut description = if Path::new(&**name).extension().is_some_and(|e| e == "toml") {
             let help = "give a file like those in readouts/, or the name of a readout";
-            let text = source::text(Path::new(name), help)?;
+            let text = source::text(Path::new(&**name), help)?;
             Description::parse(name, &text)?
         } else {
             Description::shipped(name)?
@@ -93,11 +100,15 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
     if let Some(l) = &statistics.latency {
         lines.push(format!(
             "latency  mean {}   half {}   90 % {}   99 % {}   longest {}",
-            short(l.mean_s * 1e12),
-            short(l.p50.0 as f64),
-            short(l.p90.0 as f64),
-            short(l.p99.0 as f64),
-            short(l.max.0 as f64),
+            if l.mean_s.is_finite() {
+                short(l.mean_s * 1e12)
+            } else {
+                "unknown".to_owned()
+            },
+            time(l.p50),
+            time(l.p90),
+            time(l.p99),
+            time(l.max),
         ));
     }
     for stage in &statistics.stages {
@@ -121,6 +132,14 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
         ));
     }
     lines
+}
+
+/// A latency.
+fn time(time: Picos) -> String {
+    if time == Latency::BEYOND {
+        return "more than 213 days".to_owned();
+    }
+    short(time.0 as f64)
 }
 
 /// A time of so many picoseconds, with three figures.

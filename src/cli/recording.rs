@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::budget::{budget, check};
 use crate::{
-    event::file::{self, FileError, Loaded, Opening},
+    event::file::{self, Loaded, Opening, Reader},
     limit::ARRAY_SIDE,
+    memory::Need,
     plane::Size,
 };
 
@@ -17,13 +19,35 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Reads a whole file.
-    pub fn read(&self, path: &Path) -> Result<Loaded, FileError> {
+    /// Reads a whole file, of which each event takes `each` bytes in all that is made of it,
+    /// where there is room for it beside `held` bytes.
+    pub fn read(&self, path: &Path, held: u128, each: u128) -> miette::Result<Loaded> {
         let opening = Opening {
             format: None,
             size: self.size,
         };
-        file::read_as(path, &opening)
+        let room = u128::from(Need::new().and("", held).left(budget())) / each;
+        let reader = Reader::open(path, &opening)?;
+        let (loaded, damage, more) = file::up_to(reader, room as usize);
+        if let Some(damage) = damage {
+            return Err(damage.into());
+        }
+        if more {
+            let events = loaded.packet.events.len();
+            let need = Need::new()
+                .and("what is read already", held)
+                .and(format!("its first {events} events"), each * events as u128);
+            let what = format!(
+                "{}, which holds more events than there is room for,",
+                path.display()
+            );
+            check(
+                &need,
+                &what,
+                "take a part of it: amacrine convert A B --slice FROM..TO",
+            )?;
+        }
+        Ok(loaded)
     }
 }
 

@@ -1,14 +1,16 @@
 //! `amacrine report`: which points of a sweep no other beats.
 
-use std::{ffi::OsStr, fmt::Write as _, path::PathBuf};
+use std::fmt::Write as _;
 
 use miette::miette;
+use serde_json::json;
 
+use super::{
+    content::Content,
+    files::{Input, Output},
+};
 use crate::{
-    picture::{
-        front::{Dot, FrontShow, fronts},
-        write_drawing,
-    },
+    picture::front::{Dot, FrontShow, fronts},
     study::sweep::{
         Report,
         key::Side,
@@ -22,10 +24,10 @@ use crate::{
 #[command(after_help = "Example: amacrine report out/formats -o front.svg")]
 pub struct Arguments {
     /// A folder that `amacrine sweep` or `amacrine merge` has written
-    folder: PathBuf,
+    folder: Input,
     /// Draw error against cost; .svg or .png
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE", value_parser = Content::Drawing)]
+    output: Option<Output>,
     /// What error is weighed against
     #[arg(long, default_value = "seconds_per_frame", value_parser = COSTS)]
     cost: String,
@@ -42,17 +44,7 @@ pub struct Arguments {
 /// # Errors
 /// When the folder holds no results, or the picture cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(path) = &arguments.output {
-        let ending = path.extension().map(OsStr::to_ascii_lowercase);
-        if ending.is_none_or(|e| e != "svg" && e != "png") {
-            return Err(miette!(
-                help = "give a name that ends in .svg or .png",
-                "{}: a chart is written as SVG or PNG",
-                path.display()
-            ));
-        }
-    }
-    let (manifest, rows) = store::read(&arguments.folder)?;
+    let (manifest, rows, tables) = store::read(&arguments.folder)?;
     if rows.is_empty() {
         return Err(miette!(
             help = "run `amacrine sweep` first",
@@ -62,11 +54,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let report = Report::of(&manifest, &rows, &arguments.cost, arguments.pool);
     if let Some(path) = &arguments.output {
-        write_drawing(path, &fronts(&shows(&report)))?;
+        path.draw(&fronts(&shows(&report)))?;
     }
     if arguments.json {
-        let text = serde_json::to_string(&report).unwrap_or_default();
-        super::say(&format!("{text}\n"));
+        let mut said = json!(report);
+        if let Some(said) = said.as_object_mut() {
+            said.insert("computed_by".to_owned(), json!(tables.computed_by));
+        }
+        super::say(&format!("{said}\n"));
     } else {
         super::say(&table(&report, arguments));
     }
@@ -155,6 +150,13 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             text,
             "\ncannot   {} ({} points): {}",
             refused.name, refused.points, refused.reason
+        );
+    }
+    for failed in &report.failed {
+        let _ = writeln!(
+            text,
+            "\nfailed   {} ({} points): {}",
+            failed.name, failed.points, failed.reason
         );
     }
     if !report.without.is_empty() {

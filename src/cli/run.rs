@@ -1,9 +1,6 @@
 //! `amacrine run`: a scene through a sensor file.
 
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
+use std::{cell::RefCell, path::Path};
 
 use miette::{WrapErr, miette};
 use serde_json::json;
@@ -12,7 +9,6 @@ use crate::{
     event::{
         Packet,
         address::AddressWord,
-        file,
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
     number::{Format, Number, Visitor},
@@ -21,9 +17,9 @@ use crate::{
         Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Tally, VoxelGrid,
         WhenFull,
     },
-    save::{SaveError, Stack},
+    save::Stack,
     scene::{
-        OpenOptions, Scene, open,
+        Scene, open,
         upsample::{Bound, Upsampled, Upsampling},
     },
     source,
@@ -31,7 +27,14 @@ use crate::{
     unit::Micros,
 };
 
-use super::{fidelity::Fidelity, progress::Progress, readout};
+use super::{
+    budget,
+    content::Content,
+    fidelity::Fidelity,
+    files::{self, Input, Named, Output},
+    progress::Progress,
+    readout,
+};
 
 /// What `run` is asked to do.
 #[derive(Clone, Debug, clap::Args)]
@@ -41,10 +44,10 @@ use super::{fidelity::Fidelity, progress::Progress, readout};
 pub struct Arguments {
     /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), or pattern:NAME?key=value
     #[arg(long)]
-    scene: String,
+    scene: Named,
     /// The sensor file
     #[arg(long)]
-    sensor: PathBuf,
+    sensor: Input,
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
@@ -58,21 +61,21 @@ pub struct Arguments {
     #[arg(long, default_value = "f64")]
     format: Format,
     /// Write the events; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
-    #[arg(long)]
-    events: Option<PathBuf>,
+    #[arg(long, value_parser = Content::Events)]
+    events: Option<Output>,
     #[command(flatten)]
     readout: readout::Choice,
     #[command(flatten)]
     fidelity: Fidelity,
     /// Write signed event counts, int32 (P,K,H,W)
-    #[arg(long, value_name = "C.npy")]
-    counts: Option<PathBuf>,
+    #[arg(long, value_name = "C.npy", value_parser = Content::Array)]
+    counts: Option<Output>,
     /// Write voxels, float32 (P+1,K,H,W): each event shared between the two nearest frame times
-    #[arg(long, value_name = "V.npy")]
-    voxels: Option<PathBuf>,
-    /// The most events a list may hold
-    #[arg(long, default_value_t = Limit::default().events)]
-    max_events: usize,
+    #[arg(long, value_name = "V.npy", value_parser = Content::Array)]
+    voxels: Option<Output>,
+    /// The most events a list may hold [default: 100000000, or what there is memory for]
+    #[arg(long)]
+    max_events: Option<usize>,
     /// What to do when a frame pair's events do not fit in the list
     #[arg(long, value_enum, default_value = "stop")]
     when_full: Full,
@@ -95,7 +98,6 @@ enum Full {
 /// When the scene or the sensor file is not what it should be, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let description = read_sensor(&arguments.sensor)?;
-    check_outputs(arguments)?;
     let chosen = arguments.readout.open()?;
     if chosen.map(|d| d.readout()).transpose()?.is_some() && arguments.events.is_none() {
         return Err(miette!(
@@ -132,7 +134,7 @@ impl Arguments {
             ));
         }
         let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
-        let options = OpenOptions { fps: self.fps };
+        let options = budget::opening(self.fps);
         let plan = self.fidelity.plan(
             &self.scene,
             &options,
@@ -151,7 +153,7 @@ fn watched(
     description: &Description,
     plan: Option<&Plan>,
 ) -> miette::Result<()> {
-    let scene = open(&arguments.scene, &OpenOptions { fps: arguments.fps })?;
+    let scene = open(&arguments.scene, &budget::opening(arguments.fps))?;
     let sensor = description.clone();
     let watched = match arguments.upsample {
         None => arguments.format.visit(Run {
@@ -198,51 +200,6 @@ fn watched(
     Ok(())
 }
 
-/// Refuses outputs that cannot be written before anything is watched.
-fn check_outputs(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(events) = &arguments.events {
-        file::Format::of(events)?;
-    }
-    for (option, path) in [
-        ("--counts", &arguments.counts),
-        ("--voxels", &arguments.voxels),
-    ] {
-        let Some(path) = path else { continue };
-        if path.extension().is_none_or(|e| e != "npy") {
-            return Err(miette!(
-                help = "give a name that ends in .npy",
-                "{option} {}: only .npy arrays are written",
-                path.display()
-            ));
-        }
-    }
-    let outputs = [&arguments.events, &arguments.counts, &arguments.voxels];
-    let outputs: Vec<_> = outputs.into_iter().flatten().collect();
-    for (i, path) in outputs.iter().enumerate() {
-        if outputs[..i].contains(path) {
-            return Err(miette!(
-                help = "give each output a name of its own",
-                "{} is asked for twice",
-                path.display()
-            ));
-        }
-        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
-        if path.is_dir() || folder.is_some_and(|folder| !folder.is_dir()) {
-            let cause = if path.is_dir() {
-                io::ErrorKind::IsADirectory
-            } else {
-                io::ErrorKind::NotFound
-            };
-            return Err(SaveError {
-                path: (*path).clone(),
-                cause: cause.into(),
-            }
-            .into());
-        }
-    }
-    Ok(())
-}
-
 /// Reads a sensor file; the kernel files it names are looked for beside it.
 ///
 /// # Errors
@@ -252,8 +209,18 @@ pub fn read_sensor(path: &Path) -> miette::Result<Description> {
     let help = "give a sensor file; sensors/ has some to start from";
     let text = source::text(path, help)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let read = move |name: &str| Ok(source::bytes(&folder.join(name), "")?);
-    Ok(Description::parse(&shown, &text, &read)?)
+    let named = RefCell::new(Vec::new());
+    let read = |name: &str| {
+        let path = folder.join(name);
+        named.borrow_mut().push(path.clone());
+        Ok(source::bytes(&path, "")?)
+    };
+    let description = Description::parse(&shown, &text, &read)?;
+    named
+        .take()
+        .iter()
+        .try_for_each(|path| files::reads(path))?;
+    Ok(description)
 }
 
 /// What a run has to say.
@@ -296,15 +263,20 @@ fn watch<N: Number, S: Scene>(
     let size = scene.size();
     let channels = description.channels.len();
     let refractory = description.refractory;
-    let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
-    let mut packet = Packet::new(size, channels as u8);
     let limit = Limit {
-        events: arguments.max_events,
+        events: events(
+            arguments,
+            &scene,
+            Reference::<N>::bytes(&description, size),
+            channels,
+        )?,
         when_full: match arguments.when_full {
             Full::Stop => WhenFull::Stop,
             Full::Drop => WhenFull::Drop,
         },
     };
+    let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
+    let mut packet = Packet::new(size, channels as u8);
     let mut tally = Tally::new(channels);
     let mut counts = arguments
         .counts
@@ -370,7 +342,7 @@ fn watch<N: Number, S: Scene>(
         read_out = Some((chosen, read.statistics));
     }
     if let Some(path) = &arguments.events {
-        file::write(path, &packet)?;
+        path.write(&packet)?;
     }
     count_stack.map(Stack::finish).transpose()?;
     voxel_stack.map(Stack::finish).transpose()?;
@@ -387,6 +359,42 @@ fn watch<N: Number, S: Scene>(
         read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
     })
+}
+
+/// How many events the list may hold, after all that a run holds besides.
+fn events(
+    arguments: &Arguments,
+    scene: &dyn Scene,
+    sensor: u128,
+    channels: usize,
+) -> miette::Result<usize> {
+    let size = scene.size();
+    let cells = (channels * size.pixels()) as u128;
+    let [counted, binned, listed] = [
+        arguments.counts.is_some(),
+        arguments.voxels.is_some() || arguments.json,
+        arguments.events.is_some(),
+    ]
+    .map(u128::from);
+    let need = budget::of_scene(scene)
+        .and("the sensor's cells", sensor)
+        // The planes, and one on its way to the file.
+        .and("counts", counted * (cells + size.pixels() as u128) * 4)
+        .and("voxels", binned * (2 * cells + size.pixels() as u128) * 8);
+    let kinds = if channels == 1 { "kind" } else { "kinds" };
+    let what = format!(
+        "a run of {size} with {channels} {kinds} of cells in {}",
+        arguments.format
+    );
+    let help = "take a smaller scene, fewer kinds of cells or a narrower --format";
+    if listed == 0 {
+        budget::check(&need, &what, help)?;
+        return Ok(Limit::default().events);
+    }
+    // A readout makes a second packet.
+    let read = u128::from(arguments.readout.is_asked());
+    let each = budget::MADE + read * Packet::bytes(1);
+    budget::events(need, arguments.max_events, each, &what, help)
 }
 
 /// The bin of a frame that no later event can reach goes out.

@@ -1,15 +1,19 @@
 //! `amacrine show`: pictures of a packet.
 
-use std::path::{Path, PathBuf};
-
 use miette::miette;
 
-use super::recording::{self, Recording};
+use super::{
+    budget,
+    content::Content,
+    files::{Input, Output},
+    recording::{self, Recording},
+};
 use crate::{
     event::Packet,
+    memory::Need,
     picture::{
         view::{self, Look, View},
-        write_drawing, write_frames,
+        write_frames,
     },
     unit::Micros,
 };
@@ -22,12 +26,12 @@ use crate::{
   amacrine show out/events.npy -o events.gif --window 20ms")]
 pub struct Arguments {
     /// An event file
-    file: PathBuf,
+    file: Input,
     #[command(flatten)]
     recording: Recording,
     /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds)
-    #[arg(short, long, value_name = "PICTURE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "PICTURE", value_parser = Content::View)]
+    output: Output,
     /// What of it
     #[arg(long, value_enum, default_value = "overview")]
     view: Shown,
@@ -77,7 +81,7 @@ impl Arguments {
     fn can_move(&self) -> miette::Result<()> {
         let output = self.output.display();
         match self.view {
-            Shown::Surface | Shown::Kinds if gif(&self.output) => Err(miette!(
+            Shown::Surface | Shown::Kinds if self.output.ending() == "gif" => Err(miette!(
                 help = "give a name that ends in .apng, or leave --view out",
                 "{output}: a GIF has too few colours for this view"
             )),
@@ -107,13 +111,19 @@ impl Shown {
 /// The most pages that an animation has.
 const PAGES: u64 = 2000;
 
+/// Bytes of an event: as it was read, and by its cell.
+const EACH: u128 = 48;
+
+/// Bytes of a pixel: times, counts and colours, as numbers and as drawn.
+const PIXEL: u128 = 40;
+
 /// Runs the verb.
 ///
 /// # Errors
 /// When the file cannot be read, the picture's name says no kind of picture, or it cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let moving = moves(&arguments.output)?;
+    let moving = ["gif", "apng"].contains(&arguments.output.ending());
     if arguments.window.0 == 0 {
         return Err(miette!(
             help = "give a time such as 20ms",
@@ -123,9 +133,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if moving {
         arguments.can_move()?;
     }
-    let loaded = arguments.recording.read(&arguments.file)?;
+    let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
     let size_known = loaded.size_known;
     let mut packet = loaded.packet;
+    check(&packet, arguments)?;
     cut(&mut packet, arguments)?;
     let name = arguments.file.display().to_string();
     let title = arguments.title.as_ref().unwrap_or(&name);
@@ -138,7 +149,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             window: arguments.window,
             at: arguments.at,
         };
-        write_drawing(&arguments.output, &view::draw(&packet, &look)?)?;
+        arguments.output.draw(&view::draw(&packet, &look)?)?;
         None
     };
     let events = packet.events.len();
@@ -165,23 +176,20 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-fn gif(path: &Path) -> bool {
-    let extension = path.extension();
-    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("gif"))
-}
-
-/// Whether the picture moves, by its name.
-fn moves(path: &Path) -> miette::Result<bool> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    match extension.to_ascii_lowercase().as_str() {
-        "png" | "svg" => Ok(false),
-        "gif" | "apng" => Ok(true),
-        _ => Err(miette!(
-            help = "give a name that ends in .png, .svg, .gif or .apng",
-            "{}: `{extension}` is not a kind of picture that is written",
-            path.display()
-        )),
-    }
+/// Refuses pictures for which there is no room: a file may say that its sensor is of any size.
+fn check(packet: &Packet, arguments: &Arguments) -> miette::Result<()> {
+    let kinds = match arguments.view {
+        Shown::Kinds | Shown::Overview => u128::from(packet.channels),
+        Shown::Frame | Shown::Surface | Shown::Cloud | Shown::Rate | Shown::Intervals => 1,
+    };
+    let pixels = PIXEL * kinds * packet.size.pixels() as u128;
+    let events = EACH * packet.events.len() as u128;
+    let need = Need::new()
+        .and("pictures of the sensor's size", pixels)
+        .and("events", events);
+    let what = format!("a picture of {}", packet.size);
+    let help = "show one kind of cell, or a file that says the true size of its sensor";
+    budget::check(&need, &what, help)
 }
 
 /// Leaves only what was asked for.

@@ -10,7 +10,7 @@ use crate::{
     isa::Figure,
     picture::{StripCell, panel, strip},
     plane::Plane,
-    program::{Action, Effect, Step},
+    program::{Action, Code, Effect, Expansion, Step},
 };
 
 /// The lines of one frame, with what registers held behind each.
@@ -91,6 +91,12 @@ impl Strip {
         let title = title.unwrap_or(&opened.program.file);
         Ok(strip(title, &rows, &columns.collect::<Vec<_>>())?)
     }
+}
+
+/// The most columns of a strip of this program.
+pub fn columns(expansion: &Expansion) -> usize {
+    let Code { init, frame, .. } = &expansion.code;
+    lines(init).count().max(lines(frame).count())
 }
 
 /// The steps, cut where the line changes.

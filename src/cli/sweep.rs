@@ -3,6 +3,7 @@
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
+    sync::OnceLock,
     thread,
     time::Instant,
 };
@@ -10,28 +11,50 @@ use std::{
 use miette::miette;
 use serde_json::json;
 
-use super::progress::Progress;
-use crate::source;
-use crate::study::sweep::{Plan, Shard, Store, Study, run as run_points, run::Did, schema};
+use super::{
+    budget,
+    content::Content,
+    files::{Input, Output},
+    progress::Progress,
+};
+use crate::study::sweep::{
+    Limits, Plan, Run, Shard, Store, Study,
+    damage::listed,
+    run::Did,
+    schema,
+    store::Tables,
+    verify::{Share, Verified},
+};
+use crate::{memory::Need, source};
 
 /// What `sweep` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine sweep studies/formats.toml --output out/formats\n  amacrine sweep studies/formats.toml --output out/shard-0 --shard 0/4\n\nA folder that exists is gone on with: what is finished is not computed again. docs/sweeps.md lists every key and every column."
+    after_help = "Examples:\n  amacrine sweep studies/formats.toml --output out/formats\n  amacrine sweep studies/formats.toml --output out/shard-0 --shard 0/4\n  amacrine sweep studies/formats.toml --output out/formats --verify 5%\n\nA folder that exists is gone on with: what is finished is not computed again. What is damaged is named, set aside and computed again. docs/sweeps.md lists every key and every column."
 )]
 pub struct Arguments {
     /// The study file
     #[arg(required_unless_present = "schema")]
-    study: Option<PathBuf>,
+    study: Option<Input>,
     /// The folder of results; the study's name without its ending when left out
-    #[arg(long, value_name = "DIR")]
-    output: Option<PathBuf>,
+    #[arg(long, value_name = "DIR", value_parser = Content::Folder)]
+    output: Option<Output>,
     /// Compute only the points whose number leaves i when divided by n
     #[arg(long, value_name = "i/n", value_parser = shard)]
     shard: Option<Shard>,
     /// How many points at a time, each on one thread; as many as there are cores when left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
+    /// Give a point up when a sensor takes longer to watch its scene; it becomes a row with its
+    /// reason, and is computed again by the next run
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    max_seconds_per_point: Option<f64>,
+    /// Compute a share of the finished points again, compare the bits, and write nothing
+    #[arg(long, value_name = "N%", value_parser = share, conflicts_with = "parquet")]
+    verify: Option<Share>,
+    /// Which points are chosen
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "verify")]
+    verify_seed: u64,
     /// Also write results.parquet
     #[arg(long)]
     parquet: bool,
@@ -49,6 +72,18 @@ fn shard(text: &str) -> Result<Shard, String> {
         .map_err(|e| format!("{e}: give i/n with i from 0 to n - 1, such as 0/4, 1/4, 2/4 and 3/4"))
 }
 
+/// A share, for the command line.
+fn share(text: &str) -> Result<Share, String> {
+    text.parse()
+        .map_err(|e| format!("{e}: give percent, above 0 and up to 100, such as 5%"))
+}
+
+/// Seconds above zero.
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|s| *s > 0.0 && *s < f64::INFINITY);
+    seconds.ok_or_else(|| format!("`{text}` is no time: give seconds above 0, such as 60"))
+}
+
 /// `--parquet` without the feature is refused before anything is computed.
 pub(super) fn check_parquet(asked: bool) -> miette::Result<()> {
     if asked && cfg!(not(feature = "parquet")) {
@@ -63,7 +98,8 @@ pub(super) fn check_parquet(asked: bool) -> miette::Result<()> {
 /// Runs the verb.
 ///
 /// # Errors
-/// When the study is not what it should be, or the folder does not take its results.
+/// When the study is not what it should be, the folder does not take its results, or what was
+/// computed again is not what the folder says.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let Some(path) = arguments.study.as_ref().filter(|_| !arguments.schema) else {
         let text = serde_json::to_string_pretty(&schema::json_schema());
@@ -76,43 +112,47 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let study = Study::parse(&shown, &text)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let plan = Plan::new(study, folder)?;
-    let output = match &arguments.output {
-        Some(output) => output.clone(),
-        None => PathBuf::from(path.file_stem().unwrap_or(path.as_os_str())),
-    };
-    let manifest = plan.manifest();
-    let store = Store::open(&output, &manifest)?;
     let jobs = match arguments.jobs {
         Some(jobs) => jobs.into(),
         None => thread::available_parallelism().map_or(1, usize::from),
     };
+    let scenes = Need::new().and("scenes that are kept", plan.held());
+    budget::check(&scenes, "a sweep", "take smaller scenes, or fewer")?;
+    let share = scenes.left(budget::budget()) / jobs as u64;
+    let output = match &arguments.output {
+        Some(output) => output.to_path_buf(),
+        None => PathBuf::from(path.file_stem().unwrap_or(path.as_os_str())),
+    };
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
-    let progress = std::sync::OnceLock::new();
-    let did = run_points(
-        &plan,
-        &store,
-        arguments.shard,
+    let run = Run {
+        plan: &plan,
+        shard: arguments.shard,
         jobs,
-        &clock,
-        |left| {
-            progress.get_or_init(|| Progress::new("sweeping", Some(left)));
+        limits: Limits {
+            clock: &clock,
+            seconds: arguments.max_seconds_per_point,
+            bytes: Some(share),
         },
-        || {
-            if let Some(progress) = progress.get() {
-                progress.tick();
-            }
-        },
-    )?;
-    if let Some(progress) = progress.get() {
+    };
+    let progress = Bar::default();
+    if let Some(share) = arguments.verify {
+        let seed = arguments.verify_seed;
+        let begin = |left| progress.begin("verifying", left);
+        let verified = run.verify(&output, share, seed, begin, || progress.tick())?;
         progress.finish();
+        return say_verified(&verified, &output, arguments);
     }
-    let finished = store.write_tables(arguments.parquet)?;
+    let store = Store::open(&output, &plan.manifest())?;
+    let begin = |left| progress.begin("sweeping", left);
+    let did = run.complete(&store, begin, || progress.tick())?;
+    progress.finish();
+    let tables = store.write_tables(arguments.parquet)?;
     let said = Said {
         plan: &plan,
         output: &output,
         did,
-        finished,
+        tables,
         jobs,
         seconds: clock(),
         shard: arguments.shard,
@@ -125,11 +165,69 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+/// A bar that begins when it is known how long it is.
+#[derive(Default)]
+struct Bar(OnceLock<Progress>);
+
+impl Bar {
+    fn begin(&self, what: &'static str, left: u64) {
+        self.0.get_or_init(|| Progress::new(what, Some(left)));
+    }
+
+    fn tick(&self) {
+        if let Some(bar) = self.0.get() {
+            bar.tick();
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = self.0.get() {
+            bar.finish();
+        }
+    }
+}
+
+/// Says what was compared; what is not the same is an error.
+fn say_verified(verified: &Verified, output: &Path, arguments: &Arguments) -> miette::Result<()> {
+    let Verified {
+        compared,
+        finished,
+        differences,
+    } = verified;
+    if arguments.json {
+        let said = json!({
+            "output": output,
+            "finished": finished,
+            "compared": compared,
+            "seed": arguments.verify_seed,
+            "differences": differences,
+        });
+        super::say(&format!("{said}\n"));
+    } else if differences.is_empty() {
+        super::say(&format!(
+            "verified {compared} of {finished} finished points (seed {}): the same bits in every column but the times\n",
+            arguments.verify_seed
+        ));
+    }
+    if differences.is_empty() {
+        return Ok(());
+    }
+    let mut points: Vec<usize> = differences.iter().map(|d| d.point).collect();
+    points.dedup();
+    Err(miette!(
+        help = "nothing was overwritten: to have these points computed again, delete their files and sweep again; amacrine report --json says which build and which processor computed them",
+        "{} of {compared} points that were computed again (of {finished} finished) are not what {} says:{}",
+        points.len(),
+        output.display(),
+        listed(differences.iter().map(ToString::to_string))
+    ))
+}
+
 struct Said<'a> {
     plan: &'a Plan,
     output: &'a Path,
     did: Did,
-    finished: usize,
+    tables: Tables,
     jobs: usize,
     seconds: f64,
     shard: Option<Shard>,
@@ -145,8 +243,11 @@ impl Said<'_> {
             "points": all,
             "computed": self.did.computed,
             "found": self.did.found,
-            "finished": self.finished,
-            "missing": all - self.finished,
+            "finished": self.tables.finished,
+            "failed": self.did.failed,
+            "damaged": self.did.damaged,
+            "missing": self.tables.missing.len(),
+            "computed_by": self.tables.computed_by,
             "jobs": self.jobs,
             "seconds": self.seconds,
         });
@@ -173,18 +274,44 @@ impl Said<'_> {
             "computed {} in {:.1} s on {} threads, {} were there already",
             self.did.computed, self.seconds, self.jobs, self.did.found
         );
-        if self.finished < all {
+        let output = self.output.display();
+        let damaged = &self.did.damaged;
+        if !damaged.is_empty() {
             let _ = writeln!(
                 text,
-                "missing  {} of {all}: the other shards, or run again",
-                all - self.finished
+                "damaged  {} files of points, set aside in {output}/damaged:{}",
+                damaged.len(),
+                listed(
+                    damaged
+                        .iter()
+                        .map(|d| format!("{}: {}", d.path.display(), d.why))
+                )
             );
         }
-        let output = self.output.display();
+        if self.tables.failed > 0 {
+            let _ = writeln!(
+                text,
+                "failed   {} points, computed again by the next run:{}",
+                self.tables.failed,
+                listed(
+                    self.did
+                        .failed
+                        .iter()
+                        .map(|f| format!("point {}: {}", f.point, f.reason))
+                )
+            );
+        }
+        let missing = self.tables.missing.len();
+        if missing > 0 {
+            let _ = writeln!(
+                text,
+                "missing  {missing} of {all}: the other shards, or run again"
+            );
+        }
         let _ = write!(
             text,
             "wrote    {output}/results.csv and results.jsonl, {} rows\nnext     amacrine report {output}\n",
-            self.finished
+            self.tables.finished + self.tables.failed
         );
         text
     }

@@ -1,6 +1,6 @@
 //! `amacrine waterfall`: where the events of the float sensor go on the way to the chip.
 
-use std::{fmt::Write, path::PathBuf};
+use std::fmt::Write;
 
 use miette::miette;
 
@@ -10,8 +10,7 @@ use crate::{
     compile::Effort,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
-    picture::write_drawing,
-    scene::{self, OpenOptions, Scene as _},
+    scene::{self, Scene as _},
     study::{
         design::Design,
         waterfall::{Question, Shares, Waterfall, ask},
@@ -19,7 +18,14 @@ use crate::{
     unit::Micros,
 };
 
-use super::{progress::Progress, quantise::Total, readout::Choice};
+use super::{
+    budget,
+    content::Content,
+    files::{Named, Output},
+    progress::Progress,
+    quantise::Total,
+    readout::Choice,
+};
 
 /// What `waterfall` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -28,7 +34,7 @@ use super::{progress::Progress, quantise::Total, readout::Choice};
 )]
 pub struct Arguments {
     /// A kernel file (.toml or .npy), or the name of a built-in
-    kernel: String,
+    kernel: Named,
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
@@ -40,10 +46,10 @@ pub struct Arguments {
     sum: Total,
     /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long)]
-    scene: Option<String>,
+    scene: Option<Named>,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
-    chip: String,
+    chip: Named,
     /// What if a number of the chip were another, such as error.noise=0.1; can be given more than
     /// once
     #[arg(long = "set", value_name = "FIGURE=NUMBER", value_parser = figure)]
@@ -65,8 +71,8 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
     effort: f64,
     /// Draw it
-    #[arg(short, long, value_name = "FILE.svg|FILE.png")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
+    output: Option<Output>,
     /// Print one JSON object instead
     #[arg(long)]
     json: bool,
@@ -91,6 +97,9 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
     super::exec::figure(name, value)
 }
 
+/// Sensors that watch side by side: one a step, and in all but one of them.
+const SENSORS: usize = 20;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -106,19 +115,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             kernels.len()
         ));
     };
-    if let Some(path) = &arguments.output {
-        let ends = |end| {
-            path.extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case(end))
-        };
-        if !(ends("svg") || ends("png")) {
-            return Err(miette!(
-                help = "give a name that ends in .svg or .png",
-                "{} is no name of a picture",
-                path.display()
-            ));
-        }
-    }
     let mut device = Device::find(&arguments.chip)?;
     for (figure, value) in &arguments.sets {
         device = device.what_if(*figure, *value)?;
@@ -139,9 +135,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         within: arguments.within,
     };
     let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &OpenOptions::default())?,
+        Some(scene) => scene::open(scene, &budget::opening(None))?,
         None => scene::bundled()?,
     };
+    budget::check_study(&*scene, SENSORS)?;
     let progress = Progress::new("watching", scene.frames());
     let answer = ask(&question, &mut scene, |_| progress.tick());
     progress.finish();
@@ -155,7 +152,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "Where the events of {} went: {}, threshold {}, {scene}",
             arguments.kernel, arguments.chip, arguments.threshold
         );
-        write_drawing(path, &answer.drawing(&title))?;
+        path.draw(&answer.drawing(&title))?;
     }
     if arguments.json {
         let json = serde_json::to_string(&answer).map_err(|e| miette!("{e}"))?;

@@ -11,6 +11,7 @@
 //! pixels gives exactly 0. Never use it alone.
 
 use super::{Pair, pair::Times};
+use crate::elementary;
 
 /// Bins: four for each power of two that 64 bits hold, the first four being 0 to 3.
 const BINS: usize = 4 * 63;
@@ -49,7 +50,11 @@ pub fn divergence(pair: &Pair) -> Option<Divergence> {
     };
     let (p, q) = (shares(&p), shares(&q));
     let kl = |p: &[f64], q: &[f64]| {
-        let sum: f64 = p.iter().zip(q).map(|(p, q)| p * (p / q).ln()).sum();
+        let sum: f64 = p
+            .iter()
+            .zip(q)
+            .map(|(p, q)| p * elementary::ln(p / q))
+            .sum();
         sum.max(0.0)
     };
     Some(Divergence {

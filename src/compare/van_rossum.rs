@@ -15,7 +15,7 @@
 //! Events that both have at one time cancel exactly.
 
 use super::Pair;
-use crate::unit::Micros;
+use crate::{elementary, unit::Micros};
 
 /// The distance at the time constant `tau`, per event; 0 for identical packets.
 #[must_use]
@@ -47,7 +47,7 @@ fn squared(
         // What cancels leaves no trace; what decayed to nothing needs no exponential.
         if surplus != 0.0 {
             if trace != 0.0 {
-                trace *= (-((t - last) as f64) / tau).exp();
+                trace *= elementary::exp(-((t - last) as f64) / tau);
             }
             sum += surplus * (0.5 * surplus + trace);
             trace += surplus;

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::{CompileError, Filter, Request, ordinary};
 use crate::{
+    elementary,
     isa::{Analog, Device, Figure},
     kernel::Kernel,
 };
@@ -184,7 +185,7 @@ impl Steps {
                 .min(LARGEST / 2f64.powi(registers.len() as i32 - 1))
         } else {
             // The next power of two; of a kernel of zeros, any.
-            2f64.powi(step.log2().ceil().max(-16.0) as i32)
+            2f64.powi(elementary::log2(step).ceil().max(-16.0) as i32)
         };
         Self {
             // As far as the host can set it.

@@ -133,6 +133,12 @@ impl Packet {
         }
     }
 
+    /// Bytes of so many events in a packet.
+    #[must_use]
+    pub const fn bytes(events: u64) -> u128 {
+        events as u128 * size_of::<Event>() as u128
+    }
+
     /// The events in an order that does not depend on the readout:
     /// time, row, column, channel, polarity. Two packets hold the same events exactly when
     /// these are equal.

@@ -338,6 +338,15 @@ pub fn check_calls(device: &Device) -> Vec<(usize, Fault)> {
 /// The fault of a macro that comes back to itself, if it does.
 fn circle(device: &Device, it: &Macro) -> Option<Fault> {
     calls_itself(device, it).map(|path| {
+        let names: Vec<&str> = path.split(" calls ").collect();
+        let path = match names.as_slice() {
+            [first @ .., last] if first.len() > 8 => {
+                let left = first.len() - 8;
+                let first = first[..8].join(" calls ");
+                format!("{first} calls {left} others, and then {last}")
+            }
+            _ => path,
+        };
         Fault::error(
             it.signature.place,
             format!("`{}` comes back to itself: {path}", it.signature.name),

@@ -15,7 +15,7 @@ use ndarray_npy::{ViewElement, ViewNpyError, ViewNpyExt};
 use serde::Deserialize;
 
 use super::{Kernel, KernelError};
-use crate::{limit::KERNEL_SIDE, plane::Plane, source};
+use crate::{elementary, limit::KERNEL_SIDE, plane::Plane, source};
 
 /// A kernel file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -249,7 +249,7 @@ fn sum_of_gaussians(parts: &[Gaussian]) -> Result<Kernel, KernelFileError> {
         let own = side_of(part);
         let half = (own / 2) as f64;
         let line: Vec<f64> = (0..own)
-            .map(|i| (-(i as f64 - half).powi(2) / (2.0 * part.sigma * part.sigma)).exp())
+            .map(|i| elementary::exp(-(i as f64 - half).powi(2) / (2.0 * part.sigma * part.sigma)))
             .collect();
         let total: f64 = line.iter().sum::<f64>().powi(2);
         let inset = (side - own) / 2;

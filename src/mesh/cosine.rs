@@ -14,6 +14,7 @@ use multiversion::multiversion;
 use rustfft::{Fft, FftNum, FftPlanner, num_complex::Complex};
 
 use super::Real;
+use crate::elementary;
 
 /// The transform of rows of one length, and its working memory.
 #[derive(Clone)]
@@ -42,7 +43,7 @@ impl<T: Real> Cosine<T> {
         let zero = Complex::new(T::of(0.0), T::of(0.0));
         let turn = |k: usize| {
             let angle = std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
-            Complex::new(T::of(angle.cos()), T::of(angle.sin()))
+            Complex::new(T::of(elementary::cos(angle)), T::of(elementary::sin(angle)))
         };
         Self {
             there,

@@ -1,6 +1,9 @@
 //! Chance for sheets: a hash of why and where, so that the order of work cannot change it.
 
-use crate::chance::{GOLDEN, mix, uniform};
+use crate::{
+    chance::{GOLDEN, mix, uniform},
+    elementary,
+};
 
 /// Why a number is drawn: no two reasons share their numbers.
 #[derive(Clone, Copy, Debug)]
@@ -20,5 +23,5 @@ pub(super) fn normal(seed: u64, why: Why, place: usize, step: u64) -> f64 {
     }
     let radius = 1.0 - uniform(h);
     let angle = uniform(mix(h.wrapping_add(GOLDEN)));
-    (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
+    (-2.0 * elementary::ln(radius)).sqrt() * elementary::cos(std::f64::consts::TAU * angle)
 }

@@ -20,7 +20,7 @@
 use std::f64::consts::PI;
 
 use super::MeshError;
-use crate::{kernel::Kernel, plane::Plane};
+use crate::{elementary, kernel::Kernel, plane::Plane};
 
 /// How a kernel is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -182,7 +182,7 @@ fn frequency(i: usize) -> f64 {
 fn spectrum(square: &Plane<f64>) -> Plane<f64> {
     let reach = (square.nrows() / 2) as f64;
     let waves = Plane::from_shape_fn((GRID, square.nrows()), |(i, d)| {
-        (frequency(i) * (d as f64 - reach)).cos()
+        elementary::cos(frequency(i) * (d as f64 - reach))
     });
     waves.dot(square).dot(&waves.t())
 }
@@ -190,7 +190,7 @@ fn spectrum(square: &Plane<f64>) -> Plane<f64> {
 /// The spectrum of a surround.
 fn surround((lambda_y, lambda_x): (f64, f64)) -> Plane<f64> {
     let loss = |lambda: f64| -> Vec<f64> {
-        let mu = |i| 4.0 * (frequency(i) / 2.0).sin().powi(2);
+        let mu = |i| 4.0 * elementary::sin(frequency(i) / 2.0).powi(2);
         (0..GRID).map(|i| lambda * lambda * mu(i)).collect()
     };
     let (down, across) = (loss(lambda_y), loss(lambda_x));
@@ -216,7 +216,7 @@ struct Candidate {
 
 fn search(target: &Plane<f64>, how: Fitting) -> Candidate {
     let (least, most, count) = LAMBDAS;
-    let ratio = (most / least).powf(1.0 / (count - 1) as f64);
+    let ratio = elementary::pow(most / least, 1.0 / (count - 1) as f64);
     let grid: Vec<f64> = (0..count).map(|i| least * ratio.powi(i as i32)).collect();
     // The inner products of all surrounds of the grid, the pixel itself first.
     let one = Plane::ones((GRID, GRID));
@@ -298,7 +298,10 @@ fn refined(start: Candidate, target: &Plane<f64>, whole: f64, how: Fitting) -> C
                 let mut lambdas = best.lambdas.clone();
                 let (y, x) = lambdas[sheet];
                 let within = |l: f64| l.clamp(LAMBDAS.0 / 8.0, LAMBDAS.1);
-                lambdas[sheet] = (within(y * (my * step).exp()), within(x * (mx * step).exp()));
+                lambdas[sheet] = (
+                    within(y * elementary::exp(my * step)),
+                    within(x * elementary::exp(mx * step)),
+                );
                 let tried = solved(lambdas, target, whole, how.ridge);
                 if tried.price < best.price * (1.0 - 1e-12) {
                     best = tried;
@@ -382,7 +385,7 @@ fn tail(field: &Candidate, (ry, rx): (usize, usize)) -> f64 {
     let mean = 1.0 / GRID as f64;
     let waves = |reach: usize| {
         Plane::from_shape_fn((reach + 1, GRID), |(d, i)| {
-            mean * (frequency(i) * d as f64).cos()
+            mean * elementary::cos(frequency(i) * d as f64)
         })
     };
     let quarter = waves(ry).dot(&all).dot(&waves(rx).t());

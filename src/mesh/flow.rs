@@ -25,7 +25,10 @@ use super::{
     draw::{Why, normal},
     eigenvalues, range,
 };
-use crate::plane::{Plane, Size};
+use crate::{
+    elementary,
+    plane::{Plane, Size},
+};
 
 /// What the signal does between two frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -233,11 +236,11 @@ impl<T: Real> Step<T> {
 
 /// `E`, and the shares of the earlier and the later signal.
 fn parts(z: f64, between: Between) -> (f64, f64, f64) {
-    let left = (-z).exp();
+    let left = elementary::exp(-z);
     match between {
-        Between::Step => (left, 0.0, -(-z).exp_m1()),
+        Between::Step => (left, 0.0, -elementary::exp_m1(-z)),
         Between::Ramp if z > 0.5 => {
-            let mean = -(-z).exp_m1() / z;
+            let mean = -elementary::exp_m1(-z) / z;
             (left, mean - left, 1.0 - mean)
         }
         // The differences would cancel: their series in z.

@@ -8,7 +8,7 @@
 //! that direction held.
 
 use super::{MeshError, Network, network::dot};
-use crate::plane::Plane;
+use crate::{elementary, plane::Plane};
 
 /// Directions kept at most; a time that needs more is cut in two.
 const MOST: usize = 96;
@@ -165,7 +165,7 @@ fn exponential(own: &[f64], next: &[f64], time: f64) -> Vec<f64> {
     let norm: f64 = (0..n)
         .map(|i| own[i].abs() + 2.0 * next.get(i).copied().unwrap_or(0.0))
         .fold(0.0, f64::max);
-    let doublings = (norm * time).max(0.25).log2().ceil() as i32 + 2;
+    let doublings = elementary::log2((norm * time).max(0.25)).ceil() as i32 + 2;
     let short = time / 2f64.powi(doublings);
     let entry = |i: usize, j: usize| match i.abs_diff(j) {
         0 => -short * own[i],

@@ -52,7 +52,10 @@ use std::sync::Arc;
 
 use rustfft::Fft;
 
-use crate::plane::{Plane, Size};
+use crate::{
+    elementary,
+    plane::{Plane, Size},
+};
 
 pub use circuit::{Circuit, Layer};
 pub use euler::Euler;
@@ -227,8 +230,9 @@ impl Sheet {
     /// uniform light down to `1 / (1 + 8 λ²)` for a checkerboard.
     #[must_use]
     pub fn gain(self, fy: f64, fx: f64) -> f64 {
-        let loss =
-            |lambda: f64, f: f64| lambda * lambda * 4.0 * (std::f64::consts::PI * f).sin().powi(2);
+        let loss = |lambda: f64, f: f64| {
+            lambda * lambda * 4.0 * elementary::sin(std::f64::consts::PI * f).powi(2)
+        };
         1.0 / (1.0 + loss(self.lambda_y, fy) + loss(self.lambda_x, fx))
     }
 }
@@ -292,9 +296,7 @@ impl Real for f32 {
 /// The eigenvalues `4 sin²(π k / 2n)` of a line of `n` nodes with open ends.
 fn eigenvalues(n: usize) -> impl Iterator<Item = f64> {
     (0..n).map(move |k| {
-        4.0 * (std::f64::consts::FRAC_PI_2 * k as f64 / n as f64)
-            .sin()
-            .powi(2)
+        4.0 * elementary::sin(std::f64::consts::FRAC_PI_2 * k as f64 / n as f64).powi(2)
     })
 }
 

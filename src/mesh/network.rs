@@ -20,7 +20,10 @@ use super::{
     draw::{Why, normal},
     range,
 };
-use crate::plane::{Plane, Size};
+use crate::{
+    elementary,
+    plane::{Plane, Size},
+};
 
 /// A sheet of parts that differ. Conductances and capacitances in any units that fit together:
 /// siemens, farads and seconds, or parts of the nominal ones and of τ.
@@ -168,7 +171,7 @@ impl Network {
         ];
         for (parts, why, sigma) in kinds {
             for (place, part) in parts.iter_mut().enumerate() {
-                *part *= (sigma * normal(seed, why, place, 0)).exp();
+                *part *= elementary::exp(sigma * normal(seed, why, place, 0));
             }
         }
         self
@@ -467,16 +470,16 @@ impl Laterals {
     fn current(self, v: f64) -> f64 {
         match self {
             Self::Linear => v,
-            Self::Saturating { scale } => scale * (v / scale).tanh(),
-            Self::Opening { scale } => scale * (v / scale).sinh(),
+            Self::Saturating { scale } => scale * elementary::tanh(v / scale),
+            Self::Opening { scale } => scale * elementary::sinh(v / scale),
         }
     }
 
     fn slope(self, v: f64) -> f64 {
         match self {
             Self::Linear => 1.0,
-            Self::Saturating { scale } => (v / scale).cosh().powi(-2),
-            Self::Opening { scale } => (v / scale).cosh(),
+            Self::Saturating { scale } => elementary::cosh(v / scale).powi(-2),
+            Self::Opening { scale } => elementary::cosh(v / scale),
         }
     }
 
@@ -490,12 +493,12 @@ impl Laterals {
                 let log = if u < 1e-3 {
                     u * u * (0.5 - u * u / 12.0)
                 } else {
-                    u + (-2.0 * u).exp().ln_1p() - std::f64::consts::LN_2
+                    u + elementary::ln_1p(elementary::exp(-2.0 * u)) - std::f64::consts::LN_2
                 };
                 scale * scale * log
             }
             Self::Opening { scale } => {
-                let half = (0.5 * v / scale).sinh();
+                let half = elementary::sinh(0.5 * v / scale);
                 2.0 * scale * scale * half * half
             }
         }
@@ -534,12 +537,15 @@ struct Nearest {
 impl Nearest {
     fn of(size: Size, own: &[f64], down: &[f64], across: &[f64]) -> Result<Self, MeshError> {
         let middle = |values: &[f64]| {
-            let logs = values.iter().filter(|v| **v > 0.0).map(|v| v.ln());
+            let logs = values
+                .iter()
+                .filter(|v| **v > 0.0)
+                .map(|v| elementary::ln(*v));
             let (count, sum) = logs.fold((0u32, 0.0), |(n, s), log| (n + 1, s + log));
             if count == 0 {
                 0.0
             } else {
-                (sum / f64::from(count)).exp()
+                elementary::exp(sum / f64::from(count))
             }
         };
         let transverse = middle(own);

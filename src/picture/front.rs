@@ -8,6 +8,7 @@ use super::{
     ink::{self, Ink},
     text::{LINE, Weight},
 };
+use crate::elementary;
 
 /// One sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +126,7 @@ impl<'a> Plot<'a> {
 /// The place of a cost on its axis; axes of time count decades of microseconds.
 fn along(cost: f64, seconds: bool) -> f64 {
     if seconds {
-        (cost * 1e6).max(1e-3).log10()
+        elementary::log10((cost * 1e6).max(1e-3))
     } else {
         cost
     }

@@ -88,10 +88,18 @@ pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), SaveError> {
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
     {
-        let text = svg(drawing);
-        return save(path, |out| out.write_all(text.as_bytes()));
+        return write_svg(path, drawing);
     }
     write_png(path, &raster(drawing, 2))
+}
+
+/// Writes a drawing as SVG, whole or not at all.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_svg(path: &Path, drawing: &Drawing) -> Result<(), SaveError> {
+    let text = svg(drawing);
+    save(path, |out| out.write_all(text.as_bytes()))
 }
 
 /// Writes a picture as PNG, whole or not at all.

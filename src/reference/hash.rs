@@ -1,6 +1,9 @@
 //! Chance as a hash of where and why it is drawn, so that the order of work cannot change it.
 
-use crate::chance::{self, GOLDEN, mix};
+use crate::{
+    chance::{self, GOLDEN, mix},
+    elementary,
+};
 
 /// Why a number is drawn: no two reasons share their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +43,7 @@ impl Place {
     pub(super) fn normal(self, why: Why, step: u64) -> f64 {
         let radius = 1.0 - self.uniform(why, 2 * step);
         let angle = self.uniform(why, 2 * step + 1);
-        (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
+        (-2.0 * elementary::ln(radius)).sqrt() * elementary::cos(std::f64::consts::TAU * angle)
     }
 }
 

@@ -12,6 +12,7 @@
 //! model part.
 
 mod band;
+mod bytes;
 mod counts;
 mod description;
 mod drive;

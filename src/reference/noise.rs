@@ -36,6 +36,7 @@ use ndarray::ArrayView1;
 use serde::Deserialize;
 
 use crate::{
+    elementary,
     number::Real,
     plane::{Plane, Size},
     scene::Frame,
@@ -161,7 +162,7 @@ impl Noise {
     /// How far the memory of a cell falls in a second, in the unit of its threshold.
     pub(super) fn leak(&self, place: Place, threshold: f64) -> f64 {
         let spread = if self.leak_spread > 0.0 {
-            10f64.powf(self.leak_spread * place.normal(Why::LeakRate, 0))
+            elementary::pow(10f64, self.leak_spread * place.normal(Why::LeakRate, 0))
         } else {
             1.0
         };
@@ -197,7 +198,7 @@ impl Noise {
     #[must_use]
     pub fn low_pass(&self, light: f64, dt: f64) -> f64 {
         let bandwidth = self.cutoff_hz * (light.max(0.0) + 20.0) / 275.0;
-        -(-std::f64::consts::TAU * bandwidth * dt).exp_m1()
+        -elementary::exp_m1(-std::f64::consts::TAU * bandwidth * dt)
     }
 }
 

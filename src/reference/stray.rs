@@ -1,6 +1,6 @@
 //! Strays: events that nothing in the scene made, from shot noise and hot pixels.
 
-use crate::event::Polarity;
+use crate::{elementary, event::Polarity};
 
 use super::{
     hash::{Draws, Place, Why},
@@ -27,7 +27,7 @@ struct Mean {
 
 impl Mean {
     fn new(mean: f64) -> Self {
-        let any = -(-mean).exp_m1();
+        let any = -elementary::exp_m1(-mean);
         Self {
             mean,
             // Far more than rounding can do to a time, so that none is missed.
@@ -98,7 +98,7 @@ impl<'a> Strays<'a> {
         let (mut u, mut turn) = (0.0, 0);
         std::iter::from_fn(move || {
             // 1 - u is never 0. At a mean of 0 the wait is infinite, or not a number.
-            u -= (1.0 - wait.uniform_at(place, pair, turn)).ln() / mean;
+            u -= elementary::ln(1.0 - wait.uniform_at(place, pair, turn)) / mean;
             turn += 1;
             (u < 1.0).then_some((u, turn))
         })

@@ -1,13 +1,27 @@
 //! A file that is being written and has no name yet.
 
 use std::{
+    fs::{self, File, Metadata},
     io::{self, BufWriter, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, Ordering},
 };
 
-use tempfile::NamedTempFile;
+use super::{
+    SaveError, folder,
+    place::{self, Place},
+    temporary::Temporary,
+};
 
-use super::{SaveError, give_ordinary_permissions, temporary_beside};
+/// Whether a reader of something that is written through has gone.
+static GONE: AtomicBool = AtomicBool::new(false);
+
+/// Whether something was written through, to a reader that had gone: then whoever asked for it
+/// does not want more.
+#[must_use]
+pub fn reader_is_gone() -> bool {
+    GONE.load(Ordering::Relaxed)
+}
 
 /// What becomes the file at its path when it is [kept](Self::keep), and nothing before.
 ///
@@ -15,19 +29,62 @@ use super::{SaveError, give_ordinary_permissions, temporary_beside};
 #[derive(Debug)]
 pub struct Draft {
     path: PathBuf,
-    file: BufWriter<NamedTempFile>,
+    file: BufWriter<File>,
+    end: End,
+}
+
+/// What is left to do with what was written.
+#[derive(Debug)]
+enum End {
+    /// It takes the place of what is there.
+    Rename {
+        temporary: Temporary,
+        target: PathBuf,
+        old: Option<Metadata>,
+    },
+    /// It is copied to where nobody can go back.
+    Copy(File),
+    /// It has gone through already.
+    Nothing,
 }
 
 impl Draft {
-    /// An empty draft of the file that will be at `path`.
+    /// An empty draft of what will be at `path`. Where that is no file, all of it waits in a
+    /// temporary file, so that the writer can seek.
     ///
     /// # Errors
     /// When no file can be made in that folder.
     pub fn create(path: &Path) -> Result<Self, SaveError> {
-        let file = temporary_beside(path).map_err(|cause| failed(path, cause))?;
+        Self::new(path, true).map_err(SaveError::at(path))
+    }
+
+    /// As [`Draft::create`], for writers that do not seek: a device or a FIFO gets each part as
+    /// it comes.
+    ///
+    /// # Errors
+    /// As [`Draft::create`].
+    pub fn stream(path: &Path) -> Result<Self, SaveError> {
+        Self::new(path, false).map_err(SaveError::at(path))
+    }
+
+    fn new(path: &Path, seeks: bool) -> io::Result<Self> {
+        let (file, end) = match Place::of(path)? {
+            Place::File { target, old } => {
+                let (temporary, file) = Temporary::beside(&target)?;
+                let end = End::Rename {
+                    temporary,
+                    target,
+                    old,
+                };
+                (file, end)
+            }
+            node if seeks => (tempfile::tempfile()?, End::Copy(place::open(&node)?)),
+            node => (place::open(&node)?, End::Nothing),
+        };
         Ok(Self {
             path: path.to_owned(),
             file: BufWriter::with_capacity(1 << 16, file),
+            end,
         })
     }
 
@@ -36,37 +93,103 @@ impl Draft {
     /// # Errors
     /// When the disk does not take it; whatever was at the path is then as it was.
     pub fn keep(self) -> Result<(), SaveError> {
-        let Self { path, file } = self;
-        let keep = || -> io::Result<()> {
-            let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-            give_ordinary_permissions(file.as_file())?;
-            file.persist(&path).map_err(|e| e.error)?;
+        self.finish(false)
+    }
+
+    /// Gives the file its name, and waits until the disk has both.
+    ///
+    /// # Errors
+    /// As [`Draft::keep`]; when only the last step fails, the file is in place and may not
+    /// outlive the machine.
+    pub fn keep_durably(self) -> Result<(), SaveError> {
+        self.finish(true)
+    }
+
+    fn finish(self, durably: bool) -> Result<(), SaveError> {
+        let Self { path, file, end } = self;
+        let hears = end.hears();
+        let finish = || -> io::Result<()> {
+            let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            match end {
+                End::Rename {
+                    temporary,
+                    target,
+                    old,
+                } => {
+                    if let Some(old) = &old {
+                        take_after(&file, old)?;
+                    }
+                    if durably {
+                        file.sync_all()?;
+                    }
+                    let made = temporary.keep(&target)?;
+                    if durably {
+                        folder::sync_name(&target)?;
+                        folder::sync_names(&made)?;
+                    }
+                }
+                End::Copy(mut node) => {
+                    file.seek(SeekFrom::Start(0))?;
+                    io::copy(&mut file, &mut node)?;
+                }
+                End::Nothing => {}
+            }
             Ok(())
         };
-        keep().map_err(|cause| failed(&path, cause))
+        finish().map_err(hears).map_err(SaveError::at(&path))
     }
 
     /// An error of the system, with the name of this file.
     #[must_use]
     pub fn failed(&self, cause: io::Error) -> SaveError {
-        failed(&self.path, cause)
+        SaveError::at(&self.path)(cause)
     }
 }
 
-fn failed(path: &Path, cause: io::Error) -> SaveError {
-    SaveError {
-        path: path.to_owned(),
-        cause,
+impl End {
+    /// Notes that a reader has gone. A file has none.
+    const fn hears(&self) -> impl Fn(io::Error) -> io::Error + use<> {
+        let through = !matches!(self, Self::Rename { .. });
+        move |cause| {
+            if through && cause.kind() == io::ErrorKind::BrokenPipe {
+                GONE.store(true, Ordering::Relaxed);
+            }
+            cause
+        }
     }
+}
+
+/// A file that takes the place of another has its mode and, where that is allowed, its owner.
+#[cfg(unix)]
+fn take_after(file: &File, old: &Metadata) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+    let new = file.metadata()?;
+    if (new.uid(), new.gid()) != (old.uid(), old.gid()) {
+        let _ = fchown(file, Some(old.uid()), Some(old.gid()));
+    }
+    // Who may run it as whom was said of other content.
+    let mode = old.mode() & 0o777;
+    if new.mode() & 0o7777 != mode {
+        file.set_permissions(fs::Permissions::from_mode(mode))?;
+    }
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn take_after(file: &File, old: &Metadata) -> io::Result<()> {
+    let permissions: fs::Permissions = old.permissions();
+    file.set_permissions(permissions)
 }
 
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        let written = self.file.write(bytes);
+        written.map_err(self.end.hears())
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+        let flushed = self.file.flush();
+        flushed.map_err(self.end.hears())
     }
 }
 

@@ -4,15 +4,12 @@
 //! planes there are, is written last (NPY format 1.0, NEP 1).
 
 use std::{
-    fs::File,
-    io::{self, BufWriter, Seek, SeekFrom, Write},
+    io::{self, Seek, SeekFrom, Write},
     marker::PhantomData,
-    path::{Path, PathBuf},
+    path::Path,
 };
 
-use tempfile::NamedTempFile;
-
-use super::{SaveError, give_ordinary_permissions, temporary_beside};
+use super::{Draft, SaveError};
 use crate::plane::{Plane, Size};
 
 /// Bytes kept for the header, a multiple of 64 as the format asks.
@@ -46,8 +43,7 @@ impl Element for f32 {
 /// A growing array of shape (layers, planes, height, width).
 #[derive(Debug)]
 pub struct Stack<T> {
-    path: PathBuf,
-    file: BufWriter<NamedTempFile>,
+    draft: Draft,
     planes: usize,
     size: Size,
     layers: usize,
@@ -60,18 +56,11 @@ impl<T: Element> Stack<T> {
     /// # Errors
     /// When no file can be made in that folder.
     pub fn create(path: &Path, planes: usize, size: Size) -> Result<Self, SaveError> {
-        let create = || -> io::Result<_> {
-            let mut file = BufWriter::new(temporary_beside(path)?);
-            file.write_all(&[0; HEADER])?;
-            Ok(file)
-        };
-        let file = create().map_err(|cause| SaveError {
-            path: path.to_owned(),
-            cause,
-        })?;
+        let mut draft = Draft::create(path)?;
+        let begun = draft.write_all(&[0; HEADER]);
+        begun.map_err(|cause| draft.failed(cause))?;
         Ok(Self {
-            path: path.to_owned(),
-            file,
+            draft,
             planes,
             size,
             layers: 0,
@@ -92,11 +81,8 @@ impl<T: Element> Stack<T> {
             assert_eq!(Size::of(&plane), self.size, "a plane of another size");
             planes += 1;
             for value in &plane {
-                let written = self.file.write_all(&value.bytes());
-                written.map_err(|cause| SaveError {
-                    path: self.path.clone(),
-                    cause,
-                })?;
+                let written = self.draft.write_all(&value.bytes());
+                written.map_err(|cause| self.draft.failed(cause))?;
             }
         }
         assert_eq!(planes, self.planes, "a layer of another number of planes");
@@ -110,28 +96,19 @@ impl<T: Element> Stack<T> {
     /// When the disk does not take it; whatever was at the path is then as it was.
     pub fn finish(self) -> Result<(), SaveError> {
         let Self {
-            path,
-            file,
+            mut draft,
             planes,
             size,
             layers,
             ..
         } = self;
-        let finish = || -> io::Result<()> {
-            let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-            file.seek(SeekFrom::Start(0))?;
-            file.write_all(&header(
-                T::DESCRIPTION,
-                [layers, planes, size.height, size.width],
-            ))?;
-            give_ordinary_permissions(file.as_file())?;
-            let _: File = file.persist(&path).map_err(|e| e.error)?;
-            Ok(())
+        let header = header(T::DESCRIPTION, [layers, planes, size.height, size.width]);
+        let finish = |draft: &mut Draft| -> io::Result<()> {
+            draft.seek(SeekFrom::Start(0))?;
+            draft.write_all(&header)
         };
-        finish().map_err(|cause| SaveError {
-            path: path.clone(),
-            cause,
-        })
+        finish(&mut draft).map_err(|cause| draft.failed(cause))?;
+        draft.keep()
     }
 }
 

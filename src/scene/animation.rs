@@ -7,17 +7,22 @@
 
 use std::{
     io::{BufRead, Cursor, Seek},
+    num::NonZeroU64,
     path::{Path, PathBuf},
 };
 
 use super::{
-    Frame, Scene, SceneError,
+    Frame, OpenOptions, Scene, SceneError,
     canvas::{Area, Canvas, Delay, Leave, Patch},
-    gray::{self, Layout},
-    light,
+    gray::{self, Depth, Layout},
+    light::{self, Room},
     rate::Rate,
+    still::MOST_CODED,
 };
 use crate::plane::Size;
+
+/// Bytes of a pixel: as it is coded, as a patch, on the canvas now and before, as light.
+const HELD: u128 = MOST_CODED + 16 + 3 * light::FRAME;
 
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 
@@ -45,16 +50,30 @@ struct Animation {
 }
 
 /// Opens a GIF.
-pub(super) fn open_gif(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
-    Animation::new(path, asked, &|| {
-        Ok(Box::new(Gif::new(path, light::open_file(path)?)?))
+pub(super) fn open_gif(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<impl Scene + use<>, SceneError> {
+    Animation::new(path, options, &|| {
+        Ok(Box::new(Gif::new(
+            path,
+            light::open_file(path)?,
+            Room::of(options),
+        )?))
     })
 }
 
 /// Opens an animated PNG.
-pub(super) fn open_apng(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
-    Animation::new(path, asked, &|| {
-        Ok(Box::new(Apng::new(path, light::open_file(path)?)?))
+pub(super) fn open_apng(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<impl Scene + use<>, SceneError> {
+    Animation::new(path, options, &|| {
+        Ok(Box::new(Apng::new(
+            path,
+            light::open_file(path)?,
+            Room::of(options),
+        )?))
     })
 }
 
@@ -63,8 +82,10 @@ pub(super) fn play_apng(
     name: &Path,
     bytes: &'static [u8],
 ) -> Result<impl Scene + use<>, SceneError> {
-    Animation::new(name, None, &|| {
-        Ok(Box::new(Apng::new(name, Cursor::new(bytes))?))
+    let options = OpenOptions::default();
+    Animation::new(name, options, &|| {
+        let stream = Cursor::new(bytes);
+        Ok(Box::new(Apng::new(name, stream, Room::of(options))?))
     })
 }
 
@@ -84,7 +105,7 @@ pub(super) fn is_apng(path: &Path) -> Result<bool, SceneError> {
 impl Animation {
     fn new(
         path: &Path,
-        asked: Option<f64>,
+        options: OpenOptions,
         start: &dyn Fn() -> Result<Box<dyn Patches>, Cause>,
     ) -> Result<Self, SceneError> {
         let damaged = |frame, cause: Cause| match cause.downcast() {
@@ -95,6 +116,7 @@ impl Animation {
                 cause,
             },
         };
+        let asked = options.fps;
         let mut patches = start().map_err(|e| damaged(0, e))?;
         let mut delays = Vec::new();
         while let Some(patch) = patches
@@ -102,6 +124,7 @@ impl Animation {
             .map_err(|e| damaged(delays.len() as u64, e))?
         {
             delays.push(patch.delay);
+            light::check_drawn(path, patches.size(), delays.len() as u64)?;
         }
         let found = match asked {
             Some(_) => None,
@@ -202,6 +225,9 @@ impl Scene for Animation {
             light,
         }))
     }
+    fn bytes(&self) -> u128 {
+        HELD * self.size.pixels() as u128
+    }
 }
 
 /// A GIF.
@@ -211,12 +237,16 @@ struct Gif<R: BufRead> {
 }
 
 impl<R: BufRead> Gif<R> {
-    fn new(path: &Path, stream: R) -> Result<Self, Cause> {
+    fn new(path: &Path, stream: R, room: Room) -> Result<Self, Cause> {
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         options.check_frame_consistency(true);
+        // Room for a frame of the largest canvas, four bytes a pixel.
+        let most = NonZeroU64::MIN.saturating_add(4 * Size::MOST_PIXELS as u64);
+        options.set_memory_limit(gif::MemoryLimit::Bytes(most));
         let decoder = options.read_info(stream)?;
         let size = light::checked_size(path, decoder.height().into(), decoder.width().into())?;
+        room.check(path, size, HELD * size.pixels() as u128)?;
         Ok(Self { decoder, size })
     }
 }
@@ -232,10 +262,9 @@ impl<R: BufRead + Send> Patches for Gif<R> {
         let Some(frame) = self.decoder.read_next_frame()? else {
             return Ok(None);
         };
-        let samples: Vec<f64> = frame.buffer.iter().map(|&b| b.into()).collect();
         let layout = Layout {
             channels: 4,
-            most: 255.0,
+            depth: Depth::Eight,
         };
         Ok(Some(Patch {
             area: Area {
@@ -243,7 +272,7 @@ impl<R: BufRead + Send> Patches for Gif<R> {
                 x: frame.left.into(),
                 size: Size::new(frame.height.into(), frame.width.into()),
             },
-            pixels: gray::pixels(layout, &samples).collect(),
+            pixels: gray::pixels(layout, &frame.buffer).collect(),
             over: true,
             leave: match frame.dispose {
                 gif::DisposalMethod::Any | gif::DisposalMethod::Keep => Leave::Stay,
@@ -267,7 +296,7 @@ struct Apng<R: BufRead + Seek> {
 }
 
 impl<R: BufRead + Seek> Apng<R> {
-    fn new(path: &Path, stream: R) -> Result<Self, Cause> {
+    fn new(path: &Path, stream: R, room: Room) -> Result<Self, Cause> {
         let mut decoder = png::Decoder::new(stream);
         decoder.set_transformations(png::Transformations::EXPAND);
         let mut reader = decoder.read_info()?;
@@ -275,6 +304,7 @@ impl<R: BufRead + Seek> Apng<R> {
         let left = info.animation_control.map_or(0, |a| a.num_frames);
         let is_apart = info.frame_control.is_none();
         let size = light::checked_size(path, info.height as usize, info.width as usize)?;
+        room.check(path, size, HELD * size.pixels() as u128)?;
         let mut bytes = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
         // A first picture outside the animation is for viewers that show none.
         if is_apart {
@@ -312,13 +342,9 @@ impl<R: BufRead + Seek + Send> Patches for Apng<R> {
             .bytes
             .get(..drawn.buffer_size())
             .ok_or("it is too large")?;
-        let (samples, most): (Vec<f64>, f64) = match drawn.bit_depth {
-            png::BitDepth::Eight => (bytes.iter().map(|&b| b.into()).collect(), 255.0),
-            png::BitDepth::Sixteen => {
-                let pairs = bytes.as_chunks().0.iter();
-                let samples = pairs.map(|&pair| u16::from_be_bytes(pair).into());
-                (samples.collect(), 65535.0)
-            }
+        let depth = match drawn.bit_depth {
+            png::BitDepth::Eight => Depth::Eight,
+            png::BitDepth::Sixteen => Depth::Sixteen(u16::from_be_bytes),
             png::BitDepth::One | png::BitDepth::Two | png::BitDepth::Four => {
                 return Err("its samples were not unpacked".into());
             }
@@ -335,7 +361,7 @@ impl<R: BufRead + Seek + Send> Patches for Apng<R> {
                 x: control.x_offset as usize,
                 size: Size::new(drawn.height as usize, drawn.width as usize),
             },
-            pixels: gray::pixels(Layout { channels, most }, &samples).collect(),
+            pixels: gray::pixels(Layout { channels, depth }, bytes).collect(),
             over: control.blend_op == png::BlendOp::Over,
             leave: match control.dispose_op {
                 png::DisposeOp::None => Leave::Stay,

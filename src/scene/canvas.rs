@@ -12,7 +12,7 @@ pub(super) struct Canvas {
     /// How the last patch leaves before the next one comes.
     leave: Option<(Area, Leave)>,
     /// The canvas before the last patch, where that one asks for it.
-    before: Plane<f64>,
+    before: Option<Plane<f64>>,
 }
 
 /// How a patch leaves the canvas.
@@ -65,7 +65,7 @@ impl Canvas {
         Self {
             light: Plane::zeros(size.shape()),
             leave: None,
-            before: Plane::zeros(size.shape()),
+            before: None,
         }
     }
 
@@ -75,12 +75,15 @@ impl Canvas {
             None | Some((_, Leave::Stay)) => {}
             Some((area, Leave::Clear)) => area.of(&mut self.light)?.fill(0.0),
             Some((area, Leave::Restore)) => {
-                let before = area.of(&mut self.before)?;
+                let before = area.of(self.before.as_mut()?)?;
                 area.of(&mut self.light)?.assign(&before);
             }
         }
         if patch.leave == Leave::Restore {
-            self.before.assign(&self.light);
+            match &mut self.before {
+                Some(before) => before.assign(&self.light),
+                None => self.before = Some(self.light.clone()),
+            }
         }
         let mut there = patch.area.of(&mut self.light)?;
         if there.len() != patch.pixels.len() {

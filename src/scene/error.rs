@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use crate::plane::Size;
+use crate::{memory::Bytes, plane::Size};
 
 /// Why a scene cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -162,7 +162,7 @@ pub enum SceneError {
     },
 
     /// Frames larger than any sensor.
-    #[error("{path}: frames of {size} are larger than {most} pixels")]
+    #[error("{path}: frames of {size} are larger than {most} pixels, or 65536 a side")]
     #[diagnostic(help("is the header damaged? if not, scale the clip down first"))]
     TooLarge {
         /// Which file.
@@ -171,6 +171,54 @@ pub enum SceneError {
         size: Size,
         /// The most pixels that are read.
         most: usize,
+    },
+
+    /// Frames that do not fit into the memory that there may be.
+    #[error("{path}: to read frames of {size}, {bytes} are held at a time; {most} are allowed")]
+    #[diagnostic(help("scale the clip down first, or allow more with --max-memory SIZE"))]
+    NoRoom {
+        /// Which file.
+        path: PathBuf,
+        /// Their size.
+        size: Size,
+        /// What the reader would hold.
+        bytes: Bytes,
+        /// What it may.
+        most: Bytes,
+    },
+
+    /// More frames than any scene has.
+    #[error("{path}: more than {most} frames")]
+    #[diagnostic(help("cut the scene into shorter ones"))]
+    TooManyFrames {
+        /// Which file, folder or pattern.
+        path: PathBuf,
+        /// The most that are read.
+        most: u64,
+    },
+
+    /// Frames that are drawn from few bytes, or none, and would never end.
+    #[error("{path}: {frames} frames of {size} are more than {most} pixels in all")]
+    #[diagnostic(help("make the frames fewer or smaller"))]
+    TooLong {
+        /// Which file or pattern.
+        path: PathBuf,
+        /// How many frames.
+        frames: u64,
+        /// Their size.
+        size: Size,
+        /// The most pixels that are drawn.
+        most: u64,
+    },
+
+    /// Neither a file nor a folder.
+    #[error("{path}: neither a file nor a folder")]
+    #[diagnostic(help(
+        "a scene is looked at twice, so a pipe or device cannot be one: write it into a file first"
+    ))]
+    NoFile {
+        /// What it is called.
+        path: PathBuf,
     },
 
     /// No frame rate in the file.
@@ -349,6 +397,18 @@ pub enum SceneError {
         pair: u64,
         /// The most steps allowed.
         most: u32,
+    },
+
+    /// More frames than there may be in all.
+    #[error("with those inserted up to source frame {frame} there are more than {most} frames")]
+    #[diagnostic(help(
+        "give a larger contrast per step, a larger offset (it rules how dark pixels count), or a shorter clip"
+    ))]
+    Endless {
+        /// The source frame that was to come next.
+        frame: u64,
+        /// The most frames in all.
+        most: u64,
     },
 
     /// Light without a logarithm.

@@ -3,19 +3,31 @@
 use std::{
     cmp::Ordering,
     collections::VecDeque,
+    ffi::{OsStr, OsString},
     fs,
     path::{Path, PathBuf},
 };
 
-use super::{Frame, Scene, SceneError, rate::Rate, still};
+use super::{
+    Frame, OpenOptions, Scene, SceneError,
+    light::{self, Room},
+    rate::Rate,
+    still,
+};
 use crate::plane::Size;
 
 /// Endings of pictures that are read.
 pub(super) const ENDINGS: [&str; 4] = ["png", "pgm", "ppm", "pnm"];
 
+/// The most pictures of a folder.
+const MOST_PICTURES: usize = 1 << 20;
+
 /// Pictures still to be read.
 struct Folder {
-    left: VecDeque<PathBuf>,
+    path: PathBuf,
+    /// Their names.
+    left: VecDeque<OsString>,
+    room: Room,
     count: u64,
     next: u64,
     size: Size,
@@ -25,7 +37,7 @@ struct Folder {
 }
 
 /// Opens a folder.
-pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
+pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
     let unreadable = |cause| SceneError::unreadable(path, cause);
     let mut pictures = Vec::new();
     for entry in fs::read_dir(path).map_err(unreadable)? {
@@ -38,9 +50,16 @@ pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>
         if entry.is_dir() || !ENDINGS.iter().any(|known| ending == *known) {
             return Err(SceneError::NotAPicture { path: entry });
         }
-        pictures.push(entry);
+        if pictures.len() == MOST_PICTURES {
+            return Err(SceneError::TooManyFrames {
+                path: path.into(),
+                most: MOST_PICTURES as u64,
+            });
+        }
+        pictures.extend(entry.file_name().map(OsStr::to_owned));
     }
     pictures.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    let room = Room::of(options);
     let mut left = VecDeque::from(pictures);
     let count = left.len() as u64;
     let Some(first) = left.pop_front() else {
@@ -49,8 +68,10 @@ pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>
             missing: "picture",
         });
     };
-    let light = still::read(&first, 0)?;
+    let light = still::read(&path.join(first), 0, room)?;
     Ok(Folder {
+        path: path.into(),
+        room,
         left,
         count,
         next: 1,
@@ -60,7 +81,7 @@ pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>
             seconds: 0.0,
             light,
         }),
-        rate: Rate::asked_or_assumed(asked),
+        rate: Rate::asked_or_assumed(options.fps),
     })
 }
 
@@ -81,11 +102,12 @@ impl Scene for Folder {
         if let Some(first) = self.first.take() {
             return Ok(Some(first));
         }
-        let Some(path) = self.left.pop_front() else {
+        let Some(name) = self.left.pop_front() else {
             return Ok(None);
         };
+        let path = self.path.join(name);
         let index = self.next;
-        let light = still::read(&path, index)?;
+        let light = still::read(&path, index, self.room)?;
         if Size::of(&light) != self.size {
             return Err(SceneError::OddSize {
                 path,
@@ -100,6 +122,11 @@ impl Scene for Folder {
             seconds: self.rate.seconds(index),
             light,
         }))
+    }
+    fn bytes(&self) -> u128 {
+        // Names are kept: some tens of bytes each.
+        let names = 96 * u128::from(self.count);
+        names + (still::MOST_CODED + 2 * light::FRAME) * self.size.pixels() as u128
     }
 }
 

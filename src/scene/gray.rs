@@ -1,12 +1,44 @@
 //! Samples of a decoded picture to light.
 
 /// What one pixel of a decoded picture is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     /// 1 gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha.
     pub channels: usize,
-    /// The value of full light: 255 or 65535.
-    pub most: f64,
+    /// How a sample is stored.
+    pub depth: Depth,
+}
+
+/// How a sample is stored; all of its values are used.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Depth {
+    Eight,
+    /// Two bytes, read so.
+    Sixteen(fn([u8; 2]) -> u16),
+}
+
+impl Depth {
+    const fn bytes(self) -> usize {
+        match self {
+            Self::Eight => 1,
+            Self::Sixteen(_) => 2,
+        }
+    }
+
+    /// The value of full light.
+    const fn most(self) -> f64 {
+        match self {
+            Self::Eight => 255.0,
+            Self::Sixteen(_) => 65535.0,
+        }
+    }
+
+    fn sample(self, bytes: &[u8]) -> f64 {
+        match (self, bytes) {
+            (Self::Sixteen(read), &[a, b]) => read([a, b]).into(),
+            (_, bytes) => bytes.first().copied().unwrap_or(0).into(),
+        }
+    }
 }
 
 /// A pixel: its light on black (0 to 255, already times its cover), and how much it covers
@@ -21,21 +53,26 @@ pub(super) struct Pixel {
 ///
 /// Colour is weighed by Rec. 601; the thousandths are summed before they are divided, so
 /// that a gray written as RGB gives exactly the gray.
-pub(super) fn pixels(layout: Layout, samples: &[f64]) -> impl Iterator<Item = Pixel> {
-    samples.chunks_exact(layout.channels.max(1)).map(move |s| {
-        let (gray, alpha) = match *s {
-            [v] => (v, layout.most),
-            [v, alpha] => (v, alpha),
-            [r, g, b] => (luma(r, g, b), layout.most),
-            [r, g, b, alpha] => (luma(r, g, b), alpha),
-            _ => (0.0, 0.0),
-        };
-        let cover = alpha / layout.most;
-        Pixel {
-            light: gray * 255.0 / layout.most * cover,
-            cover,
-        }
-    })
+pub(super) fn pixels(layout: Layout, samples: &[u8]) -> impl Iterator<Item = Pixel> {
+    let Layout { channels, depth } = layout;
+    let (wide, most) = (depth.bytes(), depth.most());
+    samples
+        .chunks_exact(channels.max(1) * wide)
+        .map(move |pixel| {
+            let at = |n: usize| depth.sample(&pixel[n * wide..(n + 1) * wide]);
+            let (gray, alpha) = match channels {
+                1 => (at(0), most),
+                2 => (at(0), at(1)),
+                3 => (luma(at(0), at(1), at(2)), most),
+                4 => (luma(at(0), at(1), at(2)), at(3)),
+                _ => (0.0, 0.0),
+            };
+            let cover = alpha / most;
+            Pixel {
+                light: gray * 255.0 / most * cover,
+                cover,
+            }
+        })
 }
 
 fn luma(r: f64, g: f64, b: f64) -> f64 {
@@ -46,35 +83,38 @@ fn luma(r: f64, g: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn lights(channels: usize, most: f64, samples: &[f64]) -> Vec<f64> {
-        pixels(Layout { channels, most }, samples)
-            .map(|p| p.light)
-            .collect()
+    fn lights(channels: usize, samples: &[u8]) -> Vec<f64> {
+        let depth = Depth::Eight;
+        let pixels = pixels(Layout { channels, depth }, samples);
+        pixels.map(|p| p.light).collect()
+    }
+
+    fn wide(channels: usize, samples: &[u16]) -> Vec<f64> {
+        let bytes: Vec<u8> = samples.iter().flat_map(|v| v.to_be_bytes()).collect();
+        let depth = Depth::Sixteen(u16::from_be_bytes);
+        let pixels = pixels(Layout { channels, depth }, &bytes);
+        pixels.map(|p| p.light).collect()
     }
 
     #[test]
     fn gray_is_the_same_in_every_layout() {
         for v in 0..=255 {
-            let v = f64::from(v);
-            assert_eq!(lights(1, 255.0, &[v]), [v]);
-            assert_eq!(lights(2, 255.0, &[v, 255.0]), [v]);
-            assert_eq!(lights(3, 255.0, &[v, v, v]), [v]);
-            assert_eq!(lights(4, 255.0, &[v, v, v, 255.0]), [v]);
-            assert_eq!(lights(1, 65535.0, &[v * 257.0]), [v]);
-            assert_eq!(lights(3, 65535.0, &[v * 257.0; 3]), [v]);
+            let light = f64::from(v);
+            assert_eq!(lights(1, &[v]), [light]);
+            assert_eq!(lights(2, &[v, 255]), [light]);
+            assert_eq!(lights(3, &[v, v, v]), [light]);
+            assert_eq!(lights(4, &[v, v, v, 255]), [light]);
+            assert_eq!(wide(1, &[u16::from(v) * 257]), [light]);
+            assert_eq!(wide(3, &[u16::from(v) * 257; 3]), [light]);
         }
     }
 
     #[test]
     fn colour_is_weighed_and_transparency_lies_on_black() {
         assert_eq!(
-            lights(
-                3,
-                255.0,
-                &[255.0, 0.0, 0.0, 0.0, 255.0, 0.0, 0.0, 0.0, 255.0]
-            ),
+            lights(3, &[255, 0, 0, 0, 255, 0, 0, 0, 255]),
             [76.245, 149.685, 29.07]
         );
-        assert_eq!(lights(2, 255.0, &[200.0, 51.0]), [40.0]);
+        assert_eq!(lights(2, &[200, 51]), [40.0]);
     }
 }

@@ -1,12 +1,23 @@
 //! Checks that every source of light shares.
 
-use std::{fs::File, io::BufReader, path::Path};
+use std::{
+    fs::File,
+    io::{self, BufReader},
+    path::Path,
+};
 
-use super::SceneError;
+use super::{OpenOptions, SceneError};
 use crate::plane::{Plane, Size};
 
-/// The most pixels that a frame may have: far above any sensor, far below memory.
-const MOST_PIXELS: usize = 1 << 26;
+/// Bytes of a pixel of a frame.
+pub(super) const FRAME: u128 = 8;
+
+/// The most frames of a scene: at 240 frames/s, 19 hours.
+pub(super) const MOST_FRAMES: u64 = 1 << 24;
+
+/// The most pixels of all frames of an animation or a pattern, whose frames are not in a file
+/// pixel by pixel: 16,384 frames of 4096x4096, four million of 256x256.
+const MOST_DRAWN: u64 = 1 << 38;
 
 /// A size that a sensor can watch, or an error that names the file.
 pub(super) fn checked_size(path: &Path, height: usize, width: usize) -> Result<Size, SceneError> {
@@ -17,13 +28,62 @@ pub(super) fn checked_size(path: &Path, height: usize, width: usize) -> Result<S
             size,
         });
     }
-    match height.checked_mul(width) {
-        Some(pixels) if pixels <= MOST_PIXELS => Ok(size),
-        _ => Err(SceneError::TooLarge {
+    if size.is_possible() {
+        return Ok(size);
+    }
+    Err(SceneError::TooLarge {
+        path: path.into(),
+        size,
+        most: Size::MOST_PIXELS,
+    })
+}
+
+/// Refuses a frame of a scene that is longer than scenes are; `index` is its number.
+pub(super) fn check_number(path: &Path, index: u64) -> Result<(), SceneError> {
+    if index < MOST_FRAMES {
+        return Ok(());
+    }
+    Err(SceneError::TooManyFrames {
+        path: path.into(),
+        most: MOST_FRAMES,
+    })
+}
+
+/// Refuses frames that are drawn from few bytes, or none, where together they are too large.
+pub(super) fn check_drawn(path: &Path, size: Size, frames: u64) -> Result<(), SceneError> {
+    check_number(path, frames.saturating_sub(1))?;
+    if u128::from(frames) * size.pixels() as u128 <= u128::from(MOST_DRAWN) {
+        return Ok(());
+    }
+    Err(SceneError::TooLong {
+        path: path.into(),
+        frames,
+        size,
+        most: MOST_DRAWN,
+    })
+}
+
+/// What a reader may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Room(u64);
+
+impl Room {
+    /// What was given.
+    pub fn of(options: OpenOptions) -> Self {
+        Self(options.memory.unwrap_or(u64::MAX))
+    }
+
+    /// Refuses frames that take more.
+    pub fn check(self, path: &Path, size: Size, bytes: u128) -> Result<(), SceneError> {
+        if bytes <= self.0.into() {
+            return Ok(());
+        }
+        Err(SceneError::NoRoom {
             path: path.into(),
             size,
-            most: MOST_PIXELS,
-        }),
+            bytes: crate::memory::Bytes(bytes),
+            most: crate::memory::Bytes(self.0.into()),
+        })
     }
 }
 
@@ -36,4 +96,11 @@ pub(super) fn plane(size: Size, numbers: Vec<f64>) -> Option<Plane<f64>> {
 pub(super) fn open_file(path: &Path) -> Result<BufReader<File>, SceneError> {
     let file = File::open(path).map_err(|cause| SceneError::unreadable(path, cause))?;
     Ok(BufReader::with_capacity(1 << 16, file))
+}
+
+/// Bytes of a file.
+pub(super) fn length(path: &Path, file: &BufReader<File>) -> Result<u64, SceneError> {
+    let data: io::Result<_> = file.get_ref().metadata();
+    data.map(|data| data.len())
+        .map_err(|cause| SceneError::unreadable(path, cause))
 }

@@ -75,6 +75,12 @@ pub trait Scene: Send {
     /// # Errors
     /// When the source cannot be read, or a frame is damaged, of another size, or not finite.
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError>;
+
+    /// Bytes that the source holds at most while frames are taken from it, the frame that it
+    /// gives included.
+    fn bytes(&self) -> u128 {
+        light::FRAME * self.size().pixels() as u128
+    }
 }
 
 impl<S: Scene + ?Sized> Scene for Box<S> {
@@ -92,5 +98,8 @@ impl<S: Scene + ?Sized> Scene for Box<S> {
     }
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         (**self).next_frame()
+    }
+    fn bytes(&self) -> u128 {
+        (**self).bytes()
     }
 }

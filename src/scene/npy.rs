@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Frame, Scene, SceneError, light, rate::Rate};
+use super::{Frame, OpenOptions, Scene, SceneError, light, light::Room, rate::Rate};
 use crate::plane::Size;
 
 /// The first bytes of every file.
@@ -30,7 +30,7 @@ pub(super) struct Npy<R> {
 }
 
 /// Opens an `.npy` file.
-pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
+pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
     let stream = light::open_file(path)?;
     let length = stream
         .get_ref()
@@ -38,7 +38,7 @@ pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>
         .ok()
         .filter(std::fs::Metadata::is_file)
         .map(|data| data.len());
-    Npy::new(path, stream, length, asked)
+    Npy::new(path, stream, length, options)
 }
 
 impl<R: Read + Send> Npy<R> {
@@ -47,7 +47,7 @@ impl<R: Read + Send> Npy<R> {
         path: &Path,
         mut stream: R,
         length: Option<u64>,
-        asked: Option<f64>,
+        options: OpenOptions,
     ) -> Result<Self, SceneError> {
         let (text, before) = header(path, &mut stream)?;
         let header = Header::parse(&text).map_err(|(field, want)| SceneError::Header {
@@ -78,6 +78,8 @@ impl<R: Read + Send> Npy<R> {
         if header.fortran && header.shape.iter().filter(|n| **n > 1).count() > 1 {
             return Err(SceneError::FortranOrder { path: path.into() });
         }
+        light::check_number(path, frames - 1)?;
+        Room::of(options).check(path, size, held(number, size))?;
         let want = u128::from(frames) * (size.pixels() * number.bytes()) as u128;
         if let Some(got) = length.map(|length| length.saturating_sub(before))
             && u128::from(got) != want
@@ -93,7 +95,7 @@ impl<R: Read + Send> Npy<R> {
             stream,
             size,
             number,
-            rate: Rate::asked_or_assumed(asked),
+            rate: Rate::asked_or_assumed(options.fps),
             frames,
             next: 0,
             bytes: Vec::new(),
@@ -170,6 +172,14 @@ impl<R: Read + Send> Scene for Npy<R> {
             light,
         }))
     }
+    fn bytes(&self) -> u128 {
+        held(self.number, self.size)
+    }
+}
+
+/// Bytes of a frame as it is stored, and as light.
+fn held(number: Number, size: Size) -> u128 {
+    (number.bytes() as u128 + light::FRAME) * size.pixels() as u128
 }
 
 /// How one number is stored.

@@ -11,6 +11,8 @@ use super::{
 pub struct OpenOptions {
     /// Frames per second; instead of what the file says.
     pub fps: Option<f64>,
+    /// The most bytes that the reader may hold; else as many as the limits of frames allow.
+    pub memory: Option<u64>,
 }
 
 /// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.
@@ -37,24 +39,27 @@ pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneEr
         return Err(SceneError::BadRate { fps });
     }
     if let Some(pattern) = spec.strip_prefix("pattern:") {
-        return Ok(Box::new(Pattern::parse(pattern, asked)?));
+        return Ok(Box::new(Pattern::within(pattern, *options)?));
     }
     let path = Path::new(spec);
     let data = path
         .metadata()
         .map_err(|cause| SceneError::unreadable(path, cause))?;
     if data.is_dir() {
-        return Ok(Box::new(folder::open(path, asked)?));
+        return Ok(Box::new(folder::open(path, *options)?));
+    }
+    if !data.is_file() {
+        return Err(SceneError::NoFile { path: path.into() });
     }
     let kind = Kind::of_name(path)?;
     kind.check_content(path)?;
     Ok(match kind {
-        Kind::Y4m => Box::new(y4m::open(path, asked)?),
-        Kind::Npy => Box::new(npy::open(path, asked)?),
-        Kind::Gif => Box::new(animation::open_gif(path, asked)?),
-        Kind::Png if animation::is_apng(path)? => Box::new(animation::open_apng(path, asked)?),
-        Kind::Png | Kind::Pnm => Box::new(still::open(path, asked)?),
-        Kind::Mp4 => mp4::open(path, asked)?,
+        Kind::Y4m => Box::new(y4m::open(path, *options)?),
+        Kind::Npy => Box::new(npy::open(path, *options)?),
+        Kind::Gif => Box::new(animation::open_gif(path, *options)?),
+        Kind::Png if animation::is_apng(path)? => Box::new(animation::open_apng(path, *options)?),
+        Kind::Png | Kind::Pnm => Box::new(still::open(path, *options)?),
+        Kind::Mp4 => mp4::open(path, *options)?,
     })
 }
 

@@ -8,9 +8,9 @@ use std::{
 use image::{ImageDecoder, ImageFormat, ImageReader};
 
 use super::{
-    Frame, Scene, SceneError,
-    gray::{self, Layout},
-    light,
+    Frame, OpenOptions, Scene, SceneError,
+    gray::{self, Depth, Layout},
+    light::{self, Room},
     rate::Rate,
 };
 use crate::plane::{Plane, Size};
@@ -23,12 +23,12 @@ pub(super) struct Still {
 }
 
 /// Opens one picture.
-pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
-    let light = read(path, 0)?;
+pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
+    let light = read(path, 0, Room::of(options))?;
     Ok(Still {
         size: Size::of(&light),
         light: Some(light),
-        rate: Rate::asked_or_assumed(asked),
+        rate: Rate::asked_or_assumed(options.fps),
     })
 }
 
@@ -52,18 +52,24 @@ impl Scene for Still {
             light,
         }))
     }
+    fn bytes(&self) -> u128 {
+        (MOST_CODED + light::FRAME) * self.size.pixels() as u128
+    }
 }
+
+/// Most bytes of a pixel in a file: four samples of 16 bits.
+pub(super) const MOST_CODED: u128 = 8;
 
 /// Reads the picture at `path`: a PNG or a PNM, 8 or 16 bits, gray or colour.
 ///
 /// `frame` is its number in the scene, for messages.
-pub(super) fn read(path: &Path, frame: u64) -> Result<Plane<f64>, SceneError> {
+pub(super) fn read(path: &Path, frame: u64, room: Room) -> Result<Plane<f64>, SceneError> {
     let file = light::open_file(path)?;
     let reader = ImageReader::new(file)
         .with_guessed_format()
         .map_err(|cause| SceneError::unreadable(path, cause))?;
     match reader.format() {
-        Some(ImageFormat::Png | ImageFormat::Pnm) => decode(reader, path, frame),
+        Some(ImageFormat::Png | ImageFormat::Pnm) => decode(reader, path, frame, room),
         Some(_) | None => Err(SceneError::Picture {
             path: path.into(),
             frame,
@@ -76,6 +82,7 @@ fn decode<R: BufRead + Seek>(
     reader: ImageReader<R>,
     path: &Path,
     frame: u64,
+    room: Room,
 ) -> Result<Plane<f64>, SceneError> {
     let damaged = |cause: Box<dyn std::error::Error + Send + Sync>| SceneError::Picture {
         path: PathBuf::from(path),
@@ -87,19 +94,17 @@ fn decode<R: BufRead + Seek>(
     let size = light::checked_size(path, height as usize, width as usize)?;
     let colour = decoder.color_type();
     let channels = usize::from(colour.channel_count());
+    let held = u128::from(colour.bytes_per_pixel()) + light::FRAME;
+    room.check(path, size, held * size.pixels() as u128)?;
     let mut bytes = vec![0; size.pixels() * usize::from(colour.bytes_per_pixel())];
     decoder
         .read_image(&mut bytes)
         .map_err(|e| damaged(e.into()))?;
-    let (samples, most): (Vec<f64>, f64) = match bytes.len() / (size.pixels() * channels) {
-        1 => (bytes.iter().map(|&b| b.into()).collect(), 255.0),
-        2 => {
-            let pairs = bytes.as_chunks().0.iter();
-            let samples = pairs.map(|&pair| u16::from_ne_bytes(pair).into());
-            (samples.collect(), 65535.0)
-        }
+    let depth = match bytes.len() / (size.pixels() * channels) {
+        1 => Depth::Eight,
+        2 => Depth::Sixteen(u16::from_ne_bytes),
         _ => return Err(damaged("more than 16 bits a sample".into())),
     };
-    let lights = gray::pixels(Layout { channels, most }, &samples).map(|p| p.light);
+    let lights = gray::pixels(Layout { channels, depth }, &bytes).map(|p| p.light);
     light::plane(size, lights.collect()).ok_or_else(|| damaged("too few samples".into()))
 }

@@ -8,8 +8,11 @@
 
 use ndarray::Zip;
 
-use super::{Frame, Scene, SceneError};
-use crate::plane::{Plane, Size};
+use super::{Frame, Scene, SceneError, light};
+use crate::{
+    elementary,
+    plane::{Plane, Size},
+};
 
 /// By how much a pixel may move in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +53,9 @@ impl Default for Upsampling {
         }
     }
 }
+
+/// The most frames of an upsampled scene.
+pub const MOST_FRAMES: u64 = light::MOST_FRAMES;
 
 /// A scene with frames inserted.
 ///
@@ -151,6 +157,11 @@ impl<S: Scene> Scene for Upsampled<S> {
         None
     }
 
+    /// Those of the source, the frames on both sides, and the one in between twice.
+    fn bytes(&self) -> u128 {
+        self.source.bytes() + 4 * light::FRAME * self.size().pixels() as u128
+    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let Some(between) = &mut self.between else {
             // The very first frame, or the end.
@@ -188,11 +199,32 @@ impl<S: Scene> Scene for Upsampled<S> {
 }
 
 impl<S: Scene> Upsampled<S> {
+    /// Refuses a pair that takes more steps than there may be, before the first of them.
+    fn check_steps(&self, from: &Frame, to: &Frame) -> Result<(), SceneError> {
+        let least = self.how.bound.least_steps(&from.light, &to.light);
+        let Upsampling { most_steps, .. } = self.how;
+        // Rounding decides about the last step; it is counted when it is made.
+        if least > f64::from(most_steps) + 1.0 {
+            return Err(SceneError::TooManySteps {
+                pair: from.index,
+                most: most_steps,
+            });
+        }
+        if self.given as f64 + least > MOST_FRAMES as f64 {
+            return Err(SceneError::Endless {
+                frame: to.index,
+                most: MOST_FRAMES,
+            });
+        }
+        Ok(())
+    }
+
     /// Gives a source frame and looks for the one after it.
     fn begin(&mut self, from: Frame) -> Result<Option<Frame>, SceneError> {
         let frame = self.give(from.seconds, from.light.clone());
         if let Some(to) = self.source.next_frame()? {
             self.how.bound.check(&to)?;
+            self.check_steps(&from, &to)?;
             self.between = Some(Between {
                 now: from.light.clone(),
                 from,
@@ -227,6 +259,20 @@ impl Bound {
         }
     }
 
+    /// The fewest steps from one light to the other, for the pixel that moves most.
+    fn least_steps(self, from: &Plane<f64>, to: &Plane<f64>) -> f64 {
+        let most = |change: &dyn Fn(f64, f64) -> f64| {
+            let fold = |most: f64, a: &f64, b: &f64| most.max(change(*a, *b).abs());
+            Zip::from(from).and(to).fold(0.0, fold)
+        };
+        match self {
+            Self::Contrast { contrast, offset } => {
+                most(&|a, b| ((b + offset) / (a + offset)).ln()) / contrast
+            }
+            Self::Light { light } => most(&|a, b| b - a) / light,
+        }
+    }
+
     /// How far, as a share of the way from one source frame to the other, the light may go
     /// on from where it is; infinite where nothing changes.
     fn longest_step(self, between: &Between) -> f64 {
@@ -240,7 +286,7 @@ impl Bound {
             }
             Self::Contrast { contrast, offset } => {
                 // Up by e^c - 1 of what there is, or down by 1 - e^-c of it.
-                let (up, down) = (contrast.exp_m1(), (-contrast).exp_m1());
+                let (up, down) = (elementary::exp_m1(contrast), elementary::exp_m1(-contrast));
                 let changes = Zip::from(from).and(to).and(&between.now);
                 changes.fold(f64::INFINITY, |longest, a, b, now| {
                     let change = b - a;

@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Frame, Scene, SceneError, light, rate::Rate};
+use super::{Frame, OpenOptions, Scene, SceneError, light, light::Room, rate::Rate};
 use crate::plane::Size;
 
 /// The first word of every file.
@@ -42,7 +42,7 @@ struct Samples {
 }
 
 /// Opens a y4m file.
-pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>, SceneError> {
+pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
     let stream = light::open_file(path)?;
     let length = stream
         .get_ref()
@@ -50,7 +50,7 @@ pub(super) fn open(path: &Path, asked: Option<f64>) -> Result<impl Scene + use<>
         .ok()
         .filter(std::fs::Metadata::is_file)
         .map(|data| data.len());
-    Y4m::new(path, stream, length, asked)
+    Y4m::new(path, stream, length, options)
 }
 
 impl<R: BufRead + Send> Y4m<R> {
@@ -59,7 +59,7 @@ impl<R: BufRead + Send> Y4m<R> {
         path: &Path,
         mut stream: R,
         length: Option<u64>,
-        asked: Option<f64>,
+        options: OpenOptions,
     ) -> Result<Self, SceneError> {
         let header = match line(&mut stream, path)? {
             Line::Whole(text) => text,
@@ -84,7 +84,8 @@ impl<R: BufRead + Send> Y4m<R> {
             path: path.into(),
             got: fields.colour.clone(),
         })?;
-        let rate = Rate::asked_or_found(asked, fields.fps, path)?;
+        Room::of(options).check(path, size, held(samples, size))?;
+        let rate = Rate::asked_or_found(options.fps, fields.fps, path)?;
         // Frame lines may carry fields; the count is known only where none does.
         let frames = length
             .and_then(|length| length.checked_sub(header.len() as u64 + 1))
@@ -155,6 +156,7 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
         if got < self.samples.frame {
             return Err(truncated());
         }
+        light::check_number(&self.path, index)?;
         let luma = self
             .bytes
             .get(..self.samples.luma as usize)
@@ -177,6 +179,14 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
             light,
         }))
     }
+    fn bytes(&self) -> u128 {
+        held(self.samples, self.size)
+    }
+}
+
+/// Bytes of a frame as it is coded, and as light.
+fn held(samples: Samples, size: Size) -> u128 {
+    u128::from(samples.frame) + light::FRAME * size.pixels() as u128
 }
 
 /// The fields of the header that matter here.
@@ -323,7 +333,12 @@ mod tests {
     use super::*;
 
     fn read(bytes: &[u8]) -> Result<Vec<Frame>, SceneError> {
-        let mut scene = Y4m::new(Path::new("a.y4m"), bytes, Some(bytes.len() as u64), None)?;
+        let mut scene = Y4m::new(
+            Path::new("a.y4m"),
+            bytes,
+            Some(bytes.len() as u64),
+            OpenOptions::default(),
+        )?;
         let mut frames = Vec::new();
         while let Some(frame) = scene.next_frame()? {
             frames.push(frame);
@@ -382,7 +397,13 @@ mod tests {
     #[test]
     fn the_count_of_frames_is_known_beforehand() {
         let bytes = b"YUV4MPEG2 W1 H1 F25:1 Cmono\nFRAME\n1FRAME\n2";
-        let scene = Y4m::new(Path::new("a"), &bytes[..], Some(bytes.len() as u64), None).unwrap();
+        let scene = Y4m::new(
+            Path::new("a"),
+            &bytes[..],
+            Some(bytes.len() as u64),
+            OpenOptions::default(),
+        )
+        .unwrap();
         assert_eq!(scene.frames(), Some(2));
     }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::{Arguments, Asked};
+use super::{super::complain, Arguments, Asked};
 use crate::{
     photoreceptor::Curve,
     reference::{Border, MemoryRule},
@@ -40,7 +40,15 @@ impl Asked {
             scales: vec![1.0; kernels.len()],
             kernels,
             stacked,
-            title: format!("events of {}", arguments.kernels.join(", ")),
+            title: format!(
+                "events of {}",
+                arguments
+                    .kernels
+                    .iter()
+                    .map(|name| &**name)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ),
         }
         .prepared(arguments)
     }
@@ -83,7 +91,8 @@ impl Asked {
             thresholds.push((threshold.on * linear, threshold.off * linear));
         }
         if description.border == Border::Replicate {
-            eprintln!("note: {shown} replicates the border; off the array the chip sees 0");
+            let note = "replicates the border; off the array the chip sees 0";
+            complain(&format!("note: {shown} {note}\n"));
         }
         Self {
             scales: vec![1.0; kernels.len()],

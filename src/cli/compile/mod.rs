@@ -4,11 +4,15 @@ mod asked;
 mod compiled;
 mod proof;
 
-use std::{path::PathBuf, time::Instant};
+use std::time::Instant;
 
 use miette::{IntoDiagnostic, miette};
 
-use super::quantise::Total;
+use super::{
+    content::Content,
+    files::{self, Named, Output},
+    quantise::Total,
+};
 use crate::{
     array::{
         Input,
@@ -30,10 +34,10 @@ use crate::{
 pub struct Arguments {
     /// Kernels: files (.toml, .npy of shape (k,k) or (K,k,k)) or names of built-in ones
     #[arg(required_unless_present = "sensor")]
-    kernels: Vec<String>,
+    kernels: Vec<Named>,
     /// Write the program here; else it is printed
-    #[arg(short, long, value_name = "FILE.scamp")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE.scamp", value_parser = Content::Program)]
+    output: Option<Output>,
     /// The weights that the program has: `exact` takes them as they are, a quantiser (see
     /// `amacrine quantise --help`) brings them to few values; its scale goes into the thresholds
     #[arg(long, default_value = "exact", value_name = "QUANTISER")]
@@ -58,7 +62,7 @@ pub struct Arguments {
     border: bool,
     /// A sensor file: its kernels and thresholds
     #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
-    sensor: Option<PathBuf>,
+    sensor: Option<files::Input>,
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: Option<f64>,
@@ -72,7 +76,7 @@ pub struct Arguments {
     memory: Remembered,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
-    chip: String,
+    chip: Named,
     /// How long to search, in seconds of two cores of 2024
     #[arg(long, default_value_t = 2.5, value_parser = seconds)]
     effort: f64,

@@ -5,16 +5,23 @@ use std::ops::ControlFlow;
 use miette::WrapErr;
 
 use super::{
-    super::opened::Opened, Arguments, Assignment, Bench, Light, Moment, Set, Switch, finite,
+    super::{
+        budget::{self, Growth},
+        opened::Opened,
+        registers::Register,
+        strip,
+    },
+    Arguments, Assignment, Bench, Light, MOST_THREADS, Moment, Set, Switch, finite,
     light::size,
 };
 use crate::{
     array::{Arithmetic, Array, RunError, Schedule, Settings},
     event::Packet,
     isa::{Device, Figure},
+    memory::Need,
     plane::Plane,
     program::{Expansion, Program},
-    scene::Frame,
+    scene::{Frame, Scene},
     unit::Micros,
 };
 
@@ -48,14 +55,48 @@ impl<'a> Bench<'a> {
         let threads = arguments.threads;
         Ok(Self {
             schedule,
-            threads: threads.unwrap_or_else(rayon::current_num_threads),
+            threads: threads
+                .unwrap_or_else(rayon::current_num_threads)
+                .min(MOST_THREADS),
             size,
+            frames: light.scene.as_ref().map_or(0, Scene::bytes),
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
             arguments,
             planes,
             opened,
         })
+    }
+
+    /// What a run holds, without its events.
+    fn need(&self) -> Need {
+        let Opened {
+            device, expansion, ..
+        } = &self.opened;
+        let arguments = self.arguments;
+        let pixels = self.size.pixels() as u128;
+        let written = Register::written(expansion, device).len() as u128;
+        // Numbers, and a picture of them.
+        let looked = match arguments.strip {
+            Some(_) => 11 * written * strip::columns(expansion) as u128,
+            None if arguments.repeat.is_some() => 8 * (2 * written + 3),
+            None => 24 * u128::from(arguments.dump.is_some()),
+        };
+        Need::new()
+            .and("frames of the light", self.frames + 8 * pixels)
+            .and("the chip", self.arithmetic.bytes(device, self.size))
+            .and(
+                "registers that are set",
+                8 * pixels * self.planes.len() as u128,
+            )
+            .and("registers that are looked at", looked * pixels)
+    }
+
+    /// Refuses an array for which there is no room.
+    pub(super) fn check(&self) -> miette::Result<()> {
+        let what = format!("an array of {} in {}", self.size, self.arithmetic);
+        let help = "take a smaller array or a narrower --domain";
+        budget::check(&self.need(), &what, help)
     }
 
     /// A chip as switched on, its registers set.
@@ -96,6 +137,7 @@ impl<'a> Bench<'a> {
         let mut light = Light::open(self.arguments, &self.opened.program)?;
         let Expansion { code, bare, .. } = &self.opened.expansion;
         let mut packet = Packet::new(chip.size(), chip.channels());
+        let growth = Growth::beside(&self.need());
         let mut seen: Option<Frame> = None;
         let mut frames = 0;
         while light.frames.is_none_or(|asked| frames < asked) {
@@ -138,6 +180,7 @@ impl<'a> Bench<'a> {
             if run(chip, &moment, &mut packet)?.is_break() {
                 break;
             }
+            growth.check(&packet, &self.opened.program.file)?;
             seen = Some(frame);
         }
         Ok((packet, frames))

@@ -4,15 +4,19 @@ use std::path::Path;
 
 use miette::{WrapErr, miette};
 use ndarray::ArrayView2;
-use ndarray_npy::{ReadNpyError, ReadableElement, ViewElement, ViewNpyError};
+use ndarray_npy::{ReadNpyError, ReadableElement, ViewElement, ViewNpyError, npy::header::Header};
 
-use super::{super::registers::Register, Arguments, Light, Set};
+use super::{
+    super::{budget, files, registers::Register},
+    Arguments, Light, Set,
+};
 use crate::{
     array::Array,
     isa::{Device, Figure},
+    limit::FRAMES,
     plane::{Plane, Size},
     program::Program,
-    scene::{ASSUMED_FPS, OpenOptions, Scene, open},
+    scene::{ASSUMED_FPS, Scene, open},
     source,
 };
 
@@ -70,11 +74,12 @@ impl Light {
             arguments.source.folder().join(image).display().to_string()
         });
         let asked = arguments.fps.or(program.settings.fps);
-        let scene = arguments
-            .image
-            .clone()
-            .or(own)
-            .map(|spec| open(&spec, &OpenOptions { fps: asked }))
+        let image = arguments.image.as_deref().or(own.as_deref());
+        if let (None, Some(image)) = (&arguments.image, image) {
+            files::reads(Path::new(image))?;
+        }
+        let scene = image
+            .map(|spec| open(spec, &budget::opening(asked)))
             .transpose()?;
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let frames = arguments.frames.or(program.settings.frames);
@@ -82,6 +87,12 @@ impl Light {
             return Err(miette!(
                 help = "the first frame runs `init`, every later one `frame`",
                 "--frames 0: nothing would run"
+            ));
+        }
+        if let Some(asked) = frames.filter(|asked| *asked > FRAMES) {
+            return Err(miette!(
+                help = "run fewer frames, or a clip of your own in parts",
+                "{asked} frames; {FRAMES} frames at most"
             ));
         }
         Ok(Self {
@@ -113,6 +124,13 @@ pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
     let bytes = source::numbers(path, help)?;
     let bytes = bytes.as_slice();
     source::npy_header(bytes).map_err(|what| miette!(help = help, "{shown}: {what}"))?;
+    // The header must agree with the file, before room is made for what it says.
+    check_shape(bytes).map_err(|why| {
+        miette!(
+            help = "give a .npy of shape (H,W) with real numbers, as numpy.save writes it",
+            "{shown}: {why}"
+        )
+    })?;
     let mut result = of::<f64>(bytes, |v| v);
     // Every kind of number that numpy saves; which one it is stands in the header.
     macro_rules! or_else {
@@ -140,6 +158,28 @@ pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
         ));
     }
     Ok(plane)
+}
+
+/// The longest file of a plane: 8 bytes a pixel, and a header.
+
+/// Whether a header promises no more numbers than there are bytes. What else is wrong with it,
+/// its reader says.
+fn check_shape(bytes: &[u8]) -> Result<(), String> {
+    let Ok(header) = Header::from_reader(&mut &*bytes) else {
+        return Ok(());
+    };
+    let all = header
+        .shape
+        .iter()
+        .try_fold(1_usize, |all, n| all.checked_mul(*n));
+    match all {
+        Some(all) if all <= bytes.len() => Ok(()),
+        _ => Err(format!(
+            "its header promises an array of shape {:?}, the file has {} bytes",
+            header.shape,
+            bytes.len()
+        )),
+    }
 }
 
 /// The size of the array: of what is set, else of the light, else of the program, else of the chip.
@@ -170,13 +210,15 @@ pub(super) fn size(
 }
 
 pub(super) fn checked(size: Size) -> miette::Result<Size> {
-    const LARGEST: usize = 4096;
-    let fits = |n| (1..=LARGEST).contains(&n);
-    if fits(size.height) && fits(size.width) {
+    if size.is_possible() {
         return Ok(size);
     }
     Err(miette!(
-        help = format!("height and width must be from 1 to {LARGEST}"),
+        help = format!(
+            "height and width must be from 1 to {}, and {} pixels at most",
+            Size::LONGEST_SIDE,
+            Size::MOST_PIXELS
+        ),
         "an array of {size}"
     ))
 }

@@ -5,7 +5,7 @@ mod light;
 mod report;
 
 use std::{
-    fs, io,
+    io,
     ops::ControlFlow,
     path::{Path, PathBuf},
 };
@@ -15,11 +15,22 @@ use ndarray_npy::{WritableElement, WriteNpyExt};
 
 pub(super) use self::{light::read_plane, report::reading};
 
-use super::{opened::Opened, registers::Register, strip::Strip};
+use super::{
+    content::Content,
+    files::{self, Named, Output},
+    opened::Opened,
+    registers::Register,
+    strip::Strip,
+};
 use crate::{
     array::{Arithmetic, Array, Schedule, Settings},
+<<<<<<< HEAD
     event::{Packet, file},
     isa::{Analog, Digital, Figure, text::nearest},
+=======
+    event::Packet,
+    isa::{Analog, Device, Digital, Figure, text::nearest},
+>>>>>>> main
     limit::THREADS,
     picture::{panel, write_png},
     plane::{Plane, Size},
@@ -28,6 +39,15 @@ use crate::{
     scene::Scene,
     unit::Micros,
 };
+
+/// The most frames of a run: at 240 frames/s, 19 hours.
+const MOST_FRAMES: u64 = 1 << 24;
+
+/// The most runs of `--repeat`.
+const MOST_RUNS: u64 = 1 << 20;
+
+/// The most threads.
+const MOST_THREADS: usize = 1024;
 
 /// What `exec` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -43,9 +63,9 @@ pub struct Arguments {
     sets: Vec<Assignment>,
     /// The light: a picture, a clip, or pattern:NAME?key=value; a still picture is shown again and again
     #[arg(long)]
-    image: Option<String>,
+    image: Option<Named>,
     /// How many frames to run; the first one runs `init`, the others `frame`
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(..=MOST_FRAMES))]
     frames: Option<u64>,
     /// Frames per second, instead of what the scene says
     #[arg(long)]
@@ -72,16 +92,16 @@ pub struct Arguments {
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
     /// Write the events that were read out; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
-    #[arg(long)]
-    events: Option<PathBuf>,
+    #[arg(long, value_parser = Content::Events)]
+    events: Option<Output>,
     /// Write every register into this folder, as .npy and .png
-    #[arg(long)]
-    dump: Option<PathBuf>,
+    #[arg(long, value_parser = Content::Folder)]
+    dump: Option<Output>,
     /// Write what registers hold after each line of the last frame, side by side (.png)
-    #[arg(long, value_name = "FILE.png")]
-    strip: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
+    strip: Option<Output>,
     /// Run so many times, with this seed and those that follow; print mean and spread
-    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=MOST_RUNS), conflicts_with_all = ["dump", "events", "strip", "debug"])]
     repeat: Option<u64>,
     /// Step through the program; commands are read from standard input, `help` lists them
     #[arg(long, conflicts_with_all = ["json", "strip"])]
@@ -158,10 +178,17 @@ fn threads(text: &str) -> Result<usize, String> {
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(events) = &arguments.events {
-        file::Format::of(events)?;
+    for set in &arguments.sets {
+        if let Assignment::Register(_, path) = set {
+            files::reads(path)?;
+        }
     }
     let bench = Bench::new(arguments)?;
+    bench.check()?;
+    if let Some(folder) = &arguments.dump {
+        let dumped = dumped(&bench.opened.device);
+        files::writes(dumped.iter().flat_map(|(_, name)| named(folder, name)))?;
+    }
     if let Some(runs) = arguments.repeat {
         let statistics = super::statistics::Statistics::of(&bench, arguments.seed, runs)?;
         if arguments.json {
@@ -198,7 +225,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         None => None,
     };
     if let Some(path) = &arguments.events {
-        file::write(path, &packet)?;
+        path.write(&packet)?;
     }
     if let Some(folder) = &arguments.dump {
         dump(&*chip, folder)?;
@@ -230,6 +257,8 @@ pub(super) struct Bench<'a> {
     pub opened: Opened,
     planes: Vec<Set>,
     size: Size,
+    /// Bytes of the frames of its light.
+    frames: u128,
     arithmetic: Arithmetic,
     settings: Settings,
     schedule: Schedule,
@@ -270,42 +299,45 @@ struct Light {
     fps: f64,
 }
 
-/// Writes every register, as numbers and as a picture.
-fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
-    fs::create_dir_all(folder).map_err(|e| {
-        miette!(
-            help = "give a folder that can be made",
-            "{}: {e}",
-            folder.display()
-        )
-    })?;
-    let registers = chip.device().registers();
-    let (low, high) = (
-        chip.device().value(Figure::Lowest),
-        chip.device().value(Figure::Highest),
-    );
+/// The registers that are dumped, with their names.
+fn dumped(device: &Device) -> Vec<(Register, String)> {
+    let registers = device.registers();
     let analog = (0..)
         .zip(&registers.analog)
         .map(|(i, _)| Register::Analog(Analog(i)));
     let digital = (0..)
         .zip(&registers.digital)
         .map(|(i, _)| Register::Digital(Digital(i)));
-    for register in analog.chain(digital).chain([Register::Flag]) {
-        let name = register.name(chip.device());
+    let all = analog.chain(digital).chain([Register::Flag]);
+    all.map(|register| (register, register.name(device)))
+        .collect()
+}
+
+/// The files of a register that is dumped.
+fn named(folder: &Path, register: &str) -> [PathBuf; 2] {
+    ["npy", "png"].map(|ending| folder.join(format!("{register}.{ending}")))
+}
+
+/// Writes every register, as numbers and as a picture.
+fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
+    let (low, high) = (
+        chip.device().value(Figure::Lowest),
+        chip.device().value(Figure::Highest),
+    );
+    for (register, name) in dumped(chip.device()) {
         let values = register.values(chip);
         let (black, white) = if register.is_bit() {
             (0.0, 1.0)
         } else {
             (low, high)
         };
-        let path = folder.join(format!("{name}.npy"));
+        let [array, shown] = named(folder, &name);
         if register.is_bit() {
-            write_npy(&path, &values.mapv(|bit| bit as u8))?;
+            write_npy(&array, &values.mapv(|bit| bit as u8))?;
         } else {
-            write_npy(&path, &values)?;
+            write_npy(&array, &values)?;
         }
-        let picture = panel::frame(&values, black, white);
-        write_png(&folder.join(format!("{name}.png")), &picture)?;
+        write_png(&shown, &panel::frame(&values, black, white))?;
     }
     Ok(())
 }

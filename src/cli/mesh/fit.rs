@@ -5,7 +5,7 @@ use std::fmt::Write;
 use miette::{IntoDiagnostic, WrapErr};
 
 use crate::{
-    cli::{kernels, say},
+    cli::{files::Named, kernels, say},
     kernel::Kernel,
     mesh::{Fit, Fitting, fit},
 };
@@ -18,7 +18,7 @@ use crate::{
 pub struct Arguments {
     /// Kernel files (.toml or .npy), or names of built-in kernels
     #[arg(required = true)]
-    kernels: Vec<String>,
+    kernels: Vec<Named>,
     /// Sheets at most, 1 to 3; each number up to it has a row
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
     sheets: u8,
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             let shown = if many {
                 format!("{name}[{i}]")
             } else {
-                name.clone()
+                name.to_string()
             };
             for sheets in 1..=usize::from(arguments.sheets) {
                 let fit = fitted(arguments, kernel, sheets).wrap_err_with(|| shown.clone())?;

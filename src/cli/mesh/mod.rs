@@ -5,12 +5,10 @@ mod show;
 mod solve;
 mod step;
 
-use std::path::Path;
-
 use clap::Subcommand;
 
 use crate::{
-    cli::exec::write_npy,
+    cli::{exec::write_npy, files::Output},
     mesh::{MeshError, Sheet},
     picture::{panel, write_png},
     plane::Plane,
@@ -79,11 +77,8 @@ enum Show {
 }
 
 /// A plane as `.npy` (float64), or as a picture from its least to its most.
-fn write(path: &Path, plane: &Plane<f64>) -> miette::Result<()> {
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
+fn write(path: &Output, plane: &Plane<f64>) -> miette::Result<()> {
+    if path.ending() == "png" {
         let (low, high) = extremes(plane);
         return Ok(write_png(path, &panel::frame(plane, low, high))?);
     }

@@ -1,13 +1,16 @@
 //! `amacrine mesh show`: a sheet in pictures.
 
-use std::path::PathBuf;
-
 use miette::miette;
 use ndarray::s;
 
 use super::{Constants, solve};
 use crate::{
-    cli::{kernels, say},
+    cli::{
+        content::Content,
+        files::{Named, Output},
+        kernels, say,
+    },
+    elementary,
     kernel::Kernel,
     mesh::{Fitting, Sheet, Steady, fit},
     picture::{SurroundShow, surround, write_png},
@@ -33,16 +36,16 @@ pub struct Arguments {
     lambda_y: Option<f64>,
     /// A kernel to be fitted: a file (.toml or .npy), or the name of a built-in
     #[arg(long)]
-    kernel: Option<String>,
+    kernel: Option<Named>,
     /// Sheets that may fit the kernel, 1 to 3
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
     sheets: u8,
     /// A picture or .npy (H,W) whose voltages are drawn, in place of a spot and an edge
     #[arg(short, long, value_name = "FILE")]
-    input: Option<PathBuf>,
+    input: Option<Named>,
     /// Where to
-    #[arg(short, long, value_name = "FILE.png")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE.png", value_parser = Content::Picture)]
+    output: Output,
 }
 
 /// A sensor of resistors: the pixel's gain, and the sheets with theirs.
@@ -207,7 +210,7 @@ impl Shown {
                 weights
                     .map(|((y, x), w)| {
                         let turns = fy * (y as f64 - ry as f64) + fx * (x as f64 - rx as f64);
-                        w * (std::f64::consts::TAU * turns).cos()
+                        w * elementary::cos(std::f64::consts::TAU * turns)
                     })
                     .sum()
             };

@@ -1,15 +1,22 @@
 //! `amacrine mesh solve`: the settled surround of one signal.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use super::{Constants, Show, extremes, write};
 use crate::{
-    cli::{exec::read_plane, say},
+    cli::{
+        budget,
+        content::Content,
+        exec::read_plane,
+        files::{Named, Output},
+        say,
+    },
+    memory::Need,
     mesh::Steady,
     plane::{Plane, Size},
-    scene::{OpenOptions, open},
+    scene::open,
 };
 
 /// What `mesh solve` is asked to do.
@@ -22,10 +29,10 @@ pub struct Arguments {
     constants: Constants,
     /// The signal P: a .npy of shape (H,W), or a picture
     #[arg(short, long, value_name = "FILE")]
-    input: PathBuf,
+    input: Named,
     /// Where to: .npy (float64, of P's shape), or .png (gray from least to most)
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", value_parser = Content::Plane)]
+    output: Output,
     /// What to write
     #[arg(long, value_enum, default_value = "surround")]
     show: Show,
@@ -44,6 +51,9 @@ struct Json {
     most: f64,
 }
 
+/// Planes of numbers that are held at once.
+const PLANES: u128 = 6;
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -52,10 +62,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
     let signal = read(&arguments.input)?;
     let size = Size::of(&signal);
+    // The signal, the surround, the settled sheet on its way to it, and a picture.
+    let need = Need::new().and("planes of the sheet", PLANES * 8 * size.pixels() as u128);
+    let help = "take a smaller signal";
+    budget::check(&need, &format!("a sheet of {size}"), help)?;
     let surround = Steady::new(sheet, size)
         .and_then(|mut steady| steady.solve(&signal))
         .map_err(miette::Report::new)
-        .wrap_err_with(|| format!("cannot solve {}", arguments.input.display()))?;
+        .wrap_err_with(|| format!("cannot solve {}", arguments.input))?;
     let shown = match arguments.show {
         Show::Surround => surround,
         Show::Difference => signal - surround,
@@ -89,15 +103,16 @@ fn say_json<T: serde::Serialize>(json: &T) -> miette::Result<()> {
 }
 
 /// A plane of numbers, or the light of one picture.
-pub(super) fn read(path: &Path) -> miette::Result<Plane<f64>> {
+pub(super) fn read(name: &str) -> miette::Result<Plane<f64>> {
+    let path = Path::new(name);
     if path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
     {
         return read_plane(path);
     }
-    let mut scene = open(&path.to_string_lossy(), &OpenOptions::default())?;
+    let mut scene = open(name, &budget::opening(None))?;
     let frame = scene.next_frame()?;
-    let frame = frame.ok_or_else(|| miette!("{} holds no picture", path.display()))?;
+    let frame = frame.ok_or_else(|| miette!("{name} holds no picture"))?;
     Ok(frame.light)
 }

@@ -1,6 +1,6 @@
 //! `amacrine mesh step`: the surround of a scene over time.
 
-use std::{io, path::PathBuf};
+use std::io;
 
 use miette::{WrapErr, miette};
 use ndarray::Array3;
@@ -8,12 +8,17 @@ use ndarray_npy::WriteNpyExt;
 
 use super::{Constants, Show};
 use crate::{
-    cli::say,
+    cli::{
+        budget,
+        content::Content,
+        files::{Named, Output},
+        say,
+    },
     mesh::{Between, Euler, Flow, MeshError, Sheet},
     photoreceptor::Response,
     plane::{Plane, Size},
     save::save,
-    scene::{Frame, OpenOptions, open},
+    scene::{Frame, Scene, open},
     unit::Micros,
 };
 
@@ -30,7 +35,7 @@ pub struct Arguments {
     tau: Micros,
     /// A clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
     #[arg(short, long)]
-    scene: String,
+    scene: Named,
     /// Frames a second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
@@ -47,8 +52,8 @@ pub struct Arguments {
     #[arg(long)]
     frames: Option<u64>,
     /// Where to: a .npy of shape (T,H,W), float64
-    #[arg(short, long, value_name = "FILE.npy")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE.npy", value_parser = Content::Array)]
+    output: Output,
 }
 
 /// How a sheet is moved on.
@@ -107,15 +112,20 @@ impl Moved {
     }
 }
 
+/// Planes of numbers that a sheet in time holds: modes, steps, and the signal.
+const PLANES: u128 = 14;
+
 /// Runs the verb.
 ///
 /// # Errors
 /// When the scene cannot be read or solved for, or the output not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
-    let options = OpenOptions { fps: arguments.fps };
+    let options = budget::opening(arguments.fps);
     let mut scene = open(&arguments.scene, &options)?;
     let size = scene.size();
+    let layers = asked(arguments, &*scene);
+    check(&*scene, layers.unwrap_or(0))?;
     let mut sheet_now: Option<(f64, Moved)> = None;
     let mut written: Vec<f64> = Vec::new();
     let mut frames = 0;
@@ -123,6 +133,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let Some(frame) = scene.next_frame()? else {
             break;
         };
+        if layers.is_none() {
+            check(&*scene, frame.index + 1)?;
+        }
         let in_frame = || format!("frame {} of {}", frame.index, arguments.scene);
         let signal = signal(arguments.response, &frame).wrap_err_with(in_frame)?;
         let moved = match sheet_now.take() {
@@ -154,6 +167,26 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         arguments.output.display()
     ));
     Ok(())
+}
+
+/// How many frames will be written, where that is known.
+fn asked(arguments: &Arguments, scene: &dyn Scene) -> Option<u64> {
+    let most = arguments.frames.unwrap_or(u64::MAX);
+    scene.frames().map(|frames| frames.min(most))
+}
+
+/// Refuses more frames than there is room for: they are written all at once.
+fn check(scene: &dyn Scene, layers: u64) -> miette::Result<()> {
+    let size = scene.size();
+    let pixels = size.pixels() as u128;
+    let need = budget::of_scene(scene)
+        .and("the sheet", PLANES * 8 * pixels)
+        .and(
+            format!("{layers} frames to write"),
+            8 * pixels * u128::from(layers),
+        );
+    let what = format!("a sheet of {size} over time");
+    budget::check(&need, &what, "take fewer --frames or a smaller scene")
 }
 
 /// A frame as the photoreceptors give it.

@@ -10,6 +10,7 @@
 use std::{cmp::Reverse, collections::BinaryHeap};
 
 use super::{BookFault, CodecError, wire::Reader};
+use crate::elementary;
 
 /// Stands for "no word" where a length would be.
 const NONE: u8 = u8::MAX;
@@ -224,7 +225,7 @@ pub fn entropy(counts: &[u64]) -> f64 {
     let all: f64 = counts.iter().map(|c| *c as f64).sum();
     let bits = |c: &u64| {
         let p = *c as f64 / all;
-        -p * p.log2()
+        -p * elementary::log2(p)
     };
     counts.iter().filter(|c| **c > 0).map(bits).sum()
 }

@@ -240,6 +240,13 @@ impl Format {
         }
     }
 
+    /// All formats whose files may have this name; of some there are several, and of most
+    /// names none.
+    #[must_use]
+    pub fn named(path: &Path) -> Vec<Self> {
+        Self::by_extension(&extension(path))
+    }
+
     /// All formats whose files have this extension.
     fn by_extension(extension: &str) -> Vec<Self> {
         let extension = extension.to_ascii_lowercase();

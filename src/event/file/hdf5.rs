@@ -8,12 +8,14 @@
 //! While a file is written it waits as a temporary file. Source:
 //! <https://dsec.ifi.uzh.ch/data-format/>.
 
-use std::io::{self, Read, Seek, SeekFrom};
+use std::{
+    io::{self, Seek, SeekFrom},
+    path::Path,
+};
 
 use hdf5_pure::{
     AttrValue, Dataset, Error, File, FileAccessProperties, FileBuilder, MaxExtent, SyncPolicy,
 };
-use tempfile::NamedTempFile;
 
 use super::{
     Fault, Format, Place,
@@ -24,7 +26,7 @@ use super::{
     source::{BLOCK, Out, Sink, Source},
     writer::Head,
 };
-use crate::event::Event;
+use crate::{event::Event, save::Spool};
 
 /// Values of a chunk; at 2^16 the C library refuses how hdf5-pure 0.47 writes the number.
 const CHUNK: u64 = 1 << 15;
@@ -247,7 +249,7 @@ pub(super) const fn sink(head: &Head) -> Writing {
 
 /// A file in the making.
 struct Open {
-    place: NamedTempFile,
+    place: Spool,
     file: File,
 }
 
@@ -296,10 +298,12 @@ impl Writing {
             .with_maxshape(&[MaxExtent::Unlimited])
             .with_chunks(&[CHUNK])
             .with_deflate(1);
-        let place = NamedTempFile::new()?;
-        builder.write(place.path()).map_err(io::Error::other)?;
+        let mut place = Spool::new()?;
+        let path = place.path().unwrap_or(Path::new("")).to_owned();
+        builder.write(&path).map_err(io::Error::other)?;
         let access = FileAccessProperties::new().with_sync_policy(SyncPolicy::OnClose);
-        let file = File::open_rw_with_options(place.path(), access).map_err(io::Error::other)?;
+        let file = File::open_rw_with_options(&path, access).map_err(io::Error::other)?;
+        place.hide();
         self.open = Some(Open { place, file });
         Ok(())
     }
@@ -379,8 +383,8 @@ impl Sink for Writing {
                 .and_then(|()| file.commit())
                 .map_err(io::Error::other)?;
             file.close().map_err(io::Error::other)?;
-            place.as_file_mut().seek(SeekFrom::Start(0))?;
-            io::copy(&mut place.as_file_mut().by_ref(), out)?;
+            place.file().seek(SeekFrom::Start(0))?;
+            io::copy(place.file(), out)?;
         }
         Ok(())
     }

@@ -138,10 +138,23 @@ pub fn salvage(path: &Path, how: &Opening) -> Result<(Loaded, Option<FileError>)
 
 /// Reads the events that are left, up to the first damage, and says what the damage is.
 #[must_use]
-pub fn all(mut reader: Reader) -> (Loaded, Option<FileError>) {
+pub fn all(reader: Reader) -> (Loaded, Option<FileError>) {
+    let (loaded, damage, _) = up_to(reader, usize::MAX);
+    (loaded, damage)
+}
+
+/// As [`all`], but no more than `most` events and those of one block; and whether the file went
+/// on after them.
+#[must_use]
+pub fn up_to(mut reader: Reader, most: usize) -> (Loaded, Option<FileError>, bool) {
     let mut block: Vec<Event> = Vec::new();
     let mut events = Vec::new();
+    let mut more = false;
     let damage = loop {
+        if events.len() > most {
+            more = true;
+            break None;
+        }
         match reader.next_block(&mut block) {
             Ok(true) => events.append(&mut block),
             Ok(false) => break None,
@@ -165,5 +178,5 @@ pub fn all(mut reader: Reader) -> (Loaded, Option<FileError>) {
         channels_known: about.channels.is_some(),
         skipped: reader.skipped(),
     };
-    (loaded, damage)
+    (loaded, damage, more)
 }

@@ -369,6 +369,62 @@ impl Source for Reading {
     }
 }
 
+/// Takes all that it is given, and remembers the first error: a `ZipWriter` that hears of one
+/// panics, or prints.
+struct Steady<'a> {
+    out: &'a mut dyn Out,
+    lost: Option<io::Error>,
+    at: u64,
+    end: u64,
+}
+
+impl<'a> Steady<'a> {
+    fn new(out: &'a mut dyn Out) -> Self {
+        Self {
+            out,
+            lost: None,
+            at: 0,
+            end: 0,
+        }
+    }
+
+    /// Does it, unless something is lost already.
+    fn attempt<T>(&mut self, work: impl FnOnce(&mut dyn Out) -> io::Result<T>) -> Option<T> {
+        if self.lost.is_some() {
+            return None;
+        }
+        work(self.out).map_err(|e| self.lost = Some(e)).ok()
+    }
+}
+
+impl Write for Steady<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.attempt(|out| out.write_all(bytes));
+        self.at += bytes.len() as u64;
+        self.end = self.end.max(self.at);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.attempt(|out| out.flush());
+        Ok(())
+    }
+}
+
+impl Seek for Steady<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let at = match to {
+            SeekFrom::Start(at) => Some(at),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by),
+            SeekFrom::End(by) => self.end.checked_add_signed(by),
+        };
+        self.at = at.ok_or(io::ErrorKind::InvalidInput)?;
+        let at = self.at;
+        self.attempt(|out| out.seek(SeekFrom::Start(at)));
+        Ok(at)
+    }
+}
+
 /// Writes the events.
 pub(super) fn sink(head: &Head) -> io::Result<Writing> {
     let count = if head.channels > 1 { 5 } else { 4 };
@@ -407,6 +463,15 @@ impl Sink for Writing {
     }
 
     fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
+        let mut steady = Steady::new(out);
+        let written = self.archive(&mut steady, about);
+        // What went wrong first.
+        steady.lost.map_or(written, Err)
+    }
+}
+
+impl Writing {
+    fn archive(&mut self, out: &mut Steady<'_>, about: &About) -> io::Result<()> {
         let mut zip = ZipWriter::new(out);
         zip.set_comment(about.to_string())?;
         // The same file for the same events: no clock.

@@ -125,7 +125,12 @@ impl Writer {
                 return Err(FileError::NotBuilt { path, format });
             }
         };
-        let mut draft = Draft::create(path)?;
+        // Only these go back to their start.
+        let mut draft = if matches!(format, Format::Npy | Format::Npz | Format::Aedat4) {
+            Draft::create(path)?
+        } else {
+            Draft::stream(path)?
+        };
         let started = sink.start(&mut draft);
         started.map_err(|cause| draft.failed(cause))?;
         Ok(Self {

@@ -141,7 +141,7 @@ fn micros(picos: u128) -> Micros {
     Micros(u64::try_from(picos / 1_000_000).unwrap_or(u64::MAX))
 }
 
-/// From when an event fired to `picos`, in picoseconds. Longer than half a year is half a year.
+/// From when an event fired to `picos`, in picoseconds; at most [`Latency::BEYOND`].
 fn since(t: Micros, at: u128) -> u64 {
     u64::try_from(at.saturating_sub(picos(t))).unwrap_or(u64::MAX)
 }

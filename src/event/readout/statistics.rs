@@ -23,26 +23,36 @@ pub struct Statistics {
 }
 
 /// Times from firing to arrival. A quantile is the smallest latency that this part of the
-/// events does not exceed.
+/// events does not exceed. What is [`Latency::BEYOND`] is that or longer: it is not written as
+/// a number, and there is no mean.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Latency {
-    /// Mean, in seconds.
+    /// Mean, in seconds; infinite where one of them is not known.
     pub mean_s: f64,
     /// Half of the events.
-    #[serde(rename = "p50_ps")]
+    #[serde(rename = "p50_ps", serialize_with = "known")]
     pub p50: Picos,
     /// Nine of ten.
-    #[serde(rename = "p90_ps")]
+    #[serde(rename = "p90_ps", serialize_with = "known")]
     pub p90: Picos,
     /// All but one of a hundred.
-    #[serde(rename = "p99_ps")]
+    #[serde(rename = "p99_ps", serialize_with = "known")]
     pub p99: Picos,
     /// The longest.
-    #[serde(rename = "max_ps")]
+    #[serde(rename = "max_ps", serialize_with = "known")]
     pub max: Picos,
 }
 
+/// `null` for a time that is not known.
+fn known<S: serde::Serializer>(time: &Picos, serializer: S) -> Result<S::Ok, S::Error> {
+    let time = Some(time).filter(|time| **time != Latency::BEYOND);
+    serde::Serialize::serialize(&time, serializer)
+}
+
 impl Latency {
+    /// The longest time that picoseconds hold, 213 days.
+    pub const BEYOND: Picos = Picos(u64::MAX);
+
     /// Of latencies in picoseconds, in any order.
     #[must_use]
     pub fn of(latencies: &[u64]) -> Option<Self> {
@@ -55,7 +65,11 @@ impl Latency {
         };
         let sum: u128 = sorted.iter().map(|l| u128::from(*l)).sum();
         Some(Self {
-            mean_s: sum as f64 / sorted.len() as f64 * 1e-12,
+            mean_s: if Picos(max) == Self::BEYOND {
+                f64::INFINITY
+            } else {
+                sum as f64 / sorted.len() as f64 * 1e-12
+            },
             p50: quantile(50),
             p90: quantile(90),
             p99: quantile(99),
@@ -138,6 +152,10 @@ mod tests {
         assert!((l.mean_s - 100.5e-12).abs() < 1e-24);
         let one = Latency::of(&[7]).unwrap();
         assert_eq!((one.p50.0, one.p99.0), (7, 7));
+        let long = Latency::of(&[7, 7, u64::MAX]).unwrap();
+        let json = serde_json::to_value(long).unwrap();
+        assert_eq!(json["p50_ps"], 7);
+        assert!(json["max_ps"].is_null() && json["mean_s"].is_null());
         assert!(Latency::of(&[]).is_none());
     }
 }

@@ -88,6 +88,8 @@ pub struct Located {
     /// Column in characters, from 1.
     pub column: u32,
     source: Arc<NamedSource<String>>,
+    /// Whether the lines around it are short enough to be shown.
+    shows: bool,
 }
 
 /// All faults of one text, in the order of the text. Never empty.
@@ -105,10 +107,10 @@ impl Faults {
     /// The faults of a text, sorted by place.
     #[must_use]
     pub fn new(file: &str, text: &str, mut faults: Vec<Fault>) -> Self {
+        let more = faults.len() > FAULTS;
         faults.sort_by_key(|fault| (fault.place.start, fault.place.end));
         faults.dedup();
-        let more = faults.len() > FAULTS;
-        if more {
+        if faults.len() > FAULTS {
             // No warning takes the place of an error.
             faults.sort_by_key(|fault| fault.severity != Severity::Error);
             faults.truncate(FAULTS);
@@ -117,7 +119,12 @@ impl Faults {
         let source = Arc::new(NamedSource::new(file, text.to_owned()));
         let locate = |fault: Fault| {
             let (line, column) = line_column(text, fault.place.start);
+            let also = fault.also.iter().map(|also| also.0);
+            let shows = also
+                .chain([fault.place])
+                .all(|place| shows(text, place.start) && shows(text, place.end));
             Located {
+                shows,
                 file: file.to_owned(),
                 line,
                 column,
@@ -148,6 +155,17 @@ impl Faults {
         }
         Ok(())
     }
+}
+
+/// The longest line that is shown, in bytes.
+const SHOWN: usize = 2000;
+
+/// Whether the line of a byte, and those beside it, are short enough to be shown.
+fn shows(text: &str, byte: usize) -> bool {
+    let (before, after) = text.split_at(text.floor_char_boundary(byte));
+    let above = before.rsplit('\n').take(2).map(str::len);
+    let below = after.split('\n').take(2).map(str::len);
+    above.chain(below).all(|length| length <= SHOWN)
 }
 
 /// Leaves out what would not be told, where there is much: so that a text that is wrong
@@ -196,7 +214,7 @@ impl Diagnostic for Located {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.source)
+        self.shows.then_some(&self.source as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
@@ -218,9 +236,14 @@ impl Diagnostic for Located {
 impl fmt::Display for Faults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.faults.as_slice() {
-            [only] => only.fmt(f),
+            [only] if !self.more => only.fmt(f),
             all => {
-                write!(f, "{}: {} things are wrong", self.file, all.len())?;
+                let are = if all.len() == 1 {
+                    "thing is"
+                } else {
+                    "things are"
+                };
+                write!(f, "{}: {} {are} wrong", self.file, all.len())?;
                 if self.more {
                     f.write_str(", and more are not shown")?;
                 }
@@ -266,7 +289,7 @@ impl Faults {
     /// The fault, when there is one alone: it is then shown without a heading.
     fn only(&self) -> Option<&Located> {
         match self.faults.as_slice() {
-            [only] => Some(only),
+            [only] if !self.more => Some(only),
             _ => None,
         }
     }

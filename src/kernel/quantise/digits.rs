@@ -7,6 +7,7 @@
 
 use super::{FINEST, QuantiseError, Quantiser, Sum, affordable};
 use crate::{
+    elementary,
     limit::{QUANTISER_STEPS, QUANTISER_TABLE},
     number::signed_digits,
 };
@@ -20,7 +21,7 @@ pub(super) fn quantise(
 ) -> Result<(Vec<f64>, f64), QuantiseError> {
     let largest = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     let top = 1i64 << FINEST;
-    let scale = 2f64.powi(largest.log2().ceil() as i32) / top as f64;
+    let scale = 2f64.powi(elementary::log2(largest).ceil() as i32) / top as f64;
     let values: Vec<f64> = weights.iter().map(|w| w / scale).collect();
     let asked = match sum {
         Sum::Free => None,

@@ -31,7 +31,7 @@ pub use name::QuantiserNameError;
 pub use response::Change;
 
 use super::{Kernel, KernelError};
-use crate::plane::Plane;
+use crate::{elementary, plane::Plane};
 
 /// Bits of the levels of `csd-D`, without their sign.
 pub const FINEST: u32 = 8;
@@ -210,7 +210,7 @@ impl Quantised {
             .iter()
             .fold(0.0, |most: f64, l| most.max(l.abs()));
         if largest > 0.0 {
-            let power = 2f64.powi(largest.log2().ceil() as i32);
+            let power = 2f64.powi(elementary::log2(largest).ceil() as i32);
             self.levels.weights /= power;
             self.scale *= power;
         }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::super::Kernel;
+use crate::elementary;
 
 /// The two-dimensional frequency response, where it changes most.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -66,8 +67,8 @@ fn response(kernel: &Kernel, (v, u): (f64, f64)) -> (f64, f64) {
     let mut sum = (0.0, 0.0);
     for ((y, x), w) in kernel.weights().indexed_iter() {
         let phase = TAU * (v * (y as f64 - rows as f64) + u * (x as f64 - columns as f64));
-        sum.0 += w * phase.cos();
-        sum.1 += w * phase.sin();
+        sum.0 += w * elementary::cos(phase);
+        sum.1 += w * elementary::sin(phase);
     }
     sum
 }

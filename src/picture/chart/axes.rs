@@ -1,9 +1,12 @@
 //! Axes: from values to places, with ticks at round numbers.
 
 use super::{Anchor, Area, Drawing};
-use crate::picture::{
-    ink,
-    text::{LINE, Weight},
+use crate::{
+    elementary,
+    picture::{
+        ink,
+        text::{LINE, Weight},
+    },
 };
 
 /// One axis.
@@ -46,7 +49,7 @@ impl Axis<'_> {
         if self.scale == Scale::Decades {
             step = step.max(1.0).round();
         }
-        let decimals = (-step.log10().floor()).max(0.0) as usize;
+        let decimals = (-elementary::log10(step).floor()).max(0.0) as usize;
         // From which on values are nearer to the end than a thousandth of a step.
         let first = (self.from / step - 1e-3).ceil() as i64;
         let last = (self.to / step + 1e-3).floor() as i64;
@@ -66,7 +69,7 @@ impl Axis<'_> {
 
 /// The least of 1, 2, 5, 10, … that is at least `least`.
 fn step(least: f64) -> f64 {
-    let ten = 10_f64.powf(least.log10().floor());
+    let ten = elementary::pow(10_f64, elementary::log10(least).floor());
     [1.0, 2.0, 5.0]
         .into_iter()
         .map(|n| n * ten)
@@ -81,7 +84,7 @@ fn decade(exponent: f64) -> String {
         e if e < 6.0 => ("ms", 3.0),
         _ => ("s", 6.0),
     };
-    format!("{:.0} {unit}", 10_f64.powf(exponent - below))
+    format!("{:.0} {unit}", elementary::pow(10_f64, exponent - below))
 }
 
 /// Length of a tick.

@@ -6,9 +6,12 @@ use image::{
 };
 
 use super::{Anchor, Area, Drawing, Mark, Point};
-use crate::picture::{
-    ink::{self, Ink},
-    text::{self, Face},
+use crate::{
+    elementary,
+    picture::{
+        ink::{self, Ink},
+        text::{self, Face},
+    },
 };
 
 /// The drawing with `scale` pixels a point, 1 or 2.
@@ -86,7 +89,7 @@ fn line(page: &mut RgbImage, from: Point, to: Point, width: f64, ink: Ink) {
     let low = |a: f64, b: f64| (a.min(b) - reach).max(0.0).floor() as u32;
     let high = |a: f64, b: f64| (a.max(b) + reach).max(0.0).ceil() as u32;
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let length = dx.hypot(dy);
+    let length = elementary::hypot(dx, dy);
     let (across, down) = page.dimensions();
     for py in low(from.1, to.1)..high(from.1, to.1).min(down) {
         for px in low(from.0, to.0)..high(from.0, to.0).min(across) {
@@ -101,7 +104,7 @@ fn line(page: &mut RgbImage, from: Point, to: Point, width: f64, ink: Ink) {
             } else {
                 (x, y)
             };
-            let part = (width / 2.0 + 0.5 - nx.hypot(ny)).clamp(0.0, 1.0);
+            let part = (width / 2.0 + 0.5 - elementary::hypot(nx, ny)).clamp(0.0, 1.0);
             cover(page, px, py, part, ink);
         }
     }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::{
+    elementary,
     event::Packet,
     picture::{
         chart::{
@@ -36,7 +37,7 @@ fn intervals(packet: &Packet) -> Vec<u64> {
 /// A histogram over bins of equal factors; intervals of 0 count to the first bin.
 pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
     let all = intervals(packet);
-    let decades = |us: u64| (us.max(1) as f64).log10();
+    let decades = |us: u64| elementary::log10(us.max(1) as f64);
     let (low, high) = match (all.first(), all.last()) {
         (Some(low), Some(high)) => (decades(*low).floor(), (decades(*high) + 1e-9).ceil()),
         _ => (0.0, 6.0),

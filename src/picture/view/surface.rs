@@ -2,6 +2,7 @@
 
 use super::{Moment, caption, fitted, frame, lasting, seconds};
 use crate::{
+    elementary,
     event::{Packet, Polarity},
     picture::{
         chart::{Anchor, Area, Drawing},
@@ -26,7 +27,7 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet, moment: &
     let pixels = frame::picture(&last, |last| match last {
         None => ink::EMPTY,
         Some((t, polarity)) => {
-            let strength = (-((moment.to.0 - t.0) as f64) / tau).exp();
+            let strength = elementary::exp(-((moment.to.0 - t.0) as f64) / tau);
             frame::mixed(full(*polarity), strength)
         }
     });
@@ -57,7 +58,7 @@ fn legend(drawing: &mut Drawing, (x, y): (f64, f64), tau: &str) {
                 width: 2.0,
                 height: 6.0,
             };
-            drawing.fill(area, frame::mixed(full(polarity), (-ago).exp()));
+            drawing.fill(area, frame::mixed(full(polarity), elementary::exp(-ago)));
         }
     }
     let mut word = |x: f64, text: String| {

@@ -314,7 +314,6 @@ impl<'d> Lowering<'d> {
         sink: &mut Sink,
         depth: usize,
     ) -> Result<(), Fault> {
-        self.spend(sink)?;
         match callable {
             Callable::Primitive(kind, form) => {
                 let built = row::build(kind, &form.name, bound);
@@ -344,6 +343,7 @@ impl<'d> Lowering<'d> {
                 self.push(sink, Action::Host(operation), 1)
             }
             Callable::Macro(it) => {
+                self.spend(sink)?;
                 self.reject_aliases(it, bound, sink)?;
                 let scope: Vec<(&str, Value)> = it
                     .signature

@@ -4,7 +4,11 @@ use std::{ops::Range, path::Path};
 
 use toml::Spanned;
 
-use crate::kernel::{Kernel, KernelError};
+use crate::{
+    elementary,
+    kernel::{Kernel, KernelError},
+    plane::Plane,
+};
 
 use super::{MemoryRule, check::Checked, door::Door, written::WrittenKernel};
 
@@ -15,12 +19,18 @@ impl Door<'_> {
         gain: f64,
         span: &Range<usize>,
     ) -> Checked<Kernel> {
-        Kernel::new(kernel.weights() * gain).map_err(|e| {
-            self.wrong(
-                span.clone(),
-                &format!("with gain {gain:e}: {e}"),
-                "give a smaller gain",
-            )
+        let scaled = kernel.weights() * gain;
+        let is_zero = |weights: &Plane<f64>| weights.iter().all(|w| *w == 0.0);
+        if is_zero(&scaled) && !is_zero(kernel.weights()) {
+            let what = format!("with gain {gain:e}: every weight becomes 0");
+            return Err(self.wrong(span.clone(), &what, "give a larger gain"));
+        }
+        Kernel::new(scaled).map_err(|e| {
+            let advice = match e {
+                KernelError::Subnormal { .. } => "give a larger gain",
+                _ => "give a smaller gain",
+            };
+            self.wrong(span.clone(), &format!("with gain {gain:e}: {e}"), advice)
         })
     }
 
@@ -127,10 +137,10 @@ fn growth(kernel: &Kernel) -> f64 {
         let (mut re, mut im) = (1.0, 0.0);
         for ((y, x), weight) in kernel.weights().indexed_iter() {
             let phase = fy * (y as f64 - reach_y as f64) + fx * (x as f64 - reach_x as f64);
-            re -= weight * phase.cos();
-            im -= weight * phase.sin();
+            re -= weight * elementary::cos(phase);
+            im -= weight * elementary::sin(phase);
         }
-        f64::hypot(re, im)
+        elementary::hypot(re, im)
     };
     (0..GRID * GRID)
         .map(|i| at(angle(i / GRID), angle(i % GRID)))

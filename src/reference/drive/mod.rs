@@ -25,6 +25,7 @@ mod line;
 mod product;
 
 use crate::{
+    elementary,
     kernel::Kernel,
     number::{Format, Number, Real},
 };
@@ -227,7 +228,7 @@ fn is_wide<N: Number>(number: &N) -> bool {
 /// It floors at 1e-8, and its first memory at 0.
 pub(super) fn log_temporal<N: Number>(number: &N, drive: &mut [N::Held], floor: f64) {
     for s in drive {
-        *s = number.hold((number.real(*s).to_f64().max(floor) + 1.0).ln());
+        *s = number.hold(elementary::ln(number.real(*s).to_f64().max(floor) + 1.0));
     }
 }
 

@@ -5,6 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::elementary;
+
 /// The share of a pixel that lies on the near side of a straight edge at distance `d` along
 /// the unit normal `(x, y)`.
 pub(super) fn half_plane(d: f64, x: f64, y: f64) -> f64 {
@@ -32,7 +34,7 @@ pub(super) fn half_plane(d: f64, x: f64, y: f64) -> f64 {
 /// A sinusoid along the unit vector `(x, y)`, from 0 to 1, over a pixel at distance `s`.
 pub(super) fn grating(s: f64, period: f64, x: f64, y: f64) -> f64 {
     let seen = sinc(x / period) * sinc(y / period);
-    0.5 + 0.5 * seen * (TAU * s / period).sin()
+    0.5 + 0.5 * seen * elementary::sin(TAU * s / period)
 }
 
 /// `sin(pi a) / (pi a)`: the mean of a wave of `a` periods per pixel over a pixel.
@@ -40,7 +42,7 @@ fn sinc(a: f64) -> f64 {
     if a.abs() < 1e-9 {
         1.0
     } else {
-        (PI * a).sin() / (PI * a)
+        elementary::sin(PI * a) / (PI * a)
     }
 }
 
@@ -61,7 +63,7 @@ fn stripes(a: f64, width: f64) -> f64 {
 
 /// A disc around (0, 0).
 pub(super) fn disc((x, y): (f64, f64), radius: f64) -> f64 {
-    let far = x.hypot(y);
+    let far = elementary::hypot(x, y);
     let (nx, ny) = if far > 0.0 {
         (x / far, y / far)
     } else {

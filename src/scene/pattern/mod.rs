@@ -21,7 +21,8 @@ use motif::Motif;
 use parameters::Parameters;
 
 use super::{
-    Frame, Scene, SceneError, light,
+    Frame, OpenOptions, Scene, SceneError,
+    light::{self, Room},
     rate::{self, Rate},
 };
 use crate::plane::{Plane, Size};
@@ -68,6 +69,8 @@ pub struct Pattern {
     rate: Rate,
     frames: u64,
     next: u64,
+    /// Bytes of the picture and of a frame.
+    held: u128,
 }
 
 /// Optical flow: how fast what is seen at each pixel moves.
@@ -89,6 +92,12 @@ impl Pattern {
     /// When the name or a key is not known, a value or `fps` is out of range, or `image`
     /// cannot be read.
     pub fn parse(text: &str, fps: Option<f64>) -> Result<Self, SceneError> {
+        Self::within(text, OpenOptions { fps, memory: None })
+    }
+
+    /// The same, with what may be asked of any scene.
+    pub(super) fn within(text: &str, options: OpenOptions) -> Result<Self, SceneError> {
+        let (fps, room) = (options.fps, Room::of(options));
         if let Some(fps) = fps.filter(|fps| !rate::usable(*fps)) {
             return Err(SceneError::BadRate { fps });
         }
@@ -99,18 +108,19 @@ impl Pattern {
             .then(|| given.text("image", ""))
             .flatten()
         {
-            Some(path) => Some(super::still::read(&PathBuf::from(path), 0)?),
+            Some(path) => Some(super::still::read(&PathBuf::from(path), 0, room)?),
             None => None,
         };
         let natural = image.as_ref().map_or(Size::new(128, 128), Size::of);
         let width = given.whole("width", natural.width as u64, 1..=1 << 16)?;
         let height = given.whole("height", natural.height as u64, 1..=1 << 16)?;
-        let size = light::checked_size(
-            &PathBuf::from(format!("pattern:{name}")),
-            height as usize,
-            width as usize,
-        )?;
-        let frames = given.whole("frames", 240, 1..=u64::from(u32::MAX))?;
+        let path = PathBuf::from(format!("pattern:{name}"));
+        let size = light::checked_size(&path, height as usize, width as usize)?;
+        let frames = given.whole("frames", 240, 1..=light::MOST_FRAMES)?;
+        light::check_drawn(&path, size, frames)?;
+        let drawn = image.as_ref().map_or(0, ndarray::ArrayBase::len);
+        let held = light::FRAME * (drawn + size.pixels()) as u128;
+        room.check(&path, size, held)?;
         let own = given.real("fps", 240.0, 1e-6..=1e9)?;
         let rate = Rate {
             fps: fps.unwrap_or(own),
@@ -125,6 +135,7 @@ impl Pattern {
             rate,
             frames,
             next: 0,
+            held,
         })
     }
 
@@ -177,6 +188,9 @@ impl Scene for Pattern {
             seconds,
             light: self.light(seconds),
         }))
+    }
+    fn bytes(&self) -> u128 {
+        self.held
     }
 }
 

@@ -5,7 +5,7 @@ use super::{
     parameters::Parameters,
     texture::{Border, Texture},
 };
-use crate::plane::Plane;
+use crate::{elementary, plane::Plane};
 
 /// A figure in motion. Places are `(x, y)` in pixels from the middle of the picture.
 #[derive(Debug)]
@@ -69,7 +69,7 @@ impl Direction {
     /// Exact for quarter turns, so that a pattern along a row is the same in every row.
     fn degrees(angle: f64) -> Self {
         let quarter = (angle / 90.0).round();
-        let (sin, cos) = (angle - quarter * 90.0).to_radians().sin_cos();
+        let (sin, cos) = elementary::sin_cos((angle - quarter * 90.0).to_radians());
         let (x, y) = match quarter.rem_euclid(4.0) {
             0.0 => (cos, sin),
             1.0 => (-sin, cos),
@@ -189,11 +189,11 @@ impl Motion {
                 (x - vx * t, y - vy * t)
             }
             Self::Turn(rate) => {
-                let (sin, cos) = (rate * seconds).sin_cos();
+                let (sin, cos) = elementary::sin_cos(rate * seconds);
                 (cos * x + sin * y, cos * y - sin * x)
             }
             Self::Grow(rate) => {
-                let scale = (-rate * seconds).exp();
+                let scale = elementary::exp(-rate * seconds);
                 (x * scale, y * scale)
             }
             Self::Rest => (x, y),
@@ -218,13 +218,13 @@ impl Figure {
             Self::Disc { radius } => draw::disc(place, *radius),
             Self::Spot { sigma } => {
                 let (x, y) = place;
-                (-(x * x + y * y) / (2.0 * sigma * sigma)).exp()
+                elementary::exp(-(x * x + y * y) / (2.0 * sigma * sigma))
             }
             Self::Texture(texture) => texture.at(place),
             Self::Flicker { frequency, wave } => {
                 let turns = frequency * seconds;
                 match wave {
-                    Wave::Sine => 0.5 + 0.5 * (std::f64::consts::TAU * turns).sin(),
+                    Wave::Sine => 0.5 + 0.5 * elementary::sin(std::f64::consts::TAU * turns),
                     Wave::Square if turns.rem_euclid(1.0) < 0.5 => 1.0,
                     Wave::Square => 0.0,
                 }

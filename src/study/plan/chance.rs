@@ -1,5 +1,7 @@
 //! Bounds on what chance can do, each of which fails once in 10^9 seeds.
 
+use crate::elementary;
+
 /// The chance with which a bound on noise may fail.
 pub const FAILS: f64 = 1e-9;
 
@@ -10,7 +12,7 @@ pub fn poisson(mean: f64) -> f64 {
     if mean <= 0.0 {
         return 0.0;
     }
-    let least = -FAILS.ln();
+    let least = -elementary::ln(FAILS);
     let exponent = |x: f64| exponent_of(x, mean);
     let mut high = 2.0 * mean + 4.0 * least;
     while exponent(high) < least {
@@ -30,7 +32,7 @@ pub fn poisson(mean: f64) -> f64 {
 
 /// `x ln(x / m) - x + m`
 fn exponent_of(x: f64, mean: f64) -> f64 {
-    x * (x / mean).ln() - x + mean
+    x * elementary::ln(x / mean) - x + mean
 }
 
 /// A number that a sum of independent terms is not above, but for a chance of [`FAILS`], where
@@ -38,7 +40,7 @@ fn exponent_of(x: f64, mean: f64) -> f64 {
 /// `squares`, and none is above `largest`: Bernstein's inequality.
 #[must_use]
 pub fn bernstein(mean: f64, squares: f64, largest: f64) -> f64 {
-    let least = -FAILS.ln();
+    let least = -elementary::ln(FAILS);
     // x² = 2 least (squares + largest x / 3)
     let half = least * largest / 3.0;
     mean + half + (half * half + 2.0 * least * squares).sqrt()
@@ -48,7 +50,7 @@ pub fn bernstein(mean: f64, squares: f64, largest: f64) -> f64 {
 /// chance of [`FAILS`]: `P(|g| > s) ≤ exp(-s² / 2)`, once for each draw.
 #[must_use]
 pub fn sigmas(draws: f64) -> f64 {
-    (2.0 * (draws.max(1.0) / FAILS).ln()).sqrt()
+    (2.0 * elementary::ln(draws.max(1.0) / FAILS)).sqrt()
 }
 
 /// The most that a normal number of this project can be, in standard deviations: it is drawn as
@@ -61,7 +63,7 @@ pub fn beyond(s: f64) -> f64 {
     if s > MOST_SIGMAS {
         0.0
     } else {
-        (-s * s / 2.0).exp().min(1.0)
+        elementary::exp(-s * s / 2.0).min(1.0)
     }
 }
 

@@ -15,6 +15,7 @@
 use std::ops::Add;
 
 use crate::{
+    elementary,
     kernel::Kernel,
     number::{Format, Real as _},
     reference::{Channel, Description},
@@ -249,8 +250,8 @@ fn drive(format: Format, channel: &Channel, light: &Light) -> (f64, f64) {
     };
     if channel.log_temporal {
         // ln(S + 1) of what is not below 0 changes by no more than S.
-        error += format.hold_bound((size + 1.0).ln());
-        size = size.max((size + 1.0).ln());
+        error += format.hold_bound(elementary::ln(size + 1.0));
+        size = size.max(elementary::ln(size + 1.0));
     }
     (error, size)
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::{
+    elementary,
     plane::{Plane, Size},
     reference::Description,
     scene::{Frame, Scene},
@@ -163,7 +164,7 @@ impl Light {
         let signals = now.signal.iter().zip(&before.signal);
         for ((light, old), (u, v)) in lights.zip(signals) {
             if light != old {
-                let change = ((light.max(0.0) + 1.0) / (old.max(0.0) + 1.0)).ln().abs();
+                let change = elementary::ln((light.max(0.0) + 1.0) / (old.max(0.0) + 1.0)).abs();
                 steepest = steepest.max(change);
                 sums.contrast += change;
                 moved = moved.max((u - v).abs());
@@ -183,9 +184,9 @@ impl Light {
             // Inserted frames bend the line between two frames, at worst into a step.
             let late = match contrast {
                 Some(_) => 1.0,
-                None => -(-times).exp_m1() / times,
+                None => -elementary::exp_m1(-times) / times,
             };
-            sums.lag = (-times).exp() * sums.lag + late * moved;
+            sums.lag = elementary::exp(-times) * sums.lag + late * moved;
             self.settling = self.settling.max(sums.lag);
         }
         if noise.cutoff_hz > 0.0 {

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::{isa::Evidence, study::feasibility::Known};
+use crate::{elementary, isa::Evidence, study::feasibility::Known};
 
 /// Between groups of three digits.
 const GROUP: char = '\u{202f}';
@@ -107,7 +107,7 @@ fn short(value: f64) -> String {
     if !(1e-4..1e15).contains(&size) {
         return format!("{value:.2e}");
     }
-    let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
+    let decimals = (3 - elementary::log10(size).floor() as i32).max(0) as usize;
     let text = format!("{value:.decimals$}");
     if !text.contains('.') {
         return grouped(&text);

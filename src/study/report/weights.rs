@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use crate::{
+    elementary,
     picture::{ink, ink::Ink, panel},
     plane::Plane,
 };
@@ -63,7 +64,7 @@ fn contrast(a: Ink, b: Ink) -> f64 {
             if v <= 0.040_45 {
                 v / 12.92
             } else {
-                ((v + 0.055) / 1.055).powf(2.4)
+                elementary::pow((v + 0.055) / 1.055, 2.4)
             }
         });
         0.2126 * r + 0.7152 * g + 0.0722 * b

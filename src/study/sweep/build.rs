@@ -20,14 +20,19 @@ use crate::{
     study::design::Compiled,
 };
 
-/// Why a point cannot be.
-#[derive(Debug)]
-pub(super) struct Refusal(pub String);
+/// Why a point has no figures.
+#[derive(Clone, Debug)]
+pub(super) enum Refusal {
+    /// It cannot be, here or elsewhere.
+    Cannot(String),
+    /// It was given up: with more time or memory it may be.
+    GivenUp(String),
+}
 
 impl<E: Diagnostic> From<E> for Refusal {
     fn from(error: E) -> Self {
         let help = error.help().map(|help| format!(" ({help})"));
-        Self(format!("{error}{}", help.unwrap_or_default()))
+        Self::Cannot(format!("{error}{}", help.unwrap_or_default()))
     }
 }
 
@@ -92,7 +97,7 @@ pub(super) fn array(
     let device = entry
         .chip
         .as_ref()
-        .ok_or_else(|| Refusal("there is no chip".to_owned()))?;
+        .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
     let weights: Vec<f64> = entry.kernel.weights().iter().copied().collect();
     let rounding = if word("quantise").ends_with(":stochastic") {
         seed
@@ -110,13 +115,12 @@ pub(super) fn array(
         on == off,
     );
     let made = shared.program(&key, || {
-        let made = compiled(settings, &entry.kernel, entry, rounding, on == off);
-        made.map_err(|Refusal(why)| why)
+        compiled(settings, &entry.kernel, entry, rounding, on == off)
     });
     let (compiled, scale, lost) = match made.get() {
         Some(Ok(made)) => made,
-        Some(Err(why)) => return Err(Refusal(why.clone())),
-        None => return Err(Refusal("the program was not made".to_owned())),
+        Some(Err(refusal)) => return Err(refusal.clone()),
+        None => return Err(Refusal::Cannot("the program was not made".to_owned())),
     };
     let unit = compiled.program.scale / scale;
     let constants: &[(&str, f64)] = if on == off {
@@ -176,7 +180,7 @@ fn compiled(
     let device = entry
         .chip
         .as_ref()
-        .ok_or_else(|| Refusal("there is no chip".to_owned()))?;
+        .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
     let name = point.word("quantise").unwrap_or("none");
     let (levels, scale, lost) = if name == "none" {
         (kernel.clone(), 1.0, 0.0)

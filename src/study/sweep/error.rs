@@ -2,8 +2,16 @@
 
 use std::{io, path::PathBuf};
 
-use super::SCHEMA;
+use super::{
+    SCHEMA,
+    damage::{Damage, damages, listed},
+    merge::Disagreement,
+    provenance::{NUMERICS, Provenance},
+};
 use crate::save::SaveError;
+
+/// What the folder's work gives.
+pub(super) type Kept<T> = Result<T, StoreError>;
 
 /// Why a folder of results cannot be used.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -44,10 +52,21 @@ pub enum StoreError {
         /// Which folder.
         folder: PathBuf,
     },
-    /// Results of another version.
+    /// Something stands in the place of a file or a folder of the results.
+    #[error("{} is {found}: results are not read or written through it", path.display())]
+    #[diagnostic(help(
+        "a folder of results holds files and folders of its own: move what is there away, or give another --output; nothing was changed"
+    ))]
+    Kind {
+        /// Where.
+        path: PathBuf,
+        /// What stands there.
+        found: &'static str,
+    },
+    /// Results of a build whose numbers may differ.
     #[error(
-        "{} was made by amacrine {made} (results version {schema}); this is amacrine {}, results version {}",
-        folder.display(), env!("CARGO_PKG_VERSION"), SCHEMA
+        "{} was made by amacrine {made} (results version {schema}, numerics version {numerics}); this is amacrine {}, results version {}, numerics version {}",
+        folder.display(), env!("CARGO_PKG_VERSION"), SCHEMA, NUMERICS
     )]
     #[diagnostic(help(
         "results of two versions do not belong in one table: give another --output, or go on with the version that made it; nothing was changed"
@@ -59,6 +78,27 @@ pub enum StoreError {
         made: String,
         /// The version of its results.
         schema: u64,
+        /// The version of its numerics; 0: it does not say.
+        numerics: u64,
+    },
+    /// Points of a build whose numbers may differ, in a folder of this one.
+    #[error(
+        "{points} points in {} are of another build, the first ({}) of amacrine {}, results version {}, numerics version {}; this is amacrine {}, results version {}, numerics version {}",
+        folder.display(), first.display(), made.amacrine, made.schema, made.numerics,
+        env!("CARGO_PKG_VERSION"), SCHEMA, NUMERICS
+    )]
+    #[diagnostic(help(
+        "results of two versions do not belong in one table: move those files away to have the points computed again, or give another --output; nothing was changed"
+    ))]
+    OtherBuild {
+        /// Which folder.
+        folder: PathBuf,
+        /// How many.
+        points: usize,
+        /// The first of their files.
+        first: PathBuf,
+        /// Who computed it.
+        made: Box<Provenance>,
     },
     /// Results of another study.
     #[error(
@@ -80,12 +120,51 @@ pub enum StoreError {
     },
     /// A file that was damaged.
     #[error("{} is damaged: {why}", path.display())]
-    #[diagnostic(help("delete it to have it made again; all other points are kept"))]
+    #[diagnostic(help(
+        "delete it and run `amacrine sweep` with its study again: the points are kept, and each is checked"
+    ))]
     Damaged {
         /// Which file.
         path: PathBuf,
         /// What is wrong with it.
         why: String,
+    },
+    /// Files of points that were damaged.
+    #[error("{} of the files of points are damaged:{}", damaged.len(), damages(damaged))]
+    #[diagnostic(help(
+        "run `amacrine sweep` with the study and this folder as --output: it sets the damaged files aside and computes their points again; nothing was written"
+    ))]
+    Points {
+        /// All of them.
+        damaged: Vec<Damage>,
+    },
+    /// Folders that say two things of one point.
+    #[error(
+        "the folders disagree on {points} points:{}",
+        listed(disagreements.iter().map(ToString::to_string))
+    )]
+    #[diagnostic(help(
+        "`amacrine sweep STUDY --output DIR --verify 100%` says which folder is wrong: delete the files of these points there and compute them again; nothing was written"
+    ))]
+    Disagree {
+        /// On how many points.
+        points: usize,
+        /// Each column of each point.
+        disagreements: Vec<Disagreement>,
+    },
+    /// The joined results would go into one of the folders that they come from.
+    #[error("{} is both joined and the --output", folder.display())]
+    #[diagnostic(help("give an --output that is none of the folders; nothing was changed"))]
+    Input {
+        /// Which folder.
+        folder: PathBuf,
+    },
+    /// Nothing to check.
+    #[error("{} has no finished point to verify", folder.display())]
+    #[diagnostic(help("run `amacrine sweep` without --verify first"))]
+    Unfinished {
+        /// Which folder.
+        folder: PathBuf,
     },
     /// Nothing to join.
     #[error("there is no folder to merge")]

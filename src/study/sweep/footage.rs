@@ -73,6 +73,12 @@ impl Footage {
         })
     }
 
+    /// Bytes of the frames that are kept.
+    pub fn bytes(&self) -> u128 {
+        let frames = self.held.as_ref().map_or(0, |held| held.len());
+        (frames * self.size.pixels() * size_of::<f64>()) as u128
+    }
+
     /// Shows every frame.
     pub fn play<E: From<SceneError>>(
         &self,
@@ -105,7 +111,13 @@ fn play<E: From<SceneError>>(
         // Only its times are others.
         Box::new(Retimed(bundled()?, wanted.fps.unwrap_or(1.0)))
     } else {
-        open(spec, &OpenOptions { fps: wanted.fps })?
+        open(
+            spec,
+            &OpenOptions {
+                fps: wanted.fps,
+                ..OpenOptions::default()
+            },
+        )?
     };
     let read = Source {
         scene,

@@ -5,6 +5,7 @@ use serde_json::json;
 use super::{
     build::{Refusal, array, float},
     key::Side,
+    limits::{Exhausted, Limits},
     plan::{Entry, Plan},
     sensor,
     shared::Shared,
@@ -22,11 +23,8 @@ use crate::{
     sensor::{Sensor, SensorError},
 };
 
-/// Seconds since some moment.
-pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
-
-/// Computes a point; what came of it, as a row.
-pub(super) fn measure(plan: &Plan, entry: &Entry, shared: &Shared, clock: Clock<'_>) -> Row {
+/// A point as a row, before anything has come of it.
+pub(super) fn described(plan: &Plan, entry: &Entry) -> Row {
     let settings = &plan.study.settings;
     let mut row = entry.point.columns();
     row.insert("id".to_owned(), json!(entry.id));
@@ -36,34 +34,53 @@ pub(super) fn measure(plan: &Plan, entry: &Entry, shared: &Shared, clock: Clock<
     row.insert("width".to_owned(), json!(width));
     row.insert("height".to_owned(), json!(height));
     row.insert("frames_seen".to_owned(), json!(entry.scene.frames));
-    let outcome = match run(settings, entry, shared, clock, &mut row) {
-        Ok(()) => "done",
-        Err(Refusal(why)) => {
-            row.insert("reason".to_owned(), json!(why));
-            "refused"
-        }
-    };
+    row
+}
+
+/// The longest reason that is kept, in characters.
+const REASON: usize = 2000;
+
+/// A point of which nothing came, as a row.
+pub(super) fn without_figures(mut row: Row, outcome: &str, why: &str) -> Row {
+    let why: String = why.chars().take(REASON).collect();
+    row.insert("reason".to_owned(), json!(why));
     row.insert("outcome".to_owned(), json!(outcome));
     row
+}
+
+/// Computes a point; what came of it, as a row.
+pub(super) fn measure(plan: &Plan, entry: &Entry, shared: &Shared, limits: Limits<'_>) -> Row {
+    let mut row = described(plan, entry);
+    match run(&plan.study.settings, entry, shared, limits, &mut row) {
+        Ok(()) => {
+            row.insert("outcome".to_owned(), json!("done"));
+            row
+        }
+        Err(Refusal::Cannot(why)) => without_figures(row, "refused", &why),
+        // Figures of a half-watched scene are none.
+        Err(Refusal::GivenUp(why)) => without_figures(described(plan, entry), "failed", &why),
+    }
 }
 
 fn run(
     settings: &Settings,
     entry: &Entry,
     shared: &Shared,
-    clock: Clock<'_>,
+    limits: Limits<'_>,
     row: &mut Row,
 ) -> Result<(), Refusal> {
+    let fits = limits.fits(entry.scene.size);
+    fits.map_err(|exhausted| exhausted.given_up())?;
     let mut sensor = match entry.point.side() {
         Side::Reference | Side::Mesh => float(entry, row)?,
         Side::Array => array(settings, entry, shared, row)?,
     };
-    let (packet, seconds) = watch(entry, &mut *sensor, clock)?;
-    let made = shared.reference(&entry.task, || ideal(settings, entry, clock));
+    let (packet, seconds) = watch(entry, &mut *sensor, limits)?;
+    let made = shared.reference(&entry.task, || ideal(settings, entry, limits));
     let truth = match made.get() {
         Some(Ok(packet)) => packet,
-        Some(Err(why)) => return Err(Refusal(format!("the f64 sensor: {why}"))),
-        None => return Err(Refusal("the f64 sensor was not made".to_owned())),
+        Some(Err(refusal)) => return Err(refusal.clone()),
+        None => return Err(Refusal::Cannot("the f64 sensor was not made".to_owned())),
     };
     let pair = Pair::of(truth, &packet)?;
     let frames = entry.scene.frames as f64;
@@ -94,16 +111,23 @@ fn run(
 fn watch(
     entry: &Entry,
     sensor: &mut (dyn Sensor + Send),
-    clock: Clock<'_>,
+    limits: Limits<'_>,
 ) -> Result<(Packet, f64), Refusal> {
+    let begin = (limits.clock)();
     let mut packet = Packet::new(sensor.size(), sensor.channels());
     let mut spent = 0.0;
-    entry.scene.play(|frame| {
-        let start = clock();
+    let played = entry.scene.play(|frame| {
+        let start = (limits.clock)();
         sensor.watch(frame, &mut packet)?;
-        spent += clock() - start;
+        let now = (limits.clock)();
+        spent += now - start;
+        limits.hold(now - begin, entry.scene.size, packet.events.len())?;
         Ok::<(), Stop>(())
-    })?;
+    });
+    match played {
+        Err(Stop::Exhausted(exhausted)) => return Err(exhausted.given_up()),
+        played => played?,
+    }
     // A clock may be too coarse for a small scene.
     Ok((packet, f64::max(spent, 1e-9)))
 }
@@ -117,16 +141,22 @@ enum Stop {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Sensor(#[from] SensorError),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Exhausted(#[from] Exhausted),
 }
 
 /// The packet that points of this task are measured against.
-fn ideal(settings: &Settings, entry: &Entry, clock: Clock<'_>) -> Result<Packet, String> {
+fn ideal(settings: &Settings, entry: &Entry, limits: Limits<'_>) -> Result<Packet, Refusal> {
     let make = || -> Result<Packet, Refusal> {
         let description = sensor::ideal(&entry.point, &entry.kernel, settings.against)?;
         let mut sensor = Reference::new(description, entry.scene.size, 0)?;
-        Ok(watch(entry, &mut sensor, clock)?.0)
+        Ok(watch(entry, &mut sensor, limits)?.0)
     };
-    make().map_err(|Refusal(why)| why)
+    make().map_err(|refusal| match refusal {
+        Refusal::Cannot(why) => Refusal::Cannot(format!("the f64 sensor: {why}")),
+        Refusal::GivenUp(why) => Refusal::GivenUp(format!("the f64 sensor: {why}")),
+    })
 }
 
 /// One metric; none where it has no value.

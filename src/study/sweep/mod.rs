@@ -11,21 +11,30 @@
 //! `docs/sweeps.md` has a worked example, every key and every column.
 
 mod build;
+pub mod damage;
+mod difference;
 mod entry;
 mod error;
 mod footage;
 pub mod grid;
 pub mod key;
+pub mod limits;
+pub mod manifest;
 mod measure;
+pub mod merge;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub mod plan;
 pub mod point;
+pub mod provenance;
 mod read;
+pub mod record;
+mod regular;
 pub mod report;
 pub mod run;
 pub mod sample;
 pub mod schema;
+mod seal;
 mod sensor;
 mod shared;
 mod sides;
@@ -33,14 +42,19 @@ pub mod store;
 pub mod study;
 pub mod table;
 pub mod value;
+pub mod verify;
 
+pub use damage::Damage;
 pub use error::StoreError;
-pub use measure::Clock;
+pub use limits::{Clock, Limits};
+pub use manifest::Manifest;
+pub use merge::merge;
 pub use plan::Plan;
+pub use provenance::{NUMERICS, Provenance};
 pub use report::Report;
-pub use run::{Shard, run};
+pub use run::{Run, Shard};
 pub use store::Store;
 pub use study::Study;
 
 /// The version of the results: of what is measured and how. It is part of every identity.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;

@@ -17,12 +17,13 @@ use sha2::{Digest, Sha256};
 
 use super::{
     SCHEMA,
+    difference::NAMES,
     footage::{Footage, Wanted, hex},
     grid::Axes,
     key::Side,
+    manifest::Manifest,
     point::Point,
     sensor,
-    store::Manifest,
     study::Study,
     table,
 };
@@ -32,6 +33,7 @@ use crate::{
         text::{Fault, Faults, Place},
     },
     kernel::Kernel,
+    plane::Size,
     source,
 };
 
@@ -70,6 +72,20 @@ struct Opened<'a> {
 }
 
 impl Plan {
+    /// Bytes of the scenes that are kept in memory.
+    #[must_use]
+    pub fn held(&self) -> u128 {
+        let mut digests: Vec<&str> = Vec::new();
+        let mut all = 0;
+        for entry in &self.entries {
+            if !digests.contains(&entry.scene.digest.as_str()) {
+                digests.push(&entry.scene.digest);
+                all += entry.scene.bytes();
+            }
+        }
+        all
+    }
+
     /// Opens all that a study names, files in `folder`, and checks every point.
     ///
     /// # Errors
@@ -105,18 +121,8 @@ impl Plan {
     #[must_use]
     pub fn manifest(&self) -> Manifest {
         let points: Vec<String> = self.entries.iter().map(|entry| entry.id.clone()).collect();
-        let mut digest = Sha256::new();
-        for id in &points {
-            digest.update(id.as_bytes());
-        }
-        Manifest {
-            amacrine: env!("CARGO_PKG_VERSION").to_owned(),
-            schema: SCHEMA,
-            study: hex(&digest.finalize()[..16]),
-            title: self.study.title.clone(),
-            columns: table::names(&self.study.settings),
-            points,
-        }
+        let columns = table::names(&self.study.settings);
+        Manifest::new(self.study.title.clone(), columns, points)
     }
 }
 
@@ -161,7 +167,7 @@ impl Opened<'_> {
         let chip = self.chip(&point)?;
         let mut description: BTreeMap<String, Json> = point.columns().into_iter().collect();
         // Names are replaced by what they stand for.
-        for name in ["scene", "fps", "frames", "upsample", "kernel", "chip"] {
+        for name in NAMES {
             description.remove(name);
         }
         description.insert("light".to_owned(), json!(scene.digest));

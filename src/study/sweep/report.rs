@@ -9,7 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::{
-    store::Manifest,
+    manifest::Manifest,
+    record::is_failed,
     table::{self, Row},
 };
 use crate::study::front::{Cost, dominators};
@@ -54,6 +55,8 @@ pub struct Report {
     pub groups: Vec<Group>,
     /// Sensors that cannot be, each with the first reason.
     pub refused: Vec<Refused>,
+    /// Sensors with points that failed, each with the first reason.
+    pub failed: Vec<Refused>,
     /// Sensors that do not have this cost: only programs have words.
     pub without: Vec<String>,
 }
@@ -90,14 +93,14 @@ pub struct Standing {
     pub dominated_by: Option<String>,
 }
 
-/// A sensor with points that cannot be.
+/// A sensor with points that cannot be, or failed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Refused {
     /// What sets it apart.
     pub name: String,
     /// How many points.
     pub points: usize,
-    /// Why the first of them cannot be.
+    /// Why, of the first of them.
     pub reason: String,
 }
 
@@ -113,18 +116,24 @@ impl Report {
             sensors.entry(key).or_default().push(row);
         }
         let mut groups: BTreeMap<BTreeSet<String>, Vec<Standing>> = BTreeMap::new();
-        let (mut refused, mut without) = (Vec::new(), Vec::new());
+        let (mut refused, mut failed, mut without) = (Vec::new(), Vec::new(), Vec::new());
         for (key, rows) in &sensors {
             let name = name(key, &varying);
-            let (cannot, done): (Vec<&Row>, Vec<&Row>) = rows
-                .iter()
-                .partition(|row| table::cell(row, "outcome") != "done");
-            if let Some(first) = cannot.first() {
-                refused.push(Refused {
-                    name: name.clone(),
-                    points: cannot.len(),
-                    reason: table::cell(first, "reason"),
-                });
+            let of = |outcome: &str| -> Vec<&Row> {
+                let rows = rows.iter().copied();
+                rows.filter(|row| table::cell(row, "outcome") == outcome)
+                    .collect()
+            };
+            let done = of("done");
+            for (outcome, list) in [("refused", &mut refused), ("failed", &mut failed)] {
+                let without = of(outcome);
+                if let Some(first) = without.first() {
+                    list.push(Refused {
+                        name: name.clone(),
+                        points: without.len(),
+                        reason: table::cell(first, "reason"),
+                    });
+                }
             }
             if done.is_empty() {
                 continue;
@@ -150,9 +159,10 @@ impl Report {
             title: manifest.title.clone(),
             cost: cost.to_owned(),
             points: manifest.points.len(),
-            finished: rows.len(),
+            finished: rows.iter().filter(|row| !is_failed(row)).count(),
             groups,
             refused,
+            failed,
             without,
         }
     }
@@ -257,6 +267,7 @@ mod tests {
         Manifest {
             amacrine: String::new(),
             schema: 1,
+            numerics: 1,
             study: String::new(),
             title: "t".to_owned(),
             columns: Vec::new(),

@@ -10,12 +10,18 @@ use std::{
 };
 
 use super::{
-    error::StoreError,
-    measure::{Clock, measure},
+    damage::Damage,
+    error::Kept,
+    limits::Limits,
+    measure::{described, measure, without_figures},
     plan::{Entry, Plan},
+    provenance::Provenance,
+    record::{Record, is_failed},
     shared::Shared,
     store::Store,
+    table::{self, Row},
 };
+use crate::guard;
 
 /// One part of a study, for one of several machines: the points whose number leaves `index`
 /// when it is divided by `of`.
@@ -58,86 +64,161 @@ impl Shard {
     }
 }
 
+/// A plan, and how it is computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// The points.
+    pub plan: &'a Plan,
+    /// Only those of one shard.
+    pub shard: Option<Shard>,
+    /// How many points at a time, each on one thread.
+    pub jobs: usize,
+    /// What each may take.
+    pub limits: Limits<'a>,
+}
+
 /// What a run did.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Did {
-    /// Points that were computed now.
+    /// Points that were computed now, those that failed among them.
     pub computed: usize,
     /// Points that were there already.
     pub found: usize,
+    /// Points that failed now.
+    pub failed: Vec<Failed>,
+    /// Files of points that were damaged, and set aside.
+    pub damaged: Vec<Damage>,
 }
 
-/// Computes what is missing of a plan, or of one shard of it, on so many threads. `begin`
-/// hears how many points that are, `done` of each.
-///
-/// # Errors
-/// When the folder does not take a result; all that was finished before is kept.
-pub fn run(
-    plan: &Plan,
-    store: &Store,
-    shard: Option<Shard>,
-    jobs: usize,
-    clock: Clock<'_>,
-    begin: impl FnOnce(u64),
-    done: impl Fn() + Sync,
-) -> Result<Did, StoreError> {
-    let finished = store.finished()?;
-    let mine = (0..).zip(&plan.entries);
-    let mine = mine.filter(|(index, _)| shard.is_none_or(|shard| shard.has(*index)));
-    let mine: Vec<&Entry> = mine.map(|(_, entry)| entry).collect();
-    let mut work: Vec<&Entry> = mine
-        .iter()
-        .copied()
-        .filter(|entry| !finished.contains_key(&entry.id))
-        .collect();
-    let did = Did {
-        computed: work.len(),
-        found: mine.len() - work.len(),
-    };
-    begin(work.len() as u64);
-    task_by_task(&mut work);
+/// A point that failed.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Failed {
+    /// Its number.
+    pub point: usize,
+    /// Why.
+    pub reason: String,
+}
 
-    let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let failed = Mutex::new(None);
-    let shared = Shared::default();
-    let one = |entry: &Entry| -> Result<(), StoreError> {
-        store.begin(&entry.id)?;
-        let row = measure(plan, entry, &shared, clock);
-        store.keep(&entry.id, &row)
-    };
-    let worker = || {
-        while !stop.load(Ordering::Relaxed) {
-            let Some(entry) = work.get(next.fetch_add(1, Ordering::Relaxed)) else {
-                return;
-            };
-            match one(entry) {
-                Ok(()) => done(),
-                Err(error) => {
+impl Run<'_> {
+    /// Computes what is missing, what has failed before, and what is damaged. `begin` hears how
+    /// many points that are, `done` of each.
+    ///
+    /// # Errors
+    /// When the folder does not take a result; all that was finished before is kept.
+    pub fn complete(
+        &self,
+        store: &Store,
+        begin: impl FnOnce(u64),
+        done: impl Fn() + Sync,
+    ) -> Kept<Did> {
+        let (plan, limits) = (self.plan, self.limits);
+        self.complete_by(store, begin, done, |entry, shared| {
+            measure(plan, entry, shared, limits)
+        })
+    }
+
+    fn complete_by(
+        &self,
+        store: &Store,
+        begin: impl FnOnce(u64),
+        done: impl Fn() + Sync,
+        compute: impl Fn(&Entry, &Shared) -> Row + Sync,
+    ) -> Kept<Did> {
+        let held = store.held()?;
+        store.set_aside(&held.damaged)?;
+        let is_there = |entry: &Entry| held.records.get(&entry.id).is_some_and(Record::is_final);
+        let mine = self.mine();
+        let all = mine.len();
+        let work: Vec<_> = mine
+            .into_iter()
+            .filter(|(_, entry)| !is_there(entry))
+            .collect();
+        let mut did = Did {
+            computed: work.len(),
+            found: all - work.len(),
+            damaged: held.damaged,
+            failed: Vec::new(),
+        };
+        begin(work.len() as u64);
+        let failed = Mutex::new(Vec::new());
+        let provenance = Provenance::here();
+        self.on_threads(work, |point, entry, shared| {
+            store.begin(&entry.id)?;
+            let row = self.computed(entry, || compute(entry, shared));
+            if is_failed(&row) {
+                let reason = table::cell(&row, "reason");
+                let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                failed.push(Failed { point, reason });
+            }
+            let provenance = provenance.clone();
+            store.keep(&entry.id, &Record { row, provenance })?;
+            done();
+            Ok(())
+        })?;
+        did.failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
+        did.failed.sort_by_key(|failed| failed.point);
+        Ok(did)
+    }
+
+    /// The points of the shard, each with its number.
+    pub(super) fn mine(&self) -> Vec<(usize, &Entry)> {
+        let all = self.plan.entries.iter().enumerate();
+        let mine = all.filter(|(index, _)| {
+            let shard = self.shard;
+            shard.is_none_or(|shard| shard.has(*index as u64))
+        });
+        mine.collect()
+    }
+
+    /// The row of a point, also where its computation panics.
+    pub(super) fn computed(&self, entry: &Entry, measure: impl FnOnce() -> Row) -> Row {
+        guard::caught(measure).unwrap_or_else(|words| {
+            let why = format!("its computation panicked, which is a defect of amacrine: {words}");
+            without_figures(described(self.plan, entry), "failed", &why)
+        })
+    }
+
+    /// Does something with each of these points, task by task; the first error ends it.
+    pub(super) fn on_threads(
+        &self,
+        mut work: Vec<(usize, &Entry)>,
+        each: impl Fn(usize, &Entry, &Shared) -> Kept<()> + Sync,
+    ) -> Kept<()> {
+        task_by_task(&mut work);
+        let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let failed = Mutex::new(None);
+        let shared = Shared::default();
+        let worker = || {
+            while !stop.load(Ordering::Relaxed) {
+                let Some((point, entry)) = work.get(next.fetch_add(1, Ordering::Relaxed)) else {
+                    return;
+                };
+                if let Err(error) = each(*point, entry, &shared) {
                     stop.store(true, Ordering::Relaxed);
                     let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                     failed.get_or_insert(error);
                 }
             }
+        };
+        thread::scope(|scope| {
+            for _ in 0..self.jobs.clamp(1, work.len().max(1)) {
+                scope.spawn(|| alone(worker));
+            }
+        });
+        match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error),
+            None => Ok(()),
         }
-    };
-    thread::scope(|scope| {
-        for _ in 0..jobs.clamp(1, work.len().max(1)) {
-            scope.spawn(|| alone(worker));
-        }
-    });
-    match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(error) => Err(error),
-        None => Ok(did),
     }
 }
 
 /// Points of one task after each other: they share what they are measured against.
-fn task_by_task(work: &mut [&Entry]) {
+fn task_by_task(work: &mut [(usize, &Entry)]) {
     let mut first = HashMap::new();
-    for (at, entry) in work.iter().enumerate() {
+    for (at, (_, entry)) in work.iter().enumerate() {
         first.entry(entry.task.clone()).or_insert(at);
     }
-    work.sort_by_key(|entry| first.get(&entry.task).copied());
+    work.sort_by_key(|(_, entry)| first.get(&entry.task).copied());
 }
 
 /// Does work in a pool of one thread, so that what would spread over the cores does not.
@@ -151,7 +232,60 @@ fn alone(work: impl FnOnce() + Send) {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::study::sweep::Study;
+
+    /// One of three points panics: it is a row, the others are done, and the next run mends it.
+    #[test]
+    fn a_point_that_panics_is_a_row_and_the_others_go_on() {
+        let text = "scene = \"pattern:disc?width=16&height=12&frames=3&radius=3\"\nkernel = \"dvs\"\nthreshold = [10, 20, 30]\n[[side]]\nside = \"reference\"\n";
+        let study = Study::parse("study.toml", text).unwrap();
+        let plan = Plan::new(study, Path::new("")).unwrap();
+        let run = Run {
+            plan: &plan,
+            shard: None,
+            jobs: 2,
+            limits: Limits {
+                clock: &|| 0.0,
+                seconds: None,
+                bytes: None,
+            },
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path(), &plan.manifest()).unwrap();
+        let bad = &plan.entries[1].id;
+        let compute = |entry: &Entry, shared: &Shared| {
+            assert!(entry.id != *bad, "a defect");
+            measure(&plan, entry, shared, run.limits)
+        };
+        let did = run.complete_by(&store, |_| {}, || {}, compute).unwrap();
+        let [failed] = &*did.failed else {
+            panic!("{:?}", did.failed);
+        };
+        assert_eq!((did.computed, failed.point), (3, 1));
+        assert!(failed.reason.contains("panicked") && failed.reason.contains("a defect"));
+        let tables = store.write_tables(false).unwrap();
+        assert_eq!((tables.finished, tables.failed), (2, 1));
+        let rows = crate::study::sweep::store::read(folder.path()).unwrap().1;
+        assert_eq!(table::cell(&rows[1], "outcome"), "failed");
+        assert_eq!(table::cell(&rows[1], "threshold_on"), "20.0");
+        // Now there is no room for it.
+        let little = Run {
+            limits: Limits {
+                bytes: Some(1000),
+                ..run.limits
+            },
+            ..run
+        };
+        let did = little.complete(&store, |_| {}, || {}).unwrap();
+        assert!(did.failed[0].reason.contains("bytes") && did.failed[0].reason.contains("1000"));
+        assert_eq!((did.computed, did.found), (1, 2));
+        let did = run.complete(&store, |_| {}, || {}).unwrap();
+        assert_eq!((did.computed, did.found), (1, 2));
+        assert_eq!(store.write_tables(false).unwrap().finished, 3);
+    }
 
     #[test]
     fn shards_take_every_point_once() {

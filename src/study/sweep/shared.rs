@@ -5,6 +5,7 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
+use super::build::Refusal;
 use crate::{event::Packet, study::design::Compiled};
 
 /// What several points need, made once.
@@ -15,17 +16,17 @@ pub(super) struct Shared {
 }
 
 /// A packet, or why there is none.
-pub(super) type Watched = Arc<OnceLock<Result<Packet, String>>>;
+pub(super) type Watched = Arc<OnceLock<Result<Packet, Refusal>>>;
 
 /// A program, or why there is none.
-pub(super) type Made = Arc<OnceLock<Result<(Compiled, f64, f64), String>>>;
+pub(super) type Made = Arc<OnceLock<Result<(Compiled, f64, f64), Refusal>>>;
 
 /// Reference packets that are kept: points come task by task.
 const KEPT: usize = 8;
 
 impl Shared {
     /// The packet that points of a task are measured against.
-    pub fn reference(&self, task: &str, make: impl FnOnce() -> Result<Packet, String>) -> Watched {
+    pub fn reference(&self, task: &str, make: impl FnOnce() -> Result<Packet, Refusal>) -> Watched {
         let slot = {
             let mut all = self
                 .references
@@ -50,7 +51,7 @@ impl Shared {
     pub fn program(
         &self,
         key: &str,
-        make: impl FnOnce() -> Result<(Compiled, f64, f64), String>,
+        make: impl FnOnce() -> Result<(Compiled, f64, f64), Refusal>,
     ) -> Made {
         let slot = {
             let mut all = self.programs.lock().unwrap_or_else(PoisonError::into_inner);

@@ -2,53 +2,86 @@
 //! `ledger.txt` a line for each computation that was begun, `results.*` the tables.
 //!
 //! A point's file gets its name when it is complete, so a kill at any moment loses at most the
-//! points in flight. One process works in a folder at a time: it holds a lock on `lock`, which
-//! the system takes back however the process ends.
+//! points in flight. It carries a checksum, so that what has changed since is not believed; what
+//! is damaged is set aside in `damaged/`. One process works in a folder at a time: it holds a
+//! lock on `lock`, which the system takes back however the process ends.
 
 use std::{
-    collections::HashMap,
+    collections::{BTreeMap, HashMap},
+    ffi::OsString,
     fs::{self, File, OpenOptions},
     io::{self, Write},
     path::{Path, PathBuf},
 };
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::{
-    SCHEMA,
-    error::StoreError,
+    damage::Damage,
+    error::{Kept, StoreError},
+    manifest::{self, Manifest, is_identity},
+    provenance::Provenance,
+    record::{LONGEST, Record, Wrong},
+    regular::{self, FILE, FOLDER, Unusable},
     table::{self, Row},
 };
-use crate::save::save;
-
-/// What a folder of results says about itself.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Manifest {
-    /// The version that made it.
-    pub amacrine: String,
-    /// The version of its results.
-    pub schema: u32,
-    /// Identity of the study: a hash of its points.
-    pub study: String,
-    /// What the study is called.
-    pub title: String,
-    /// The columns of the tables.
-    pub columns: Vec<String>,
-    /// Identities of all points, in their fixed order.
-    pub points: Vec<String>,
-}
-
-type Kept<T> = Result<T, StoreError>;
+use crate::save::{is_temporary, make_folder_durably, save_durably, sweep_up};
 
 /// An open folder of results, held by this process alone.
 #[derive(Debug)]
 pub struct Store {
     folder: PathBuf,
     manifest: Manifest,
+    /// The number of each point.
+    indices: HashMap<String, usize>,
     ledger: File,
     /// Held as long as it is open.
     _lock: File,
 }
+
+/// What a folder holds of its study.
+#[derive(Debug, Default)]
+pub struct Held {
+    /// The points that are there, by identity.
+    pub records: HashMap<String, Record>,
+    /// Files that cannot be believed, in the order of their points.
+    pub damaged: Vec<Damage>,
+}
+
+/// What stands in the tables.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tables {
+    /// Points that are done, and points that cannot be.
+    pub finished: usize,
+    /// Points that failed.
+    pub failed: usize,
+    /// Numbers of the points that are not there.
+    pub missing: Vec<usize>,
+    /// Who computed them.
+    pub computed_by: Vec<ComputedBy>,
+}
+
+/// Points that were computed by one build on one kind of processor.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ComputedBy {
+    /// Which.
+    #[serde(flatten)]
+    pub provenance: Provenance,
+    /// How many points.
+    pub points: usize,
+}
+
+/// The files of a folder of results, `sweep.json` left out.
+const FILES: [&str; 5] = [
+    "lock",
+    "ledger.txt",
+    "results.csv",
+    "results.jsonl",
+    "results.parquet",
+];
+
+/// Its folders.
+const FOLDERS: [&str; 2] = ["points", "damaged"];
 
 impl Store {
     /// Makes the folder, or goes on with it.
@@ -56,19 +89,16 @@ impl Store {
     /// # Errors
     /// When another process works there, or it holds something else.
     pub fn open(folder: &Path, manifest: &Manifest) -> Kept<Self> {
-        let cannot = |path: &Path| {
-            let path = path.to_owned();
-            move |cause| StoreError::Save { path, cause }
-        };
-        let said = folder.join("sweep.json");
-        if folder.exists() && !said.exists() && !is_fresh(folder)? {
+        check_kinds(folder)?;
+        let said = manifest::file(folder);
+        if folder.exists() && !said.exists() && !is_own(folder)? {
             return Err(StoreError::Foreign {
                 folder: folder.to_owned(),
             });
         }
-        fs::create_dir_all(folder).map_err(cannot(folder))?;
+        make_folder_durably(folder)?;
         let path = folder.join("lock");
-        let lock = File::create(&path).map_err(cannot(&path))?;
+        let lock = open_own(&path, OpenOptions::new().create(true).write(true))?;
         match lock.try_lock() {
             Ok(()) => {}
             Err(fs::TryLockError::WouldBlock) => {
@@ -79,33 +109,61 @@ impl Store {
             Err(fs::TryLockError::Error(cause)) => return Err(StoreError::Save { path, cause }),
         }
         if said.exists() {
-            same(folder, &read_manifest(folder)?, manifest)?;
+            Manifest::read(folder)?.check_same(folder, manifest)?;
         } else {
-            save(&said, |out| {
-                serde_json::to_writer_pretty(&mut *out, manifest)?;
-                out.write_all(b"\n")
-            })?;
+            manifest.write(folder)?;
         }
         let points = folder.join("points");
-        fs::create_dir_all(&points).map_err(cannot(&points))?;
-        sweep_up(&points)?;
-        sweep_up(folder)?;
+        make_folder_durably(&points)?;
+        for folder in [&*points, folder] {
+            sweep_up(folder).map_err(|cause| StoreError::Unreadable {
+                path: folder.to_owned(),
+                cause,
+            })?;
+        }
         let path = folder.join("ledger.txt");
-        let ledger = OpenOptions::new().create(true).append(true).open(&path);
+        let ledger = open_own(&path, OpenOptions::new().create(true).append(true))?;
+        let indices = manifest.indices().into_iter();
         Ok(Self {
             folder: folder.to_owned(),
             manifest: manifest.clone(),
-            ledger: ledger.map_err(cannot(&path))?,
+            indices: indices.map(|(id, index)| (id.to_owned(), index)).collect(),
+            ledger,
             _lock: lock,
         })
     }
 
-    /// The points that are finished, by identity.
+    /// What is there.
     ///
     /// # Errors
-    /// When a file cannot be read or is damaged.
-    pub fn finished(&self) -> Kept<HashMap<String, Row>> {
-        finished(&self.folder, &self.manifest)
+    /// When the folder cannot be read, or holds points of another build.
+    pub fn held(&self) -> Kept<Held> {
+        held(&self.folder, &self.manifest)
+    }
+
+    /// Moves damaged files to where they are not in the way and not lost.
+    ///
+    /// # Errors
+    /// When the disk does not do it.
+    pub fn set_aside(&self, damaged: &[Damage]) -> Kept<()> {
+        if damaged.is_empty() {
+            return Ok(());
+        }
+        let aside = self.folder.join("damaged");
+        make_folder_durably(&aside)?;
+        for Damage { path, .. } in damaged {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let names = (1..=1000).map(|n| match n {
+                1 => name.to_string(),
+                n => format!("{name}.{n}"),
+            });
+            let mut free = names
+                .map(|name| aside.join(name))
+                .filter(|to| matches!(regular::kind(to), Ok(None)));
+            let to = free.next().unwrap_or_else(|| aside.join(&*name));
+            fs::rename(path, &to).map_err(|cause| StoreError::Save { path: to, cause })?;
+        }
+        Ok(())
     }
 
     /// Notes that the computation of a point begins.
@@ -121,25 +179,31 @@ impl Store {
         })
     }
 
-    /// Keeps a finished point.
+    /// Keeps a point that was computed.
     ///
     /// # Errors
     /// When the disk does not take it; then there is nothing of it.
-    pub fn keep(&self, id: &str, row: &Row) -> Kept<()> {
-        Ok(save(&file_of(&self.folder, id), |out| {
-            serde_json::to_writer(&mut *out, row)?;
-            out.write_all(b"\n")
-        })?)
+    pub fn keep(&self, id: &str, record: &Record) -> Kept<()> {
+        let path = file_of(&self.folder, id);
+        let index = self.indices.get(id).copied().unwrap_or_default();
+        let text = record.text(index, &self.manifest.columns);
+        if text.len() as u64 > LONGEST {
+            let cause = io::Error::other(format!(
+                "the point takes {} bytes, the most are {LONGEST}",
+                text.len()
+            ));
+            return Err(StoreError::Save { path, cause });
+        }
+        Ok(save_durably(&path, |out| out.write_all(text.as_bytes()))?)
     }
 
-    /// Writes the tables of all points that are finished; how many those are.
+    /// Writes the tables of all points that are there.
     ///
     /// # Errors
     /// When a file cannot be read or written.
-    pub fn write_tables(&self, parquet: bool) -> Kept<usize> {
-        let finished = self.finished()?;
-        let rows = ordered(&self.manifest, &finished);
-        save(&self.folder.join("results.csv"), |out| {
+    pub fn write_tables(&self, parquet: bool) -> Kept<Tables> {
+        let (rows, tables) = believed(&self.folder, &self.manifest)?;
+        save_durably(&self.folder.join("results.csv"), |out| {
             let mut csv = csv::Writer::from_writer(out);
             csv.write_record(&self.manifest.columns)?;
             for row in &rows {
@@ -148,13 +212,9 @@ impl Store {
             }
             csv.flush()
         })?;
-        save(&self.folder.join("results.jsonl"), |out| {
+        save_durably(&self.folder.join("results.jsonl"), |out| {
             for row in &rows {
-                let cells = self.manifest.columns.iter();
-                let all: Row = cells
-                    .map(|name| (name.clone(), row.get(name).cloned().unwrap_or_default()))
-                    .collect();
-                serde_json::to_writer(&mut *out, &all)?;
+                serde_json::to_writer(&mut *out, row)?;
                 out.write_all(b"\n")?;
             }
             Ok(())
@@ -162,13 +222,17 @@ impl Store {
         #[cfg(feature = "parquet")]
         if parquet {
             let columns = &self.manifest.columns;
-            save(&self.folder.join("results.parquet"), |out| {
+            save_durably(&self.folder.join("results.parquet"), |out| {
                 super::parquet::write(out, columns, &rows)
             })?;
         }
         #[cfg(not(feature = "parquet"))]
         let _ = parquet;
-        Ok(rows.len())
+        self.ledger.sync_data().map_err(|cause| StoreError::Save {
+            path: self.folder.join("ledger.txt"),
+            cause,
+        })?;
+        Ok(tables)
     }
 
     /// What the folder says about itself.
@@ -178,158 +242,161 @@ impl Store {
     }
 }
 
-/// A folder's study and its finished points in their order, for whoever only looks.
+/// A folder's study and its points in their order, for whoever only looks.
 ///
 /// # Errors
 /// When it is no folder of results, of another version, or damaged.
-pub fn read(folder: &Path) -> Kept<(Manifest, Vec<Row>)> {
-    let manifest = read_manifest(folder)?;
-    let finished = finished(folder, &manifest)?;
-    let rows = ordered(&manifest, &finished);
-    Ok((manifest, rows))
+pub fn read(folder: &Path) -> Kept<(Manifest, Vec<Row>, Tables)> {
+    let manifest = Manifest::read(folder)?;
+    let (rows, tables) = believed(folder, &manifest)?;
+    Ok((manifest, rows, tables))
 }
 
-/// Joins folders of one study into another; how many of its points are there.
-///
-/// # Errors
-/// When the folders are of different studies, or one cannot be read or written.
-pub fn merge(folders: &[PathBuf], into: &Path, parquet: bool) -> Kept<(Manifest, usize)> {
-    let (first, others) = folders.split_first().ok_or(StoreError::Nothing)?;
-    let manifest = read_manifest(first)?;
-    for other in others {
-        same(other, &read_manifest(other)?, &manifest)?;
+/// All points of a folder in their order; none of them may be damaged.
+fn believed(folder: &Path, manifest: &Manifest) -> Kept<(Vec<Row>, Tables)> {
+    let Held {
+        mut records,
+        damaged,
+    } = held(folder, manifest)?;
+    if !damaged.is_empty() {
+        return Err(StoreError::Points { damaged });
     }
-    let mut all = HashMap::new();
-    for folder in folders {
-        all.extend(finished(folder, &manifest)?);
+    let mut rows = Vec::new();
+    let (mut failed, mut missing) = (0, Vec::new());
+    let mut computed_by: BTreeMap<Provenance, usize> = BTreeMap::new();
+    for (index, id) in manifest.points.iter().enumerate() {
+        let Some(record) = records.remove(id) else {
+            missing.push(index);
+            continue;
+        };
+        failed += usize::from(!record.is_final());
+        *computed_by.entry(record.provenance).or_default() += 1;
+        rows.push(record.row);
     }
-    let store = Store::open(into, &manifest)?;
-    let there = store.finished()?;
-    for (id, row) in &all {
-        if !there.contains_key(id) {
-            store.keep(id, row)?;
+    let computed_by = computed_by.into_iter();
+    let tables = Tables {
+        finished: rows.len() - failed,
+        failed,
+        missing,
+        computed_by: computed_by
+            .map(|(provenance, points)| ComputedBy { provenance, points })
+            .collect(),
+    };
+    Ok((rows, tables))
+}
+
+/// What a folder holds of a study, every file checked.
+pub(super) fn held(folder: &Path, manifest: &Manifest) -> Kept<Held> {
+    let points = folder.join("points");
+    // The folder itself may be reached through a symlink that its user made; what is in it not.
+    check_kind(&points, FOLDER)?;
+    let mut held = Held::default();
+    let (mut others, mut first) = (0, None);
+    for (point, id) in manifest.points.iter().enumerate() {
+        let path = file_of(folder, id);
+        let read = match regular::read(&path, LONGEST) {
+            Ok(bytes) => Record::read(&bytes, (point, id), &manifest.columns),
+            Err(Unusable::Absent) => continue,
+            Err(Unusable::Kind(found)) => Err(Wrong::Damaged(format!("{found} stands there"))),
+            Err(Unusable::Long(bytes)) => Err(Wrong::Damaged(format!(
+                "it has {bytes} bytes, the most are {LONGEST}"
+            ))),
+            Err(Unusable::System(cause)) => return Err(StoreError::Unreadable { path, cause }),
+        };
+        match read {
+            Ok(record) => {
+                held.records.insert(id.clone(), record);
+            }
+            Err(Wrong::Damaged(why)) => held.damaged.push(Damage { point, path, why }),
+            Err(Wrong::Other(made)) => {
+                others += 1;
+                first.get_or_insert((path, made));
+            }
         }
     }
-    let rows = store.write_tables(parquet)?;
-    Ok((manifest, rows))
-}
-
-/// The finished points in the order of the study, each with its number.
-fn ordered(manifest: &Manifest, finished: &HashMap<String, Row>) -> Vec<Row> {
-    let points = manifest.points.iter().enumerate();
-    let row = |(index, id): (usize, &String)| {
-        let mut row = finished.get(id)?.clone();
-        row.insert("index".to_owned(), index.into());
-        Some(row)
-    };
-    points.filter_map(row).collect()
-}
-
-fn read_manifest(folder: &Path) -> Kept<Manifest> {
-    let path = folder.join("sweep.json");
-    let text = fs::read_to_string(&path).map_err(|cause| {
-        if cause.kind() == io::ErrorKind::NotFound && folder.exists() {
-            StoreError::Foreign {
-                folder: folder.to_owned(),
-            }
-        } else {
-            StoreError::Unreadable {
-                path: path.clone(),
-                cause,
-            }
-        }
-    })?;
-    let damaged = |why: String| StoreError::Damaged {
-        path: path.clone(),
-        why,
-    };
-    let said: serde_json::Value =
-        serde_json::from_str(&text).map_err(|e| damaged(e.to_string()))?;
-    let made = said.get("amacrine").and_then(|made| made.as_str());
-    let schema = said.get("schema").and_then(serde_json::Value::as_u64);
-    let (Some(made), Some(schema)) = (made, schema) else {
-        return Err(damaged("it does not say which version made it".to_owned()));
-    };
-    if made != env!("CARGO_PKG_VERSION") || schema != u64::from(SCHEMA) {
-        return Err(StoreError::Version {
+    match first {
+        None => Ok(held),
+        Some((first, made)) => Err(StoreError::OtherBuild {
             folder: folder.to_owned(),
-            made: made.to_owned(),
-            schema,
-        });
+            points: others,
+            first,
+            made,
+        }),
     }
-    serde_json::from_value(said).map_err(|e| damaged(e.to_string()))
-}
-
-/// Refuses results of another study.
-fn same(folder: &Path, held: &Manifest, asked: &Manifest) -> Kept<()> {
-    if held.study == asked.study && held.columns == asked.columns {
-        return Ok(());
-    }
-    Err(StoreError::Study {
-        folder: folder.to_owned(),
-        held: held.title.clone(),
-        held_points: held.points.len(),
-        asked: asked.title.clone(),
-        asked_points: asked.points.len(),
-    })
 }
 
 fn file_of(folder: &Path, id: &str) -> PathBuf {
     folder.join("points").join(format!("{id}.json"))
 }
 
-fn finished(folder: &Path, manifest: &Manifest) -> Kept<HashMap<String, Row>> {
-    let mut all = HashMap::new();
-    for id in &manifest.points {
-        let path = file_of(folder, id);
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(cause) if cause.kind() == io::ErrorKind::NotFound => continue,
-            Err(cause) => return Err(StoreError::Unreadable { path, cause }),
-        };
-        let row: Result<Row, _> = serde_json::from_str(&text);
-        let damaged = |why: String| StoreError::Damaged {
-            path: path.clone(),
-            why,
-        };
-        let row = row.map_err(|e| damaged(e.to_string()))?;
-        if row.get("id").and_then(|own| own.as_str()) != Some(id) {
-            return Err(damaged("it is of another point".to_owned()));
-        }
-        all.insert(id.clone(), row);
+/// Opens a file of the folder for writing, never through a symlink.
+fn open_own(path: &Path, options: &mut OpenOptions) -> Kept<File> {
+    let path = path.to_owned();
+    regular::open(&path, options).map_err(|unusable| match unusable {
+        Unusable::Kind(found) => StoreError::Kind { path, found },
+        Unusable::System(cause) => StoreError::Save { path, cause },
+        Unusable::Absent | Unusable::Long(_) => StoreError::Save {
+            path,
+            cause: io::ErrorKind::NotFound.into(),
+        },
+    })
+}
+
+/// Whether what stands at a path, if anything does, is of a kind.
+fn check_kind(path: &Path, want: &'static str) -> Kept<()> {
+    let path = path.to_owned();
+    match regular::kind(&path) {
+        Ok(None) => Ok(()),
+        Ok(Some(found)) if found == want => Ok(()),
+        Ok(Some(found)) => Err(StoreError::Kind { path, found }),
+        Err(cause) => Err(StoreError::Unreadable { path, cause }),
     }
-    Ok(all)
 }
 
-/// What a killed process left half-written.
-fn leftover(name: &str) -> bool {
-    name.starts_with(".tmp")
+/// Whether files are files and folders folders, before anything is written.
+fn check_kinds(folder: &Path) -> Kept<()> {
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    check_kind(&manifest::file(folder), FILE)?;
+    for name in FILES {
+        check_kind(&folder.join(name), FILE)?;
+    }
+    for name in FOLDERS {
+        check_kind(&folder.join(name), FOLDER)?;
+    }
+    Ok(())
 }
 
-fn names(folder: &Path) -> Kept<Vec<String>> {
+/// Names in a folder, one at a time: there may be any number of them.
+fn names(folder: &Path) -> Kept<impl Iterator<Item = Kept<OsString>>> {
     let cannot = |cause| StoreError::Unreadable {
         path: folder.to_owned(),
         cause,
     };
     let entries = fs::read_dir(folder).map_err(cannot)?;
-    let mut all = Vec::new();
-    for entry in entries {
-        let name = entry.map_err(cannot)?.file_name();
-        all.push(name.to_string_lossy().into_owned());
-    }
-    Ok(all)
+    Ok(entries.map(move |entry| Ok(entry.map_err(cannot)?.file_name())))
 }
 
-/// Whether nothing is in a folder but what a process that was killed right away has left.
-fn is_fresh(folder: &Path) -> Kept<bool> {
-    let names = names(folder)?;
-    Ok(names.iter().all(|name| name == "lock" || leftover(name)))
-}
-
-fn sweep_up(folder: &Path) -> Kept<()> {
-    for name in names(folder)?.into_iter().filter(|name| leftover(name)) {
-        let path = folder.join(name);
-        fs::remove_file(&path).map_err(|cause| StoreError::Save { path, cause })?;
+/// Whether nothing is in a folder without `sweep.json` but what a sweep writes: one that was
+/// killed right away, or whose `sweep.json` was damaged and deleted.
+fn is_own(folder: &Path) -> Kept<bool> {
+    for name in names(folder)? {
+        let name = name?;
+        let mut known = FILES.iter().chain(&FOLDERS);
+        if !known.any(|known| name == *known) && !is_temporary(&name) {
+            return Ok(false);
+        }
     }
-    Ok(())
+    let points = folder.join("points");
+    if points.exists() {
+        for name in names(&points)? {
+            let name = name?;
+            let id = name.to_str().and_then(|name| name.strip_suffix(".json"));
+            if !id.is_some_and(is_identity) && !is_temporary(&name) {
+                return Ok(false);
+            }
+        }
+    }
+    Ok(true)
 }

@@ -116,8 +116,11 @@ const POINT: [(&str, Holds, &str); 33] = [
 
 /// What came of it, before the metrics.
 const FIGURES: [(&str, Holds, &str); 17] = [
-    text("outcome", "done, or refused: the point cannot be"),
-    text("reason", "why it is refused"),
+    text(
+        "outcome",
+        "done; refused: the point cannot be; failed: it was given up, and is computed again by the next run",
+    ),
+    text("reason", "why it is refused or failed"),
     whole("width", "pixels"),
     whole("height", "pixels"),
     whole(
@@ -220,6 +223,12 @@ pub fn machine(name: &str) -> bool {
     ["seconds", "per_s", "memory"]
         .iter()
         .any(|part| name.contains(part))
+}
+
+/// Whether a column is a time that was measured.
+#[must_use]
+pub fn timed(name: &str) -> bool {
+    MACHINE[..3].iter().any(|(timed, ..)| *timed == name)
 }
 
 /// A cell as text; nothing where there is none.

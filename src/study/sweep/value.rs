@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::isa::text::Place;
+use crate::{elementary, isa::text::Place};
 
 /// One value of an axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +74,7 @@ impl Ramp {
         } else if part >= 1.0 {
             self.to
         } else if self.log {
-            self.from * (self.to / self.from).powf(part)
+            self.from * elementary::pow(self.to / self.from, part)
         } else {
             self.from + (self.to - self.from) * part
         }

@@ -1,0 +1,70 @@
+//! Names the build: a hash of the sources, and the compiler. No network, no repository: sources
+//! unpacked from crates.io give the same name as a checkout.
+
+use std::{
+    env, fs, io,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// What is compiled in: the code, and the data that it includes.
+const SOURCES: [&str; 3] = ["src", "isa", "kernels"];
+
+fn main() -> io::Result<()> {
+    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    let mut files = Vec::new();
+    for folder in SOURCES {
+        println!("cargo::rerun-if-changed={folder}");
+        collect(&root.join(folder), &mut files)?;
+    }
+    files.sort();
+    let mut hash = Hash::new();
+    for path in &files {
+        // A name is the same on every system.
+        let inside = path.strip_prefix(&root).unwrap_or(path);
+        let names = inside.iter().map(|name| name.to_string_lossy());
+        let bytes = fs::read(path)?;
+        hash.add(names.collect::<Vec<_>>().join("/").as_bytes());
+        hash.add(&(bytes.len() as u64).to_le_bytes());
+        hash.add(&bytes);
+    }
+    println!("cargo::rustc-env=AMACRINE_SOURCES={:016x}", hash.0);
+    let compiler = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
+        .arg("--version")
+        .output();
+    let compiler = compiler.map_or_else(
+        |_| "unknown".to_owned(),
+        |said| String::from_utf8_lossy(&said.stdout).trim().to_owned(),
+    );
+    println!("cargo::rustc-env=AMACRINE_COMPILER={compiler}");
+    let target = env::var("TARGET").unwrap_or_default();
+    println!("cargo::rustc-env=AMACRINE_TARGET={target}");
+    Ok(())
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    for entry in folder.read_dir()? {
+        let path = entry?.path();
+        if path.is_dir() {
+            collect(&path, files)?;
+        } else {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// FNV-1a of 64 bits: it tells builds apart and guards nothing, so no crate is built for it.
+struct Hash(u64);
+
+impl Hash {
+    const fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What a verb may hold (`--max-memory`), and the refusal of more before the work begins.
+
+use std::sync::OnceLock;
+
+use crate::{
+    event::{Event, Packet},
+    memory::{Budget, Need},
+    reference::Limit,
+    scene::{OpenOptions, Scene},
+};
+
+static BUDGET: OnceLock<Budget> = OnceLock::new();
+
+/// Bytes of an event while a sensor makes it: in the packet, and noted until its pair is sorted.
+pub const MADE: u128 = size_of::<Event>() as u128 + 16;
+
+/// Bytes of a pixel of a sensor in a study, float or silicon, with a share of its events.
+pub const SENSOR: u128 = 160;
+
+/// The fewest events that a list is begun for.
+const SHORTEST: usize = 1000;
+
+/// Sets what all verbs may hold: what was asked for, else what the machine has.
+pub fn allow(asked: Option<Budget>) {
+    let _ = BUDGET.set(asked.unwrap_or_else(Budget::of_machine));
+}
+
+/// What may be held.
+pub fn budget() -> Budget {
+    *BUDGET.get_or_init(Budget::of_machine)
+}
+
+/// Refuses what would hold more than may be held; `help` says what would make it less.
+pub fn check(need: &Need, what: &str, help: &str) -> miette::Result<()> {
+    Ok(need.within(budget(), what, help)?)
+}
+
+/// How a scene is opened: within what may be held.
+pub fn opening(fps: Option<f64>) -> OpenOptions {
+    let memory = Some(Need::new().left(budget()));
+    OpenOptions { fps, memory }
+}
+
+/// What a scene holds.
+pub fn of_scene(scene: &dyn Scene) -> Need {
+    Need::new().and("frames of the scene", scene.bytes())
+}
+
+/// Refuses a scene for which there is no room beside so many sensors that watch it.
+pub fn check_study(scene: &dyn Scene, sensors: usize) -> miette::Result<()> {
+    let size = scene.size();
+    let bytes = SENSOR * sensors as u128 * size.pixels() as u128;
+    let part = format!("{sensors} sensors that watch side by side");
+    let what = format!("a study on frames of {size}");
+    let need = of_scene(scene).and(part, bytes);
+    check(&need, &what, "take a smaller scene")
+}
+
+/// How many events a list may hold beside `need`, each `bytes`: as many as were asked for, else
+/// the usual bound or what there is room for.
+pub fn events(
+    need: Need,
+    asked: Option<usize>,
+    bytes: u128,
+    what: &str,
+    help: &str,
+) -> miette::Result<usize> {
+    let list = |events: usize| {
+        let part = format!("a list of up to {events} events");
+        need.clone().and(part, bytes * events as u128)
+    };
+    let help = format!("{help}, give a smaller --max-events");
+    if let Some(asked) = asked {
+        check(&list(asked), what, &help)?;
+        return Ok(asked);
+    }
+    check(&list(SHORTEST), what, &help)?;
+    let room = u128::from(need.left(budget())) / bytes;
+    Ok(Limit::default().events.min(room as usize))
+}
+
+/// The events that a packet may come to hold while something else holds `need`.
+#[derive(Clone, Copy, Debug)]
+pub struct Growth {
+    most: usize,
+}
+
+impl Growth {
+    /// What is left beside `need`.
+    pub fn beside(need: &Need) -> Self {
+        let room = u128::from(need.left(budget())) / size_of::<Event>() as u128;
+        Self {
+            most: room as usize,
+        }
+    }
+
+    /// Stops a packet that has grown beyond it.
+    pub fn check(self, packet: &Packet, what: &str) -> miette::Result<()> {
+        if packet.events.len() <= self.most {
+            return Ok(());
+        }
+        let held = Need::new().and(
+            format!("{} events so far", packet.events.len()),
+            Packet::bytes(packet.events.len() as u64),
+        );
+        Err(miette::miette!(
+            help = "take fewer frames, or allow more with --max-memory SIZE",
+            "{what}: there is no room for more events: {held}; {} are left for them",
+            crate::memory::Bytes(Packet::bytes(self.most as u64))
+        ))
+    }
+}

@@ -1,0 +1,67 @@
+//! What verbs write, and the endings of names that say so.
+
+use crate::event::file::Format;
+
+/// What is in something that a verb writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Events; the ending names the format.
+    Events,
+    /// Events whose format is given beside the name: the verb checks the name.
+    Converted,
+    /// An array of numbers.
+    Array,
+    /// A plane, as an array or as a picture.
+    Plane,
+    /// A picture of pixels.
+    Picture,
+    /// A drawing.
+    Drawing,
+    /// A drawing, or pages one after the other.
+    View,
+    /// A page for a browser.
+    Page,
+    /// A program of the array.
+    Program,
+    /// A kernel.
+    Kernel,
+    /// A folder of several files.
+    Folder,
+}
+
+impl Content {
+    /// The endings that say so, the one first that is taken where there is no name; none where
+    /// the table has no say.
+    #[must_use]
+    pub const fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Events | Self::Converted | Self::Folder => &[],
+            Self::Array => &["npy"],
+            Self::Plane => &["npy", "png"],
+            Self::Picture => &["png"],
+            Self::Drawing => &["svg", "png"],
+            Self::View => &["png", "svg", "gif", "apng"],
+            Self::Page => &["html", "htm"],
+            Self::Program => &["scamp"],
+            Self::Kernel => &["toml"],
+        }
+    }
+
+    /// What it is, in a message.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Events | Self::Converted => "events",
+            Self::Array => "an array",
+            Self::Plane => "a plane",
+            Self::Picture => "a picture",
+            Self::Drawing | Self::View => "a drawing",
+            Self::Page => "a page",
+            Self::Program => "a program",
+            Self::Kernel => "a kernel",
+            Self::Folder => "a folder",
+        }
+    }
+
+    /// The events' format where no name tells.
+    pub(super) const STREAM: Format = Format::Csv;
+}

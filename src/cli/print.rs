@@ -1,0 +1,73 @@
+//! All that is printed, and what becomes of the program when nobody takes it.
+
+use std::{
+    io::{self, Write},
+    process::ExitCode,
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+use miette::miette;
+
+use crate::save;
+
+/// Whether an output goes to standard output, and what is said beside it.
+static ASIDE: AtomicBool = AtomicBool::new(false);
+
+/// From now on what is said goes to standard error: standard output has another use.
+pub(super) fn aside() {
+    ASIDE.store(true, Ordering::Relaxed);
+}
+
+/// Prints to standard output. A reader that has gone (`amacrine … | head`) ends the program
+/// quietly; anything else that stands in the way ends it with exit code 1.
+pub(super) fn say(text: &str) {
+    if ASIDE.load(Ordering::Relaxed) {
+        return complain(text);
+    }
+    let mut out = io::stdout().lock();
+    let said = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    if let Err(cause) = said {
+        let code = lost(&cause);
+        save::remove_all();
+        std::process::exit(code.into());
+    }
+}
+
+/// Prints to standard error. There is nobody to tell when that fails.
+pub(super) fn complain(text: &str) {
+    let _ = io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Prints what went wrong; the exit code.
+pub(super) fn failed(report: &miette::Report) -> ExitCode {
+    if save::reader_is_gone() {
+        return ExitCode::SUCCESS;
+    }
+    complain(&format!("{report:?}\n"));
+    ExitCode::from(2)
+}
+
+/// Prints help, a version, or what is wrong with the command line; the exit code.
+pub(super) fn usage(error: &clap::Error) -> ExitCode {
+    let printed = error.print();
+    if error.use_stderr() {
+        return ExitCode::from(2);
+    }
+    match printed.and_then(|()| io::stdout().flush()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(cause) => ExitCode::from(lost(&cause)),
+    }
+}
+
+/// Standard output takes no more; the exit code.
+fn lost(cause: &io::Error) -> u8 {
+    if cause.kind() == io::ErrorKind::BrokenPipe {
+        return 0;
+    }
+    let report = miette!(
+        help = "files that were asked for are complete; give standard output a place with room",
+        "cannot write to standard output: {cause}"
+    );
+    complain(&format!("{report:?}\n"));
+    1
+}

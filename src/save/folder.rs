@@ -1,0 +1,99 @@
+//! Folders that are made for what is written, and synced.
+
+use std::{
+    fs::{self, File},
+    io,
+    path::{Path, PathBuf},
+};
+
+use super::SaveError;
+
+/// Makes a folder and those that it is in, where they are missing.
+///
+/// # Errors
+/// When the system does not allow it.
+pub fn make_folder(path: &Path) -> Result<(), SaveError> {
+    make(path).map(|_| ()).map_err(SaveError::at(path))
+}
+
+/// As [`make_folder`]; when it returns, the names of the new folders are on the disk.
+///
+/// # Errors
+/// As [`make_folder`].
+pub fn make_folder_durably(path: &Path) -> Result<(), SaveError> {
+    make(path)
+        .and_then(|made| sync_names(&made))
+        .map_err(SaveError::at(path))
+}
+
+/// Makes what is missing of a folder; which those are, the outermost first.
+pub(super) fn make(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut missing = Vec::new();
+    let mut at = folder;
+    loop {
+        if at.as_os_str().is_empty() {
+            break;
+        }
+        match fs::metadata(at) {
+            Ok(found) if found.is_dir() => break,
+            Ok(_) => return Err(io::ErrorKind::NotADirectory.into()),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => missing.push(at),
+            Err(e) => return Err(e),
+        }
+        match at.parent() {
+            Some(parent) => at = parent,
+            None => break,
+        }
+    }
+    let mut made = Vec::new();
+    for folder in missing.into_iter().rev() {
+        match fs::create_dir(folder) {
+            Ok(()) => made.push(folder.to_owned()),
+            Err(_) if folder.is_dir() => {}
+            Err(e) => {
+                unmake(&made);
+                return Err(e);
+            }
+        }
+    }
+    Ok(made)
+}
+
+/// Removes folders again, as far as they are empty.
+pub(super) fn unmake(made: &[PathBuf]) {
+    for folder in made.iter().rev() {
+        let _ = fs::remove_dir(folder);
+    }
+}
+
+/// Waits until the disk has the names of these.
+pub(super) fn sync_names(made: &[PathBuf]) -> io::Result<()> {
+    made.iter().try_for_each(|path| sync_name(path))
+}
+
+/// Waits until the disk has the name of this file or folder.
+#[cfg(unix)]
+pub(super) fn sync_name(path: &Path) -> io::Result<()> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    match File::open(folder)?.sync_all() {
+        // Some file systems sync no folders; they have nothing to wait for.
+        Err(e)
+            if matches!(
+                e.kind(),
+                io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported
+            ) =>
+        {
+            Ok(())
+        }
+        synced => synced,
+    }
+}
+
+#[cfg(not(unix))]
+pub(super) fn sync_name(path: &Path) -> io::Result<()> {
+    let _ = (path, File::open);
+    Ok(())
+}

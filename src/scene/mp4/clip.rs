@@ -1,0 +1,309 @@
+//! A clip: samples read one by one, pictures given in the order of time.
+
+use std::{
+    collections::VecDeque,
+    fs::File,
+    io::{BufReader, Read, Seek, SeekFrom},
+    path::{Path, PathBuf},
+};
+
+use openh264::{
+    decoder::{DecodeOptions, DecodedYUV, Decoder, Flush},
+    formats::YUVSource,
+};
+
+use super::{
+    limits::LARGEST_SAMPLE,
+    parameters::Pictures,
+    table::Sample,
+    track::{NoTrack, Track},
+};
+use crate::{
+    plane::{Plane, Size},
+    scene::{
+        Frame, OpenOptions, Scene, SceneError,
+        light::{self, Room},
+        rate::Rate,
+    },
+};
+
+/// A clip being decoded.
+pub(super) struct H264 {
+    path: PathBuf,
+    file: BufReader<File>,
+    decoder: Decoder,
+    /// Coded pictures still to be read, in the order of the file.
+    samples: std::vec::IntoIter<Sample>,
+    /// Samples read so far.
+    numbers: u64,
+    /// What there is to hold pictures in, and what the decoder's take of it.
+    room: Room,
+    held: u128,
+    /// Bytes of the length before each unit.
+    length_bytes: usize,
+    /// Decoded pictures still to be given, in the order of time.
+    ready: VecDeque<Plane<u8>>,
+    flushed: bool,
+    size: Size,
+    rate: Rate,
+    count: u64,
+    next: u64,
+}
+
+impl H264 {
+    pub fn new(path: &Path, options: OpenOptions) -> Result<Self, SceneError> {
+        let wrong = |what: String| SceneError::Mp4 {
+            path: path.into(),
+            what,
+        };
+        let asked = options.fps;
+        let mut file = light::open_file(path)?;
+        let length = light::length(path, &file)?;
+        let track = Track::read(file.get_mut(), length).map_err(|error| match error {
+            NoTrack::Unreadable(cause) => SceneError::unreadable(path, cause),
+            NoTrack::Damaged(what) => wrong(format!("its tables are damaged: {what}")),
+            NoTrack::Unusable(what) => wrong(what),
+        })?;
+        let samples = track.samples;
+        let count = samples.len() as u64;
+        let found = match asked {
+            Some(_) => None,
+            None => even_rate(path, &samples, track.timescale)?,
+        };
+        let rate = match count {
+            0 => {
+                return Err(SceneError::Empty {
+                    path: path.into(),
+                    missing: "frame",
+                });
+            }
+            1 => Rate::asked_or_assumed(asked),
+            _ => Rate::asked_or_found(asked, found, path)?,
+        };
+        let mut decoder = Decoder::new().map_err(|e| wrong(format!("no H.264 decoder: {e}")))?;
+        let room = Room::of(options);
+        let mut parameters = Vec::new();
+        let mut held = 0;
+        for unit in &track.parameters {
+            check_size(path, unit, room, &mut held)?;
+            push_unit(&mut parameters, unit);
+        }
+        decoder
+            .decode_with_options(&parameters, no_flush())
+            .map_err(|e| wrong(format!("its H.264 parameters cannot be used: {e}")))?;
+        let mut clip = Self {
+            path: path.into(),
+            file,
+            decoder,
+            samples: samples.into_iter(),
+            numbers: 0,
+            room,
+            held,
+            length_bytes: track.length_bytes,
+            ready: VecDeque::new(),
+            flushed: false,
+            size: Size::new(0, 0),
+            rate,
+            count,
+            next: 0,
+        };
+        // The size is that of the first decoded picture: the container's may be scaled.
+        clip.fill()?;
+        let Some(first) = clip.ready.front() else {
+            return Err(clip.wrong("no picture could be decoded"));
+        };
+        clip.size = Size::of(first);
+        Ok(clip)
+    }
+
+    fn wrong(&self, what: impl Into<String>) -> SceneError {
+        SceneError::Mp4 {
+            path: self.path.clone(),
+            what: what.into(),
+        }
+    }
+
+    /// Decodes until a picture is ready or the clip is over.
+    ///
+    /// Pictures come out in the order of time only if nothing is flushed before the end:
+    /// B-frames wait in the decoder for the pictures that they lie between.
+    fn fill(&mut self) -> Result<(), SceneError> {
+        while self.ready.is_empty() && !self.flushed {
+            if let Some(sample) = self.samples.next() {
+                let coded = self.read(sample)?;
+                self.numbers += 1;
+                let decoded = self.decoder.decode_with_options(&coded, no_flush());
+                match decoded {
+                    Ok(Some(picture)) => {
+                        let light = luma(&self.path, self.next, &picture)?;
+                        self.ready.push_back(light);
+                    }
+                    Ok(None) => {}
+                    Err(e) => {
+                        let id = self.numbers - 1;
+                        return Err(self.wrong(format!("sample {id} cannot be decoded: {e}")));
+                    }
+                }
+            } else {
+                self.flushed = true;
+                match self.decoder.flush_remaining() {
+                    Ok(pictures) => {
+                        for picture in pictures {
+                            self.ready.push_back(luma(&self.path, self.next, &picture)?);
+                        }
+                    }
+                    Err(e) => {
+                        return Err(self.wrong(format!("its last frames cannot be decoded: {e}")));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// One coded picture, its units marked by start codes as the decoder wants them.
+    fn read(&mut self, sample: Sample) -> Result<Vec<u8>, SceneError> {
+        if sample.size > LARGEST_SAMPLE {
+            return Err(self.wrong(format!(
+                "sample {} has {} bytes, expected at most {LARGEST_SAMPLE}",
+                self.numbers, sample.size
+            )));
+        }
+        let mut bytes = Vec::new();
+        self.file
+            .seek(SeekFrom::Start(sample.offset))
+            .and_then(|_| (&mut self.file).take(sample.size).read_to_end(&mut bytes))
+            .map_err(|cause| SceneError::unreadable(&self.path, cause))?;
+        if (bytes.len() as u64) < sample.size {
+            return Err(SceneError::Truncated {
+                path: self.path.clone(),
+                frame: self.numbers,
+                got: bytes.len() as u64,
+                want: sample.size,
+            });
+        }
+        let mut coded = Vec::with_capacity(bytes.len() + 16);
+        let mut rest = bytes.as_slice();
+        while !rest.is_empty() {
+            let unit = rest
+                .split_at_checked(self.length_bytes)
+                .map(|(length, after)| {
+                    let length = length.iter().fold(0, |all, b| all << 8 | usize::from(*b));
+                    after.split_at_checked(length)
+                });
+            let Some(Some((unit, after))) = unit else {
+                return Err(self.wrong(format!("sample {} has a damaged unit", self.numbers)));
+            };
+            check_size(&self.path, unit, self.room, &mut self.held)?;
+            push_unit(&mut coded, unit);
+            rest = after;
+        }
+        Ok(coded)
+    }
+}
+
+impl Scene for H264 {
+    fn size(&self) -> Size {
+        self.size
+    }
+    fn fps(&self) -> f64 {
+        self.rate.fps
+    }
+    fn fps_is_assumed(&self) -> bool {
+        self.rate.assumed
+    }
+    fn frames(&self) -> Option<u64> {
+        Some(self.count)
+    }
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        self.fill()?;
+        let index = self.next;
+        let Some(light) = self.ready.pop_front() else {
+            if index == self.count {
+                return Ok(None);
+            }
+            let count = self.count;
+            return Err(self.wrong(format!(
+                "only {index} of its {count} frames could be decoded"
+            )));
+        };
+        if Size::of(&light) != self.size {
+            return Err(SceneError::OddSize {
+                path: self.path.clone(),
+                frame: index,
+                got: Size::of(&light),
+                want: self.size,
+            });
+        }
+        self.next += 1;
+        Ok(Some(Frame {
+            index,
+            seconds: self.rate.seconds(index),
+            light: light.mapv(f64::from),
+        }))
+    }
+    fn bytes(&self) -> u128 {
+        let light = light::FRAME * self.size.pixels() as u128;
+        self.held + light + self.samples.len() as u128 * size_of::<Sample>() as u128
+    }
+}
+
+/// Refuses pictures that are too large, before the decoder makes room for them.
+fn check_size(path: &Path, unit: &[u8], room: Room, held: &mut u128) -> Result<(), SceneError> {
+    let Some(pictures) = Pictures::of_unit(unit) else {
+        return Ok(());
+    };
+    let side = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
+    let size = light::checked_size(path, side(pictures.height), side(pictures.width))?;
+    *held = (*held).max(pictures.bytes());
+    room.check(path, size, *held + light::FRAME * size.pixels() as u128)
+}
+
+fn no_flush() -> DecodeOptions {
+    DecodeOptions::new().flush_after_decode(Flush::NoFlush)
+}
+
+fn push_unit(coded: &mut Vec<u8>, unit: &[u8]) {
+    coded.extend([0, 0, 0, 1]);
+    coded.extend(unit);
+}
+
+/// The luma of a decoded picture, as coded.
+fn luma(path: &Path, frame: u64, picture: &DecodedYUV<'_>) -> Result<Plane<u8>, SceneError> {
+    let (width, height) = picture.dimensions();
+    let size = light::checked_size(path, height, width)?;
+    let rows = picture.y().chunks(picture.strides().0.max(1)).take(height);
+    let numbers = rows.flat_map(|row| row.iter().take(width)).copied();
+    Plane::from_shape_vec(size.shape(), numbers.collect()).map_err(|_| SceneError::Mp4 {
+        path: path.into(),
+        what: format!("frame {frame} was decoded to too few pixels"),
+    })
+}
+
+/// The rate of evenly spaced frames, from the time at which each is shown.
+fn even_rate(path: &Path, samples: &[Sample], unit: u32) -> Result<Option<f64>, SceneError> {
+    let mut times: Vec<i64> = samples.iter().map(|s| s.shown).collect();
+    times.sort_unstable();
+    let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
+        return Ok(None);
+    };
+    let (unit, steps) = (f64::from(unit), times.len() - 1);
+    if steps == 0 || unit == 0.0 || first == last {
+        return Ok(None);
+    }
+    let after = |time: i64| (i128::from(time) - i128::from(first)) as f64;
+    let step = after(last) / steps as f64;
+    for (frame, time) in times.iter().enumerate() {
+        let (got, want) = (after(*time), frame as f64 * step);
+        // Times are whole units, so each may be half a unit off, and the ends as well.
+        if (got - want).abs() > 1.0 {
+            return Err(SceneError::Uneven {
+                path: path.into(),
+                frame: frame as u64,
+                got: got / unit,
+                want: want / unit,
+            });
+        }
+    }
+    Ok(Some(unit / step))
+}

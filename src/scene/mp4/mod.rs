@@ -1,0 +1,48 @@
+//! H.264 in mp4: the boxes and tables are read here, the video by `openh264`; its luma.
+//!
+//! Nothing that the file says about itself is believed before it is held against the bytes that
+//! are there: every box lies in its parent, every table in its box, and no loop is longer than
+//! the file. [`limits`] has the bounds that do not follow from the file's length.
+
+#[cfg(feature = "mp4")]
+mod boxes;
+#[cfg(feature = "mp4")]
+mod clip;
+#[cfg(feature = "mp4")]
+mod fragment;
+#[cfg(feature = "mp4")]
+mod parameters;
+#[cfg(feature = "mp4")]
+mod table;
+#[cfg(feature = "mp4")]
+mod track;
+
+use std::path::Path;
+
+use super::{OpenOptions, Scene, SceneError};
+
+/// Bounds of the reader.
+#[cfg(feature = "mp4")]
+mod limits {
+    /// The largest sample (one coded picture) that is read: 64 MiB.
+    pub const LARGEST_SAMPLE: u64 = 1 << 26;
+
+    /// The longest `moov` or `moof` that is read: 64 MiB of tables.
+    pub const LONGEST_TABLES: u64 = 1 << 26;
+
+    /// The most coded pictures of a clip: four million, 38 hours at 30 frames/s.
+    pub const MOST_SAMPLES: u64 = 1 << 22;
+
+    /// The most boxes at the top of a file: a piece a second for 36 hours.
+    pub const MOST_BOXES: u64 = 1 << 18;
+}
+
+#[cfg(not(feature = "mp4"))]
+pub(super) fn open(path: &Path, _options: OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
+    Err(SceneError::NoMp4 { path: path.into() })
+}
+
+#[cfg(feature = "mp4")]
+pub(super) fn open(path: &Path, options: OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
+    Ok(Box::new(clip::H264::new(path, options)?))
+}

@@ -1,0 +1,174 @@
+//! How large the pictures of an H.264 stream are: read before the decoder makes room for them.
+//!
+//! A sequence parameter set, as far as the size and the number of pictures that are kept
+//! (ITU-T H.264, 7.3.2.1.1).
+
+use bitstream_io::{BigEndian, BitRead, BitReader};
+
+/// What a decoder must hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Pictures {
+    /// Rows, of whole macroblocks.
+    pub height: u64,
+    /// Columns, of whole macroblocks.
+    pub width: u64,
+    /// Pictures that are kept because others refer to them.
+    pub kept: u64,
+}
+
+impl Pictures {
+    /// What a unit says, where it is a sequence parameter set; `None` for all other units and
+    /// where it ends too early.
+    pub fn of_unit(unit: &[u8]) -> Option<Self> {
+        let (head, set) = unit.split_first()?;
+        if head & 0x1f != 7 {
+            return None;
+        }
+        let bytes = unescaped(set.get(..set.len().min(LONGEST))?);
+        Bits(BitReader::new(bytes.as_slice())).set()
+    }
+
+    /// Bytes of the pictures in the decoder: luma and two planes of a quarter, with borders, and
+    /// one more for each thing that it does with them.
+    pub fn bytes(self) -> u128 {
+        let rim = 64;
+        let one = u128::from(self.height + rim) * u128::from(self.width + rim) * 3 / 2;
+        one * u128::from(self.kept + 4)
+    }
+}
+
+/// Bytes of a set that are looked at: its largest tables of weights take fewer.
+const LONGEST: usize = 4096;
+
+/// Without the 3 that is put after two zeros so that no start code arises.
+fn unescaped(set: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(set.len());
+    let mut zeros = 0;
+    for byte in set {
+        if zeros >= 2 && *byte == 3 {
+            zeros = 0;
+            continue;
+        }
+        zeros = if *byte == 0 { zeros + 1 } else { 0 };
+        bytes.push(*byte);
+    }
+    bytes
+}
+
+struct Bits<'a>(BitReader<&'a [u8], BigEndian>);
+
+impl Bits<'_> {
+    fn set(&mut self) -> Option<Pictures> {
+        let profile = self.bits(8)?;
+        self.bits(16)?;
+        self.number()?;
+        if matches!(
+            profile,
+            100 | 110 | 122 | 244 | 44 | 83 | 86 | 118 | 128 | 134 | 135 | 138 | 139
+        ) {
+            let colour = self.number()?;
+            if colour == 3 {
+                self.bits(1)?;
+            }
+            self.number()?;
+            self.number()?;
+            self.bits(1)?;
+            if self.bits(1)? == 1 {
+                self.scales(if colour == 3 { 12 } else { 8 })?;
+            }
+        }
+        self.number()?;
+        match self.number()? {
+            0 => {
+                self.number()?;
+            }
+            1 => {
+                self.bits(1)?;
+                self.number()?;
+                self.number()?;
+                for _ in 0..self.number()?.min(255) {
+                    self.number()?;
+                }
+            }
+            _ => {}
+        }
+        let kept = self.number()?;
+        self.bits(1)?;
+        let width = self.number()? + 1;
+        let rows = self.number()? + 1;
+        let fields = 2 - u64::from(self.bits(1)?);
+        Some(Pictures {
+            height: 16 * rows * fields,
+            width: 16 * width,
+            kept,
+        })
+    }
+
+    fn scales(&mut self, lists: usize) -> Option<()> {
+        for list in 0..lists {
+            if self.bits(1)? == 0 {
+                continue;
+            }
+            let (mut last, mut next) = (8_i64, 8_i64);
+            for _ in 0..if list < 6 { 16 } else { 64 } {
+                if next != 0 {
+                    // A number k stands for 0, 1, -1, 2, -2, …
+                    let k = self.number()? as i64;
+                    let delta = if k % 2 == 1 { k / 2 + 1 } else { -(k / 2) };
+                    next = (last + delta).rem_euclid(256);
+                }
+                last = if next == 0 { last } else { next };
+            }
+        }
+        Some(())
+    }
+
+    fn bits(&mut self, n: u32) -> Option<u32> {
+        self.0.read_var(n).ok()
+    }
+
+    /// An Exp-Golomb code of at most 32 bits.
+    fn number(&mut self) -> Option<u64> {
+        let zeros = self.0.read_unary::<1>().ok().filter(|zeros| *zeros <= 32)?;
+        let rest: u64 = self.0.read_var(zeros).ok()?;
+        Some((1 << zeros) - 1 + rest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The sets of `tests/data/scene/baseline.mp4` and `bframes.mp4`, as x264 wrote them.
+    #[test]
+    fn the_size_of_a_clip_is_read() {
+        for (set, kept) in [
+            ("6742c00ad90d6840000003004000000503c48992", 1),
+            ("6764000aacd94d6840000003004000000503c4896580", 4),
+        ] {
+            let byte = |at| u8::from_str_radix(&set[at..at + 2], 16).unwrap();
+            let set: Vec<u8> = (0..set.len()).step_by(2).map(byte).collect();
+            let pictures = Pictures::of_unit(&set).unwrap();
+            let want = Pictures {
+                height: 32,
+                width: 48,
+                kept,
+            };
+            assert_eq!(pictures, want);
+            assert_eq!(Pictures::of_unit(&set[..8]), None);
+            assert_eq!(Pictures::of_unit(&[0x68, 1, 2]), None);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_are_a_set_or_none(mut bytes: Vec<u8>) {
+            bytes.insert(0, 0x67);
+            if let Some(pictures) = Pictures::of_unit(&bytes) {
+                prop_assert!(pictures.height >= 16 && pictures.width >= 16);
+            }
+        }
+    }
+}

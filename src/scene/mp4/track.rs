@@ -1,0 +1,184 @@
+//! The video track of a file: its samples, its H.264 parameters, its unit of time.
+
+use std::io::{Read, Seek, SeekFrom};
+
+use super::{
+    boxes::{Boxes, Head, Name, Wrong, u32_at},
+    fragment::{Defaults, Follow},
+    limits::{LONGEST_TABLES, MOST_BOXES},
+    table::{self, Sample},
+};
+
+/// A video track.
+pub(super) struct Track {
+    /// In the order of the file, which is the order in which they are decoded.
+    pub samples: Vec<Sample>,
+    /// Units of time in a second.
+    pub timescale: u32,
+    /// Bytes of the length before each unit.
+    pub length_bytes: usize,
+    /// Sequence and picture parameter sets, in order.
+    pub parameters: Vec<Vec<u8>>,
+}
+
+/// Why there is no track.
+pub(super) enum NoTrack {
+    /// The file cannot be read.
+    Unreadable(std::io::Error),
+    /// It is not as an mp4 is.
+    Damaged(Wrong),
+    /// It is an mp4, but not of H.264 video.
+    Unusable(Wrong),
+}
+
+impl From<std::io::Error> for NoTrack {
+    fn from(cause: std::io::Error) -> Self {
+        Self::Unreadable(cause)
+    }
+}
+
+impl From<Wrong> for NoTrack {
+    fn from(wrong: Wrong) -> Self {
+        Self::Damaged(wrong)
+    }
+}
+
+impl Track {
+    /// Reads the tables of a file of `length` bytes.
+    pub fn read(file: &mut (impl Read + Seek), length: u64) -> Result<Self, NoTrack> {
+        let tops = tops(file, length)?;
+        let Some(head) = tops.iter().find(|top| top.head.name == *b"moov") else {
+            return Err("it has no box moov, the table of what is in it"
+                .to_owned()
+                .into());
+        };
+        let moov = head.content(file)?;
+        let (mut track, id) = Self::of(&moov, length)?;
+        let mut follow = Follow {
+            track: id,
+            defaults: Defaults::of(&moov, id)?,
+            length,
+            now: 0,
+            samples: &mut track.samples,
+        };
+        for top in tops.iter().filter(|top| top.head.name == *b"moof") {
+            follow.fragment(&top.content(file)?, top.start)?;
+        }
+        Ok(track)
+    }
+
+    /// The first video track, by number, and its number.
+    fn of(moov: &[u8], length: u64) -> Result<(Self, u32), NoTrack> {
+        let mut video: Option<(u32, &[u8])> = None;
+        for found in Boxes(moov) {
+            let (name, trak) = found?;
+            if name != *b"trak" {
+                continue;
+            }
+            let tkhd = Boxes(trak).get(*b"tkhd")?;
+            let id = u32_at(tkhd, if tkhd.first() == Some(&1) { 20 } else { 12 });
+            let id = id.ok_or_else(|| short(b"tkhd"))?;
+            let mdia = Boxes(trak).get(*b"mdia")?;
+            let hdlr = Boxes(mdia).get(*b"hdlr")?;
+            let is_video = hdlr.get(8..12) == Some(b"vide");
+            if is_video && video.is_none_or(|(first, _)| id < first) {
+                video = Some((id, mdia));
+            }
+        }
+        let Some((id, mdia)) = video else {
+            return Err(NoTrack::Unusable("it has no video track".into()));
+        };
+        let mdhd = Boxes(mdia).get(*b"mdhd")?;
+        let timescale = u32_at(mdhd, if mdhd.first() == Some(&1) { 20 } else { 12 });
+        let stbl = Boxes(Boxes(mdia).get(*b"minf")?).get(*b"stbl")?;
+        let stsd = Boxes(stbl).get(*b"stsd")?.get(8..).unwrap_or_default();
+        let (codec, entry) = Boxes(stsd).next().ok_or_else(|| short(b"stsd"))??;
+        if !matches!(&codec, b"avc1" | b"avc3") {
+            let codec = Name(codec);
+            return Err(NoTrack::Unusable(format!(
+                "its video is {codec}, not H.264"
+            )));
+        }
+        let boxes = entry.get(78..).ok_or_else(|| short(&codec))?;
+        let avcc = Boxes(boxes).get(*b"avcC")?;
+        let (length_bytes, parameters) = parameters(avcc).ok_or_else(|| short(b"avcC"))?;
+        let track = Self {
+            samples: table::samples(stbl, length)?,
+            timescale: timescale.ok_or_else(|| short(b"mdhd"))?,
+            length_bytes,
+            parameters,
+        };
+        Ok((track, id))
+    }
+}
+
+fn short(name: &[u8; 4]) -> Wrong {
+    format!("box {} is too short", Name(*name))
+}
+
+/// What `avcC` holds: bytes of a length, and the parameter sets.
+fn parameters(avcc: &[u8]) -> Option<(usize, Vec<Vec<u8>>)> {
+    let length_bytes = usize::from(avcc.get(4)? & 3) + 1;
+    let mut sets = Vec::new();
+    let mut at = 5;
+    for mask in [0x1f, 0xff] {
+        let count = avcc.get(at)? & mask;
+        at += 1;
+        for _ in 0..count {
+            let length = usize::from(u16::from_be_bytes(*avcc.get(at..)?.first_chunk()?));
+            at += 2;
+            sets.push(avcc.get(at..at + length)?.to_vec());
+            at += length;
+        }
+    }
+    Some((length_bytes, sets))
+}
+
+/// A box at the top of a file.
+struct Top {
+    start: u64,
+    head: Head,
+}
+
+impl Top {
+    fn content(&self, file: &mut (impl Read + Seek)) -> Result<Vec<u8>, NoTrack> {
+        let size = self.head.whole - self.head.head;
+        if size > LONGEST_TABLES {
+            let name = Name(self.head.name);
+            let most = LONGEST_TABLES;
+            return Err(format!("box {name} has {size} bytes, expected at most {most}").into());
+        }
+        let mut content = Vec::new();
+        file.seek(SeekFrom::Start(self.start + self.head.head))?;
+        file.take(size).read_to_end(&mut content)?;
+        if (content.len() as u64) < size {
+            return Err(format!("box {} is cut off", Name(self.head.name)).into());
+        }
+        Ok(content)
+    }
+}
+
+/// The tables at the top of a file, in order: `moov` and `moof`.
+fn tops(file: &mut (impl Read + Seek), length: u64) -> Result<Vec<Top>, NoTrack> {
+    let (mut tops, mut start, mut boxes) = (Vec::new(), 0, 0);
+    while start < length {
+        boxes += 1;
+        if boxes > MOST_BOXES {
+            return Err(format!("it has more than {MOST_BOXES} boxes").into());
+        }
+        file.seek(SeekFrom::Start(start))?;
+        let mut bytes = Vec::with_capacity(Head::LONGEST);
+        file.take(Head::LONGEST as u64).read_to_end(&mut bytes)?;
+        let head = match Head::read(&bytes, length - start, true) {
+            Ok(head) => head,
+            // Pictures that are cut off are missed when they are read, the ones before are there.
+            Err(_) if bytes.get(4..8) == Some(b"mdat") => break,
+            Err(wrong) => return Err(wrong.into()),
+        };
+        if matches!(&head.name, b"moov" | b"moof") {
+            tops.push(Top { start, head });
+        }
+        start += head.whole;
+    }
+    Ok(tops)
+}

@@ -1,0 +1,54 @@
+//! Files of points that cannot be believed.
+
+use std::{fmt::Write as _, path::PathBuf};
+
+use serde::Serialize;
+
+/// A point's file that is damaged.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Damage {
+    /// The point's number.
+    pub point: usize,
+    /// Its file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub why: String,
+}
+
+/// The most lines of a list that is shown.
+pub const SHOWN: usize = 20;
+
+/// A list for people, one a line, of which the first twenty are shown.
+#[must_use]
+pub fn listed(lines: impl ExactSizeIterator<Item = String>) -> String {
+    let more = lines.len().saturating_sub(SHOWN);
+    let mut text = String::new();
+    for line in lines.take(SHOWN) {
+        let _ = write!(text, "\n  {line}");
+    }
+    if more > 0 {
+        let _ = write!(text, "\n  and {more} more");
+    }
+    text
+}
+
+/// Damaged files for people.
+pub(super) fn damages(all: &[Damage]) -> String {
+    listed(
+        all.iter()
+            .map(|damage| format!("{}: {}", damage.path.display(), damage.why)),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_are_shown_and_the_others_counted() {
+        let of = |n: usize| listed((0..n).map(|line| format!("line {line}")));
+        assert_eq!(of(2), "\n  line 0\n  line 1");
+        assert_eq!(of(20).lines().count(), 21);
+        assert!(of(23).ends_with("line 19\n  and 3 more"));
+    }
+}

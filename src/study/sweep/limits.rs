@@ -1,0 +1,85 @@
+//! What a point may take before it is given up: time and memory.
+//!
+//! Both are looked at between two frames; a frame that has begun is finished.
+
+use std::fmt;
+
+use super::build::Refusal;
+use crate::{event::Event, plane::Size};
+
+/// Seconds since some moment.
+pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
+
+/// What a point may take.
+#[derive(Clone, Copy)]
+pub struct Limits<'a> {
+    /// What time it is.
+    pub clock: Clock<'a>,
+    /// Seconds for a sensor to watch its scene, and as many for the f64 sensor that it is
+    /// measured against.
+    pub seconds: Option<f64>,
+    /// Bytes of one point at a time.
+    pub bytes: Option<u64>,
+}
+
+impl fmt::Debug for Limits<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Limits")
+            .field("seconds", &self.seconds)
+            .field("bytes", &self.bytes)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What a pixel takes: two sensors with up to 24 planes of eight bytes each (light, drives,
+/// memories, registers, counts).
+const PIXEL: u128 = 2 * 24 * 8;
+
+/// What an event takes: in its list as it grows, in the ruler's order of cells, and in the list
+/// of the sensor that it is measured against.
+const EVENT: u128 = 4 * size_of::<Event>() as u128;
+
+/// A limit was reached.
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+pub(super) enum Exhausted {
+    /// Time.
+    #[error("it took more than {0} s")]
+    #[diagnostic(help("raise --max-seconds-per-point"))]
+    Seconds(f64),
+    /// Memory.
+    #[error("it needs {need} bytes, {events} events among them, and may take {may}")]
+    #[diagnostic(help("raise --max-memory, or lower --jobs: points share it"))]
+    Bytes { need: u128, events: usize, may: u64 },
+}
+
+impl Exhausted {
+    /// As the reason of a point.
+    pub fn given_up(&self) -> Refusal {
+        let help = miette::Diagnostic::help(self).map(|help| format!(" ({help})"));
+        Refusal::GivenUp(format!("{self}{}", help.unwrap_or_default()))
+    }
+}
+
+impl Limits<'_> {
+    /// Whether sensors of a size fit at all.
+    pub(super) fn fits(&self, size: Size) -> Result<(), Exhausted> {
+        self.hold(0.0, size, 0)
+    }
+
+    /// Whether a point that has taken so long, and holds so many events, may go on.
+    pub(super) fn hold(&self, seconds: f64, size: Size, events: usize) -> Result<(), Exhausted> {
+        if let Some(most) = self.seconds.filter(|most| seconds > *most) {
+            return Err(Exhausted::Seconds(most));
+        }
+        let need = need(size, events);
+        match self.bytes {
+            Some(may) if need > u128::from(may) => Err(Exhausted::Bytes { need, events, may }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Bytes that a point takes, from above.
+fn need(size: Size, events: usize) -> u128 {
+    size.height as u128 * size.width as u128 * PIXEL + events as u128 * EVENT
+}

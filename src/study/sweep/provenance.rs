@@ -1,0 +1,88 @@
+//! Who computed a point: the build, the version of its numerics, the processor.
+
+use std::{
+    fs::File,
+    io::{BufRead, BufReader, Read},
+};
+
+use serde::{Deserialize, Serialize};
+
+use super::SCHEMA;
+
+/// The version of the numerics: two builds of one version compute the same bits from the same
+/// point, on any processor. It is raised whenever a result may change.
+pub const NUMERICS: u32 = 1;
+
+/// Who computed a point.
+// In the order of the alphabet: the order in which a checksum takes keys.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// The version of the program.
+    pub amacrine: String,
+    /// A hash of its sources.
+    pub build: String,
+    /// The compiler.
+    pub compiler: String,
+    /// The processor, with the vector instructions that are used of it.
+    pub cpu: String,
+    /// The version of its numerics.
+    pub numerics: u32,
+    /// The version of its results.
+    pub schema: u32,
+    /// What it was compiled for.
+    pub target: String,
+}
+
+impl Provenance {
+    /// This build on this machine.
+    #[must_use]
+    pub fn here() -> Self {
+        Self {
+            amacrine: env!("CARGO_PKG_VERSION").to_owned(),
+            build: env!("AMACRINE_SOURCES").to_owned(),
+            compiler: env!("AMACRINE_COMPILER").to_owned(),
+            cpu: cpu(),
+            numerics: NUMERICS,
+            schema: SCHEMA,
+            target: env!("AMACRINE_TARGET").to_owned(),
+        }
+    }
+
+    /// Whether its numbers are those of this build, by its word.
+    #[must_use]
+    pub fn same_numbers(&self) -> bool {
+        self.amacrine == env!("CARGO_PKG_VERSION")
+            && self.numerics == NUMERICS
+            && self.schema == SCHEMA
+    }
+}
+
+/// The processor's name as Linux knows it, and its vector instructions.
+fn cpu() -> String {
+    let mut words = vec![model().unwrap_or_else(|| std::env::consts::ARCH.to_owned())];
+    #[cfg(target_arch = "x86_64")]
+    for (name, has) in [
+        ("avx", is_x86_feature_detected!("avx")),
+        ("avx2", is_x86_feature_detected!("avx2")),
+        ("fma", is_x86_feature_detected!("fma")),
+        ("avx512f", is_x86_feature_detected!("avx512f")),
+    ] {
+        if has {
+            words.push(name.to_owned());
+        }
+    }
+    words.join(" ")
+}
+
+fn model() -> Option<String> {
+    /// The first processor stands within it.
+    const HEAD: u64 = 1 << 16;
+    let file = File::open("/proc/cpuinfo").ok()?.take(HEAD);
+    let line = BufReader::new(file)
+        .lines()
+        .map_while(Result::ok)
+        .find(|line| line.starts_with("model name"))?;
+    let (_, name) = line.split_once(':')?;
+    Some(name.trim().to_owned())
+}

@@ -1,0 +1,270 @@
+//! Every write, sync, rename and flush of every verb fails once: the exit code is right, what
+//! was there is as it was or whole and new, nothing is left behind, one message. And a machine
+//! that loses its power in the middle of a sweep loses no finished point.
+//!
+//! A library stands between the program and the system (`faults/shim.c`, Linux); the C compiler
+//! that the program needs builds it.
+#![cfg(all(feature = "cli", target_os = "linux"))]
+
+mod verbs;
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+    sync::OnceLock,
+    time::Instant,
+};
+
+use tempfile::TempDir;
+use verbs::{CASES, Case, files};
+
+fn shim() -> &'static Path {
+    static SHIM: OnceLock<PathBuf> = OnceLock::new();
+    SHIM.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let library = folder.join(format!("shim-{}.so", std::process::id()));
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/faults/shim.c");
+        let built = Command::new("cc")
+            .args(["-O1", "-shared", "-fPIC", "-o"])
+            .arg(&library)
+            .arg(source)
+            .arg("-lpthread")
+            .status();
+        assert!(built.unwrap().success(), "cc did not build the shim");
+        library
+    })
+}
+
+/// One operation of those that can fail.
+#[derive(Clone, Debug)]
+struct Operation {
+    number: usize,
+    name: String,
+    path: String,
+    fails: bool,
+}
+
+struct Bench {
+    folder: TempDir,
+}
+
+/// What a run left.
+struct Ran {
+    said: Output,
+    operations: Vec<Operation>,
+    /// What is in the folder, by name.
+    left: BTreeMap<String, Vec<u8>>,
+    litter: BTreeSet<String>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        verbs::inputs(folder.path());
+        Self { folder }
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Runs a case where old outputs are, or none; fails as it is told.
+    fn run(&self, case: &Case, old: bool, shim_says: &[(&str, &str)]) -> Ran {
+        let (work, temporary, log) = (self.at("work"), self.at("tmp"), self.at("log"));
+        for folder in [&work, &temporary] {
+            let _ = fs::remove_dir_all(folder);
+            fs::create_dir(folder).unwrap();
+        }
+        let _ = fs::remove_file(&log);
+        if old {
+            for name in case.writes() {
+                let path = work.join(name);
+                fs::create_dir_all(path.parent().unwrap()).unwrap();
+                fs::write(path, "old").unwrap();
+            }
+        }
+        let mut command = case.command(&work);
+        let under = format!("{}:{}", work.display(), temporary.display());
+        command
+            .env("LD_PRELOAD", shim())
+            .env("TMPDIR", &temporary)
+            .env("SHIM_UNDER", under)
+            .env("SHIM_LOG", &log)
+            .envs(shim_says.iter().copied());
+        let said = command.output().unwrap();
+        let text = fs::read_to_string(&log).unwrap_or_default();
+        let operations = text.lines().map(|line| {
+            let parts: Vec<_> = line.split('\t').collect();
+            Operation {
+                number: parts[0].parse().unwrap(),
+                name: parts[1].to_owned(),
+                path: parts[2].to_owned(),
+                fails: parts.len() > 3,
+            }
+        });
+        let left = files(&work).into_iter();
+        Ran {
+            said,
+            operations: operations.collect(),
+            left: left
+                .map(|name| (name.clone(), fs::read(work.join(name)).unwrap()))
+                .collect(),
+            litter: files(&temporary),
+        }
+    }
+}
+
+fn message(said: &Output) -> String {
+    String::from_utf8_lossy(&said.stderr).into_owned()
+}
+
+/// Sweeps take an old folder for theirs, and their rows have times in them.
+fn keeps_old(case: &Case) -> bool {
+    !["sweep", "merge"].contains(&case.verb())
+}
+
+/// All of a few; of many some, the first and the last among them.
+fn chosen(case: &Case, operations: usize) -> Vec<usize> {
+    let most = if case.slow { 6 } else { 40 };
+    let step = operations.div_ceil(most).max(1);
+    let mut all: Vec<usize> = (1..=operations).step_by(step).collect();
+    if operations > 0 && all.last() != Some(&operations) {
+        all.push(operations);
+    }
+    all
+}
+
+#[test]
+fn the_table_has_every_verb() {
+    let folder = TempDir::new().unwrap();
+    let known: BTreeSet<String> = CASES.iter().map(|case| case.verb().to_owned()).collect();
+    assert_eq!(verbs::verbs(folder.path()), known, "add it to tests/verbs");
+}
+
+#[test]
+fn every_operation_of_every_verb_fails_once() {
+    let bench = Bench::new();
+    let mut tried = 0;
+    let writes = |case: &&Case| case.writes().count() > 0 && case.verb() != "demo";
+    for case in CASES.iter().filter(writes) {
+        let line = case.line;
+        let begun = Instant::now();
+        let old = keeps_old(case);
+        let good = bench.run(case, old, &[]);
+        assert!(
+            good.said.status.success(),
+            "{line}: {}",
+            message(&good.said)
+        );
+        assert!(good.litter.is_empty(), "{line}: {:?}", good.litter);
+        for name in case.writes() {
+            let new = good
+                .left
+                .get(name)
+                .unwrap_or_else(|| panic!("{line} did not write {name}"));
+            assert!(new != b"old", "{line}: {name} is old");
+        }
+        for name in ["write", "open", "rename"] {
+            let has = good.operations.iter().any(|o| o.name == name);
+            assert!(has, "{line}: the shim sees no {name}");
+        }
+        for number in chosen(case, good.operations.len()) {
+            let operation = &good.operations[number - 1];
+            let mut ways = vec!["enospc", "eio"];
+            if operation.name == "write" {
+                ways.extend(["short", "epipe"]);
+            }
+            if case.slow {
+                ways = vec![ways[number % ways.len()]];
+            }
+            for how in ways {
+                let at = number.to_string();
+                let ran = bench.run(case, old, &[("SHIM_AT", &at), ("SHIM_HOW", how)]);
+                let Operation {
+                    number, name, path, ..
+                } = operation;
+                let what = format!(
+                    "{line}: {how} of {number}, {name} {path}\n{}",
+                    message(&ran.said)
+                );
+                // Where threads share the work the order may be another.
+                if !ran.operations.iter().any(|o| o.fails) {
+                    continue;
+                }
+                tried += 1;
+                assert_eq!(ran.said.status.code(), Some(2), "{what}");
+                let text = message(&ran.said);
+                assert_eq!(text.matches('×').count(), 1, "one message: {what}");
+                assert!(!text.contains("panicked"), "{what}");
+                assert!(ran.litter.is_empty(), "{:?} left: {what}", ran.litter);
+                for (name, bytes) in &ran.left {
+                    if !old {
+                        assert!(!name.contains(".amacrine-"), "{name} left: {what}");
+                        continue;
+                    }
+                    let new = good.left.get(name);
+                    assert!(new.is_some(), "{name} was left: {what}");
+                    let whole = bytes == b"old" || Some(bytes) == new;
+                    assert!(whole, "{name} is neither old nor new: {what}");
+                }
+                if !old && how != "eio" {
+                    // Without the fault it goes on, and ends as it should.
+                    let again = case.command(&bench.at("work")).output().unwrap();
+                    assert!(again.status.success(), "again: {what}{}", message(&again));
+                }
+            }
+        }
+        eprintln!("{:>6.1} s  {line}", begun.elapsed().as_secs_f64());
+    }
+    assert!(tried > 300, "only {tried} faults were tried");
+}
+
+/// All that the demo writes comes after all that it computes, which takes long.
+#[test]
+fn the_demo_fails_once() {
+    let bench = Bench::new();
+    let demo = CASES.iter().find(|case| case.verb() == "demo").unwrap();
+    let ran = bench.run(demo, true, &[("SHIM_AT", "14"), ("SHIM_HOW", "short")]);
+    let text = message(&ran.said);
+    assert!(ran.operations.iter().any(|o| o.fails), "{text}");
+    assert_eq!(ran.said.status.code(), Some(2), "{text}");
+    assert_eq!(text.matches('×').count(), 1, "{text}");
+    assert!(ran.litter.is_empty());
+    let names: BTreeSet<&str> = ran.left.keys().map(String::as_str).collect();
+    assert_eq!(names, demo.writes().collect(), "{text}");
+    assert!(ran.left["o/watch.gif"] == b"old", "nothing came after it");
+    assert!(
+        ran.left["o/reference.csv"] != b"old",
+        "what came before stays"
+    );
+}
+
+#[test]
+fn standard_output_fails_for_every_verb() {
+    let bench = Bench::new();
+    for case in CASES.iter().filter(|case| case.verb() != "demo") {
+        let line = case.line;
+        for (how, code) in [("enospc", 1), ("eio", 1), ("short", 1), ("epipe", 0)] {
+            let says = [("SHIM_STDOUT", "1"), ("SHIM_AT", "1"), ("SHIM_HOW", how)];
+            let ran = bench.run(case, false, &says);
+            let text = message(&ran.said);
+            let what = format!("{line}: {how}\n{text}");
+            assert!(
+                ran.operations.iter().any(|o| o.fails),
+                "nothing said: {what}"
+            );
+            assert_eq!(ran.said.status.code(), Some(code), "{what}");
+            assert!(!text.contains("panicked"), "{what}");
+            let messages = text.matches('×').count();
+            assert_eq!(messages, usize::from(code == 1), "{what}");
+            assert!(ran.litter.is_empty(), "{what}");
+            let left = |name: &str| ran.left.get(name).is_some_and(|bytes| !bytes.is_empty());
+            assert!(case.writes().all(left), "outputs stay: {what}");
+            if case.slow {
+                break;
+            }
+        }
+    }
+}
