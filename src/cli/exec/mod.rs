@@ -24,13 +24,8 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Array, Schedule, Settings},
-<<<<<<< HEAD
-    event::{Packet, file},
-    isa::{Analog, Digital, Figure, text::nearest},
-=======
     event::Packet,
     isa::{Analog, Device, Digital, Figure, text::nearest},
->>>>>>> main
     limit::THREADS,
     picture::{panel, write_png},
     plane::{Plane, Size},
