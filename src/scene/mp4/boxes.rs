@@ -56,7 +56,11 @@ impl Head {
                 "box {name} says it has {whole} bytes, but only {room} are there"
             ));
         }
-        Ok(Self { name, length: head, whole })
+        Ok(Self {
+            name,
+            length: head,
+            whole,
+        })
     }
 }
 
