@@ -407,10 +407,10 @@ fn a_power_cut_loses_no_finished_point() {
     };
     let work = bench.at("work");
     let wanted = rows(&work.join("w"));
-    assert_eq!(wanted.len(), 2);
+    assert_eq!(wanted.len(), 4);
     assert_eq!(
         in_order(&ran),
-        2,
+        wanted.len(),
         "each point is synced, named, and its name synced"
     );
     let mut disk = Disk::default();
