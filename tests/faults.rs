@@ -268,3 +268,215 @@ fn standard_output_fails_for_every_verb() {
         }
     }
 }
+
+/// The disk of a machine that can lose its power: what has been written, and what of it would
+/// still be there.
+#[derive(Clone, Default)]
+struct Disk {
+    files: Vec<Written>,
+    /// Names now, each of a file or (none) of a folder.
+    names: BTreeMap<String, Option<usize>>,
+    /// Names that are on the disk.
+    kept: BTreeMap<String, Option<usize>>,
+}
+
+#[derive(Clone, Default)]
+struct Written {
+    now: Vec<u8>,
+    kept: Vec<u8>,
+}
+
+fn above(path: &str) -> &str {
+    path.rsplit_once('/').map_or("", |(folder, _)| folder)
+}
+
+impl Disk {
+    /// Does an operation of the log.
+    fn replay(&mut self, line: &str) {
+        let parts: Vec<&str> = line.split('\t').collect();
+        let file = |disk: &Self| disk.names.get(parts[1]).copied().flatten();
+        match parts[0] {
+            "create" => {
+                self.files.push(Written::default());
+                let new = self.files.len() - 1;
+                self.names.insert(parts[1].to_owned(), Some(new));
+            }
+            "mkdir" => {
+                self.names.insert(parts[1].to_owned(), None);
+            }
+            "write" => {
+                let at: usize = parts[2].parse().unwrap();
+                let bytes = parts[3].as_bytes().chunks(2);
+                let bytes = bytes
+                    .map(|two| u8::from_str_radix(std::str::from_utf8(two).unwrap(), 16).unwrap());
+                let Some(file) = file(self) else { return };
+                let now = &mut self.files[file].now;
+                now.truncate(now.len().max(at));
+                for (i, byte) in bytes.enumerate() {
+                    match now.get_mut(at + i) {
+                        Some(old) => *old = byte,
+                        None => now.push(byte),
+                    }
+                }
+            }
+            "truncate" => {
+                let length: usize = parts[2].parse().unwrap();
+                if let Some(file) = file(self) {
+                    self.files[file].now.resize(length, 0);
+                }
+            }
+            "rename" => {
+                if let Some(what) = self.names.remove(parts[1]) {
+                    self.names.insert(parts[2].to_owned(), what);
+                }
+            }
+            "unlink" | "rmdir" => {
+                self.names.remove(parts[1]);
+            }
+            "sync" => match file(self) {
+                Some(file) => self.files[file].kept = self.files[file].now.clone(),
+                None => {
+                    let folder = parts[1];
+                    self.kept.retain(|name, _| above(name) != folder);
+                    let inside = self.names.iter().filter(|(name, _)| above(name) == folder);
+                    let inside = inside.map(|(name, what)| (name.clone(), *what));
+                    self.kept.extend(inside.collect::<Vec<_>>());
+                }
+            },
+            other => panic!("{other}"),
+        }
+    }
+
+    /// What may be found when the power is back: names that were not kept are there or not, and
+    /// so is what was not synced, or a part of it.
+    fn after_a_cut(&self) -> Vec<BTreeMap<String, Option<Vec<u8>>>> {
+        let mut all = Vec::new();
+        for names in [&self.kept, &self.names] {
+            for data in 0..3 {
+                let content = |file: &Written| match data {
+                    0 => file.kept.clone(),
+                    1 => file.now.clone(),
+                    _ => file.now[..(file.kept.len() + file.now.len()) / 2].to_vec(),
+                };
+                let found = names.iter().map(|(name, what)| {
+                    (name.clone(), what.map(|file| content(&self.files[file])))
+                });
+                all.push(found.collect());
+            }
+        }
+        all
+    }
+
+    /// Points that were promised to be there: name and content are on the disk.
+    fn promised(&self) -> usize {
+        let point = |(name, what): &(&String, &Option<usize>)| {
+            let file = what.map(|file| &self.files[file]);
+            name.ends_with(".json")
+                && above(name).ends_with("/points")
+                && file.is_some_and(|file| !file.kept.is_empty() && file.kept == file.now)
+        };
+        self.kept.iter().filter(point).count()
+    }
+}
+
+/// The rows of a sweep without what the machine has measured.
+fn rows(folder: &Path) -> Vec<serde_json::Value> {
+    let text = fs::read_to_string(folder.join("results.jsonl")).unwrap();
+    let row = |line: &str| {
+        let mut row: serde_json::Value = serde_json::from_str(line).unwrap();
+        let columns = row.as_object_mut().unwrap();
+        columns.retain(|name, _| !amacrine::study::sweep::table::machine(name));
+        row
+    };
+    text.lines().map(row).collect()
+}
+
+#[test]
+fn a_power_cut_loses_no_finished_point() {
+    let bench = Bench::new();
+    let sweep = CASES.iter().find(|case| case.verb() == "sweep").unwrap();
+    let ran = {
+        let (work, log) = (bench.at("work"), bench.at("log"));
+        fs::create_dir(&work).unwrap();
+        let mut command = sweep.command(&work);
+        command.env("LD_PRELOAD", shim()).env("SHIM_DATA", "1");
+        command.env("SHIM_UNDER", &work).env("SHIM_LOG", &log);
+        let said = command.output().unwrap();
+        assert!(said.status.success(), "{}", message(&said));
+        fs::read_to_string(log).unwrap()
+    };
+    let work = bench.at("work");
+    let wanted = rows(&work.join("w"));
+    assert_eq!(wanted.len(), 4);
+    assert_eq!(
+        in_order(&ran),
+        wanted.len(),
+        "each point is synced, named, and its name synced"
+    );
+    let mut disk = Disk::default();
+    let mut tried = BTreeSet::new();
+    let top = work.to_str().unwrap().to_owned();
+    for (at, line) in ran.lines().enumerate() {
+        disk.replay(line);
+        for (variant, found) in disk.after_a_cut().into_iter().enumerate() {
+            // What lies in a folder that is not there is not there.
+            let reachable = |name: &str| {
+                let folder = above(name);
+                folder == top || found.contains_key(folder)
+            };
+            let state: BTreeMap<_, _> = found.iter().filter(|(name, _)| reachable(name)).collect();
+            if !tried.insert(format!("{state:?}")) {
+                continue;
+            }
+            fs::remove_dir_all(&work).unwrap();
+            fs::create_dir(&work).unwrap();
+            for (name, content) in state {
+                match content {
+                    None => fs::create_dir_all(name).unwrap(),
+                    Some(bytes) => {
+                        fs::create_dir_all(above(name)).unwrap();
+                        fs::write(name, bytes).unwrap();
+                    }
+                }
+            }
+            let mut again = sweep.command(&work);
+            let said = again.arg("--json").output().unwrap();
+            let what = format!(
+                "cut after {at}, {line:.200}, variant {variant}: {}",
+                message(&said)
+            );
+            assert!(said.status.success(), "{what}");
+            assert!(rows(&work.join("w")) == wanted, "{what}");
+            let json: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
+            let found = json["found"].as_u64().unwrap() as usize;
+            assert!(
+                found >= disk.promised(),
+                "{found} points were found: {what}"
+            );
+            let left = files(&work);
+            let litter = left.iter().find(|name| name.contains(".amacrine-"));
+            assert!(litter.is_none(), "{litter:?}: {what}");
+        }
+    }
+    assert!(tried.len() > 30, "only {} states", tried.len());
+}
+
+/// Points whose file was synced before it was named, and whose folder after.
+fn in_order(log: &str) -> usize {
+    let lines: Vec<Vec<&str>> = log.lines().map(|line| line.split('\t').collect()).collect();
+    let named = lines
+        .iter()
+        .enumerate()
+        .filter(|(_, line)| line[0] == "rename" && above(line[2]).ends_with("/points"));
+    let ordered = named.filter(|(at, line)| {
+        let last = lines[..*at]
+            .iter()
+            .rev()
+            .find(|before| before[1] == line[1]);
+        let folder = above(line[2]);
+        let mut after = lines[*at..].iter();
+        last.is_some_and(|last| last[0] == "sync")
+            && after.any(|after| after[0] == "sync" && after[1] == folder)
+    });
+    ordered.count()
+}

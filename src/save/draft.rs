@@ -195,6 +195,10 @@ impl Write for Draft {
 
 impl Seek for Draft {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        // Standard output may be a file in which more than this is.
+        if matches!(self.end, End::Nothing) {
+            return Err(io::ErrorKind::NotSeekable.into());
+        }
         self.file.seek(to)
     }
 }
