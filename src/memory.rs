@@ -157,7 +157,7 @@ pub struct Need {
 
 impl Need {
     /// What every process holds: its code, its stacks, buffers of files.
-    pub const PROCESS: u128 = 16 << 20;
+    pub const PROCESS: u128 = 24 << 20;
 
     /// Of what nothing is known yet but the process itself.
     #[must_use]
@@ -319,7 +319,7 @@ mod tests {
         let help = miette::Diagnostic::help(&error).unwrap().to_string();
         assert_eq!(
             message,
-            "a clip of 9x9 would hold 4.0 GiB: frames 3.0 GiB, events 1.0 GiB, the program itself 16.0 MiB; --max-memory allows 4.0 GiB"
+            "a clip of 9x9 would hold 4.0 GiB: frames 3.0 GiB, events 1.0 GiB, the program itself 24.0 MiB; --max-memory allows 4.0 GiB"
         );
         assert_eq!(
             help,

@@ -166,7 +166,7 @@ pub enum SensorError {
     /// The event list has reached its bound.
     #[error("the event list is full: more than {limit} events")]
     #[diagnostic(help(
-        "raise the thresholds or the limit (--max-events), ask for --counts or --voxels instead of --events, or choose to drop (--when-full drop)"
+        "raise the thresholds or the limit (--max-events, and --max-memory where there is no room for more), ask for --counts or --voxels instead of --events, or choose to drop (--when-full drop)"
     ))]
     ListFull {
         /// How many events it may hold.

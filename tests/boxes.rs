@@ -243,7 +243,7 @@ fn sound_files_of_other_shapes_are_read() {
     boxes(&sound, 0..sound.len(), &mut all);
     let last = all
         .iter()
-        .rfind(|(_, _, content)| content.end == sound.len());
+        .find(|(_, _, content)| content.end == sound.len());
     let (at, name, _) = last.unwrap();
     let mut open_ended = sound.clone();
     open_ended[*at..*at + 4].copy_from_slice(&0_u32.to_be_bytes());

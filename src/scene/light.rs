@@ -12,6 +12,10 @@ use crate::{
     plane::{Plane, Size},
 };
 
+/// Bytes of a pixel of the frame that is given, and of the one before it, whose place in memory
+/// is not free at once.
+pub(super) const GIVEN: u128 = 2 * FRAME;
+
 /// Bytes of a pixel of a frame.
 pub(super) const FRAME: u128 = 8;
 

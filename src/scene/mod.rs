@@ -79,7 +79,7 @@ pub trait Scene: Send {
     /// Bytes that the source holds at most while frames are taken from it, the frame that it
     /// gives included.
     fn bytes(&self) -> u128 {
-        light::FRAME * self.size().pixels() as u128
+        light::GIVEN * self.size().pixels() as u128
     }
 }
 

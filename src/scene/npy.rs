@@ -78,7 +78,6 @@ impl<R: Read + Send> Npy<R> {
         if header.fortran && header.shape.iter().filter(|n| **n > 1).count() > 1 {
             return Err(SceneError::FortranOrder { path: path.into() });
         }
-        light::check_number(path, frames - 1)?;
         Room::of(options).check(path, size, held(number, size))?;
         let want = u128::from(frames) * (size.pixels() * number.bytes()) as u128;
         if let Some(got) = length.map(|length| length.saturating_sub(before))
@@ -90,6 +89,7 @@ impl<R: Read + Send> Npy<R> {
                 want,
             });
         }
+        light::check_number(path, frames - 1)?;
         Ok(Self {
             path: path.into(),
             stream,
@@ -179,7 +179,7 @@ impl<R: Read + Send> Scene for Npy<R> {
 
 /// Bytes of a frame as it is stored, and as light.
 fn held(number: Number, size: Size) -> u128 {
-    (number.bytes() as u128 + light::FRAME) * size.pixels() as u128
+    (number.bytes() as u128 + light::GIVEN) * size.pixels() as u128
 }
 
 /// How one number is stored.

@@ -186,7 +186,7 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
 
 /// Bytes of a frame as it is coded, and as light.
 fn held(samples: Samples, size: Size) -> u128 {
-    u128::from(samples.frame) + light::FRAME * size.pixels() as u128
+    u128::from(samples.frame) + light::GIVEN * size.pixels() as u128
 }
 
 /// The fields of the header that matter here.

@@ -81,11 +81,14 @@ impl<'a> Bench<'a> {
         let looked = match arguments.strip {
             Some(_) => 11 * written * strip::columns(expansion) as u128,
             None if arguments.repeat.is_some() => 8 * (2 * written + 3),
-            None => 24 * u128::from(arguments.dump.is_some()),
+            None => 16 * u128::from(arguments.dump.is_some()),
         };
         Need::new()
             .and("frames of the light", self.frames + 8 * pixels)
-            .and("the chip", self.arithmetic.bytes(device, self.size))
+            .and(
+                "the chip",
+                self.arithmetic.bytes(device, self.size, self.schedule),
+            )
             .and(
                 "registers that are set",
                 8 * pixels * self.planes.len() as u128,

@@ -243,7 +243,7 @@ impl Scene for H264 {
         }))
     }
     fn bytes(&self) -> u128 {
-        let light = light::FRAME * self.size.pixels() as u128;
+        let light = light::GIVEN * self.size.pixels() as u128;
         self.held + light + self.samples.len() as u128 * size_of::<Sample>() as u128
     }
 }

@@ -119,7 +119,7 @@ impl Pattern {
         let frames = given.whole("frames", 240, 1..=crate::limit::FRAMES)?;
         light::check_drawn(&path, size, frames)?;
         let drawn = image.as_ref().map_or(0, ndarray::ArrayBase::len);
-        let held = light::FRAME * (drawn + size.pixels()) as u128;
+        let held = light::FRAME * (drawn + 2 * size.pixels()) as u128;
         room.check(&path, size, held)?;
         let own = given.real("fps", 240.0, 1e-6..=1e9)?;
         let rate = Rate {
