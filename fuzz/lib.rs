@@ -345,7 +345,9 @@ fn results(bytes: &[u8]) {
     let id = String::from_utf8_lossy(said);
     let mut words = id.split('"');
     let id = words.find(|word| word.len() == 32 && word.bytes().all(|b| b.is_ascii_hexdigit()));
-    placed(&format!("results/points/{}.json", id.unwrap_or("none")), point);
+    placed(
+        &format!("results/points/{}.json", id.unwrap_or("none")),
+        point,
+    );
     drop(store::read(&folder));
 }
-
