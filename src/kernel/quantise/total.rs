@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn many_steps_at_once_are_the_steps_one_by_one() {
-        let values = [0.3, -40.25, 12.5, 12.5, 99.0, -3.75, 0.0];
+        let values = [0.3_f64, -40.25, 12.5, 12.5, 99.0, -3.75, 0.0];
         for asked in -300_i32..300 {
             let asked = f64::from(asked);
             let mut fast: Vec<f64> = values.iter().map(|v| v.round()).collect();
