@@ -125,11 +125,12 @@ impl Writer {
                 return Err(FileError::NotBuilt { path, format });
             }
         };
-        // Only these go back to their start.
-        let mut draft = if matches!(format, Format::Npy | Format::Npz | Format::Aedat4) {
-            Draft::create(path)?
-        } else {
-            Draft::stream(path)?
+        // Only these never go back to their start, where the others say how many events they have.
+        let mut draft = match format {
+            Format::Csv | Format::Txt | Format::Es | Format::Hdf5 | Format::Parquet => {
+                Draft::stream(path)?
+            }
+            _ => Draft::create(path)?,
         };
         let started = sink.start(&mut draft);
         started.map_err(|cause| draft.failed(cause))?;
