@@ -617,6 +617,47 @@ fn a_point_that_is_given_up_is_a_row_and_is_computed_by_the_next_run() {
     }
 }
 
+/// 256 x 192 pixels do not fit, 24 x 16 do: one sweep of both.
+#[test]
+fn a_point_that_does_not_fit_in_memory_is_a_row_beside_those_that_do() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let scene = |size: &str| format!("\"pattern:disc?{size}&frames=3&radius=5\"");
+    let scenes = [scene("width=24&height=16"), scene("width=256&height=192")].join(", ");
+    let study = format!(
+        "scene = [{scenes}]\nkernel = \"dvs\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n"
+    );
+    fs::write(at.join("study.toml"), study).unwrap();
+    let arguments = [
+        "--max-memory",
+        "26M",
+        "sweep",
+        "study.toml",
+        "--output",
+        "out",
+        "--jobs",
+        "1",
+    ];
+    let little = said(at, &arguments);
+    assert_eq!(
+        (&little["computed"], &little["finished"]),
+        (&json!(2), &json!(1))
+    );
+    let reason = little["failed"][0]["reason"].as_str().unwrap();
+    assert!(reason.contains("--max-memory"), "{reason}");
+    let found = rows(&at.join("out"));
+    assert_eq!(
+        (&found[0]["outcome"], &found[1]["outcome"]),
+        (&json!("done"), &json!("failed"))
+    );
+    assert_eq!(found[1]["width"], 256);
+    let again = sweep(at, "out");
+    assert_eq!(
+        (&again["computed"], &again["finished"]),
+        (&json!(1), &json!(2))
+    );
+}
+
 #[test]
 fn a_share_is_computed_again_and_compared_to_the_bit() {
     let folder = swept();

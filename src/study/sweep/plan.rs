@@ -33,7 +33,6 @@ use crate::{
         text::{Fault, Faults, Place},
     },
     kernel::Kernel,
-    plane::Size,
     source,
 };
 
