@@ -2,7 +2,7 @@
 
 use std::{
     fmt::Write,
-    io::{self, ErrorKind, SeekFrom},
+    io::{self, SeekFrom},
 };
 
 use super::{
@@ -168,17 +168,13 @@ fn ends(chunks: &mut Chunks, format: Format, mark: u8, last: &str) -> Result<(),
     Err(chunks.stop(Fault::Layout { format, why }))
 }
 
-/// Writes what the remark of a header lacks, now that all events are there. What cannot go back
-/// goes without.
+/// Writes what the remark of a header lacks, now that all events are there.
 pub fn complete(out: &mut dyn Out, header: &[u8], about: &About) -> io::Result<()> {
     let blank = BLANK.as_bytes();
     let Some(at) = header.windows(blank.len()).position(|here| here == blank) else {
         return Ok(());
     };
-    match out.seek(SeekFrom::Start(at as u64)) {
-        Err(e) if e.kind() == ErrorKind::NotSeekable => return Ok(()),
-        other => other?,
-    };
+    out.seek(SeekFrom::Start(at as u64))?;
     out.write_all(about.tail().as_bytes())?;
     out.seek(SeekFrom::End(0))?;
     Ok(())

@@ -125,7 +125,7 @@ impl Writer {
                 return Err(FileError::NotBuilt { path, format });
             }
         };
-        // These never go back; the others end with a word about all events at their start.
+        // Only these never go back to their start, where the others say how many events they have.
         let mut draft = match format {
             Format::Csv | Format::Txt | Format::Es | Format::Hdf5 | Format::Parquet => {
                 Draft::stream(path)?
