@@ -67,14 +67,29 @@ impl Domain {
             }
     }
 
+    /// What a value should have been, in words: with the limits, where it is beyond them.
+    #[must_use]
+    pub fn instead_of(self, value: f64) -> String {
+        let expected = self.expected();
+        let limit = match self {
+            Self::Any | Self::NotNegative | Self::Positive if value.abs() > FIGURE => {
+                ", at most 1e12 in size"
+            }
+            Self::Positive if value > 0.0 && value < 1.0 / FIGURE => ", at least 1e-12",
+            Self::Count if value > 1e9 => ", at most 1e9",
+            _ => "",
+        };
+        format!("{expected}{limit}")
+    }
+
     /// In words.
     #[must_use]
     pub const fn expected(self) -> &'static str {
         match self {
-            Self::Any => "a finite number, at most 1e12 in size",
-            Self::NotNegative => "a number of zero or more, at most 1e12 in size",
-            Self::Positive => "a number above zero, at least 1e-12 and at most 1e12 in size",
-            Self::Count => "a whole number of one or more, at most 1e9",
+            Self::Any => "a finite number",
+            Self::NotNegative => "a number of zero or more",
+            Self::Positive => "a number above zero",
+            Self::Count => "a whole number of one or more",
             Self::Side => "a whole number from 1 to 65536",
             Self::Words => "a whole number from 1 to 262144",
             Self::Codes => "a whole number from 2 to 256",
