@@ -341,13 +341,11 @@ fn results(bytes: &[u8]) {
     let points = folder.join("points");
     fs::create_dir_all(&points).expect("a temporary folder");
     placed("results/sweep.json", said);
-    // The point that the folder names first; the others are missing.
+    // As each of the first points that the folder names; the others are missing.
     let id = String::from_utf8_lossy(said);
-    let mut words = id.split('"');
-    let id = words.find(|word| word.len() == 32 && word.bytes().all(|b| b.is_ascii_hexdigit()));
-    placed(
-        &format!("results/points/{}.json", id.unwrap_or("none")),
-        point,
-    );
+    let is_id = |word: &&str| word.len() == 32 && word.bytes().all(|b| b.is_ascii_hexdigit());
+    for id in id.split('"').filter(is_id).take(4) {
+        placed(&format!("results/points/{id}.json"), point);
+    }
     drop(store::read(&folder));
 }

@@ -83,14 +83,41 @@ pub const STUDY_POINTS: u64 = 100_000;
 /// Runs of one `exec --repeat`.
 pub const RUNS: u64 = 1_000_000;
 
-/// Frames of one `exec`.
-pub const FRAMES: u64 = 10_000_000;
+/// Frames of a scene, or of `exec`.
+pub const FRAMES: u64 = 1 << 24;
 
 /// Threads that can be asked for.
 pub const THREADS: usize = 1024;
 
 /// Events that the queue of a readout can be said to hold.
 pub const QUEUE: u64 = 1 << 32;
+
+/// Pixels of a sensor, and of a frame that it watches.
+pub const PIXELS: usize = 1 << 24;
+
+/// Pixels of all frames of an animation or a pattern, which are not in a file pixel by pixel.
+pub const DRAWN_PIXELS: u64 = 1 << 38;
+
+/// Pictures of a folder.
+pub const PICTURES: usize = 1 << 20;
+
+/// Bytes of one coded picture of an mp4.
+pub const SAMPLE_BYTES: u64 = 1 << 26;
+
+/// Bytes of the tables of an mp4, or of one fragment.
+pub const MP4_TABLES: u64 = 1 << 26;
+
+/// Coded pictures of an mp4.
+pub const SAMPLES: u64 = 1 << 22;
+
+/// Boxes at the top of an mp4.
+pub const BOXES: u64 = 1 << 18;
+
+/// Bytes of the file of a point of a sweep.
+pub const POINT_BYTES: u64 = 1 << 20;
+
+/// Bytes of the file that says what a folder of results holds.
+pub const MANIFEST_BYTES: u64 = 1 << 24;
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,9 +138,9 @@ pub struct Limit {
 
 /// Builds the table from the constants, so that no value stands in two places.
 macro_rules! table {
-    ($($name:ident, $of:literal, $unit:literal, $why:literal, $beyond:literal;)*) => {
-        /// All limits on text and on the data of chips, kernels and studies.
-        pub const TABLE: &[Limit] = &[$(Limit {
+    ($(#[$doc:meta])* $table:ident: $($name:ident, $of:literal, $unit:literal, $why:literal, $beyond:literal;)*) => {
+        $(#[$doc])*
+        pub const $table: &[Limit] = &[$(Limit {
             name: stringify!($name),
             of: $of,
             value: $name as f64,
@@ -125,6 +152,8 @@ macro_rules! table {
 }
 
 table! {
+    /// All limits on text and on the data of chips, kernels and studies.
+    TABLE:
     TEXT_BYTES, "a text file (sensor, kernel, chip, program, study, readout), or a .npy of kernels", "bytes",
         "two hundred times the longest that ships", "a text file holds at most";
     LINE_BYTES, "one line of a text file", "bytes",
@@ -175,10 +204,33 @@ table! {
         "a day at one a second", "more than 100000";
     RUNS, "runs of `exec --repeat`", "runs",
         "a mean to a thousandth of the spread", "runs at most";
-    FRAMES, "frames of `exec`", "frames",
-        "eleven hours at 240 frames/s", "frames at most";
+    FRAMES, "frames of a scene, or of `exec`", "frames",
+        "19 hours at 240 frames/s", "frames at most";
     THREADS, "threads of `--threads`", "threads",
         "more than any one machine has cores", "threads at most";
     QUEUE, "events in the queue of a readout", "events",
         "more than any packet has", "at most 4294967296";
+}
+
+table! {
+    /// The limits on scenes and on folders of results.
+    FILES:
+    PIXELS, "pixels of a sensor, a frame, a register", "px",
+        "4096 x 4096: the largest published sensors have 2^20", "are larger than";
+    DRAWN_PIXELS, "pixels of all frames of an animation or a pattern", "px",
+        "four million frames of 256 x 256", "are more than";
+    PICTURES, "pictures of a folder", "pictures",
+        "72 minutes at 240 frames/s", "more than";
+    SAMPLE_BYTES, "one coded picture of an mp4", "bytes",
+        "H.264 at its highest level has less", "expected at most";
+    MP4_TABLES, "the tables of an mp4, or of a fragment of it", "bytes",
+        "sixteen bytes for each of the coded pictures", "bytes of tables";
+    SAMPLES, "coded pictures of an mp4", "pictures",
+        "38 hours at 30 frames/s", "more than";
+    BOXES, "boxes at the top of an mp4", "boxes",
+        "a fragment a second for 36 hours", "more than";
+    POINT_BYTES, "the file of a point of a sweep", "bytes",
+        "one takes about 2000", "it is damaged, and computed again";
+    MANIFEST_BYTES, "the file `sweep.json`", "bytes",
+        "the largest study takes four millions", "it is damaged";
 }

@@ -19,10 +19,10 @@ pub struct Size {
 
 impl Size {
     /// The longest side of a sensor: what the 16 bits of an event's address hold.
-    pub const LONGEST_SIDE: usize = 1 << 16;
+    pub const LONGEST_SIDE: usize = crate::limit::ARRAY_SIDE;
 
     /// The most pixels of a sensor, and of a frame that it watches: 4096 times 4096.
-    pub const MOST_PIXELS: usize = 1 << 24;
+    pub const MOST_PIXELS: usize = crate::limit::PIXELS;
 
     /// Whether a sensor can have this size: at least one pixel, within [`Size::LONGEST_SIDE`]
     /// and [`Size::MOST_PIXELS`].

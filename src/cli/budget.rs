@@ -59,7 +59,7 @@ pub fn check_study(scene: &dyn Scene, sensors: usize) -> miette::Result<()> {
 /// How many events a list may hold beside `need`, each `bytes`: as many as were asked for, else
 /// the usual bound or what there is room for.
 pub fn events(
-    need: Need,
+    need: &Need,
     asked: Option<usize>,
     bytes: u128,
     what: &str,

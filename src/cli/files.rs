@@ -156,7 +156,7 @@ impl Output {
     /// An output that a verb hears of while it runs, checked.
     pub(super) fn late(path: &Path, content: Content) -> miette::Result<Self> {
         let output = Self::new(path.to_owned(), content);
-        output.check_ending(output.kind()?)?;
+        output.check_ending(&output.kind()?)?;
         let files = files();
         files.check_written(&output.path, &Id::of_written(&output.path)?)?;
         Ok(output)
@@ -223,7 +223,7 @@ impl Output {
     }
 
     /// Refuses a name that says something else than what will be in it.
-    fn check_ending(&self, kind: Kind) -> miette::Result<()> {
+    fn check_ending(&self, kind: &Kind) -> miette::Result<()> {
         if self.content == Content::Events {
             self.format()?;
         }
@@ -485,7 +485,7 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<(
             // Whether this or others of its name are written is for the verb to say.
             Content::Converted => {}
             _ => {
-                output.check_ending(output.kind()?)?;
+                output.check_ending(&output.kind()?)?;
                 files.write(&output.path)?;
             }
         }

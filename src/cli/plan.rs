@@ -186,7 +186,7 @@ fn events(arguments: &Arguments, description: &Description) -> miette::Result<us
     let lists = 1 + u128::from(arguments.run) + 2 * u128::from(arguments.verify);
     let help = "take a smaller scene";
     budget::events(
-        need,
+        &need,
         arguments.max_events,
         lists * budget::MADE,
         &what,

@@ -394,7 +394,7 @@ fn events(
     // A readout makes a second packet.
     let read = u128::from(arguments.readout.is_asked());
     let each = budget::MADE + read * Packet::bytes(1);
-    budget::events(need, arguments.max_events, each, &what, help)
+    budget::events(&need, arguments.max_events, each, &what, help)
 }
 
 /// The bin of a frame that no later event can reach goes out.

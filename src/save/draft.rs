@@ -40,7 +40,7 @@ enum End {
     Rename {
         temporary: Temporary,
         target: PathBuf,
-        old: Option<Metadata>,
+        old: Option<Box<Metadata>>,
     },
     /// It is copied to where nobody can go back.
     Copy(File),
@@ -74,7 +74,7 @@ impl Draft {
                 let end = End::Rename {
                     temporary,
                     target,
-                    old,
+                    old: old.map(Box::new),
                 };
                 (file, end)
             }

@@ -14,13 +14,10 @@ use super::{
     rate::Rate,
     still,
 };
-use crate::plane::Size;
+use crate::{limit::PICTURES, plane::Size};
 
 /// Endings of pictures that are read.
 pub(super) const ENDINGS: [&str; 4] = ["png", "pgm", "ppm", "pnm"];
-
-/// The most pictures of a folder.
-const MOST_PICTURES: usize = 1 << 20;
 
 /// Pictures still to be read.
 struct Folder {
@@ -50,10 +47,10 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
         if entry.is_dir() || !ENDINGS.iter().any(|known| ending == *known) {
             return Err(SceneError::NotAPicture { path: entry });
         }
-        if pictures.len() == MOST_PICTURES {
+        if pictures.len() == PICTURES {
             return Err(SceneError::TooManyFrames {
                 path: path.into(),
-                most: MOST_PICTURES as u64,
+                most: PICTURES as u64,
             });
         }
         pictures.extend(entry.file_name().map(OsStr::to_owned));

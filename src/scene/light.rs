@@ -7,17 +7,13 @@ use std::{
 };
 
 use super::{OpenOptions, SceneError};
-use crate::plane::{Plane, Size};
+use crate::{
+    limit::{DRAWN_PIXELS, FRAMES, PIXELS},
+    plane::{Plane, Size},
+};
 
 /// Bytes of a pixel of a frame.
 pub(super) const FRAME: u128 = 8;
-
-/// The most frames of a scene: at 240 frames/s, 19 hours.
-pub(super) const MOST_FRAMES: u64 = 1 << 24;
-
-/// The most pixels of all frames of an animation or a pattern, whose frames are not in a file
-/// pixel by pixel: 16,384 frames of 4096x4096, four million of 256x256.
-const MOST_DRAWN: u64 = 1 << 38;
 
 /// A size that a sensor can watch, or an error that names the file.
 pub(super) fn checked_size(path: &Path, height: usize, width: usize) -> Result<Size, SceneError> {
@@ -34,32 +30,32 @@ pub(super) fn checked_size(path: &Path, height: usize, width: usize) -> Result<S
     Err(SceneError::TooLarge {
         path: path.into(),
         size,
-        most: Size::MOST_PIXELS,
+        most: PIXELS,
     })
 }
 
 /// Refuses a frame of a scene that is longer than scenes are; `index` is its number.
 pub(super) fn check_number(path: &Path, index: u64) -> Result<(), SceneError> {
-    if index < MOST_FRAMES {
+    if index < FRAMES {
         return Ok(());
     }
     Err(SceneError::TooManyFrames {
         path: path.into(),
-        most: MOST_FRAMES,
+        most: FRAMES,
     })
 }
 
 /// Refuses frames that are drawn from few bytes, or none, where together they are too large.
 pub(super) fn check_drawn(path: &Path, size: Size, frames: u64) -> Result<(), SceneError> {
     check_number(path, frames.saturating_sub(1))?;
-    if u128::from(frames) * size.pixels() as u128 <= u128::from(MOST_DRAWN) {
+    if u128::from(frames) * size.pixels() as u128 <= u128::from(DRAWN_PIXELS) {
         return Ok(());
     }
     Err(SceneError::TooLong {
         path: path.into(),
         frames,
         size,
-        most: MOST_DRAWN,
+        most: DRAWN_PIXELS,
     })
 }
 

@@ -55,7 +55,7 @@ impl Default for Upsampling {
 }
 
 /// The most frames of an upsampled scene.
-pub const MOST_FRAMES: u64 = light::MOST_FRAMES;
+pub const MOST_FRAMES: u64 = crate::limit::FRAMES;
 
 /// A scene with frames inserted.
 ///
@@ -267,7 +267,7 @@ impl Bound {
         };
         match self {
             Self::Contrast { contrast, offset } => {
-                most(&|a, b| ((b + offset) / (a + offset)).ln()) / contrast
+                most(&|a, b| elementary::ln((b + offset) / (a + offset))) / contrast
             }
             Self::Light { light } => most(&|a, b| b - a) / light,
         }
@@ -365,7 +365,7 @@ mod tests {
                 prop_assert_eq!(pair[1].index, count as u64 + 1);
                 prop_assert!(pair[0].seconds < pair[1].seconds);
                 for (a, b) in pair[0].light.iter().zip(&pair[1].light) {
-                    let moved = ((b + offset) / (a + offset)).ln().abs();
+                    let moved = elementary::ln((b + offset) / (a + offset)).abs();
                     prop_assert!(moved <= contrast + 1e-9, "{}", moved);
                 }
             }

@@ -11,13 +11,14 @@ use super::{
         registers::Register,
         strip,
     },
-    Arguments, Assignment, Bench, Light, MOST_THREADS, Moment, Set, Switch, finite,
+    Arguments, Assignment, Bench, Light, Moment, Set, Switch, finite,
     light::size,
 };
 use crate::{
     array::{Arithmetic, Array, RunError, Schedule, Settings},
     event::Packet,
     isa::{Device, Figure},
+    limit::THREADS,
     memory::Need,
     plane::Plane,
     program::{Expansion, Program},
@@ -57,7 +58,7 @@ impl<'a> Bench<'a> {
             schedule,
             threads: threads
                 .unwrap_or_else(rayon::current_num_threads)
-                .min(MOST_THREADS),
+                .min(THREADS),
             size,
             frames: light.scene.as_ref().map_or(0, Scene::bytes),
             arithmetic: arithmetic(arguments, program)?,

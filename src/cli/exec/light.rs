@@ -160,8 +160,6 @@ pub(in crate::cli) fn read_plane(path: &Path) -> miette::Result<Plane<f64>> {
     Ok(plane)
 }
 
-/// The longest file of a plane: 8 bytes a pixel, and a header.
-
 /// Whether a header promises no more numbers than there are bytes. What else is wrong with it,
 /// its reader says.
 fn check_shape(bytes: &[u8]) -> Result<(), String> {

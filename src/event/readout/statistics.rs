@@ -44,6 +44,7 @@ pub struct Latency {
 }
 
 /// `null` for a time that is not known.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
 fn known<S: serde::Serializer>(time: &Picos, serializer: S) -> Result<S::Ok, S::Error> {
     let time = Some(time).filter(|time| **time != Latency::BEYOND);
     serde::Serialize::serialize(&time, serializer)

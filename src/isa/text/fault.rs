@@ -184,6 +184,7 @@ pub fn thin(faults: &mut Vec<Fault>) {
 }
 
 /// Whether so much is wrong that there is no use in going on.
+#[must_use]
 pub fn enough(faults: &[Fault]) -> bool {
     let errors = faults.iter().filter(|f| f.severity == Severity::Error);
     errors.count() > FAULTS

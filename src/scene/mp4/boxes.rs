@@ -20,7 +20,7 @@ pub(super) type Wrong = String;
 pub(super) struct Head {
     pub name: [u8; 4],
     /// Bytes of the head itself.
-    pub head: u64,
+    pub length: u64,
     /// Bytes of the whole box, head included; at least those of the head.
     pub whole: u64,
 }
@@ -56,7 +56,11 @@ impl Head {
                 "box {name} says it has {whole} bytes, but only {room} are there"
             ));
         }
-        Ok(Self { name, head, whole })
+        Ok(Self {
+            name,
+            length: head,
+            whole,
+        })
     }
 }
 
@@ -90,11 +94,11 @@ impl<'a> Iterator for Boxes<'a> {
         if self.0.len() < 8 && self.0.iter().all(|byte| *byte == 0) {
             return None;
         }
-        let found = Head::read(self.0, self.0.len() as u64, false).and_then(|head| {
+        let found = Head::read(self.0, self.0.len() as u64, false).map(|head| {
             // `read` has held both against the room.
             let (whole, rest) = self.0.split_at(head.whole as usize);
             self.0 = rest;
-            Ok((head.name, &whole[head.head as usize..]))
+            (head.name, &whole[head.length as usize..])
         });
         if found.is_err() {
             self.0 = &[];
@@ -146,7 +150,7 @@ mod tests {
             assert!(message.contains(words), "{message}");
         }
         let wide = head(b"\0\0\0\x01free\0\0\0\0\0\0\0\x10", 16).unwrap();
-        assert_eq!((wide.head, wide.whole), (16, 16));
+        assert_eq!((wide.length, wide.whole), (16, 16));
         let last = Head::read(b"\0\0\0\0mdat", 77, true).unwrap();
         assert_eq!(last.whole, 77);
     }

@@ -13,12 +13,12 @@ use openh264::{
 };
 
 use super::{
-    limits::LARGEST_SAMPLE,
     parameters::Pictures,
     table::Sample,
     track::{NoTrack, Track},
 };
 use crate::{
+    limit::SAMPLE_BYTES,
     plane::{Plane, Size},
     scene::{
         Frame, OpenOptions, Scene, SceneError,
@@ -163,9 +163,9 @@ impl H264 {
 
     /// One coded picture, its units marked by start codes as the decoder wants them.
     fn read(&mut self, sample: Sample) -> Result<Vec<u8>, SceneError> {
-        if sample.size > LARGEST_SAMPLE {
+        if sample.size > SAMPLE_BYTES {
             return Err(self.wrong(format!(
-                "sample {} has {} bytes, expected at most {LARGEST_SAMPLE}",
+                "sample {} has {} bytes, expected at most {SAMPLE_BYTES}",
                 self.numbers, sample.size
             )));
         }

@@ -21,22 +21,6 @@ use std::path::Path;
 
 use super::{OpenOptions, Scene, SceneError};
 
-/// Bounds of the reader.
-#[cfg(feature = "mp4")]
-mod limits {
-    /// The largest sample (one coded picture) that is read: 64 MiB.
-    pub const LARGEST_SAMPLE: u64 = 1 << 26;
-
-    /// The longest `moov` or `moof` that is read: 64 MiB of tables.
-    pub const LONGEST_TABLES: u64 = 1 << 26;
-
-    /// The most coded pictures of a clip: four million, 38 hours at 30 frames/s.
-    pub const MOST_SAMPLES: u64 = 1 << 22;
-
-    /// The most boxes at the top of a file: a piece a second for 36 hours.
-    pub const MOST_BOXES: u64 = 1 << 18;
-}
-
 #[cfg(not(feature = "mp4"))]
 pub(super) fn open(path: &Path, _options: OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
     Err(SceneError::NoMp4 { path: path.into() })

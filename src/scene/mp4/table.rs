@@ -1,9 +1,7 @@
 //! The tables of a track: where its samples are, how large, and when they are shown.
 
-use super::{
-    boxes::{Boxes, Name, Wrong, u32_at, u64_at},
-    limits::MOST_SAMPLES,
-};
+use super::boxes::{Boxes, Name, Wrong, u32_at, u64_at};
+use crate::limit::SAMPLES;
 
 /// One coded picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,8 +135,8 @@ pub(super) fn check_count(count: u64, length: u64) -> Result<(), Wrong> {
             "it says it has {count} samples, more than its {length} bytes"
         ));
     }
-    if count > MOST_SAMPLES {
-        return Err(format!("it has {count} samples, more than {MOST_SAMPLES}"));
+    if count > SAMPLES {
+        return Err(format!("it has {count} samples, more than {SAMPLES}"));
     }
     Ok(())
 }

@@ -5,9 +5,9 @@ use std::io::{Read, Seek, SeekFrom};
 use super::{
     boxes::{Boxes, Head, Name, Wrong, u32_at},
     fragment::{Defaults, Follow},
-    limits::{LONGEST_TABLES, MOST_BOXES},
     table::{self, Sample},
 };
+use crate::limit::{BOXES, MP4_TABLES};
 
 /// A video track.
 pub(super) struct Track {
@@ -77,7 +77,7 @@ impl Track {
             }
             let tkhd = Boxes(trak).get(*b"tkhd")?;
             let id = u32_at(tkhd, if tkhd.first() == Some(&1) { 20 } else { 12 });
-            let id = id.ok_or_else(|| short(b"tkhd"))?;
+            let id = id.ok_or_else(|| short(*b"tkhd"))?;
             let mdia = Boxes(trak).get(*b"mdia")?;
             let hdlr = Boxes(mdia).get(*b"hdlr")?;
             let is_video = hdlr.get(8..12) == Some(b"vide");
@@ -92,19 +92,19 @@ impl Track {
         let timescale = u32_at(mdhd, if mdhd.first() == Some(&1) { 20 } else { 12 });
         let stbl = Boxes(Boxes(mdia).get(*b"minf")?).get(*b"stbl")?;
         let stsd = Boxes(stbl).get(*b"stsd")?.get(8..).unwrap_or_default();
-        let (codec, entry) = Boxes(stsd).next().ok_or_else(|| short(b"stsd"))??;
+        let (codec, entry) = Boxes(stsd).next().ok_or_else(|| short(*b"stsd"))??;
         if !matches!(&codec, b"avc1" | b"avc3") {
             let codec = Name(codec);
             return Err(NoTrack::Unusable(format!(
                 "its video is {codec}, not H.264"
             )));
         }
-        let boxes = entry.get(78..).ok_or_else(|| short(&codec))?;
+        let boxes = entry.get(78..).ok_or_else(|| short(codec))?;
         let avcc = Boxes(boxes).get(*b"avcC")?;
-        let (length_bytes, parameters) = parameters(avcc).ok_or_else(|| short(b"avcC"))?;
+        let (length_bytes, parameters) = parameters(avcc).ok_or_else(|| short(*b"avcC"))?;
         let track = Self {
             samples: table::samples(stbl, length)?,
-            timescale: timescale.ok_or_else(|| short(b"mdhd"))?,
+            timescale: timescale.ok_or_else(|| short(*b"mdhd"))?,
             length_bytes,
             parameters,
         };
@@ -112,8 +112,8 @@ impl Track {
     }
 }
 
-fn short(name: &[u8; 4]) -> Wrong {
-    format!("box {} is too short", Name(*name))
+fn short(name: [u8; 4]) -> Wrong {
+    format!("box {} is too short", Name(name))
 }
 
 /// What `avcC` holds: bytes of a length, and the parameter sets.
@@ -142,14 +142,14 @@ struct Top {
 
 impl Top {
     fn content(&self, file: &mut (impl Read + Seek)) -> Result<Vec<u8>, NoTrack> {
-        let size = self.head.whole - self.head.head;
-        if size > LONGEST_TABLES {
+        let size = self.head.whole - self.head.length;
+        if size > MP4_TABLES {
             let name = Name(self.head.name);
-            let most = LONGEST_TABLES;
+            let most = MP4_TABLES;
             return Err(format!("box {name} has {size} bytes, expected at most {most}").into());
         }
         let mut content = Vec::new();
-        file.seek(SeekFrom::Start(self.start + self.head.head))?;
+        file.seek(SeekFrom::Start(self.start + self.head.length))?;
         file.take(size).read_to_end(&mut content)?;
         if (content.len() as u64) < size {
             return Err(format!("box {} is cut off", Name(self.head.name)).into());
@@ -163,8 +163,8 @@ fn tops(file: &mut (impl Read + Seek), length: u64) -> Result<Vec<Top>, NoTrack>
     let (mut tops, mut start, mut boxes) = (Vec::new(), 0, 0);
     while start < length {
         boxes += 1;
-        if boxes > MOST_BOXES {
-            return Err(format!("it has more than {MOST_BOXES} boxes").into());
+        if boxes > BOXES {
+            return Err(format!("it has more than {BOXES} boxes").into());
         }
         file.seek(SeekFrom::Start(start))?;
         let mut bytes = Vec::with_capacity(Head::LONGEST);

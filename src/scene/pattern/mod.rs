@@ -116,7 +116,7 @@ impl Pattern {
         let height = given.whole("height", natural.height as u64, 1..=1 << 16)?;
         let path = PathBuf::from(format!("pattern:{name}"));
         let size = light::checked_size(&path, height as usize, width as usize)?;
-        let frames = given.whole("frames", 240, 1..=light::MOST_FRAMES)?;
+        let frames = given.whole("frames", 240, 1..=crate::limit::FRAMES)?;
         light::check_drawn(&path, size, frames)?;
         let drawn = image.as_ref().map_or(0, ndarray::ArrayBase::len);
         let held = light::FRAME * (drawn + size.pixels()) as u128;

@@ -42,7 +42,7 @@ pub struct Manifest {
 }
 
 /// The longest `sweep.json`, in bytes: one of the largest study takes four millions.
-pub const LONGEST: u64 = 1 << 24;
+pub const LONGEST: u64 = crate::limit::MANIFEST_BYTES;
 
 /// The most columns.
 const MOST_COLUMNS: usize = 10_000;

@@ -21,7 +21,7 @@ pub struct Record {
 const PROVENANCE: &str = "provenance";
 
 /// The longest file of a point, in bytes; one takes about 2000.
-pub const LONGEST: u64 = 1 << 20;
+pub const LONGEST: u64 = crate::limit::POINT_BYTES;
 
 /// Why a file is no record.
 #[derive(Debug, PartialEq, Eq)]
