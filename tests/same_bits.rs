@@ -102,7 +102,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "quantised levels",
-        "quantise ROOT/kernels/authors-csdvs-5.toml --to ternary,int-4,pow2-3,q2.3 --json",
+        "quantise ROOT/kernels/authors-csdvs-5.toml --to ternary,int-4,po2-3,q2.3 --json",
         &["stdout"],
     ),
     (
