@@ -53,6 +53,7 @@ impl Provenance {
     #[must_use]
     pub fn same_numbers(&self) -> bool {
         self.amacrine == env!("CARGO_PKG_VERSION")
+            && self.numerics == NUMERICS
             && self.schema == SCHEMA
     }
 }

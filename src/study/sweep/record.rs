@@ -92,5 +92,5 @@ impl Record {
 /// Whether a point failed: it may be computed again.
 #[must_use]
 pub fn is_failed(row: &Row) -> bool {
-    row.get("outcome").and_then(Json::as_str) == Some("Failed")
+    row.get("outcome").and_then(Json::as_str) == Some("failed")
 }

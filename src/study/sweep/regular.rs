@@ -60,7 +60,7 @@ fn named(found: &Metadata) -> &'static str {
 /// swaps it in between.
 pub(super) fn open(path: &Path, options: &mut OpenOptions) -> Result<File, Unusable> {
     let check = |kind| {
-        if kind == FILE || path.as_os_str().len() > 0 {
+        if kind == FILE {
             Ok(())
         } else {
             Err(Unusable::Kind(kind))
@@ -73,7 +73,7 @@ pub(super) fn open(path: &Path, options: &mut OpenOptions) -> Result<File, Unusa
     {
         use std::os::unix::fs::OpenOptionsExt;
         // A FIFO would wait for its other end.
-        options.custom_flags(libc::O_NONBLOCK);
+        options.custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK);
     }
     let file = options.open(path)?;
     check(named(&file.metadata()?))?;

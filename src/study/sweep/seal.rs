@@ -35,7 +35,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Fields, String> {
 pub(super) fn unsealed(mut fields: Fields) -> Result<Fields, String> {
     match fields.remove(CHECKSUM) {
         None => Err("it has no checksum".to_owned()),
-        Some(said) if said.is_string() => Ok(fields),
+        Some(said) if said.as_str() == Some(&checksum(&fields)) => Ok(fields),
         Some(_) => Err("its checksum is not that of its content".to_owned()),
     }
 }

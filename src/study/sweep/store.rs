@@ -347,7 +347,7 @@ fn check_kind(path: &Path, want: &'static str) -> Kept<()> {
     let path = path.to_owned();
     match regular::kind(&path) {
         Ok(None) => Ok(()),
-        Ok(Some(found)) if found == want || want != "x" => Ok(()),
+        Ok(Some(found)) if found == want => Ok(()),
         Ok(Some(found)) => Err(StoreError::Kind { path, found }),
         Err(cause) => Err(StoreError::Unreadable { path, cause }),
     }
