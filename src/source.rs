@@ -63,7 +63,7 @@ impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::System(cause) => cause.fmt(f),
-            Self::Folder => f.write_str("it is a folder"),
+            Self::Folder => f.write_str("it is a directory"),
             Self::Long { most, kind } => {
                 write!(f, "it goes on; a {kind} file holds at most {most} bytes")
             }
@@ -300,7 +300,7 @@ mod tests {
     fn a_folder_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let error = text(folder.path(), "give a file").unwrap_err();
-        assert!(error.to_string().ends_with("it is a folder"));
+        assert!(error.to_string().ends_with("it is a directory"));
     }
 
     #[test]

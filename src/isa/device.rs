@@ -38,7 +38,7 @@ impl FigureError {
         if self.figure.domain().holds(self.value) {
             return "the low end of the range lies below the high one".to_owned();
         }
-        format!("give {}", self.figure.domain().expected())
+        format!("give {}", self.figure.domain().instead_of(self.value))
     }
 }
 

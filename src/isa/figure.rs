@@ -67,16 +67,33 @@ impl Domain {
             }
     }
 
+    /// What a value should have been, in words: with the limits, where it is beyond them.
+    #[must_use]
+    pub fn instead_of(self, value: f64) -> String {
+        let expected = self.expected();
+        let limit = match self {
+            Self::Any | Self::NotNegative | Self::Positive
+                if value.is_finite() && value.abs() > FIGURE =>
+            {
+                ", at most 1e12 in size"
+            }
+            Self::Positive if value > 0.0 && value < 1.0 / FIGURE => ", at least 1e-12",
+            Self::Count if value.is_finite() && value > 1e9 => ", at most 1e9",
+            Self::Side if value.is_finite() && value > ARRAY_SIDE as f64 => ", at most 65536",
+            Self::Words if value.is_finite() && value > STORE_WORDS as f64 => ", at most 262144",
+            _ => "",
+        };
+        format!("{expected}{limit}")
+    }
+
     /// In words.
     #[must_use]
     pub const fn expected(self) -> &'static str {
         match self {
-            Self::Any => "a finite number, at most 1e12 in size",
-            Self::NotNegative => "a number of zero or more, at most 1e12 in size",
-            Self::Positive => "a number above zero, at least 1e-12 and at most 1e12 in size",
-            Self::Count => "a whole number of one or more, at most 1e9",
-            Self::Side => "a whole number from 1 to 65536",
-            Self::Words => "a whole number from 1 to 262144",
+            Self::Any => "a finite number",
+            Self::NotNegative => "a number of zero or more",
+            Self::Positive => "a number above zero",
+            Self::Count | Self::Side | Self::Words => "a whole number of one or more",
             Self::Codes => "a whole number from 2 to 256",
             Self::Links => "a whole number from 4 to 255",
             Self::Part => "a number from 0 to below 1",

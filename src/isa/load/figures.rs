@@ -106,7 +106,7 @@ pub(super) fn wrong_quantity(figure: Figure, entry: &Spanned<Quantity>) -> Optio
     } else if !figure.domain().holds(*value) {
         format!(
             "`{section}.{key}` is {}, not {value}",
-            figure.domain().expected()
+            figure.domain().instead_of(*value)
         )
     } else if source.trim().is_empty() {
         format!("`{section}.{key}` has no source")
