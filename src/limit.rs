@@ -199,7 +199,7 @@ table! {
     FIGURE, "the size of a number about a chip", "",
         "times and powers stay finite", "at most 1e12 in size";
     STORE_WORDS, "the kernel store of a chip", "words",
-        "64 times what the largest shipped chip has", "from 1 to 262144";
+        "64 times what the largest shipped chip has", "at most 262144";
     STUDY_POINTS, "points of a study", "points",
         "a day at one a second", "more than 100000";
     RUNS, "runs of `exec --repeat`", "runs",

@@ -72,11 +72,15 @@ impl Domain {
     pub fn instead_of(self, value: f64) -> String {
         let expected = self.expected();
         let limit = match self {
-            Self::Any | Self::NotNegative | Self::Positive if value.abs() > FIGURE => {
+            Self::Any | Self::NotNegative | Self::Positive
+                if value.is_finite() && value.abs() > FIGURE =>
+            {
                 ", at most 1e12 in size"
             }
             Self::Positive if value > 0.0 && value < 1.0 / FIGURE => ", at least 1e-12",
-            Self::Count if value > 1e9 => ", at most 1e9",
+            Self::Count if value.is_finite() && value > 1e9 => ", at most 1e9",
+            Self::Side if value.is_finite() && value > ARRAY_SIDE as f64 => ", at most 65536",
+            Self::Words if value.is_finite() && value > STORE_WORDS as f64 => ", at most 262144",
             _ => "",
         };
         format!("{expected}{limit}")
@@ -89,9 +93,7 @@ impl Domain {
             Self::Any => "a finite number",
             Self::NotNegative => "a number of zero or more",
             Self::Positive => "a number above zero",
-            Self::Count => "a whole number of one or more",
-            Self::Side => "a whole number from 1 to 65536",
-            Self::Words => "a whole number from 1 to 262144",
+            Self::Count | Self::Side | Self::Words => "a whole number of one or more",
             Self::Codes => "a whole number from 2 to 256",
             Self::Links => "a whole number from 4 to 255",
             Self::Part => "a number from 0 to below 1",
