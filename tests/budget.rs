@@ -19,7 +19,7 @@ const MOST_KIB: u64 = 300 << 10;
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// How long a run that is measured may take.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_mins(5);
 
 /// What a run of the program gave.
 struct Ran {
@@ -288,6 +288,7 @@ fn options_without_end_are_refused() {
 /// One refusal for each verb that computes: what would be held, part by part, what there is, and
 /// what to change.
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table of verbs")]
 fn what_is_beyond_the_budget_is_refused_before_the_work() {
     let folder = Folder::new();
     let dvs = root("sensors/dvs.toml");
@@ -295,14 +296,9 @@ fn what_is_beyond_the_budget_is_refused_before_the_work() {
     let scene = "pattern:bar?width=2048&height=2048&frames=50";
     let out = folder.path("o.npy").display().to_string();
     let strip = folder.path("s.png").display().to_string();
-    let mut csv = String::from("t,x,y,p\n");
-    for t in 0..400_000 {
-        csv += &format!("{t},{},{},{}\n", t % 64, t % 48, t % 2);
-    }
+    let rows = (0..400_000).map(|t| format!("\n{t},{},{},{}", t % 64, t % 48, t % 2));
+    let csv = format!("t,x,y,p{}\n", rows.collect::<String>());
     let events = folder.write("events.csv", csv.as_bytes());
-    let study =
-        format!("title = \"wide\"\n[grid]\nside = [\"reference\"]\nscene = [\"{scene}\"]\n");
-    let _ = study;
     let cases: &[&[&str]] = &[
         &["run", "--scene", scene, "--sensor", &dvs],
         &["run", "--scene", scene, "--sensor", &dvs, "--events", &out],
