@@ -73,6 +73,10 @@ fn read(format: Format, bytes: Vec<u8>) -> Result<Packet, (Vec<Event>, FileError
 }
 
 /// The bytes of the events themselves, in formats without a check sum over them.
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "some formats have one stretch of events, others several"
+)]
 fn payload(format: Format, compression: Compression, bytes: &[u8]) -> Vec<Range<usize>> {
     let after = |end: &[u8]| {
         let at = bytes.windows(end.len()).position(|w| w == end).unwrap();
@@ -248,7 +252,7 @@ fn packets_are_held_to_their_table() {
     let packet = packet(Format::Aedat4, 40_000);
     let bytes = bytes_of(Format::Aedat4, Compression::None, &packet);
     let says = |bytes: Vec<u8>, says: &str| {
-        let (kept, error) = read(Format::Aedat4, bytes).err().expect(says);
+        let (kept, error) = read(Format::Aedat4, bytes).expect_err(says);
         let said = error.to_string();
         assert!(said.contains(says), "{said}");
         kept
@@ -318,7 +322,7 @@ fn a_table_in_the_middle_is_no_end() {
             candidates += 1;
             let mut damaged = bytes.clone();
             damaged[at..at + 8].copy_from_slice(&second.to_le_bytes());
-            let (kept, error) = read(Format::Aedat4, damaged).err().expect("a table");
+            let (kept, error) = read(Format::Aedat4, damaged).expect_err("a table");
             let one = format!("its header says that the table of packets is at byte {second}");
             assert!(error.to_string().contains(&one), "{error}");
             assert_eq!(kept, packet.events, "salvage goes on");

@@ -333,16 +333,18 @@ impl Disk {
             "unlink" | "rmdir" => {
                 self.names.remove(parts[1]);
             }
-            "sync" => match file(self) {
-                Some(file) => self.files[file].kept = self.files[file].now.clone(),
-                None => {
+            "sync" => {
+                if let Some(file) = file(self) {
+                    let file = &mut self.files[file];
+                    file.kept.clone_from(&file.now);
+                } else {
                     let folder = parts[1];
                     self.kept.retain(|name, _| above(name) != folder);
                     let inside = self.names.iter().filter(|(name, _)| above(name) == folder);
                     let inside = inside.map(|(name, what)| (name.clone(), *what));
                     self.kept.extend(inside.collect::<Vec<_>>());
                 }
-            },
+            }
             other => panic!("{other}"),
         }
     }
@@ -356,7 +358,7 @@ impl Disk {
                 let content = |file: &Written| match data {
                     0 => file.kept.clone(),
                     1 => file.now.clone(),
-                    _ => file.now[..(file.kept.len() + file.now.len()) / 2].to_vec(),
+                    _ => file.now[..usize::midpoint(file.kept.len(), file.now.len())].to_vec(),
                 };
                 let found = names.iter().map(|(name, what)| {
                     (name.clone(), what.map(|file| content(&self.files[file])))
@@ -371,7 +373,9 @@ impl Disk {
     fn promised(&self) -> usize {
         let point = |(name, what): &(&String, &Option<usize>)| {
             let file = what.map(|file| &self.files[file]);
-            name.ends_with(".json")
+            Path::new(name.as_str())
+                .extension()
+                .is_some_and(|e| e == "json")
                 && above(name).ends_with("/points")
                 && file.is_some_and(|file| !file.kept.is_empty() && file.kept == file.now)
         };

@@ -851,7 +851,7 @@ fn read_all(text: &str) {
         event::readout::settings,
         isa::{Device, macros, signature::Signature},
         kernel::Kernel,
-        program::Program,
+        program::{Overrides, Program},
         reference::Description,
         study::sweep::Study,
     };
@@ -865,7 +865,7 @@ fn read_all(text: &str) {
     let _ = Signature::parse(text).map(|form| form.to_string());
     let program = Program::read("p.scamp", text);
     let _ = program
-        .expand(&Device::scamp5(), &Default::default())
+        .expand(&Device::scamp5(), &Overrides::default())
         .map_err(|e| e.to_string());
 }
 
