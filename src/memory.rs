@@ -194,7 +194,7 @@ impl Need {
     /// When all parts together are more than the budget; `what` is what was asked for, `help` what
     /// would make it less.
     pub fn within(&self, budget: Budget, what: &str, help: &str) -> Result<(), TooMuch> {
-        if self.total() <= budget.bytes.into() {
+        if self.total() <= u128::from(budget.bytes) {
             return Ok(());
         }
         Err(TooMuch {

@@ -380,7 +380,7 @@ fn what_is_beyond_the_budget_is_refused_before_the_work() {
             "--sensor",
             &dvs,
             "--max-memory",
-            "64M",
+            "100M",
         ],
         LONGEST,
     );
@@ -389,7 +389,7 @@ fn what_is_beyond_the_budget_is_refused_before_the_work() {
         "a run of 2048x2048 with 1 kind of cells in f64 would hold",
         "the sensor's cells",
         "frames of the scene",
-        "--max-memory allows 64.0 MiB",
+        "--max-memory allows 100 MiB",
         "take a smaller scene, fewer kinds of cells or a narrower --format",
         "such as --max-memory",
     ] {

@@ -79,7 +79,7 @@ impl Room {
 
     /// Refuses frames that take more.
     pub fn check(self, path: &Path, size: Size, bytes: u128) -> Result<(), SceneError> {
-        if bytes <= self.0.into() {
+        if bytes <= u128::from(self.0) {
             return Ok(());
         }
         Err(SceneError::NoRoom {

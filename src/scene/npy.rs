@@ -416,7 +416,7 @@ mod tests {
     use super::*;
 
     fn read(bytes: &[u8]) -> Result<Vec<Frame>, SceneError> {
-        let mut scene = Npy::new(Path::new("a.npy"), bytes, Some(bytes.len() as u64), None)?;
+        let mut scene = Npy::new(Path::new("a.npy"), bytes, Some(bytes.len() as u64), OpenOptions::default())?;
         let mut frames = Vec::new();
         while let Some(frame) = scene.next_frame()? {
             frames.push(frame);
