@@ -42,7 +42,7 @@ pub struct Arguments {
 }
 
 /// Bytes of an event: as it was read, sorted by cell, drawn anew, and moved elsewhere.
-const EACH: u128 = 100;
+const EACH: u128 = 160;
 
 /// Runs the verb.
 ///

@@ -112,7 +112,10 @@ impl Shown {
 const PAGES: u64 = 2000;
 
 /// Bytes of an event: as it was read, and by its cell.
-const EACH: u128 = 48;
+const EACH: u128 = 60;
+
+/// Bytes of the page, as it is drawn and as it is packed.
+const PAGE: u128 = 20 << 20;
 
 /// Bytes of a pixel: times, counts and colours, as numbers and as drawn.
 const PIXEL: u128 = 40;
@@ -186,6 +189,7 @@ fn check(packet: &Packet, arguments: &Arguments) -> miette::Result<()> {
     let events = EACH * packet.events.len() as u128;
     let need = Need::new()
         .and("pictures of the sensor's size", pixels)
+        .and("the page", PAGE)
         .and("events", events);
     let what = format!("a picture of {}", packet.size);
     let help = "show one kind of cell, or a file that says the true size of its sensor";

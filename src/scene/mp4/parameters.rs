@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn the_size_of_a_clip_is_read() {
         for (set, kept) in [
-            ("6742c00ad90d6840000003004000000503c48992", 1),
+            ("6742c00ad90d6840000003004000000503c48992", 3),
             ("6764000aacd94d6840000003004000000503c4896580", 4),
         ] {
             let byte = |at| u8::from_str_radix(&set[at..at + 2], 16).unwrap();
