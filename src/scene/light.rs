@@ -99,6 +99,7 @@ pub(super) fn open_file(path: &Path) -> Result<BufReader<File>, SceneError> {
 }
 
 /// Bytes of a file.
+#[cfg(feature = "mp4")]
 pub(super) fn length(path: &Path, file: &BufReader<File>) -> Result<u64, SceneError> {
     let data: io::Result<_> = file.get_ref().metadata();
     data.map(|data| data.len())
