@@ -1,10 +1,6 @@
 //! Checks that every source of light shares.
 
-use std::{
-    fs::File,
-    io::{self, BufReader},
-    path::Path,
-};
+use std::{fs::File, io::BufReader, path::Path};
 
 use super::{OpenOptions, SceneError};
 use crate::{
@@ -101,7 +97,7 @@ pub(super) fn open_file(path: &Path) -> Result<BufReader<File>, SceneError> {
 /// Bytes of a file.
 #[cfg(feature = "mp4")]
 pub(super) fn length(path: &Path, file: &BufReader<File>) -> Result<u64, SceneError> {
-    let data: io::Result<_> = file.get_ref().metadata();
+    let data = file.get_ref().metadata();
     data.map(|data| data.len())
         .map_err(|cause| SceneError::unreadable(path, cause))
 }
