@@ -77,7 +77,8 @@ pub(super) fn settle(
     let ahead = |i: usize, step: f64| way * (step - values[i]);
     let up_to =
         |level: f64, i: usize, step: f64| (level - ahead(i, step)).floor().clamp(0.0, room(step));
-    if left > steps.len() as f64 {
+    let many = left > steps.len() as f64;
+    if many {
         let places = || steps.iter().enumerate();
         let first = places()
             .map(|(i, s)| ahead(i, *s))
@@ -94,12 +95,19 @@ pub(super) fn settle(
         }
         // A level lower, so that no step is taken that does not hurt less than those left.
         for (i, step) in steps.iter_mut().enumerate() {
-            let many = up_to(under - 1.0, i, *step);
-            *step += way * many;
-            left -= many;
+            let taken = up_to(under - 1.0, i, *step);
+            *step += way * taken;
+            left -= taken;
         }
     }
-    let hurt = |i: usize, step: f64| (step + way - values[i]).powi(2) - (step - values[i]).powi(2);
+    // Where steps are many, squares would lose what tells them apart; the order is the same.
+    let hurt = |i: usize, step: f64| {
+        if many {
+            ahead(i, step)
+        } else {
+            (step + way - values[i]).powi(2) - (step - values[i]).powi(2)
+        }
+    };
     let mut next: BinaryHeap<Step> = (0..steps.len())
         .filter(|i| room(steps[*i]) >= 1.0)
         .map(|i| Step(hurt(i, steps[i]), i))
@@ -158,10 +166,10 @@ mod tests {
 
     #[test]
     fn many_steps_at_once_are_the_steps_one_by_one() {
-        let values = [0.3_f64, -40.25, 12.5, 12.5, 99.0, -3.75, 0.0];
+        let values: [f64; 7] = [0.3, -40.25, 12.5, 12.5, 99.0, -3.75, 0.0];
         for asked in -300_i32..300 {
             let asked = f64::from(asked);
-            let mut fast: Vec<f64> = values.iter().map(|v| v.round()).collect();
+            let mut fast: Vec<_> = values.iter().map(|v| v.round()).collect();
             let mut slow = fast.clone();
             let bounds = (-40.0, 99.0);
             let done = one_by_one(&values, &mut slow, bounds, asked);
