@@ -234,11 +234,10 @@ fn the_demo_fails_once() {
     assert!(ran.litter.is_empty());
     let names: BTreeSet<&str> = ran.left.keys().map(String::as_str).collect();
     assert_eq!(names, demo.writes().collect(), "{text}");
-    assert!(ran.left["o/watch.gif"] == b"old", "nothing came after it");
-    assert!(
-        ran.left["o/reference.csv"] != b"old",
-        "what came before stays"
-    );
+    // It was the first file that failed: that and what would have followed are as they were.
+    for name in demo.writes() {
+        assert!(ran.left[name] == b"old", "{name}");
+    }
 }
 
 #[test]

@@ -18,7 +18,7 @@ use amacrine::limit::{self, FILES, TABLE};
 const MEMORY: u64 = 480_000;
 
 /// A program without optimisation on a machine that does other things too takes longer.
-const TIME: Duration = Duration::from_secs(if cfg!(debug_assertions) { 20 } else { 2 });
+const TIME: Duration = Duration::from_secs(if cfg!(debug_assertions) { 20 } else { 5 });
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -368,7 +368,14 @@ fn nobody_else_reads_files_whole() {
         let text = fs::read_to_string(&path).unwrap_or_default();
         let code = text.split("#[cfg(test)]\nmod tests").next().unwrap();
         let shown = path.strip_prefix(root()).unwrap().display().to_string();
-        if ["src/source.rs", "src/study/sweep/store.rs"].contains(&shown.as_str()) {
+        // What the system says of itself is short.
+        let exempt = [
+            "src/source.rs",
+            "src/study/sweep/store.rs",
+            "src/memory.rs",
+            "src/cli/signals.rs",
+        ];
+        if exempt.contains(&shown.as_str()) {
             continue;
         }
         for word in ["fs::read(", "read_to_string(", "read_line("] {

@@ -29,6 +29,7 @@ use crate::{
     },
     picture::{Drawing, raster, write_png, write_svg},
     save::{self, Kind, SaveError},
+    source,
 };
 
 /// A file or a folder that is read.
@@ -529,7 +530,7 @@ fn extended(folder: &Path) -> Vec<PathBuf> {
         let chip = fs::metadata(&chip)
             .is_ok_and(|c| c.is_file() && c.len() < 1 << 20)
             .then_some(chip);
-        let text = chip.and_then(|chip| fs::read_to_string(chip).ok());
+        let text = chip.and_then(|chip| source::text(&chip, "").ok());
         let chip = text.and_then(|text| text.parse::<toml::Table>().ok());
         let base = chip.as_ref().and_then(|chip| chip.get("extends")?.as_str());
         match (base, at.parent()) {

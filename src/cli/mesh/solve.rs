@@ -52,7 +52,7 @@ struct Json {
 }
 
 /// Planes of numbers that are held at once.
-const PLANES: u128 = 6;
+const PLANES: u128 = 5;
 
 /// Runs the verb.
 ///

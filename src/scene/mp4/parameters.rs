@@ -157,7 +157,7 @@ mod tests {
                 kept,
             };
             assert_eq!(pictures, want);
-            assert_eq!(Pictures::of_unit(&set[..8]), None);
+            assert_eq!(Pictures::of_unit(&set[..5]), None);
             assert_eq!(Pictures::of_unit(&[0x68, 1, 2]), None);
         }
     }
