@@ -92,12 +92,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "a compiled sensor",
-        "compile ROOT/kernels/rgc-5x5.toml --to int-5 --threshold 128 -o p.scamp",
+        "compile ROOT/kernels/csdvs-5.toml --to ternary --threshold 16 -o p.scamp",
         &["p.scamp"],
     ),
     (
         "a compiled filter",
-        "compile ROOT/kernels/dog.toml --to int-4 --filter-only -o p.scamp",
+        "compile ROOT/kernels/sobel-x.toml --filter-only -o p.scamp",
         &["p.scamp"],
     ),
     (
