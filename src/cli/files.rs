@@ -1,8 +1,8 @@
 //! The files of one command: what it reads, what it writes, and that these are not the same.
 //!
 //! A verb's arguments are [`Input`], [`Named`] and [`Output`], never plain paths, so that
-//! [`check`] finds them all before the verb begins. What is only known later (a kernel that a
-//! sensor file names, one file for each kind) goes through [`reads`] and [`writes`].
+//! `check` finds them all before the verb begins. What is only known later (a kernel that a
+//! sensor file names, one file for each kind) goes through `reads` and `writes`.
 
 use std::{
     ffi::OsStr,
