@@ -92,17 +92,17 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "a compiled sensor",
-        "compile ROOT/kernels/csdvs-5.toml --to ternary --threshold 16 -o p.scamp",
+        "compile csdvs-5 --to ternary --threshold 16 -o p.scamp",
         &["p.scamp"],
     ),
     (
         "a compiled filter",
-        "compile ROOT/kernels/sobel-x.toml --filter-only -o p.scamp",
+        "compile sobel-x --filter-only -o p.scamp",
         &["p.scamp"],
     ),
     (
         "quantised levels",
-        "quantise ROOT/kernels/authors-csdvs-5.toml --to ternary,int-4,po2-3,q2.3 --json",
+        "quantise csdvs-5 --to ternary,int-4,po2-3,q2.3 --json",
         &["stdout"],
     ),
     (
