@@ -41,7 +41,7 @@ pub const QUANTISER_STEPS: u64 = 1 << 30;
 pub const QUANTISER_TABLE: u64 = 1 << 26;
 
 /// Instruction words, host operations and calls of macros that a program's text becomes.
-pub const EXPANDED_STEPS: usize = 1 << 19;
+pub const EXPANDED_STEPS: usize = 1 << 18;
 
 /// Instruction words that one statement becomes.
 pub const STATEMENT_WORDS: usize = 100_000;
@@ -177,7 +177,7 @@ table! {
     QUANTISER_TABLE, "the table for levels with a sum, or for digits", "entries",
         "128 MiB", "entries of a table";
     EXPANDED_STEPS, "what the text of a program becomes: words, host operations, calls of macros", "steps",
-        "128 times the words that the largest shipped chip stores", "the program becomes more than";
+        "64 times the words that the largest shipped chip stores", "the program becomes more than";
     STATEMENT_WORDS, "what one statement becomes", "words",
         "no kernel store holds it", "this statement is longer than";
     FRAME_STEPS, "what `init`, or one frame, runs: words, host operations, turns of `repeat`", "steps",
