@@ -383,7 +383,9 @@ impl<'d> Lowering<'d> {
                     let place = sink.place;
                     let times = match self.value(times, scope).map_err(|f| outside(f, place))? {
                         // Rounded down, and none below zero: macros count halves with it.
-                        Value::Number(n) => n.floor().clamp(0.0, STATEMENT_WORDS as f64) as usize,
+                        Value::Number(n) => {
+                            n.floor().clamp(0.0, (STATEMENT_WORDS + 1) as f64) as usize
+                        }
                         _ => 0,
                     };
                     let mut inner = Sink {
