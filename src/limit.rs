@@ -195,7 +195,7 @@ table! {
     ALIASES, "other names of registers", "names",
         "scamp5 has 13", "aliases at most";
     ARRAY_SIDE, "rows or columns of an array or a sensor", "px",
-        "addresses of events have 16 bits", "from 1 to 65536";
+        "addresses of events have 16 bits", "65536 a side";
     FIGURE, "the size of a number about a chip", "",
         "times and powers stay finite", "at most 1e12 in size";
     STORE_WORDS, "the kernel store of a chip", "words",
