@@ -278,7 +278,9 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
         "STORE_WORDS" => Case::exec(&["--set", &format!("store.words={n}")]),
         "STUDY_POINTS" if beyond => Case::new(&["sweep", "s.toml"]).file(
             "s.toml",
-            format!("seed = {{ from = 1, to = {n} }}\n[[side]]\nsensor = \"reference\"\n"),
+            format!(
+                "scene = \"pattern:bar\"\nkernel = \"sobel-x\"\nthreshold = 1\nseed = {{ from = 1, to = {n} }}\n[[side]]\nside = \"reference\"\n"
+            ),
         ),
         "RUNS" if beyond => Case::exec(&["--repeat", &n.to_string()]),
         "FRAMES" if beyond => Case::exec(&["--frames", &n.to_string()]),
