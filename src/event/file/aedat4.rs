@@ -430,6 +430,7 @@ pub(super) fn sink(head: &Head, compression: Compression) -> Writing {
         at: 0,
         position: 0,
         rest: Vec::new(),
+        block: Vec::new(),
     }
 }
 
@@ -446,16 +447,20 @@ pub(super) struct Writing {
     position: u64,
     /// Events that do not fill a packet yet.
     rest: Vec<Event>,
+    /// The last packet: memory for the next one, which the system would clear each time.
+    block: Vec<u8>,
 }
 
 impl Writing {
-    fn deflate(&self, bytes: Vec<u8>) -> io::Result<Vec<u8>> {
+    fn deflate(&mut self, bytes: Vec<u8>) -> io::Result<Vec<u8>> {
         match self.compression {
             Compression::None => Ok(bytes),
             Compression::Lz4 => {
                 // With a check sum: damage is seen.
                 let info = FrameInfo::new().content_checksum(true);
-                let mut encoder = FrameEncoder::with_frame_info(info, Vec::new());
+                let mut block = std::mem::take(&mut self.block);
+                block.clear();
+                let mut encoder = FrameEncoder::with_frame_info(info, block);
                 io::Write::write_all(&mut encoder, &bytes)?;
                 encoder.finish().map_err(io::Error::other)
             }
@@ -471,10 +476,12 @@ impl Writing {
         let (Some(first), Some(last)) = (self.rest.first(), self.rest.last()) else {
             return Ok(());
         };
+        let ends = (first.t.0.cast_signed(), last.t.0.cast_signed());
         // A table of one field, the vector, right behind it.
         let mut builder = Builder::new(*b"EVTS", 8, &[4]);
         let bytes = &mut builder.bytes;
-        bytes.reserve(self.rest.len() * EVENT + 8);
+        // And the size, which comes in front.
+        bytes.reserve(self.rest.len() * EVENT + 12);
         bytes.extend(4_u32.to_le_bytes());
         bytes.extend((self.rest.len() as u32).to_le_bytes());
         for e in &self.rest {
@@ -485,7 +492,6 @@ impl Writing {
             bytes.extend(word.to_le_bytes());
         }
         let events = self.rest.len() as u64;
-        let events = Some((events, first.t.0.cast_signed(), last.t.0.cast_signed()));
         let packet = self.deflate(builder.finish())?;
         let length = u32::try_from(packet.len()).map_err(io::Error::other)?;
         out.write_all(&0_i32.to_le_bytes())?;
@@ -495,10 +501,11 @@ impl Writing {
             at: self.at + 8,
             stream: 0,
             bytes: length,
-            events,
+            events: Some((events, ends.0, ends.1)),
         });
         self.at += 8 + packet.len() as u64;
         self.rest.clear();
+        self.block = packet;
         Ok(())
     }
 

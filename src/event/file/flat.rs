@@ -113,9 +113,9 @@ impl Builder {
     }
 
     /// The whole buffer.
-    pub fn finish(self) -> Vec<u8> {
-        let mut all = (self.bytes.len() as u32).to_le_bytes().to_vec();
-        all.extend(self.bytes);
-        all
+    pub fn finish(mut self) -> Vec<u8> {
+        let size = (self.bytes.len() as u32).to_le_bytes();
+        self.bytes.splice(0..0, size);
+        self.bytes
     }
 }
