@@ -2,7 +2,7 @@
 
 use super::Layout;
 use crate::{
-    isa::{Analog, Bit, Digital, Primitive, Source, Target},
+    isa::{Analog, Cell, Digital, Primitive, operands::Unit},
     limit::ARRAY_SIDE,
     plane::Size,
     program::{Action, Code, Host, Step},
@@ -145,44 +145,21 @@ fn body(steps: &[Step], layout: &Layout) -> Result<(), CodeError> {
 }
 
 fn word(word: &Primitive, layout: &Layout) -> Result<(), CodeProblem> {
-    match word {
-        Primitive::Nop
-        | Primitive::ResetPix
-        | Primitive::All
-        | Primitive::BlurSet
-        | Primitive::PropRead
-        | Primitive::Prop { .. } => Ok(()),
-        Primitive::Bus { targets, sources } => {
-            if targets.is_empty() {
-                return Err(CodeProblem::NoTarget);
-            }
-            let as_sources: Vec<Source> = targets
-                .iter()
-                .map(|target| match target {
-                    Target::Register(register) => Source::Register(*register),
-                    Target::Neighbour(direction) => Source::Neighbour(*direction),
-                })
-                .chain(sources.iter().copied())
-                .collect();
-            distinct(&as_sources, layout)
+    let operands = word.operands(layout.news, &layout.roles);
+    if operands.unit == Unit::Bus && operands.writes().next().is_none() {
+        return Err(CodeProblem::NoTarget);
+    }
+    for access in &operands.accesses {
+        match access.cell() {
+            Some(Cell::Analog(register)) => analog(register, layout)?,
+            Some(Cell::Digital(register)) => digital(register, layout)?,
+            Some(Cell::Flag) | None => {}
         }
-        Primitive::Square { sources } | Primitive::Where { sources } => distinct(sources, layout),
-        Primitive::Blur { target, source, .. } => {
-            analog(*target, layout)?;
-            analog(*source, layout)
-        }
-        Primitive::Set { targets } | Primitive::Clear { targets } => targets
-            .iter()
-            .try_for_each(|target| digital(*target, layout)),
-        Primitive::Or { target, sources } | Primitive::Nor { target, sources } => {
-            digital(*target, layout)?;
-            bits(sources, layout)
-        }
-        Primitive::WhereBit { sources } => bits(sources, layout),
-        Primitive::Dnews { target, source, .. } => {
-            digital(*target, layout)?;
-            bits(&[*source], layout)
-        }
+    }
+    match operands.twice() {
+        // Diffusion within one register is a thing of the silicon's error, not of what runs here.
+        Some(_) if operands.unit != Unit::Diffusion => Err(CodeProblem::Twice),
+        _ => Ok(()),
     }
 }
 
@@ -224,25 +201,6 @@ fn host(host: &Host, layout: &Layout) -> Result<(), CodeProblem> {
         }
         Host::LoadDac { .. } | Host::Select { .. } | Host::DrawEnd => Ok(()),
     }
-}
-
-fn distinct(sources: &[Source], layout: &Layout) -> Result<(), CodeProblem> {
-    for (i, source) in sources.iter().enumerate() {
-        if let Source::Register(register) = source {
-            analog(*register, layout)?;
-        }
-        if sources[..i].contains(source) {
-            return Err(CodeProblem::Twice);
-        }
-    }
-    Ok(())
-}
-
-fn bits(bits: &[Bit], layout: &Layout) -> Result<(), CodeProblem> {
-    bits.iter().try_for_each(|bit| match bit {
-        Bit::Register(register) => digital(*register, layout),
-        Bit::Flag | Bit::Select | Bit::Rect => Ok(()),
-    })
 }
 
 fn analog(register: Analog, layout: &Layout) -> Result<(), CodeProblem> {

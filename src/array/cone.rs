@@ -3,10 +3,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::reach;
 use crate::{
-    isa::{Device, Primitive},
-    program::{Action, Cell, Host, Step, reads, writes},
+    isa::{
+        Cell, Device, Primitive,
+        operands::{FlagEffect, Unit},
+    },
+    program::{Action, Host, Step},
 };
 
 /// A body of a frame, taken apart, and how far it reaches.
@@ -137,28 +139,20 @@ impl Walk<'_> {
 
     fn word(&mut self, word: &Primitive) -> Option<()> {
         self.count()?;
-        if matches!(word, Primitive::Prop { .. }) {
+        let registers = self.device.registers();
+        let operands = word.operands(registers.news, &registers.roles);
+        if operands.unit == Unit::Propagation {
             return None;
         }
-        let roles = self.device.registers().roles;
-        let mut read = reads(word, self.device);
-        if matches!(word, Primitive::Blur { .. }) {
-            read.extend(roles.enable.map(Cell::Digital));
+        for cell in operands.cells_read() {
+            self.read(cell);
         }
-        for cell in &read {
-            self.read(*cell);
-        }
-        let from = read.into_iter().map(|cell| self.of(cell));
+        let from = operands.cells_read().map(|cell| self.of(cell));
         let from = from.fold([0; 2], farther);
-        let reach = reach::reaches(word);
-        let new = [from[0] + reach[0], from[1] + reach[1]];
-        for cell in writes(word, self.device) {
-            let replaced = match cell {
-                Cell::Analog(_) => self.whole,
-                Cell::Digital(register) => register != roles.propagated,
-                Cell::Flag => true,
-            };
-            let old = if replaced {
+        let halo = operands.halo();
+        let new = [from[0] + halo[0], from[1] + halo[1]];
+        for cell in operands.cells_written() {
+            let old = if operands.replaces(self.whole) {
                 [0; 2]
             } else {
                 // What it held stays in some pixels.
@@ -172,7 +166,7 @@ impl Walk<'_> {
             self.used.insert(cell);
             self.written.insert(cell);
             if cell == Cell::Flag {
-                self.whole = matches!(word, Primitive::All);
+                self.whole = operands.flag == FlagEffect::Sets;
             }
         }
         Some(())

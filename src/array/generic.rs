@@ -4,11 +4,12 @@
 //! it. Its FLAG may be unknown, where it depends on what went in: then what a store would
 //! change holds either the old or the new.
 
-use super::{
-    Domain, Input, Layout, Settings, State, Undecided, host, reach::beside, semantics::execute,
-};
+use super::{Domain, Input, Layout, Settings, State, Undecided, host, semantics::execute};
 use crate::{
-    isa::{Analog, Device, Direction, Primitive, Target},
+    isa::{
+        Analog, Device, Primitive,
+        operands::{FlagEffect, Unit},
+    },
     plane::{At, Size},
     program::{Action, Host, Step},
 };
@@ -77,7 +78,7 @@ impl<'a, D: Symbolic> Generic<'a, D> {
         settings: Settings,
         steps: &[Step],
     ) -> Result<Self, GenericError> {
-        let (rows, columns) = reach(steps);
+        let (rows, columns) = reach(steps, &Layout::of(device, Size::new(1, 1)));
         if rows.max(columns) > FARTHEST {
             return Err(GenericError::Reach { rows, columns });
         }
@@ -143,35 +144,23 @@ impl<'a, D: Symbolic> Generic<'a, D> {
         let number = self.words.len() as u64;
         let text = word.text(self.device);
         self.words.push((line, text.clone()));
-        match word {
-            Primitive::All => self.unknown = false,
+        let layout = self.state.layout;
+        let operands = word.operands(layout.news, &layout.roles);
+        match (operands.unit, operands.flag) {
+            // Its gates are bits; only those that were never written are known.
+            (Unit::Diffusion, _) => return Err(GenericError::Place { line, what: text }),
             // The bits may come from an unknown FLAG.
-            Primitive::WhereBit { .. } => {
+            (Unit::Logic, FlagEffect::May) => {
                 self.unknown = true;
                 return Ok(());
             }
-            Primitive::Blur { .. } => {
-                // Its gates are bits; only those that were never written are known.
-                return Err(GenericError::Place { line, what: text });
-            }
-            Primitive::Nop
-            | Primitive::ResetPix
-            | Primitive::Bus { .. }
-            | Primitive::Square { .. }
-            | Primitive::Where { .. }
-            | Primitive::BlurSet
-            | Primitive::Set { .. }
-            | Primitive::Clear { .. }
-            | Primitive::Or { .. }
-            | Primitive::Nor { .. }
-            | Primitive::Dnews { .. }
-            | Primitive::PropRead
-            | Primitive::Prop { .. } => {}
+            (_, FlagEffect::Sets) => self.unknown = false,
+            (_, FlagEffect::May | FlagEffect::Keeps) => {}
         }
         let before = self.unknown.then(|| self.state.analog.clone());
         let result = execute(self.domain, &self.settings, &mut self.state, word, number);
-        match (word, result) {
-            (Primitive::Where { .. }, result) => {
+        match (operands.flag, result) {
+            (FlagEffect::May, result) => {
                 // All or none: the border may differ, the generic pixel decides.
                 let At { y, x } = self.centre();
                 let on = self.state.flag.get(y, x);
@@ -228,25 +217,27 @@ impl<'a, D: Symbolic> Generic<'a, D> {
     }
 }
 
-/// How far, in rows and columns, what goes in can lie from where it arrives.
-fn reach(steps: &[Step]) -> (usize, usize) {
+/// How far, in rows and columns, what goes in can lie from where it arrives: bits count only by
+/// way of FLAG, which is taken as unknown.
+fn reach(steps: &[Step], layout: &Layout) -> (usize, usize) {
     let mut far = (0usize, 0usize);
     for step in steps {
         let (rows, columns) = match &step.action {
-            Action::Word(Primitive::Bus { targets, sources }) => {
-                let to = targets.iter().filter_map(|target| match target {
-                    Target::Neighbour(direction) => Some(*direction),
-                    Target::Register(_) => None,
-                });
-                let (to, from) = (farthest(to), farthest(beside(sources)));
-                (to.0 + from.0, to.1 + from.1)
+            Action::Word(word) => {
+                let operands = word.operands(layout.news, &layout.roles);
+                match operands.unit {
+                    Unit::Bus | Unit::Squarer => operands.halo().into(),
+                    Unit::Idle
+                    | Unit::Photodiode
+                    | Unit::Diffusion
+                    | Unit::Logic
+                    | Unit::Neighbours
+                    | Unit::Propagation => (0, 0),
+                }
             }
-            Action::Word(Primitive::Square { sources } | Primitive::Where { sources }) => {
-                farthest(beside(sources))
-            }
-            Action::Word(_) | Action::Host(_) => (0, 0),
+            Action::Host(_) => (0, 0),
             Action::Repeat { times, body } => {
-                let (rows, columns) = reach(body);
+                let (rows, columns) = reach(body, layout);
                 let times = *times as usize;
                 (rows.saturating_mul(times), columns.saturating_mul(times))
             }
@@ -254,12 +245,4 @@ fn reach(steps: &[Step]) -> (usize, usize) {
         far = (far.0.saturating_add(rows), far.1.saturating_add(columns));
     }
     far
-}
-
-/// In rows and columns, 0 or 1 each.
-fn farthest(directions: impl Iterator<Item = Direction>) -> (usize, usize) {
-    directions.fold((0, 0), |(rows, columns), direction| {
-        let (dy, dx) = direction.step();
-        (rows.max(dy.unsigned_abs()), columns.max(dx.unsigned_abs()))
-    })
 }

@@ -1,7 +1,10 @@
 //! What is read of what a word stores: what nobody reads need not be stored.
 
-use super::{Layout, reach::Register, segment::Piece, wire::Known};
-use crate::isa::{Analog, Primitive, Source, Target};
+use super::{Layout, segment::Piece, wire::Known};
+use crate::isa::{
+    Analog, Cell, Operands,
+    operands::{Access, FlagEffect},
+};
 
 /// A set of analogue registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,78 +33,43 @@ impl Live {
     }
 
     /// As it is before a word, if it is `self` after it; `whole`: FLAG is 1 in all pixels.
-    fn before(mut self, word: &Primitive, whole: bool, news: Analog) -> Self {
-        match word {
-            Primitive::Bus { targets, sources } => {
-                let stored = |target: &Target| match target {
-                    Target::Register(register) => *register,
-                    // All cells: those at the border are driven from off the array.
-                    Target::Neighbour(_) => news,
-                };
-                let lost = whole && !targets.iter().any(|target| self.has(stored(target)));
-                if lost {
-                    // Nobody reads what it reads, either.
-                    return self;
-                }
-                for target in targets.iter().filter(|_| whole) {
-                    self.remove(stored(target));
-                }
-                self.read(sources, news);
-            }
-            Primitive::Square { sources } => {
-                if whole {
-                    self.remove(news);
-                }
-                self.read(sources, news);
-            }
-            Primitive::Where { sources } => self.read(sources, news),
-            Primitive::Blur { target, source, .. } => {
-                if whole {
-                    self.remove(*target);
-                }
-                self.insert(*source);
-            }
-            Primitive::Nop
-            | Primitive::ResetPix
-            | Primitive::All
-            | Primitive::BlurSet
-            | Primitive::Set { .. }
-            | Primitive::Clear { .. }
-            | Primitive::Or { .. }
-            | Primitive::Nor { .. }
-            | Primitive::WhereBit { .. }
-            | Primitive::Dnews { .. }
-            | Primitive::PropRead
-            | Primitive::Prop { .. } => {}
+    fn before(mut self, operands: &Operands, whole: bool) -> Self {
+        // Into NEWS of a neighbour, too, all cells are written: those at the border of the array
+        // are driven from off it.
+        let stored = || operands.writes().filter_map(Access::analog);
+        let replaces = operands.replaces(whole);
+        if replaces && stored().next().is_some() && !stored().any(|register| self.has(register)) {
+            // A dead store: nobody reads what it reads, either.
+            return self;
+        }
+        for register in stored().filter(|_| replaces) {
+            self.remove(register);
+        }
+        for register in operands.reads().filter_map(Access::analog) {
+            self.insert(register);
         }
         self
-    }
-
-    fn read(&mut self, sources: &[Source], news: Analog) {
-        for source in sources {
-            match source {
-                Source::Register(register) => self.insert(*register),
-                Source::Neighbour(_) => self.insert(news),
-                Source::Pix | Source::In => {}
-            }
-        }
     }
 }
 
 /// What is known about each piece; after the last the host looks. `whole`: FLAG is 1 in all
 /// pixels before the first.
 pub(super) fn known(pieces: &[Piece<'_>], mut whole: bool, layout: &Layout) -> Vec<Known> {
+    let of = |piece: &Piece<'_>| match piece {
+        Piece::Word { issued, .. } => Some(issued.word.operands(layout.news, &layout.roles)),
+        Piece::Copy(_) => None,
+    };
     let mut all = Vec::with_capacity(pieces.len());
     for piece in pieces {
         all.push(Known {
             whole,
             ..Known::NOTHING
         });
-        if let Piece::Word { issued, .. } = piece {
-            match issued.word {
-                Primitive::All => whole = true,
-                Primitive::Where { .. } | Primitive::WhereBit { .. } => whole = false,
-                _ => {}
+        if let Some(operands) = of(piece) {
+            match operands.flag {
+                FlagEffect::Keeps => {}
+                FlagEffect::Sets => whole = true,
+                FlagEffect::May => whole = false,
             }
         }
     }
@@ -109,11 +77,12 @@ pub(super) fn known(pieces: &[Piece<'_>], mut whole: bool, layout: &Layout) -> V
     for (piece, known) in pieces.iter().zip(&mut all).rev() {
         known.live = live;
         match piece {
-            Piece::Word { issued, .. } => {
-                live = live.before(issued.word, known.whole, layout.news);
+            Piece::Word { .. } => {
+                let operands = of(piece);
+                live = operands.map_or(live, |operands| live.before(&operands, known.whole));
             }
-            Piece::Copy(Register::Analog(register)) => live.insert(*register),
-            Piece::Copy(Register::Digital(_)) => {}
+            Piece::Copy(Cell::Analog(register)) => live.insert(*register),
+            Piece::Copy(Cell::Digital(_) | Cell::Flag) => {}
         }
     }
     all

@@ -37,7 +37,6 @@ mod pair;
 mod patch;
 mod positive;
 pub mod range;
-mod reach;
 mod readout;
 mod rows;
 mod runs;

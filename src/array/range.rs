@@ -13,10 +13,10 @@ use super::{
     generic::{Generic, GenericError, Ran, Symbolic},
 };
 use crate::{
-    isa::{Analog, Device},
+    isa::{Analog, Device, operands::Access},
     number::Dyadic,
     plane::At,
-    program::{self, Step, writes},
+    program::Step,
 };
 
 /// From `low` to `high`, both included.
@@ -99,13 +99,9 @@ pub fn of(
     let mut generic = Generic::new(&bounds, device, settings, steps)?;
     let mut found: BTreeMap<(u32, Analog), Interval> = BTreeMap::new();
     generic.run(steps, &mut |generic, Ran { line, word }| {
-        let registers = writes(word, device)
-            .into_iter()
-            .filter_map(|cell| match cell {
-                program::Cell::Analog(register) => Some(register),
-                program::Cell::Digital(_) | program::Cell::Flag => None,
-            });
-        for register in registers {
+        let registers = device.registers();
+        let operands = word.operands(registers.news, &registers.roles);
+        for register in operands.writes().filter_map(Access::analog) {
             let stored = generic.cell(register).stored;
             if stored.low < LIMITS.0 || stored.high > LIMITS.1 {
                 let so_far = found.entry((line, register)).or_insert(stored);

@@ -1,13 +1,8 @@
 //! Words that wait to be run together: those between two operations of the host that look at
 //! the array or change it.
 
-use super::{
-    State,
-    band::Constants,
-    reach::{self, Register},
-    semantics::Issued,
-};
-use crate::isa::{Analog, Primitive};
+use super::{State, band::Constants, semantics::Issued};
+use crate::isa::{Analog, Cell, Primitive, Roles, operands::Unit};
 
 /// As many pieces wait at most.
 const FULL: usize = 1024;
@@ -15,42 +10,34 @@ const FULL: usize = 1024;
 /// One word, or the copy of a register that the next word needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Piece<'a> {
-    Word { issued: Issued<'a>, line: u32 },
-    Copy(Register),
+    Word {
+        issued: Issued<'a>,
+        line: u32,
+        /// How many rows away it reads from the cell that it writes.
+        halo: usize,
+        unit: Unit,
+    },
+    Copy(Cell),
 }
 
 impl Piece<'_> {
     /// How many rows away it reads from the cell that it writes.
-    pub(super) fn reach(&self) -> usize {
+    pub(super) const fn halo(&self) -> usize {
         match self {
-            Self::Word { issued, .. } => reach::reach(issued.word),
+            Self::Word { halo, .. } => *halo,
             Self::Copy(_) => 0,
         }
     }
 
     /// Whether it is one-bit logic of each pixel alone.
     pub(super) fn is_bits(&self) -> bool {
-        let Self::Word { issued, .. } = self else {
-            return false;
-        };
-        match issued.word {
-            Primitive::Or { .. }
-            | Primitive::Nor { .. }
-            | Primitive::WhereBit { .. }
-            | Primitive::Set { .. }
-            | Primitive::Clear { .. }
-            | Primitive::All
-            | Primitive::Nop => true,
-            Primitive::ResetPix
-            | Primitive::Bus { .. }
-            | Primitive::Square { .. }
-            | Primitive::Where { .. }
-            | Primitive::BlurSet
-            | Primitive::Blur { .. }
-            | Primitive::Dnews { .. }
-            | Primitive::PropRead
-            | Primitive::Prop { .. } => false,
-        }
+        matches!(
+            self,
+            Self::Word {
+                unit: Unit::Logic | Unit::Idle,
+                ..
+            }
+        )
     }
 }
 
@@ -60,6 +47,7 @@ pub(super) struct Segment<'a, C> {
     pieces: Vec<Piece<'a>>,
     constants: Constants<C>,
     news: Analog,
+    roles: Roles,
 }
 
 impl<'a, C: Clone> Segment<'a, C> {
@@ -68,6 +56,7 @@ impl<'a, C: Clone> Segment<'a, C> {
             pieces: Vec::new(),
             constants: Constants::of(state, 0),
             news: state.layout.news,
+            roles: state.layout.roles,
         }
     }
 
@@ -76,7 +65,8 @@ impl<'a, C: Clone> Segment<'a, C> {
         if self.pieces.is_empty() {
             self.constants.first = step;
         }
-        let copied = reach::copied(word, self.news);
+        let operands = word.operands(self.news, &self.roles);
+        let copied = operands.copied();
         self.pieces.extend(copied.map(Piece::Copy));
         let issued = Issued {
             word,
@@ -84,7 +74,12 @@ impl<'a, C: Clone> Segment<'a, C> {
             input: self.constants.last(),
             copied: copied.is_some(),
         };
-        self.pieces.push(Piece::Word { issued, line });
+        self.pieces.push(Piece::Word {
+            issued,
+            line,
+            halo: operands.halo()[0],
+            unit: operands.unit,
+        });
     }
 
     /// The global input holds something else for the words to come.
@@ -111,9 +106,9 @@ impl<'a, C: Clone> Segment<'a, C> {
     }
 
     /// Registers that are copied.
-    pub(super) fn copied(&self) -> impl Iterator<Item = Register> {
+    pub(super) fn copied(&self) -> impl Iterator<Item = Cell> {
         self.pieces.iter().filter_map(|piece| match piece {
-            Piece::Copy(register) => Some(*register),
+            Piece::Copy(cell) => Some(*cell),
             Piece::Word { .. } => None,
         })
     }

@@ -35,13 +35,12 @@ use super::{
     logic::{any, dnews, fill, logic, propagate},
     pair::{pair, pair_level},
     positive::positive,
-    reach::{Register, copied},
     rows::{self, Links},
     store::{store, store_level},
     wire::{Job, Jobs, Known, Store, Wire},
 };
 use crate::{
-    isa::{Analog, Bit, Direction, Primitive},
+    isa::{Analog, Bit, Cell, Direction, Primitive},
     plane::Size,
 };
 
@@ -64,7 +63,9 @@ pub fn execute<D: Domain>(
         propagate(state, settings.propagation, *boundary);
         return Ok(());
     }
-    let copied = copied(word, state.layout.news);
+    let copied = word
+        .operands(state.layout.news, &state.layout.roles)
+        .copied();
     let mut copies = Copies::default();
     make_copies(&mut copies, state, copied);
     let constants = Constants::of(state, step);
@@ -92,31 +93,29 @@ pub(super) struct Issued<'a> {
     pub(super) step: u64,
     /// Which of the band's inputs the global input holds.
     pub(super) input: usize,
-    /// Whether it reads the copy of a register: see [`copied`].
+    /// Whether it reads the copy of a register: see [`Operands::copied`](crate::isa::Operands).
     pub(super) copied: bool,
 }
 
 /// Makes room for the copy of a register.
-pub(super) fn make_copies<C: Clone>(
-    copies: &mut Copies<C>,
-    state: &State<C>,
-    register: Option<Register>,
-) {
-    match register {
-        None => {}
-        Some(Register::Analog(_)) => {
+pub(super) fn make_copies<C: Clone>(copies: &mut Copies<C>, state: &State<C>, cell: Option<Cell>) {
+    match cell {
+        // FLAG is never read beside the pixel that writes it.
+        None | Some(Cell::Flag) => {}
+        Some(Cell::Analog(_)) => {
             let pixels = state.layout.size.pixels();
             copies.analog.resize(pixels, state.edge.clone());
         }
-        Some(Register::Digital(_)) => copies.bits.resize(state.flag.words().len(), 0),
+        Some(Cell::Digital(_)) => copies.bits.resize(state.flag.words().len(), 0),
     }
 }
 
-/// Copies rows of a register, for [`copied`].
-pub(super) fn copy<C: Clone>(band: &mut Band<'_, C>, register: Register, rows: Range<usize>) {
-    match register {
-        Register::Analog(register) => band.copy(register, rows),
-        Register::Digital(register) => band.copy_bits(register, rows),
+/// Copies rows of a register that a word reads and writes.
+pub(super) fn copy<C: Clone>(band: &mut Band<'_, C>, cell: Cell, rows: Range<usize>) {
+    match cell {
+        Cell::Analog(register) => band.copy(register, rows),
+        Cell::Digital(register) => band.copy_bits(register, rows),
+        Cell::Flag => {}
     }
 }
 
@@ -238,7 +237,7 @@ impl<D: Domain> Array<'_, D> {
             }
             Job::Logic(logic) => band.logic(logic, rows),
             Job::Word { word, step } => self.word(band, word, band.first() + step, rows),
-            Job::Copy(register) => copy(band, *register, rows),
+            Job::Copy(cell) => copy(band, *cell, rows),
         }
         Ok(())
     }

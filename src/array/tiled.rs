@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!            rows ─►                       word i works on rows [b·R - s, (b+1)·R - s), where
-//!   word 0   ▐ band 0 ▐ band 1 ▐ band 2    s grows by the reach of a word, before and after
+//!   word 0   ▐ band 0 ▐ band 1 ▐ band 2    s grows by the halo of a word, before and after
 //!   word 1   ▐ band 0▐ band 1 ▐ band 2     it: what a word reads has been written by the words
 //!   word 2   ▐ band 0▐ band 1 ▐ band 2     before it, and by none after it.
 //!   word 3   ▐band 0 ▐ band 1▐ band 2
@@ -73,18 +73,18 @@ impl Walk {
         let moves = rows < layout.size.height;
         let mut before = 0;
         for (piece, known) in pieces.iter().zip(known) {
-            let reach = if moves { piece.reach() } else { 0 };
+            let halo = if moves { piece.halo() } else { 0 };
             let last = walk.shifts.last();
-            let shift = last.map_or(reach, |last| last + reach.max(before));
+            let shift = last.map_or(halo, |last| last + halo.max(before));
             if shift > FARTHEST && last.is_some() {
                 break;
             }
             let line = match piece {
-                Piece::Copy(register) => {
-                    walk.jobs.jobs.push(Job::Copy(*register));
+                Piece::Copy(cell) => {
+                    walk.jobs.jobs.push(Job::Copy(*cell));
                     0
                 }
-                Piece::Word { issued, line } => {
+                Piece::Word { issued, line, .. } => {
                     walk.jobs.word(*issued, layout, *known);
                     *line
                 }
@@ -96,7 +96,7 @@ impl Walk {
                 continue;
             }
             if walk.jobs.jobs.len() > walk.shifts.len() {
-                before = reach;
+                before = halo;
             }
             walk.shifts.resize(walk.jobs.jobs.len(), shift);
             walk.lines.resize(walk.jobs.jobs.len(), line);

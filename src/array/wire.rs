@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::{Layout, Share, band::Band, live::Live, reach::Register, semantics::Issued};
+use super::{Layout, Share, band::Band, live::Live, semantics::Issued};
 use crate::{
-    isa::{Analog, Bit, Primitive, Source, Target},
+    isa::{Analog, Bit, Cell, Primitive, Source, Target},
     plane::Size,
 };
 
@@ -217,7 +217,7 @@ pub(super) enum Job {
         step: u64,
     },
     /// A register into its copy.
-    Copy(Register),
+    Copy(Cell),
 }
 
 impl From<Issued<'_>> for Job {
@@ -280,7 +280,16 @@ impl Jobs {
             Primitive::WhereBit { sources } => {
                 self.logic(Bit::Flag, sources, false, issued, layout);
             }
-            _ => self.jobs.push(issued.into()),
+            Primitive::Nop
+            | Primitive::ResetPix
+            | Primitive::All
+            | Primitive::BlurSet
+            | Primitive::Blur { .. }
+            | Primitive::Set { .. }
+            | Primitive::Clear { .. }
+            | Primitive::Dnews { .. }
+            | Primitive::PropRead
+            | Primitive::Prop { .. } => self.jobs.push(issued.into()),
         }
     }
 

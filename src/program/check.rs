@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 
 use super::{
     cost,
-    effect::{Cell, FlagState},
+    effect::FlagState,
     expand::{Entry, Expanded, Expansion},
 };
 use crate::{
     isa::{
-        Device, Figure,
+        Cell, Device, Figure,
         text::{Fault, Place},
     },
     limit::FAULTS,

@@ -1,32 +1,9 @@
-//! What a word reads and writes: the ground of every check.
+//! What steps read and write: the ground of every check. What a word does is in its operands.
 
 use std::collections::BTreeSet;
 
 use super::{Action, Host, Step};
-use crate::isa::{Analog, Bit, Device, Digital, Primitive, Source, Target};
-
-/// A cell of a pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Cell {
-    /// An analogue register.
-    Analog(Analog),
-    /// A one-bit register.
-    Digital(Digital),
-    /// The activity flag.
-    Flag,
-}
-
-impl Cell {
-    /// Its name on a chip.
-    #[must_use]
-    pub fn name(self, device: &Device) -> String {
-        match self {
-            Self::Analog(register) => device.analog_name(register),
-            Self::Digital(register) => device.digital_name(register),
-            Self::Flag => "FLAG".to_owned(),
-        }
-    }
-}
+use crate::isa::{Cell, Device, operands::FlagEffect};
 
 /// What some steps do to a pixel's cells.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -61,26 +38,15 @@ impl Effect {
         for step in steps {
             let (reads, writes) = match &step.action {
                 Action::Word(word) => {
-                    match word {
-                        Primitive::All => self.flag = Some(FlagState::Whole),
-                        Primitive::Where { .. } | Primitive::WhereBit { .. } => {
-                            self.flag = Some(FlagState::Partial);
-                        }
-                        Primitive::Nop
-                        | Primitive::ResetPix
-                        | Primitive::Bus { .. }
-                        | Primitive::Square { .. }
-                        | Primitive::BlurSet
-                        | Primitive::Blur { .. }
-                        | Primitive::Set { .. }
-                        | Primitive::Clear { .. }
-                        | Primitive::Or { .. }
-                        | Primitive::Nor { .. }
-                        | Primitive::Dnews { .. }
-                        | Primitive::PropRead
-                        | Primitive::Prop { .. } => {}
+                    let registers = device.registers();
+                    let operands = word.operands(registers.news, &registers.roles);
+                    match operands.flag {
+                        FlagEffect::Keeps => {}
+                        FlagEffect::Sets => self.flag = Some(FlagState::Whole),
+                        FlagEffect::May => self.flag = Some(FlagState::Partial),
                     }
-                    (reads(word, device), writes(word, device))
+                    let reads = operands.cells_read().collect();
+                    (reads, operands.cells_written().collect())
                 }
                 Action::Host(host) => of_host(host),
                 Action::Repeat { times: 0, .. } => continue,
@@ -96,94 +62,6 @@ impl Effect {
             }
             self.writes.extend(writes);
         }
-    }
-}
-
-fn source(source: Source, device: &Device) -> Option<Cell> {
-    match source {
-        Source::Register(register) => Some(Cell::Analog(register)),
-        Source::Neighbour(_) => Some(Cell::Analog(device.news())),
-        Source::Pix | Source::In => None,
-    }
-}
-
-fn bit(bit: Bit) -> Option<Cell> {
-    match bit {
-        Bit::Register(register) => Some(Cell::Digital(register)),
-        Bit::Flag => Some(Cell::Flag),
-        Bit::Select | Bit::Rect => None,
-    }
-}
-
-/// The cells that a word reads, FLAG and masks included.
-#[must_use]
-pub fn reads(word: &Primitive, device: &Device) -> Vec<Cell> {
-    let roles = device.registers().roles;
-    let enables = || roles.enable.into_iter().map(Cell::Digital);
-    let sources =
-        |list: &[Source]| -> Vec<Cell> { list.iter().filter_map(|s| source(*s, device)).collect() };
-    let bits = |list: &[Bit]| -> Vec<Cell> { list.iter().filter_map(|b| bit(*b)).collect() };
-    let masked =
-        |target: &Digital| (*target == roles.propagated).then_some(Cell::Digital(roles.mask));
-    match word {
-        Primitive::Nop | Primitive::ResetPix | Primitive::All => Vec::new(),
-        Primitive::Bus { sources: list, .. } | Primitive::Square { sources: list } => {
-            let mut cells = sources(list);
-            cells.push(Cell::Flag);
-            cells
-        }
-        Primitive::Where { sources: list } => sources(list),
-        Primitive::BlurSet => vec![
-            Cell::Digital(roles.enables(crate::isa::Direction::South)),
-            Cell::Digital(roles.enables(crate::isa::Direction::West)),
-        ],
-        Primitive::Blur { source, .. } => vec![Cell::Analog(*source), Cell::Flag],
-        Primitive::Set { targets } | Primitive::Clear { targets } => {
-            targets.iter().filter_map(masked).collect()
-        }
-        Primitive::Or { target, sources } | Primitive::Nor { target, sources } => {
-            let mut cells = bits(sources);
-            cells.extend(masked(target));
-            cells
-        }
-        Primitive::WhereBit { sources } => bits(sources),
-        Primitive::Dnews { target, source, .. } => bits(std::slice::from_ref(source))
-            .into_iter()
-            .chain(enables())
-            .chain(masked(target))
-            .collect(),
-        Primitive::PropRead => vec![Cell::Digital(roles.propagated)],
-        Primitive::Prop { .. } => enables()
-            .chain([Cell::Digital(roles.propagated), Cell::Digital(roles.mask)])
-            .collect(),
-    }
-}
-
-/// The cells that a word writes.
-#[must_use]
-pub fn writes(word: &Primitive, device: &Device) -> Vec<Cell> {
-    let roles = device.registers().roles;
-    match word {
-        Primitive::Nop | Primitive::ResetPix | Primitive::BlurSet | Primitive::PropRead => {
-            Vec::new()
-        }
-        Primitive::Bus { targets, .. } => targets
-            .iter()
-            .map(|target| match target {
-                Target::Register(register) => Cell::Analog(*register),
-                Target::Neighbour(_) => Cell::Analog(device.news()),
-            })
-            .collect(),
-        Primitive::Square { .. } => vec![Cell::Analog(device.news())],
-        Primitive::Where { .. } | Primitive::WhereBit { .. } | Primitive::All => vec![Cell::Flag],
-        Primitive::Blur { target, .. } => vec![Cell::Analog(*target)],
-        Primitive::Set { targets } | Primitive::Clear { targets } => {
-            targets.iter().copied().map(Cell::Digital).collect()
-        }
-        Primitive::Or { target, .. }
-        | Primitive::Nor { target, .. }
-        | Primitive::Dnews { target, .. } => vec![Cell::Digital(*target)],
-        Primitive::Prop { .. } => vec![Cell::Digital(roles.propagated)],
     }
 }
 

@@ -23,9 +23,10 @@ mod words;
 
 use std::sync::Arc;
 
+pub use crate::isa::Cell;
 pub use check::for_each;
 pub use cost::{Cost, host_us, stored};
-pub use effect::{Cell, Effect, FlagState, reads, writes};
+pub use effect::{Effect, FlagState};
 pub use expand::{Entry, Expanded, Expansion, Overrides};
 pub use host::buffer;
 pub use reference::reference;

@@ -130,13 +130,18 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
         }
     }
     for member in &list.members {
-        let at = member.at + archive.offset();
+        let name = String::from_utf8_lossy(&member.name);
+        let at = member.at.saturating_add(archive.offset());
+        if at >= length {
+            let one = format!("its list says that `{name}` is at byte {at}");
+            let other = format!("the file has {length} bytes");
+            return Err(Stop::twice(Format::Npz, start, one, other));
+        }
         let local = input.seek(SeekFrom::Start(at)).and_then(|_| {
             let mut local = vec![0; 30 + member.name.len()];
             input.read_exact(&mut local).map(|()| local)
         });
         let unlike = |what: &str| {
-            let name = String::from_utf8_lossy(&member.name);
             let one = format!("its list says one thing of the {what} of `{name}`");
             Err(Stop::twice(
                 Format::Npz,

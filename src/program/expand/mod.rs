@@ -9,12 +9,12 @@ use std::collections::BTreeMap;
 
 use super::{
     Action, Code, Step, check,
-    effect::{Cell, Effect},
+    effect::Effect,
     host,
     syntax::{Item, Node, Syntax},
 };
 use crate::isa::{
-    Bit, Callable, Device, Digital, Macro, Source, Value, macros, row,
+    Bit, Callable, Cell, Device, Digital, Macro, Source, Value, macros, row,
     signature::{Bound, Mode, Signature},
     text::{Fault, Lines, Place, Severity, Statement, enough, thin},
 };

@@ -2,7 +2,8 @@
 
 use super::{Lowering, Sink, cell};
 use crate::isa::{
-    Bit, Callable, Macro, Operand, Primitive, Source, Target,
+    Callable, Digital, Macro, Operand, Primitive,
+    operands::Access,
     signature::{Bound, Mode},
     text::{Fault, Statement},
 };
@@ -57,47 +58,15 @@ impl<'d> Lowering<'d> {
         sink: &Sink,
         depth: usize,
     ) -> Result<(), Fault> {
-        let name = |source: &Source| self.device.source_name(*source);
-        let (targets, sources) = match word {
-            Primitive::Bus { targets, sources } => (targets.as_slice(), sources.as_slice()),
-            Primitive::Square { sources } | Primitive::Where { sources } => {
-                ([].as_slice(), sources.as_slice())
+        let registers = self.device.registers();
+        let operands = word.operands(registers.news, &registers.roles);
+        match operands.twice() {
+            None => Ok(()),
+            Some(access) => {
+                let name = access.name(self.device);
+                Err(self.twice(&name, word, statement, sink, depth))
             }
-            Primitive::Blur { target, source, .. } if target == source => {
-                return Err(self.twice(
-                    &self.device.analog_name(*target),
-                    word,
-                    statement,
-                    sink,
-                    depth,
-                ));
-            }
-            Primitive::Blur { .. }
-            | Primitive::Nop
-            | Primitive::ResetPix
-            | Primitive::All
-            | Primitive::BlurSet
-            | Primitive::Set { .. }
-            | Primitive::Clear { .. }
-            | Primitive::Or { .. }
-            | Primitive::Nor { .. }
-            | Primitive::WhereBit { .. }
-            | Primitive::Dnews { .. }
-            | Primitive::PropRead
-            | Primitive::Prop { .. } => return Ok(()),
-        };
-        let targets = targets.iter().map(|target| match target {
-            Target::Register(register) => Source::Register(*register),
-            Target::Neighbour(direction) => Source::Neighbour(*direction),
-        });
-        let mut seen: Vec<Source> = Vec::new();
-        for source in targets.chain(sources.iter().copied()) {
-            if seen.contains(&source) {
-                return Err(self.twice(&name(&source), word, statement, sink, depth));
-            }
-            seen.push(source);
         }
-        Ok(())
     }
 
     pub(super) fn twice(
@@ -133,13 +102,18 @@ impl<'d> Lowering<'d> {
 
     /// One word that reads and writes the same one-bit register.
     pub(super) fn warn_in_place(&mut self, word: &Primitive, sink: &Sink, depth: usize) {
-        let (Primitive::Or { target, sources } | Primitive::Nor { target, sources }) = word else {
+        let registers = self.device.registers();
+        let operands = word.operands(registers.news, &registers.roles);
+        let own = |access: &&Access| access.offset == (0, 0);
+        let mut written = operands.writes().filter(own).filter_map(Access::digital);
+        let read = |target: &Digital| {
+            let mut read = operands.reads().filter(own).filter_map(Access::digital);
+            read.any(|register| register == *target)
+        };
+        let Some(target) = written.find(read).filter(|_| depth == 0) else {
             return;
         };
-        if depth > 0 || !sources.contains(&Bit::Register(*target)) {
-            return;
-        }
-        let name = self.device.digital_name(*target);
+        let name = self.device.digital_name(target);
         self.faults.push(
             Fault::warning(
                 sink.place,
