@@ -145,7 +145,7 @@ fn body(steps: &[Step], layout: &Layout) -> Result<(), CodeError> {
 }
 
 fn word(word: &Primitive, layout: &Layout) -> Result<(), CodeProblem> {
-    let operands = word.operands(layout.news, &layout.roles);
+    let operands = word.operands(layout.news, layout.roles);
     if operands.unit == Unit::Bus && operands.writes().next().is_none() {
         return Err(CodeProblem::NoTarget);
     }

@@ -140,7 +140,7 @@ impl Walk<'_> {
     fn word(&mut self, word: &Primitive) -> Option<()> {
         self.count()?;
         let registers = self.device.registers();
-        let operands = word.operands(registers.news, &registers.roles);
+        let operands = word.operands(registers.news, registers.roles);
         if operands.unit == Unit::Propagation {
             return None;
         }

@@ -145,7 +145,7 @@ impl<'a, D: Symbolic> Generic<'a, D> {
         let text = word.text(self.device);
         self.words.push((line, text.clone()));
         let layout = self.state.layout;
-        let operands = word.operands(layout.news, &layout.roles);
+        let operands = word.operands(layout.news, layout.roles);
         match (operands.unit, operands.flag) {
             // Its gates are bits; only those that were never written are known.
             (Unit::Diffusion, _) => return Err(GenericError::Place { line, what: text }),
@@ -224,7 +224,7 @@ fn reach(steps: &[Step], layout: &Layout) -> (usize, usize) {
     for step in steps {
         let (rows, columns) = match &step.action {
             Action::Word(word) => {
-                let operands = word.operands(layout.news, &layout.roles);
+                let operands = word.operands(layout.news, layout.roles);
                 match operands.unit {
                     Unit::Bus | Unit::Squarer => operands.halo().into(),
                     Unit::Idle

@@ -56,7 +56,7 @@ impl Live {
 /// pixels before the first.
 pub(super) fn known(pieces: &[Piece<'_>], mut whole: bool, layout: &Layout) -> Vec<Known> {
     let of = |piece: &Piece<'_>| match piece {
-        Piece::Word { issued, .. } => Some(issued.word.operands(layout.news, &layout.roles)),
+        Piece::Word { issued, .. } => Some(issued.word.operands(layout.news, layout.roles)),
         Piece::Copy(_) => None,
     };
     let mut all = Vec::with_capacity(pieces.len());

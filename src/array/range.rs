@@ -100,7 +100,7 @@ pub fn of(
     let mut found: BTreeMap<(u32, Analog), Interval> = BTreeMap::new();
     generic.run(steps, &mut |generic, Ran { line, word }| {
         let registers = device.registers();
-        let operands = word.operands(registers.news, &registers.roles);
+        let operands = word.operands(registers.news, registers.roles);
         for register in operands.writes().filter_map(Access::analog) {
             let stored = generic.cell(register).stored;
             if stored.low < LIMITS.0 || stored.high > LIMITS.1 {

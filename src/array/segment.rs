@@ -65,7 +65,7 @@ impl<'a, C: Clone> Segment<'a, C> {
         if self.pieces.is_empty() {
             self.constants.first = step;
         }
-        let operands = word.operands(self.news, &self.roles);
+        let operands = word.operands(self.news, self.roles);
         let copied = operands.copied();
         self.pieces.extend(copied.map(Piece::Copy));
         let issued = Issued {

@@ -64,7 +64,7 @@ pub fn execute<D: Domain>(
         return Ok(());
     }
     let copied = word
-        .operands(state.layout.news, &state.layout.roles)
+        .operands(state.layout.news, state.layout.roles)
         .copied();
     let mut copies = Copies::default();
     make_copies(&mut copies, state, copied);

@@ -214,7 +214,7 @@ impl Operands {
     }
 
     /// One-bit registers that it stores in: one of them has a mask.
-    fn targets(self, targets: &[Digital], roles: &Roles) -> Self {
+    fn targets(self, targets: &[Digital], roles: Roles) -> Self {
         targets.iter().fold(self, |operands, target| {
             let operands = operands.own(Mode::Write, Cell::Digital(*target));
             if *target == roles.propagated {
@@ -320,7 +320,7 @@ impl Operands {
 impl Primitive {
     /// Its operands on a chip where neighbours reach `news`.
     #[must_use]
-    pub fn operands(&self, news: Analog, roles: &Roles) -> Operands {
+    pub fn operands(&self, news: Analog, roles: Roles) -> Operands {
         let analog = Cell::Analog;
         match self {
             Self::Nop => Operands::new(Unit::Idle),

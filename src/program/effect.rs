@@ -39,7 +39,7 @@ impl Effect {
             let (reads, writes) = match &step.action {
                 Action::Word(word) => {
                     let registers = device.registers();
-                    let operands = word.operands(registers.news, &registers.roles);
+                    let operands = word.operands(registers.news, registers.roles);
                     match operands.flag {
                         FlagEffect::Keeps => {}
                         FlagEffect::Sets => self.flag = Some(FlagState::Whole),

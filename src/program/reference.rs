@@ -339,7 +339,7 @@ fn sample(it: &Macro, device: &Device, numbers: &[f64]) -> Option<(Vec<String>, 
     let registers = device.registers();
     let news = device.analog_name(registers.news);
     let mut analog = registers.analog.iter().filter(|name| **name != news);
-    let roles = &registers.roles;
+    let roles = registers.roles;
     let used = [roles.mask, roles.propagated]
         .into_iter()
         .chain(roles.enable);

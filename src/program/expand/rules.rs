@@ -59,7 +59,7 @@ impl<'d> Lowering<'d> {
         depth: usize,
     ) -> Result<(), Fault> {
         let registers = self.device.registers();
-        let operands = word.operands(registers.news, &registers.roles);
+        let operands = word.operands(registers.news, registers.roles);
         match operands.twice() {
             None => Ok(()),
             Some(access) => {
@@ -103,7 +103,7 @@ impl<'d> Lowering<'d> {
     /// One word that reads and writes the same one-bit register.
     pub(super) fn warn_in_place(&mut self, word: &Primitive, sink: &Sink, depth: usize) {
         let registers = self.device.registers();
-        let operands = word.operands(registers.news, &registers.roles);
+        let operands = word.operands(registers.news, registers.roles);
         let own = |access: &&Access| access.offset == (0, 0);
         let mut written = operands.writes().filter(own).filter_map(Access::digital);
         let read = |target: &Digital| {
