@@ -464,9 +464,10 @@ fn no_match_on_primitives_has_an_arm_for_the_rest() {
 
     impl<'ast> Visit<'ast> for Matches {
         fn visit_item_impl(&mut self, item: &'ast syn::ItemImpl) {
-            let is =
-                |ty: &syn::Type| matches!(ty, syn::Type::Path(it) if it.path.is_ident("Primitive"));
-            self.own = is(&item.self_ty);
+            self.own = match &*item.self_ty {
+                syn::Type::Path(it) => it.path.is_ident("Primitive"),
+                _ => false,
+            };
             syn::visit::visit_item_impl(self, item);
             self.own = false;
         }
