@@ -1,11 +1,11 @@
-//! Proves what each instruction word of the array does, against a slow twin that goes pixel by
-//! pixel through the table of instructions, in every domain, on random programs and sizes; and
-//! against equations written by hand, for borders, FLAG, clipping, scan order and cost.
+//! Proves that rows of the array do what `array::semantics` says of one cell, to the bit, in every
+//! domain, on random programs and sizes; and that both follow equations written by hand, for
+//! borders, FLAG, clipping, scan order and cost.
 
 use amacrine::{
     array::{
-        Address, Arithmetic, Array, Chip, Domain, Exact, Fixed, Halves, Place, Propagation,
-        Settings, Share, Single,
+        Address, Arithmetic, Array, Chip, Domain, Errors, Exact, Fixed, Halves, Layout,
+        Propagation, Schedule, Settings, Silicon, Single, State, semantics,
     },
     event::{Packet, Polarity},
     isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
@@ -19,264 +19,6 @@ use proptest::prelude::*;
 use words::word;
 
 mod words;
-
-// ---------------------------------------------------------------- the slow twin
-
-#[derive(Clone)]
-struct Pixel<C> {
-    analog: Vec<C>,
-    pix: C,
-    digital: Vec<bool>,
-    flag: bool,
-}
-
-/// One pixel after the other, each from the whole array as it was before the word.
-struct Twin<D: Domain> {
-    domain: D,
-    settings: Settings,
-    size: Size,
-    pixels: Vec<Pixel<D::Cell>>,
-    input: D::Cell,
-}
-
-const NEWS: usize = 6;
-
-type Point = (isize, isize);
-
-fn beside((y, x): Point, direction: Direction) -> Point {
-    let (dy, dx) = direction.step();
-    (y + dy, x + dx)
-}
-
-impl<D: Domain> Twin<D> {
-    fn at(&self, (y, x): Point) -> Option<&Pixel<D::Cell>> {
-        let inside =
-            y >= 0 && x >= 0 && y < self.size.height as isize && x < self.size.width as isize;
-        inside.then(|| &self.pixels[y as usize * self.size.width + x as usize])
-    }
-
-    fn edge(&self) -> D::Cell {
-        self.domain.hold(self.settings.edge)
-    }
-
-    fn flag(&self, at: Point) -> bool {
-        self.at(at).is_none_or(|pixel| pixel.flag)
-    }
-
-    fn source(&self, at: Point, source: Source) -> D::Cell {
-        let Some(pixel) = self.at(at) else {
-            return self.edge();
-        };
-        match source {
-            Source::Register(Analog(r)) => pixel.analog[usize::from(r)].clone(),
-            Source::Pix => pixel.pix.clone(),
-            Source::In => self.input.clone(),
-            Source::Neighbour(direction) => self
-                .at(beside(at, direction))
-                .map_or(self.edge(), |pixel| pixel.analog[NEWS].clone()),
-        }
-    }
-
-    fn sum(&self, at: Point, sources: &[Source]) -> D::Sum {
-        let mut sum = self.domain.nothing();
-        for source in sources {
-            self.domain.add(&mut sum, &self.source(at, *source), 1);
-        }
-        sum
-    }
-
-    fn stored(&self, sum: &D::Sum, by: usize) -> D::Cell {
-        let place = Place {
-            y: 0,
-            x: 0,
-            register: Analog(0),
-            step: 0,
-        };
-        self.limited(self.domain.store(
-            sum,
-            Share {
-                by: by as u32,
-                part: None,
-            },
-            place,
-        ))
-    }
-
-    fn limited(&self, cell: D::Cell) -> D::Cell {
-        if self.settings.clip {
-            self.domain.limit(cell)
-        } else {
-            cell
-        }
-    }
-
-    fn bit(&self, at: Point, bit: Bit, outside: bool) -> bool {
-        self.at(at).map_or(outside, |pixel| match bit {
-            Bit::Register(Digital(r)) => pixel.digital[usize::from(r)],
-            Bit::Flag => pixel.flag,
-            Bit::Select | Bit::Rect => false,
-        })
-    }
-
-    fn enabled(&self, at: Point, direction: Direction) -> bool {
-        let register = match direction {
-            Direction::South => 1,
-            Direction::West => 2,
-            Direction::North => 3,
-            Direction::East => 4,
-        };
-        self.bit(at, Bit::Register(Digital(register)), false)
-    }
-
-    /// What the word leaves in the pixel at `at`.
-    #[allow(clippy::too_many_lines)] // One table, one function.
-    fn after(&self, at: Point, word: &Primitive) -> Pixel<D::Cell> {
-        let before = self.at(at).unwrap();
-        let mut after = before.clone();
-        let set = |after: &mut Pixel<_>, Digital(register): Digital, value: bool| {
-            if register != 12 || before.digital[0] {
-                after.digital[usize::from(register)] = value;
-            }
-        };
-        match word {
-            Primitive::Nop | Primitive::BlurSet | Primitive::PropRead => {}
-            Primitive::ResetPix => after.pix = self.domain.hold(self.settings.reset_level),
-            Primitive::Bus { targets, sources } => {
-                let mut news: Option<D::Sum> = None;
-                for target in targets {
-                    let driver = match target {
-                        Target::Register(Analog(6)) => at,
-                        Target::Register(Analog(r)) => {
-                            if before.flag {
-                                let stored = self.stored(&self.sum(at, sources), targets.len());
-                                after.analog[usize::from(*r)] = stored;
-                            }
-                            continue;
-                        }
-                        Target::Neighbour(direction) => beside(at, direction.opposite()),
-                    };
-                    if self.flag(driver) {
-                        let sum = self.sum(driver, sources);
-                        match &mut news {
-                            None => {
-                                let mut first = self.domain.nothing();
-                                self.domain.join(&mut first, &sum);
-                                news = Some(first);
-                            }
-                            Some(news) => self.domain.join(news, &sum),
-                        }
-                    }
-                }
-                if let Some(sum) = news {
-                    after.analog[NEWS] = self.stored(&sum, targets.len());
-                }
-            }
-            Primitive::Square { sources } => {
-                if before.flag {
-                    let sum = self.sum(at, sources);
-                    let place = Place {
-                        y: 0,
-                        x: 0,
-                        register: Analog(6),
-                        step: 0,
-                    };
-                    let square = self.domain.square(&sum, self.settings.square_gain, place);
-                    after.analog[NEWS] = self.limited(square.unwrap());
-                }
-            }
-            Primitive::Where { sources } => {
-                after.flag = self.domain.positive(&self.sum(at, sources)).unwrap();
-            }
-            Primitive::All => after.flag = true,
-            Primitive::Blur {
-                target,
-                source,
-                horizontal,
-                vertical,
-            } => {
-                let mut sum = self.domain.nothing();
-                let mut own = i32::from(self.settings.diffusion);
-                for direction in Direction::ALL {
-                    let sideways = matches!(direction, Direction::East | Direction::West);
-                    let gate = Bit::Register(Digital(if sideways { 2 } else { 1 }));
-                    let wanted = if sideways { *horizontal } else { *vertical };
-                    let there = beside(at, direction);
-                    if wanted && self.bit(at, gate, false) && self.bit(there, gate, false) {
-                        let cell = &self.at(there).unwrap().analog[usize::from(source.0)];
-                        self.domain.add(&mut sum, cell, 1);
-                        own -= 1;
-                    }
-                }
-                let cell = &before.analog[usize::from(source.0)];
-                self.domain.add(&mut sum, cell, own);
-                if before.flag {
-                    let stored = self.stored(&sum, self.settings.diffusion.into());
-                    after.analog[usize::from(target.0)] = stored;
-                }
-            }
-            Primitive::Set { targets } => targets.iter().for_each(|r| set(&mut after, *r, true)),
-            Primitive::Clear { targets } => targets.iter().for_each(|r| set(&mut after, *r, false)),
-            Primitive::Or { target, sources } => {
-                let any = sources.iter().any(|bit| self.bit(at, *bit, false));
-                set(&mut after, *target, any);
-            }
-            Primitive::Nor { target, sources } => {
-                let any = sources.iter().any(|bit| self.bit(at, *bit, false));
-                set(&mut after, *target, !any);
-            }
-            Primitive::WhereBit { sources } => {
-                after.flag = sources.iter().any(|bit| self.bit(at, *bit, false));
-            }
-            Primitive::Dnews {
-                target,
-                source,
-                boundary,
-            } => {
-                let seen = Direction::ALL.iter().any(|direction| {
-                    self.enabled(at, *direction)
-                        && self.bit(beside(at, *direction), *source, *boundary)
-                });
-                set(&mut after, *target, seen);
-            }
-            // One pixel further; the whole word repeats it.
-            Primitive::Prop { boundary } => {
-                let r12 = Bit::Register(Digital(12));
-                let seen = Direction::ALL.iter().any(|direction| {
-                    self.enabled(at, *direction) && self.bit(beside(at, *direction), r12, *boundary)
-                });
-                let value = before.digital[12] || seen;
-                set(&mut after, Digital(12), value);
-            }
-        }
-        after
-    }
-
-    fn execute(&mut self, word: &Primitive) {
-        let times = match (word, self.settings.propagation) {
-            (Primitive::Prop { .. }, Propagation::Settled) => self.size.pixels() as u32,
-            (Primitive::Prop { .. }, Propagation::Steps(steps)) => steps,
-            _ => 1,
-        };
-        for _ in 0..times {
-            let points = (0..self.size.pixels()).map(|i| {
-                (
-                    (i / self.size.width) as isize,
-                    (i % self.size.width) as isize,
-                )
-            });
-            let after: Vec<_> = points.map(|at| self.after(at, word)).collect();
-            let settled = matches!(word, Primitive::Prop { .. })
-                && after
-                    .iter()
-                    .zip(&self.pixels)
-                    .all(|(a, b)| a.digital == b.digital);
-            self.pixels = after;
-            if settled {
-                break;
-            }
-        }
-    }
-}
 
 // ---------------------------------------------------------------- random programs
 
@@ -330,25 +72,14 @@ fn words(code: &[Primitive]) -> Vec<Step> {
     code.iter().map(step).collect()
 }
 
-fn agrees<D: Domain + Clone>(
+/// Runs a program on rows and, word by word, by the semantics of one cell.
+fn agrees<D: Domain>(
     domain: &D,
     size: Size,
     settings: Settings,
     seed: u64,
     program: &[Primitive],
 ) -> Result<(), TestCaseError> {
-    let code = Code {
-        init: vec![Step {
-            action: Action::Host(Host::LoadIn { value: 5.5 }),
-            line: 1,
-        }],
-        frame: words(program),
-    };
-    // By name, as it is given on the command line.
-    let arithmetic: Arithmetic = domain.name().parse().unwrap();
-    let mut chip = arithmetic
-        .chip("test", code, device(), size, settings)
-        .unwrap();
     let planes: Vec<Plane<f64>> = (0..21)
         .map(|k| {
             let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);
@@ -357,75 +88,68 @@ fn agrees<D: Domain + Clone>(
         .collect();
     let (analog, rest) = planes.split_at(7);
     let (digital, light) = rest.split_at(13);
+    let light = light[0].mapv(|light| light.abs());
+
+    let mut judge = State::new(domain, Layout::of(device(), size), settings.edge);
     for (r, plane) in (0..).zip(analog) {
-        chip.set_analog(Analog(r), plane).unwrap();
+        judge.set_analog(domain, Analog(r), plane);
     }
     for (r, plane) in (0..).zip(digital) {
-        chip.set_digital(Digital(r), &plane.mapv(|v| v > 0.0))
+        judge.set_digital(Digital(r), &plane.mapv(|v| v > 0.0));
+    }
+    let charged = light.mapv(|light| settings.reset_level + settings.gain * light);
+    judge.set_light(domain, &charged);
+    let input = domain.input(5.5, true);
+    for (step, word) in (0..).zip(program) {
+        semantics::execute(domain, &settings, &mut judge, word, &input, step).unwrap();
+    }
+
+    // By name, as it is given on the command line.
+    let arithmetic: Arithmetic = domain.name().parse().unwrap();
+    for schedule in [Schedule::Plain, Schedule::Tiled { rows: 0 }] {
+        let code = Code {
+            init: vec![Step {
+                action: Action::Host(Host::LoadIn { value: 5.5 }),
+                line: 1,
+            }],
+            frame: words(program),
+        };
+        let mut chip = arithmetic
+            .chip("test", code, device(), size, settings)
             .unwrap();
-    }
-    chip.expose(&light[0]).unwrap();
-    let mut packet = Packet::new(size, 1);
-    chip.run_init(Micros(0), &mut packet).unwrap();
-
-    let pixels = light[0].indexed_iter().map(|(at, light)| Pixel {
-        analog: analog.iter().map(|plane| domain.hold(plane[at])).collect(),
-        pix: domain.hold(settings.reset_level + settings.gain * light),
-        digital: digital.iter().map(|plane| plane[at] > 0.0).collect(),
-        flag: true,
-    });
-    let mut twin = Twin {
-        pixels: pixels.collect(),
-        domain: domain.clone(),
-        settings,
-        size,
-        input: domain.hold(5.5),
-    };
-
-    chip.run_frame(Micros(0), &mut packet).unwrap();
-    for word in program {
-        twin.execute(word);
-    }
-    let at = |i: usize| (i / size.width, i % size.width);
-    for r in 0..7u8 {
-        let ours = chip.analog(Analog(r));
-        for (i, pixel) in twin.pixels.iter().enumerate() {
-            let theirs = domain.value(&pixel.analog[usize::from(r)]);
-            let ours = ours[at(i)];
-            prop_assert_eq!(
-                ours.to_bits(),
-                theirs.to_bits(),
-                "register {} at {:?}: {} {}",
-                r,
-                at(i),
-                ours,
-                theirs
-            );
+        chip.set_schedule(schedule, 1);
+        for (r, plane) in (0..).zip(analog) {
+            chip.set_analog(Analog(r), plane).unwrap();
         }
-    }
-    for r in 0..13u8 {
-        let ours = chip.digital(Digital(r));
-        for (i, pixel) in twin.pixels.iter().enumerate() {
-            prop_assert_eq!(
-                ours[at(i)],
-                pixel.digital[usize::from(r)],
-                "R{} at {:?}",
-                r,
-                at(i)
-            );
+        for (r, plane) in (0..).zip(digital) {
+            chip.set_digital(Digital(r), &plane.mapv(|v| v > 0.0))
+                .unwrap();
         }
-    }
-    let flag = chip.flag();
-    for (i, pixel) in twin.pixels.iter().enumerate() {
-        prop_assert_eq!(flag[at(i)], pixel.flag, "FLAG at {:?}", at(i));
+        chip.expose(&light).unwrap();
+        let mut packet = Packet::new(size, 1);
+        chip.run_init(Micros(0), &mut packet).unwrap();
+        chip.run_frame(Micros(0), &mut packet).unwrap();
+        for r in (0..7).map(Analog) {
+            let (ours, theirs) = (chip.analog(r), judge.values(domain, r));
+            for ((at, ours), theirs) in ours.indexed_iter().zip(&theirs) {
+                let same = ours.to_bits() == theirs.to_bits();
+                prop_assert!(same, "{schedule}: {r:?} at {at:?}: {ours} {theirs}");
+            }
+        }
+        for r in (0..13).map(Digital) {
+            let bits = judge.digital(r).to_plane();
+            prop_assert_eq!(chip.digital(r), bits, "{}: {:?}", schedule, r);
+        }
+        let flag = judge.bits(Bit::Flag).to_plane();
+        prop_assert_eq!(chip.flag(), flag, "{}: FLAG", schedule);
     }
     Ok(())
 }
 
 macro_rules! every_domain {
     ($($name:ident: $domain:expr;)*) => {
-        /// Random programs agree with the slow twin to the bit.
-        mod twin {
+        /// Random programs do on rows what the semantics of one cell says, to the bit.
+        mod cells {
             use super::*;
             proptest! {
                 #![proptest_config(ProptestConfig::with_cases(256))]
@@ -451,6 +175,21 @@ every_domain! {
     q8_0: Fixed::new(Q::<i8>::new(0));
     q1_7: Fixed::new(Q::<i8>::new(7));
     q16_16: Fixed::new(Q::<i32>::new(16));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    /// The silicon's errors are those of the cell that is written and of the word, not of how
+    /// many cells are written at once.
+    #[test]
+    fn silicon_errs_the_same_in_cells_and_rows(
+        size in sizes(), settings in settings(), seed: u64,
+        program in prop::collection::vec(word(), 1..20)
+    ) {
+        let silicon = Silicon::new(Errors::of(device()), 0, &Layout::of(device(), size));
+        agrees(&silicon, size, settings, seed, &program)?;
+    }
 }
 
 // ---------------------------------------------------------------- equations by hand

@@ -16,7 +16,7 @@ use super::{
     patch::Patch,
     schedule::Plan,
     segment::Segment,
-    semantics::Array,
+    sweep::Array,
     tiles::Tiles,
 };
 use crate::{

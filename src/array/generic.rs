@@ -157,8 +157,16 @@ impl<'a, D: Symbolic> Generic<'a, D> {
             (_, FlagEffect::Sets) => self.unknown = false,
             (_, FlagEffect::May | FlagEffect::Keeps) => {}
         }
+        let input = self.state.input.clone();
         let before = self.unknown.then(|| self.state.analog.clone());
-        let result = execute(self.domain, &self.settings, &mut self.state, word, number);
+        let result = execute(
+            self.domain,
+            &self.settings,
+            &mut self.state,
+            word,
+            &input,
+            number,
+        );
         match (operands.flag, result) {
             (FlagEffect::May, result) => {
                 // All or none: the border may differ, the generic pixel decides.

@@ -7,8 +7,8 @@
 //!                    adds and rounds
 //! ```
 //!
-//! What each instruction word does is written once, in [`semantics`], for any [`Domain`]: what
-//! a cell holds and how the summing bus treats it. A [`Chip`] is a program on an array in one
+//! What each instruction word does is written once, for one cell, in [`semantics`], for any
+//! [`Domain`]: what a cell holds and how the summing bus treats it. Rows do the same at once. A [`Chip`] is a program on an array in one
 //! domain; it is a [`Sensor`](crate::sensor::Sensor), so light goes in and events come out.
 
 mod active;
@@ -47,6 +47,7 @@ mod settings;
 mod silicon;
 mod state;
 mod store;
+mod sweep;
 pub mod taps;
 mod tiled;
 mod tiles;

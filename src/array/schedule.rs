@@ -6,7 +6,8 @@ use super::{
     Domain, State, Undecided,
     band::Copies,
     segment::{Piece, Segment},
-    semantics::{self, Array},
+    semantics,
+    sweep::{self, Array},
     tiled,
     walks::{How, Walks},
 };
@@ -113,10 +114,13 @@ impl<C: Clone + Send + Sync> Plan<C> {
         state: &mut State<C>,
         segment: &Segment<'_, C>,
     ) -> Result<(), (u32, Undecided)> {
-        for register in segment.copied() {
-            semantics::make_copies(&mut self.copies, state, Some(register));
-        }
         let size = state.layout.size;
+        if self.schedule == Schedule::Plain && size.pixels() <= CELLS {
+            return cell_by_cell(array, state, segment);
+        }
+        for register in segment.copied() {
+            sweep::make_copies(&mut self.copies, state, Some(register));
+        }
         let (rows, threads) = match self.schedule {
             Schedule::Plain => (size.height, 1),
             Schedule::Tiled { rows: rows @ 1.. } => (rows, self.threads),
@@ -145,4 +149,26 @@ impl<C: Clone + Send + Sync> Plan<C> {
             run()
         }
     }
+}
+
+/// Arrays of so many pixels are plainly run cell by cell: a row is no gain.
+const CELLS: usize = 256;
+
+/// Word after word, pixel after pixel, as [`semantics`] says.
+fn cell_by_cell<D: Domain>(
+    array: Array<'_, D>,
+    state: &mut State<D::Cell>,
+    segment: &Segment<'_, D::Cell>,
+) -> Result<(), (u32, Undecided)> {
+    let constants = segment.constants();
+    for piece in segment.pieces() {
+        if let Piece::Word { issued, line, .. } = piece {
+            let input = &constants.inputs[issued.input][0];
+            let step = constants.first + issued.step;
+            let (domain, settings) = (array.domain, array.settings);
+            let ran = semantics::execute(domain, settings, state, issued.word, input, step);
+            ran.map_err(|undecided| (*line, undecided))?;
+        }
+    }
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Words that wait to be run together: those between two operations of the host that look at
 //! the array or change it.
 
-use super::{State, band::Constants, semantics::Issued};
+use super::{State, band::Constants, sweep::Issued};
 use crate::isa::{Analog, Cell, Primitive, Roles, operands::Unit};
 
 /// As many pieces wait at most.

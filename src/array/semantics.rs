@@ -1,4 +1,4 @@
-//! What each instruction word does: one `match`, any domain.
+//! What each instruction word does: one cell, any arithmetic, one `match`.
 //!
 //! ```text
 //! bus       each target := -(sum of sources) / (number of targets)     where FLAG
@@ -17,37 +17,262 @@
 //!   its value; one that several drive holds the sum of what each puts in.
 //! - R12 is written only where R0 was 1 before the word.
 //!
-//! A word is executed on some rows of the array: which rows when is the business of a
-//! [`Schedule`](super::Schedule). What reaches a row from its neighbours is at most `reach`
-//! rows away.
+//! This is the meaning. [`super::sweep`] does the same on rows, many pixels at once, and is held
+//! to it to the bit by `tests/array.rs`.
 
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
+use smallvec::{SmallVec, smallvec};
 
-use std::ops::Range;
-
-use multiversion::multiversion;
-
-use super::{
-    Domain, Place, Settings, Share, State, Undecided,
-    band::{Band, Constants, Copies},
-    bits,
-    logic::{any, dnews, fill, logic, propagate},
-    pair::{pair, pair_level},
-    positive::positive,
-    rows::{self, Links},
-    store::{store, store_level},
-    wire::{Job, Jobs, Known, Store, Wire},
-};
+use super::{Domain, Layout, Place, Propagation, Settings, Share, State, Undecided};
 use crate::{
-    isa::{Analog, Bit, Cell, Direction, Primitive},
+    isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target, operands::Unit},
     plane::Size,
 };
 
-/// Executes one instruction word on all pixels. `step` numbers the words since power-on.
+/// Row and column of a pixel, which may lie off the array.
+type Point = (isize, isize);
+
+const fn beside((y, x): Point, direction: Direction) -> Point {
+    let (dy, dx) = direction.step();
+    (y + dy, x + dx)
+}
+
+/// What a word leaves in one cell of a pixel.
+#[derive(Clone, Debug)]
+enum Left<C> {
+    Analog(Analog, C),
+    Pix(C),
+    Digital(Digital, bool),
+    Flag(bool),
+}
+
+/// What a word leaves in a pixel: its other cells stay as they are.
+type Lefts<C> = SmallVec<[Left<C>; 4]>;
+
+/// The array before a word, as the pixels see it.
+struct Before<'a, D: Domain> {
+    domain: &'a D,
+    settings: &'a Settings,
+    state: &'a State<D::Cell>,
+    /// What the global input holds.
+    input: &'a D::Cell,
+    /// Words since power-on.
+    step: u64,
+}
+
+impl<D: Domain> Before<'_, D> {
+    /// Where a pixel lies in its planes; `None` off the array.
+    fn index(&self, (y, x): Point) -> Option<usize> {
+        let Size { height, width } = self.state.layout.size;
+        let inside = (0..height as isize).contains(&y) && (0..width as isize).contains(&x);
+        inside.then(|| y as usize * width + x as usize)
+    }
+
+    fn analog(&self, at: Point, register: Analog) -> &D::Cell {
+        let index = self.index(at);
+        index.map_or(&self.state.edge, |i| &self.state.analog(register)[i])
+    }
+
+    fn source(&self, at: Point, source: Source) -> &D::Cell {
+        let Some(index) = self.index(at) else {
+            return &self.state.edge;
+        };
+        match source {
+            Source::Register(register) => self.analog(at, register),
+            Source::Pix => &self.state.pix[index],
+            Source::In => self.input,
+            Source::Neighbour(direction) => {
+                self.analog(beside(at, direction), self.state.layout.news)
+            }
+        }
+    }
+
+    /// The bus of a pixel.
+    fn sum(&self, at: Point, sources: &[Source]) -> D::Sum {
+        let mut sum = self.domain.nothing();
+        for source in sources {
+            self.domain.add(&mut sum, self.source(at, *source), 1);
+        }
+        sum
+    }
+
+    fn bit(&self, (y, x): Point, bit: Bit, off_array: bool) -> bool {
+        let inside = self.index((y, x)).is_some();
+        if inside {
+            self.state.bits(bit).get(y as usize, x as usize)
+        } else {
+            off_array
+        }
+    }
+
+    fn any(&self, at: Point, bits: &[Bit]) -> bool {
+        bits.iter().any(|bit| self.bit(at, *bit, false))
+    }
+
+    fn flag(&self, at: Point) -> bool {
+        self.bit(at, Bit::Flag, true)
+    }
+
+    /// Whether the register that enables reading from a direction is 1.
+    fn enabled(&self, at: Point, direction: Direction) -> bool {
+        let enable = self.state.layout.roles.enables(direction);
+        self.bit(at, Bit::Register(enable), false)
+    }
+
+    fn place(&self, (y, x): Point, register: Analog) -> Place {
+        Place {
+            y: y as usize,
+            x: x as usize,
+            register,
+            step: self.step,
+        }
+    }
+
+    fn stored(&self, sum: &D::Sum, share: Share, at: Point, register: Analog) -> Left<D::Cell> {
+        let cell = self.domain.store(sum, share, self.place(at, register));
+        Left::Analog(register, self.domain.limited(cell, self.settings.clip))
+    }
+
+    /// A one-bit register is written; R12 only where R0 is 1.
+    fn write(&self, at: Point, target: Digital, value: bool) -> Lefts<D::Cell> {
+        let roles = self.state.layout.roles;
+        let open = target != roles.propagated || self.bit(at, Bit::Register(roles.mask), false);
+        open.then_some(Left::Digital(target, value))
+            .into_iter()
+            .collect()
+    }
+
+    /// What the word leaves in the pixel at `at`. Of PROP, one clock: one pixel further.
+    ///
+    /// # Errors
+    /// In domains that are not numbers, where it depends on what they do not know.
+    fn word(&self, word: &Primitive, at: Point) -> Result<Lefts<D::Cell>, Undecided> {
+        let (domain, news) = (self.domain, self.state.layout.news);
+        Ok(match word {
+            Primitive::Nop | Primitive::BlurSet | Primitive::PropRead => smallvec![],
+            Primitive::ResetPix => smallvec![Left::Pix(domain.hold(self.settings.reset_level))],
+            Primitive::Bus { targets, sources } => {
+                let mut lefts = smallvec![];
+                let mut driven: SmallVec<[(Point, Share); 4]> = smallvec![];
+                for (part, target) in targets.iter().enumerate() {
+                    let share = Share::of(targets.len(), part);
+                    match target {
+                        Target::Register(register) if *register != news => {
+                            if self.flag(at) {
+                                let sum = self.sum(at, sources);
+                                lefts.push(self.stored(&sum, share, at, *register));
+                            }
+                        }
+                        Target::Register(_) => driven.push((at, share)),
+                        Target::Neighbour(direction) => {
+                            driven.push((beside(at, direction.opposite()), share));
+                        }
+                    }
+                }
+                let several = driven.len() > 1;
+                driven.retain(|(driver, _)| self.flag(*driver));
+                if let Some((driver, share)) = driven.last() {
+                    let mut sum = self.sum(*driver, sources);
+                    if several {
+                        sum = domain.nothing();
+                        for (driver, _) in &driven {
+                            domain.join(&mut sum, &self.sum(*driver, sources));
+                        }
+                    }
+                    lefts.push(self.stored(&sum, *share, at, news));
+                }
+                lefts
+            }
+            Primitive::Square { sources } => {
+                let gain = self.settings.square_gain;
+                let place = self.place(at, news);
+                let square = domain.square(&self.sum(at, sources), gain, place);
+                let square = square.ok_or(Undecided { operation: "sq" })?;
+                let square = domain.limited(square, self.settings.clip);
+                let flag = self.flag(at);
+                flag.then_some(Left::Analog(news, square))
+                    .into_iter()
+                    .collect()
+            }
+            Primitive::Where { sources } => {
+                let positive = domain.positive(&self.sum(at, sources));
+                let positive = positive.ok_or(Undecided { operation: "where" })?;
+                smallvec![Left::Flag(positive)]
+            }
+            Primitive::All => smallvec![Left::Flag(true)],
+            Primitive::Blur {
+                target,
+                source,
+                horizontal,
+                vertical,
+            } => {
+                let parts: i32 = self.settings.diffusion.max(4).into();
+                let (mut sum, mut own) = (domain.nothing(), parts);
+                for direction in Direction::ALL {
+                    let (wanted, gate) = match direction {
+                        Direction::North | Direction::South => (*vertical, Direction::South),
+                        Direction::East | Direction::West => (*horizontal, Direction::West),
+                    };
+                    let there = beside(at, direction);
+                    if wanted && self.enabled(at, gate) && self.enabled(there, gate) {
+                        domain.add(&mut sum, self.analog(there, *source), 1);
+                        own -= 1;
+                    }
+                }
+                domain.add(&mut sum, self.analog(at, *source), own);
+                let share = Share {
+                    by: parts as u32,
+                    part: None,
+                };
+                let flag = self.flag(at);
+                flag.then(|| self.stored(&sum, share, at, *target))
+                    .into_iter()
+                    .collect()
+            }
+            Primitive::Set { targets } => {
+                let each = targets
+                    .iter()
+                    .flat_map(|target| self.write(at, *target, true));
+                each.collect()
+            }
+            Primitive::Clear { targets } => {
+                let each = targets
+                    .iter()
+                    .flat_map(|target| self.write(at, *target, false));
+                each.collect()
+            }
+            Primitive::Or { target, sources } => self.write(at, *target, self.any(at, sources)),
+            Primitive::Nor { target, sources } => self.write(at, *target, !self.any(at, sources)),
+            Primitive::WhereBit { sources } => smallvec![Left::Flag(self.any(at, sources))],
+            Primitive::Dnews {
+                target,
+                source,
+                boundary,
+            } => {
+                let seen = |direction: &Direction| {
+                    self.enabled(at, *direction)
+                        && self.bit(beside(at, *direction), *source, *boundary)
+                };
+                self.write(at, *target, Direction::ALL.iter().any(seen))
+            }
+            Primitive::Prop { boundary } => {
+                let spreads = self.state.layout.roles.propagated;
+                let bit = Bit::Register(spreads);
+                let seen = |direction: &Direction| {
+                    self.enabled(at, *direction) && self.bit(beside(at, *direction), bit, *boundary)
+                };
+                let value = self.bit(at, bit, false) || Direction::ALL.iter().any(seen);
+                self.write(at, spreads, value)
+            }
+        })
+    }
+}
+
+/// Executes one instruction word on all pixels, one after the other. `input`: what the global
+/// input holds; `step` numbers the words since power-on.
 ///
 /// # Errors
-/// Only in domains that are not numbers, where a result depends on what they do not know.
+/// Only in domains that are not numbers, where a result depends on what they do not know;
+/// nothing has changed then.
 ///
 /// # Panics
 /// When the word names registers that the array does not have; [`check`](super::check) says so
@@ -57,410 +282,59 @@ pub fn execute<D: Domain>(
     settings: &Settings,
     state: &mut State<D::Cell>,
     word: &Primitive,
+    input: &D::Cell,
     step: u64,
 ) -> Result<(), Undecided> {
-    if let Primitive::Prop { boundary } = word {
-        propagate(state, settings.propagation, *boundary);
-        return Ok(());
-    }
-    let copied = word
-        .operands(state.layout.news, state.layout.roles)
-        .copied();
-    let mut copies = Copies::default();
-    make_copies(&mut copies, state, copied);
-    let constants = Constants::of(state, step);
-    let issued = Issued {
-        word,
-        step: 0,
-        input: constants.last(),
-        copied: copied.is_some(),
+    let Layout {
+        news, roles, size, ..
+    } = state.layout;
+    let clocks = match (word.operands(news, roles).unit, settings.propagation) {
+        (Unit::Propagation, Propagation::Steps(steps)) => steps,
+        // As far as there are pixels.
+        (Unit::Propagation, Propagation::Settled) => size.pixels() as u32,
+        _ => 1,
     };
-    let mut jobs = Jobs::default();
-    jobs.jobs.extend(copied.map(Job::Copy));
-    jobs.word(issued, &state.layout, Known::NOTHING);
-    let mut band = Band::whole(state, &mut copies, &constants);
-    let rows = band.rows.clone();
-    let array = Array { domain, settings };
-    let spans = vec![rows; jobs.jobs.len()];
-    sweep(array, &mut band, &jobs, &spans).map_err(|(_, undecided)| undecided)
-}
-
-/// A word as it is given to the array.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Issued<'a> {
-    pub(super) word: &'a Primitive,
-    /// Its number, counted from the first that was given with it.
-    pub(super) step: u64,
-    /// Which of the band's inputs the global input holds.
-    pub(super) input: usize,
-    /// Whether it reads the copy of a register: see [`Operands::copied`](crate::isa::Operands).
-    pub(super) copied: bool,
-}
-
-/// Makes room for the copy of a register.
-pub(super) fn make_copies<C: Clone>(copies: &mut Copies<C>, state: &State<C>, cell: Option<Cell>) {
-    match cell {
-        // FLAG is never read beside the pixel that writes it.
-        None | Some(Cell::Flag) => {}
-        Some(Cell::Analog(_)) => {
-            let pixels = state.layout.size.pixels();
-            copies.analog.resize(pixels, state.edge.clone());
+    for _ in 0..clocks {
+        let before = Before {
+            domain,
+            settings,
+            state,
+            input,
+            step,
+        };
+        let Size { height, width } = size;
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (y, x)));
+        let mut all = Vec::new();
+        for (y, x) in pixels {
+            let lefts = before.word(word, (y as isize, x as isize))?;
+            all.extend(lefts.into_iter().map(|left| ((y, x), left)));
         }
-        Some(Cell::Digital(_)) => copies.bits.resize(state.flag.words().len(), 0),
-    }
-}
-
-/// Copies rows of a register that a word reads and writes.
-pub(super) fn copy<C: Clone>(band: &mut Band<'_, C>, cell: Cell, rows: Range<usize>) {
-    match cell {
-        Cell::Analog(register) => band.copy(register, rows),
-        Cell::Digital(register) => band.copy_bits(register, rows),
-        Cell::Flag => {}
-    }
-}
-
-/// Does each job on the rows that it is given: those are the rows that it writes. What it reads
-/// beside them must lie in the band, or off the array.
-///
-/// # Errors
-/// Which job has no answer in this domain.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn sweep<D: Domain>(
-    array: Array<'_, D>,
-    band: &mut Band<'_, D::Cell>,
-    jobs: &Jobs,
-    spans: &[Range<usize>],
-) -> Result<(), (usize, Undecided)> {
-    for (k, (job, rows)) in jobs.jobs.iter().zip(spans).enumerate() {
-        if !rows.is_empty() {
-            let done = array.execute(band, job, &jobs.wires, rows.clone());
-            done.map_err(|undecided| (k, undecided))?;
+        let mut changed = false;
+        for ((y, x), left) in all {
+            changed |= state.leave(y, x, left);
+        }
+        if !changed {
+            break;
         }
     }
     Ok(())
 }
 
-/// The single stores of a job, one after the other, some of them on no row: where something
-/// comes from off the array, or the domain knows no pairs, a pair is two.
-#[inline(always)]
-fn single<'a>(
-    job: &'a Job,
-    k: usize,
-    rows: &Range<usize>,
-    inner: &Range<usize>,
-) -> Option<(&'a Store, Range<usize>)> {
-    match (job, k) {
-        (Job::Store(store), 0) => Some((store, rows.clone())),
-        (Job::Pair(_), _) if inner == rows => None,
-        (Job::Pair(both), 0) => Some((&both.first, rows.start..inner.start)),
-        (Job::Pair(both), 1) => Some((&both.second, rows.start..inner.start)),
-        (Job::Pair(both), 2) => Some((&both.first, inner.end..rows.end)),
-        (Job::Pair(both), 3) => Some((&both.second, inner.end..rows.end)),
-        _ => None,
-    }
-}
-
-/// What words mean, in one domain.
-pub(super) struct Array<'a, D> {
-    pub(super) domain: &'a D,
-    pub(super) settings: &'a Settings,
-}
-
-impl<D> Clone for Array<'_, D> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<D> Copy for Array<'_, D> {}
-
-impl<D: Domain> Array<'_, D> {
-    /// A job of a [`sweep`].
-    #[inline(always)]
-    fn execute(
-        self,
-        band: &mut Band<'_, D::Cell>,
-        job: &Job,
-        wires: &[Wire],
-        rows: Range<usize>,
-    ) -> Result<(), Undecided> {
-        let clip = self.settings.clip;
-        if !clip && self.level(band, job, wires, &rows) {
-            return Ok(());
+impl<C: Clone + PartialEq> State<C> {
+    /// Writes one cell; whether a bit has changed.
+    fn leave(&mut self, y: usize, x: usize, left: Left<C>) -> bool {
+        let index = y * self.layout.size.width + x;
+        match left {
+            Left::Analog(register, cell) => self.analog_mut(register)[index] = cell,
+            Left::Pix(cell) => self.pix[index] = cell,
+            Left::Digital(register, value) => {
+                let bits = self.digital_mut(register);
+                let old = bits.get(y, x);
+                bits.set(y, x, value);
+                return old != value;
+            }
+            Left::Flag(value) => self.flag.set(y, x, value),
         }
-        // Where a pair is one.
-        let inner = match job {
-            Job::Pair(both) if self.domain.pairs() => {
-                both.first.border.inside(band.layout.size, &rows)
-            }
-            _ => rows.start..rows.start,
-        };
-        let mut k = 0;
-        while let Some((target, rows)) = single(job, k, &rows, &inner) {
-            k += 1;
-            if !rows.is_empty() {
-                let wires = &wires[target.wires.clone()];
-                let (mut field, room) = band.field();
-                store(self.domain, &mut field, wires, target, clip, rows, room);
-            }
-        }
-        match job {
-            Job::Pair(both) if self.domain.pairs() => {
-                let (mut field, room) = band.field();
-                pair(self.domain, &mut field, wires, both, clip, inner, room);
-            }
-            // They are among those above.
-            Job::Store(_) | Job::Pair(_) => {}
-            Job::Drive {
-                wires: bus,
-                driven,
-                step,
-            } => self.drive(
-                band,
-                &wires[bus.clone()],
-                driven,
-                band.first() + step,
-                &rows,
-            ),
-            Job::Square { wires: bus, step } => {
-                self.square(band, &wires[bus.clone()], band.first() + step, rows)?;
-            }
-            Job::Positive { wires: bus, border } => {
-                let words = band.row_words(rows.clone());
-                let flag = band.take_flag();
-                let bits = &mut flag[words];
-                let (field, _) = band.field();
-                let wires = &wires[bus.clone()];
-                let result = positive(self.domain, &field, wires, *border, bits, rows);
-                band.put_flag(flag);
-                result?;
-            }
-            Job::Logic(logic) => band.logic(logic, rows),
-            Job::Word { word, step } => self.word(band, word, band.first() + step, rows),
-            Job::Copy(cell) => copy(band, *cell, rows),
-        }
-        Ok(())
-    }
-
-    /// Stores in rows where no cell needs a choice, as most do: the short way. Whether they are
-    /// such rows.
-    #[inline(always)]
-    fn level(
-        self,
-        band: &mut Band<'_, D::Cell>,
-        job: &Job,
-        wires: &[Wire],
-        rows: &Range<usize>,
-    ) -> bool {
-        match job {
-            Job::Store(target) if target.is_level(rows, &band.rows, band.layout.size) => {
-                let wires = &wires[target.wires.clone()];
-                store_level(self.domain, band, wires, target, rows);
-            }
-            Job::Pair(both)
-                if both.level
-                    && self.domain.pairs()
-                    && both.first.is_level(rows, &band.rows, band.layout.size) =>
-            {
-                let wires = &wires[both.first.wires.clone()];
-                pair_level(self.domain, band, wires, both, rows);
-            }
-            _ => return false,
-        }
-        true
-    }
-
-    /// A word that has no bus. PROP has no rows: see [`propagate`].
-    #[inline(never)]
-    fn word(self, band: &mut Band<'_, D::Cell>, word: &Primitive, step: u64, rows: Range<usize>) {
-        match word {
-            Primitive::Nop
-            | Primitive::BlurSet
-            | Primitive::PropRead
-            | Primitive::Prop { .. }
-            // These have one.
-            | Primitive::Bus { .. }
-            | Primitive::Square { .. }
-            | Primitive::Where { .. } => {}
-            Primitive::ResetPix => {
-                let level = self.domain.hold(self.settings.reset_level);
-                let cells = band.row_cells(rows);
-                band.pix()[cells].fill(level);
-            }
-            Primitive::All => {
-                let size = band.layout.size;
-                let words = band.row_words(rows);
-                let flag = band.take_flag();
-                bits::fill(&mut flag[words], size.width, true);
-                band.put_flag(flag);
-            }
-            Primitive::Blur {
-                target,
-                source,
-                horizontal,
-                vertical,
-            } => {
-                self.blur(band, *target, *source, (*horizontal, *vertical), step, rows);
-            }
-            Primitive::Set { targets } => fill(band, targets, true, rows),
-            Primitive::Clear { targets } => fill(band, targets, false, rows),
-            Primitive::Or { target, sources } => logic(band, *target, sources, false, rows),
-            Primitive::Nor { target, sources } => logic(band, *target, sources, true, rows),
-            Primitive::WhereBit { sources } => {
-                let words = band.row_words(rows);
-                let kept = sources.contains(&Bit::Flag);
-                let flag = band.take_flag();
-                let bits = &mut flag[words.clone()];
-                any(band, bits, words, sources, Bit::Flag, (kept, false));
-                band.put_flag(flag);
-            }
-            Primitive::Dnews {
-                target,
-                source,
-                boundary,
-            } => dnews(band, *target, *source, *boundary, rows),
-        }
-    }
-
-    /// NEWS cells that several pixels drive: each holds the sum of what they put in.
-    #[inline(never)]
-    fn drive(
-        self,
-        band: &mut Band<'_, D::Cell>,
-        wires: &[Wire],
-        driven: &[((isize, isize), Share)],
-        step: u64,
-        rows: &Range<usize>,
-    ) {
-        let register = band.layout.news;
-        let cells = band.take(register);
-        let (field, _) = band.field();
-        let width = field.size.width;
-        for (y, x) in rows.clone().flat_map(|y| (0..width).map(move |x| (y, x))) {
-            let mut total = self.domain.nothing();
-            let mut any = None;
-            for ((dy, dx), share) in driven {
-                let (y, x) = (y.wrapping_add_signed(-dy), x.wrapping_add_signed(-dx));
-                if field.flagged(y, x) {
-                    let sum = field.sum(self.domain, wires, y, x);
-                    self.domain.join(&mut total, &sum);
-                    any = Some(*share);
-                }
-            }
-            if let Some(share) = any {
-                let place = Place {
-                    y,
-                    x,
-                    register,
-                    step,
-                };
-                let stored = self.domain.store(&total, share, place);
-                cells[field.cell(y, x)] = self.domain.limited(stored, self.settings.clip);
-            }
-        }
-        band.put(register, cells);
-    }
-
-    /// `gain` times the square of the bus, where FLAG is 1.
-    #[inline(never)]
-    fn square(
-        self,
-        band: &mut Band<'_, D::Cell>,
-        wires: &[Wire],
-        step: u64,
-        rows: Range<usize>,
-    ) -> Result<(), Undecided> {
-        let (register, gain) = (band.layout.news, self.settings.square_gain);
-        let cells = band.take(register);
-        let (field, _) = band.field();
-        let width = field.size.width;
-        let mut decided = true;
-        for (y, x) in rows.flat_map(|y| (0..width).map(move |x| (y, x))) {
-            let place = Place {
-                y,
-                x,
-                register,
-                step,
-            };
-            let sum = field.sum(self.domain, wires, y, x);
-            match self.domain.square(&sum, gain, place) {
-                Some(cell) if field.flagged(y, x) => {
-                    cells[field.cell(y, x)] = self.domain.limited(cell, self.settings.clip);
-                }
-                Some(_) => {}
-                None => decided = false,
-            }
-        }
-        band.put(register, cells);
-        if decided {
-            Ok(())
-        } else {
-            Err(Undecided { operation: "sq" })
-        }
-    }
-
-    /// One explicit step of diffusion. A link conducts where the gates of both its pixels are
-    /// open: R1 along columns, R2 along rows. Nothing flows over the border.
-    fn blur(
-        self,
-        band: &mut Band<'_, D::Cell>,
-        target: Analog,
-        source: Analog,
-        (horizontal, vertical): (bool, bool),
-        step: u64,
-        rows: Range<usize>,
-    ) {
-        let Size { height, width } = band.layout.size;
-        let words = band.words();
-        let gates = Direction::ALL.map(|direction| match direction {
-            Direction::North | Direction::South => {
-                vertical.then(|| band.layout.roles.enables(Direction::South))
-            }
-            Direction::East | Direction::West => {
-                horizontal.then(|| band.layout.roles.enables(Direction::West))
-            }
-        });
-        let mut linked = [const { Vec::new() }; 4].map(|_: Vec<u64>| vec![0; words]);
-        let top = band.rows.start;
-        let cells = band.take(target);
-        let mut block = std::mem::take(&mut band.cells);
-        for y in rows {
-            let row = |y: usize| band.row_cells(y..y + 1);
-            let mut beside = [y; 4];
-            for (k, direction) in Direction::ALL.into_iter().enumerate() {
-                let to = y.wrapping_add_signed(direction.step().0);
-                linked[k].fill(0);
-                if let (Some(gate), true) = (gates[k], to < height) {
-                    beside[k] = to;
-                    let gates = band.digital(gate);
-                    let (own, there) = (
-                        &gates[band.row_words(y..y + 1)],
-                        &gates[band.row_words(to..to + 1)],
-                    );
-                    for (i, word) in linked[k].iter_mut().enumerate() {
-                        *word = own[i] & bits::seen(there, i, direction, width, false);
-                    }
-                }
-            }
-            let from = band.analog(source, source == target);
-            let links = Links {
-                own: &from[row(y)],
-                beside: beside.map(|y| &from[row(y)]),
-                linked: linked.each_ref().map(Vec::as_slice),
-                parts: self.settings.diffusion.max(4).into(),
-            };
-            let place = Place {
-                y,
-                x: 0,
-                register: target,
-                step,
-            };
-            let flags = &band.flag()[band.row_words(y..y + 1)];
-            let cells = &mut cells[(y - top) * width..][..width];
-            let clip = self.settings.clip;
-            rows::diffuse(self.domain, &links, flags, place, clip, cells, &mut block);
-        }
-        band.put(target, cells);
-        band.cells = block;
+        false
     }
 }

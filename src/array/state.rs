@@ -78,6 +78,37 @@ impl<C: Clone> State<C> {
         &self.digital[usize::from(register.0)]
     }
 
+    /// Sets an analogue register to the nearest to these values, in LSB.
+    ///
+    /// # Panics
+    /// When the array has no such register.
+    pub fn set_analog<D: Domain<Cell = C>>(
+        &mut self,
+        domain: &D,
+        register: Analog,
+        values: &Plane<f64>,
+    ) {
+        for (cell, value) in self.analog_mut(register).iter_mut().zip(values) {
+            *cell = domain.hold(*value);
+        }
+    }
+
+    /// Sets the photodiodes to the nearest to these values, in LSB.
+    pub fn set_light<D: Domain<Cell = C>>(&mut self, domain: &D, values: &Plane<f64>) {
+        for (cell, value) in self.pix.iter_mut().zip(values) {
+            *cell = domain.hold(*value);
+        }
+    }
+
+    /// Sets a one-bit register, whatever R0 is.
+    ///
+    /// # Panics
+    /// When the array has no such register, or the plane another size.
+    pub fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) {
+        let words = self.digital_mut(register).words_mut();
+        words.copy_from_slice(BitPlane::from_plane(bits).words());
+    }
+
     pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Lined<C> {
         &mut self.analog[usize::from(register.0)]
     }

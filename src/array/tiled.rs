@@ -24,7 +24,7 @@ use super::{
     Domain, Layout, State, Undecided,
     band::{Band, Constants, Copies},
     segment::Piece,
-    semantics::{self, Array},
+    sweep::{self, Array},
     wire::{Job, Jobs, Known},
 };
 use crate::plane::Size;
@@ -152,7 +152,7 @@ impl Walk {
         band: &mut Band<'_, D::Cell>,
         spans: &[Range<usize>],
     ) -> Result<(), (u32, Undecided)> {
-        let done = semantics::sweep(array, band, &self.jobs, spans);
+        let done = sweep::sweep(array, band, &self.jobs, spans);
         done.map_err(|(k, undecided)| (self.lines[k], undecided))
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Layout, Share, band::Band, live::Live, semantics::Issued};
+use super::{Layout, Share, band::Band, live::Live, sweep::Issued};
 use crate::{
     isa::{Analog, Bit, Cell, Primitive, Source, Target},
     plane::Size,

@@ -135,18 +135,14 @@ impl<D: Domain> Array for Chip<D> {
     fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
         self.fits(values)?;
         self.forget();
-        let cells = self.state.analog_mut(register).iter_mut();
-        for (cell, value) in cells.zip(values) {
-            *cell = self.domain.hold(*value);
-        }
+        self.state.set_analog(&self.domain, register, values);
         Ok(())
     }
 
     fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
         self.forget();
-        let words = self.state.digital_mut(register).words_mut();
-        words.copy_from_slice(BitPlane::from_plane(bits).words());
+        self.state.set_digital(register, bits);
         Ok(())
     }
 

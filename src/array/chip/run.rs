@@ -6,7 +6,7 @@ use super::{
         active::{Active, Item},
         cone, host, logic,
         segment::Segment,
-        semantics::Array as Meaning,
+        sweep::Array as Meaning,
     },
     Chip, RunError,
 };
