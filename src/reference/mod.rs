@@ -20,6 +20,7 @@ mod fire;
 mod hash;
 mod list;
 mod memory;
+pub mod model;
 mod noise;
 mod refractory;
 mod signal;
