@@ -128,7 +128,10 @@ fn look<N: Number>(
     (u, memory): (&Plane<N::Held>, &Plane<N::Held>),
     floor: f64,
 ) -> Plane<Seen<N>> {
-    let channel = &description.channels[channel];
+    let (channel, border) = (&description.channels[channel], description.border);
+    let lines = |kernel| Lines::new(number, kernel);
+    let kernels: Vec<_> = channel.kernels.iter().map(lines).collect();
+    let memory_kernel = channel.memory_kernel.as_ref().map(lines);
     let change = |at| number.sub(u[at], memory[at]);
     let watched = if description.memory == MemoryRule::RawSnap {
         Plane::from_shape_fn(u.dim(), change)
@@ -136,14 +139,8 @@ fn look<N: Number>(
         u.clone()
     };
     Plane::from_shape_fn(u.dim(), |(y, x)| {
-        let through = |kernel: &Kernel, plane: &Plane<N::Held>| {
-            correlated(number, kernel, |row, column| {
-                let at = (y + row, x + column);
-                near::<N>(plane, description.border, at, kernel.reach())
-            })
-        };
-        let four = 2 * (y % 2) + x % 2;
-        let drive = through(&channel.kernels[four % channel.kernels.len()], &watched);
+        let at = (y, x);
+        let drive = kernels[(2 * (y % 2) + x % 2) % kernels.len()].at(number, &watched, border, at);
         Seen {
             signal: u[[y, x]],
             drive: if channel.log_temporal {
@@ -151,37 +148,56 @@ fn look<N: Number>(
             } else {
                 drive
             },
-            memory: match &channel.memory_kernel {
-                Some(kernel) => through(kernel, memory),
+            memory: match &memory_kernel {
+                Some(kernel) => kernel.at(number, memory, border, at),
                 None => N::ZERO,
             },
         }
     })
 }
 
-/// What a kernel sees, summed row by row; in f32 and f64 rows that are equal are added first.
-fn correlated<N: Number>(
-    number: &N,
-    kernel: &Kernel,
-    u: impl Fn(usize, usize) -> N::Held,
-) -> N::Held {
-    let weights = kernel.weights();
-    let rows = 0..weights.nrows();
-    let together = matches!(number.format(), Format::F32 | Format::F64);
-    let equal = |a: usize, b: usize| a == b || together && weights.row(a) == weights.row(b);
-    let mut sum = N::ZERO;
-    for row in rows.clone() {
-        if (0..row).any(|above| equal(above, row)) {
-            continue;
+/// A kernel as it is summed: row by row; in f32 and f64 rows that are equal are added first.
+struct Lines<H> {
+    /// Which rows, and their weights.
+    lines: Vec<(Vec<usize>, Vec<H>)>,
+    reach: At,
+}
+
+impl<H: Copy + PartialEq> Lines<H> {
+    fn new<N: Number<Held = H>>(number: &N, kernel: &Kernel) -> Self {
+        let together = matches!(number.format(), Format::F32 | Format::F64);
+        let mut lines: Vec<(Vec<usize>, Vec<H>)> = Vec::new();
+        for (row, weights) in kernel.weights().rows().into_iter().enumerate() {
+            let weights: Vec<_> = weights.iter().map(|w| number.hold(*w)).collect();
+            match lines.iter_mut().find(|line| line.1 == weights) {
+                Some(line) if together => line.0.push(row),
+                _ => lines.push((vec![row], weights)),
+            }
         }
-        for (column, weight) in weights.row(row).iter().enumerate() {
-            let alike = rows.clone().filter(|other| equal(row, *other));
-            let seen = alike.map(|row| u(row, column));
-            let seen = seen.reduce(|a, b| number.add(a, b)).unwrap();
-            sum = number.add(sum, number.mul(number.hold(*weight), seen));
-        }
+        let reach = kernel.reach();
+        Self { lines, reach }
     }
-    sum
+
+    /// What the kernel makes of a plane at a pixel.
+    fn at<N: Number<Held = H>>(
+        &self,
+        number: &N,
+        plane: &Plane<H>,
+        border: Border,
+        (y, x): At,
+    ) -> H {
+        let mut sum = N::ZERO;
+        for (rows, weights) in &self.lines {
+            for (column, weight) in weights.iter().enumerate() {
+                let seen = rows
+                    .iter()
+                    .map(|row| near::<N>(plane, border, (y + row, x + column), self.reach));
+                let seen = seen.reduce(|a, b| number.add(a, b)).unwrap();
+                sum = number.add(sum, number.mul(*weight, seen));
+            }
+        }
+        sum
+    }
 }
 
 /// The pixel so far below and right of `reach` pixels off the first.
@@ -353,7 +369,7 @@ fn judge<N: Number>(
 fn counted(trains: &[(At, Train)], size: Size) -> Plane<i32> {
     let mut counts = Plane::zeros(size.shape());
     for (at, train) in trains {
-        counts[*at] = i32::from(train.polarity.sign()) * train.count as i32;
+        counts[*at] = train.polarity.sign() * train.count as i32;
     }
     counts
 }
