@@ -1,6 +1,6 @@
 //! The float model against `reference::model`, one cell and one pair of frames at a time, to the
 //! bit: every memory rule with every polarity, refractory rule and border, one to three kinds of
-//! cells, 2x2 patterns, mismatch, leak, slow photoreceptors, in every number format.
+//! cells, 2x2 patterns, mismatch, leak, strays, slow photoreceptors, in every number format.
 //!
 //! What the sensor's rows tell is compared train by train (sign, count, place of the first,
 //! spacing), with the memory after each frame and what the report counts. Of events, voxels and
@@ -30,21 +30,38 @@ use proptest::prelude::*;
 
 type At = (usize, usize);
 
-/// A sink that keeps the trains of a pair: channel, pixel, train.
+/// A sink that keeps the trains of a pair.
 #[derive(Default)]
 struct Told {
-    bands: Vec<Vec<(usize, At, Train)>>,
+    bands: Vec<Vec<One>>,
 }
 
-struct ToldBand<'a>(&'a mut Vec<(usize, At, Train)>);
+#[derive(Clone)]
+struct One {
+    channel: usize,
+    at: At,
+    /// From a row that was told again: noise has made it.
+    stray: bool,
+    train: Train,
+}
+
+struct ToldBand<'a>(&'a mut Vec<One>, Option<At>);
 
 impl Told {
     /// The trains of a channel, pixel by pixel.
     fn of(&self, channel: usize) -> Vec<(At, Train)> {
         let all = self.bands.iter().flatten();
-        all.filter(|told| told.0 == channel)
-            .map(|(_, at, train)| (*at, *train))
-            .collect()
+        let own = all.filter(|one| one.channel == channel);
+        let mut told: Vec<_> = own.map(|one| (one.at, one.train)).collect();
+        told.sort_by_key(|told| told.0);
+        told
+    }
+
+    /// The stray events of a channel, those of a pixel in order of time.
+    fn strays(&self, channel: usize) -> Vec<(At, Train)> {
+        let all = self.bands.iter().flatten();
+        let strays = all.filter(|one| one.stray && one.channel == channel);
+        strays.map(|one| (one.at, one.train)).collect()
     }
 }
 
@@ -57,7 +74,10 @@ impl Sink for Told {
 
     fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<ToldBand<'_>> {
         self.bands = vec![Vec::new(); bands.len()];
-        self.bands.iter_mut().map(ToldBand).collect()
+        self.bands
+            .iter_mut()
+            .map(|band| ToldBand(band, None))
+            .collect()
     }
 
     fn end(&mut self) -> Result<(), SensorError> {
@@ -67,9 +87,14 @@ impl Sink for Told {
 
 impl BandSink for ToldBand<'_> {
     fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
-        let trains = row.trains();
-        self.0
-            .extend(trains.map(|(x, train)| (row.channel, (row.y, x), train)));
+        let (channel, y) = (row.channel, row.y);
+        let stray = self.1.replace((channel, y)) == Some((channel, y));
+        self.0.extend(row.trains().map(|(x, train)| One {
+            channel,
+            at: (y, x),
+            stray,
+            train,
+        }));
         Ok(())
     }
 }
@@ -81,6 +106,8 @@ struct Drawn {
     leak: Plane<f64>,
     /// At the first frame.
     memory: Plane<f64>,
+    /// The stray events of each pair, heard or not.
+    strays: Vec<Vec<(At, Train)>>,
 }
 
 /// What the cells of a channel say.
@@ -269,8 +296,19 @@ fn run<N: Number, M: model::MemoryRule>(
         let memory = held(&cells);
         let seen = look(number, description, channel, (u, &memory), 1e-8);
         let cells_seen = cells.iter_mut().zip(seen.indexed_iter());
-        let trains = cells_seen.filter_map(|(cell, (at, seen))| Some((at, cell.see(*seen, pair)?)));
-        run.trains.push(trains.collect());
+        let mut trains = Vec::new();
+        for (cell, (at, seen)) in cells_seen {
+            let own = cell.see(*seen, pair);
+            trains.extend(own.map(|train| (at, train)));
+            let strays = drawn.strays[index as usize].iter();
+            for (_, stray) in strays.filter(|stray| stray.0 == at) {
+                if cell.hears(stray.first, own.as_ref(), pair) {
+                    let first = N::Real::of(stray.first).to_f64();
+                    trains.push((at, Train { first, ..*stray }));
+                }
+            }
+        }
+        run.trains.push(trains);
         run.memory.push(held(&cells).mapv(|m| number.value(m)));
     }
     run.lost = cells.iter().map(|cell| cell.lost).sum();
@@ -295,8 +333,20 @@ fn judge<N: Number>(
         thresholds[(2 * (y % 2) + x % 2) % thresholds.len()]
     };
     let signals = signals(&number, description, frames);
+    // A sensor that never rests hears all strays; in f64 their times are as they were drawn.
+    let mut restless = description.clone();
+    restless.refractory.us = 0.0;
+    let mut restless = Reference::new(restless, size, seed).unwrap();
+    let mut strays = vec![Vec::new(); kinds];
+    for (n, frame) in frames.iter().enumerate() {
+        let mut told = Told::default();
+        restless.watch_into(frame, &mut told).unwrap();
+        for (channel, strays) in strays.iter_mut().enumerate().filter(|_| n > 0) {
+            strays.push(told.strays(channel));
+        }
+    }
     let mut runs = Vec::new();
-    for channel in 0..kinds {
+    for (channel, strays) in strays.into_iter().enumerate() {
         let [on, off] = sensor.thresholds(channel).unwrap();
         let leak = sensor.leak(channel).unwrap();
         let memory = sensor.memory(channel).unwrap();
@@ -316,6 +366,7 @@ fn judge<N: Number>(
             off,
             leak,
             memory,
+            strays,
         };
         let run = match description.memory {
             MemoryRule::RawSnap => run::<N, RawSnap>,
@@ -369,7 +420,7 @@ fn judge<N: Number>(
 fn counted(trains: &[(At, Train)], size: Size) -> Plane<i32> {
     let mut counts = Plane::zeros(size.shape());
     for (at, train) in trains {
-        counts[*at] = train.polarity.sign() * train.count as i32;
+        counts[*at] += train.polarity.sign() * train.count as i32;
     }
     counts
 }
@@ -428,7 +479,9 @@ fn sensors() -> impl Strategy<Value = String> {
         ("", false),
         ("", false),
         ("cutoff-hz = 900", false),
+        ("shot-hz = 200, hot-fraction = 0.1, hot-hz = 900", false),
         ("leak-hz = 150", true),
+        ("leak-hz = 20, shot-hz = 300", true),
         ("leak-hz = 30, leak-spread = 0.4, cutoff-hz = 2000", true),
     ]);
     (memory, refractory, border, noise, channels(), any::<bool>()).prop_map(
@@ -531,6 +584,8 @@ proptest! {
         // What is made of the trains.
         let size = Size::of(&frames[0].light);
         let kinds = description.channels.len();
+        // What noise adds to a row comes after it.
+        let strays = description.noise.fires();
         let mut reference = Reference::new(description, size, 3).unwrap();
         let mut packet = Packet::new(size, kinds as u8);
         let mut counts = Counts::new(size, kinds);
@@ -541,7 +596,7 @@ proptest! {
             let told = packet.events.len();
             let mut list = EventList::new(&mut packet, Limit::default());
             reference.watch_into(frame, &mut (&mut list, (&mut counts, &mut grid))).unwrap();
-            let order = |e: &Event| (e.t, e.y, e.channel, e.x);
+            let order = |e: &Event| (e.t, e.y, e.channel, if strays { 0 } else { e.x });
             prop_assert!(packet.events[told..].is_sorted_by_key(order));
             if n == 0 {
                 continue;
@@ -573,7 +628,7 @@ proptest! {
         }
 
         prop_assert!(packet.events.is_sorted_by_key(|e| e.t));
-        let by_cell = |e: &Event| (e.channel, e.y, e.x, e.t);
+        let by_cell = |e: &Event| (e.channel, e.y, e.x, e.polarity, e.t);
         let mut fast = packet.events;
         fast.sort_by_key(by_cell);
         slow.sort_by_key(by_cell);

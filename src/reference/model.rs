@@ -37,8 +37,8 @@
 //!
 //! The cell is given its drive (1): the sum over pixels is a step of its own. Drives, memories
 //! and their differences are held in the number format and rounded once an operation; (3) to
-//! (5) are computed in its [`Number::Real`], times in double precision. Strays and jitter,
-//! which `[noise]` adds to a train, are not part of it.
+//! (5) are computed in its [`Number::Real`], times in double precision. When noise makes stray
+//! events, and how it jitters a train, is not part of it.
 //!
 //! ```
 //! use amacrine::number::F64;
@@ -266,7 +266,9 @@ pub struct Cell<N: Number, M> {
     pixel: N::Held,
     /// `t'`: when it last fired, in seconds.
     fired: f64,
-    /// Crossings that the dead time has swallowed so far.
+    /// The same before the last pair, strays of the pair included.
+    rested: f64,
+    /// Crossings and strays that the refractory period has swallowed so far.
     pub lost: u64,
     /// How often it fired without a sign of its own (8), and said nothing.
     pub without_sign: u64,
@@ -285,6 +287,7 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
             before: first,
             pixel: first.signal,
             fired: f64::NEG_INFINITY,
+            rested: f64::NEG_INFINITY,
             lost: 0,
             without_sign: 0,
             rule: PhantomData,
@@ -312,7 +315,7 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         let distance = |seen| number.real(M::distance(&number, seen, memory));
         let d0 = distance(&self.before) + fallen(elapsed - pair.duration());
         let d = distance(&seen) + fallen(elapsed);
-        self.before = seen;
+        (self.before, self.rested) = (seen, self.fired);
         let authors = self.setting.refractory.rule == RefractoryRule::Authors;
         let events = if authors {
             self.authors(d.to_f64(), pair)?
@@ -333,6 +336,23 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
             spacing: N::Real::of(kept.spacing).to_f64(),
             ..kept
         })
+    }
+
+    /// Whether a stray event at `u` in the pair (0 at the earlier frame, 1 at the later) is heard
+    /// beside the cell's own `train`. It must lie a refractory period from all events of the
+    /// cell; strays are told in order.
+    pub fn hears(&mut self, u: f64, train: Option<&Train>, pair: Pair) -> bool {
+        let dt = pair.duration();
+        let r = self.setting.refractory.us * 1e-6 / dt * (1.0 - 1e-9);
+        let own = |train: &Train| (0..train.count).all(|i| (train.at(i) - u).abs() >= r);
+        let heard = u - (self.rested - pair.from) / dt >= r && train.is_none_or(own);
+        if heard {
+            self.rested = pair.from + u * dt;
+            self.fired = self.fired.max(self.rested);
+        } else {
+            self.lost += 1;
+        }
+        heard
     }
 
     fn thresholds(&self) -> [N::Real; 2] {
