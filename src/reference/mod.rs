@@ -8,7 +8,8 @@
 //!                                        └──────────── what an event does to it ──────────────┘     └─ [list] events
 //! ```
 //!
-//! `docs/reference.md` states every rule, and where the paper, the released code and this
+//! [`model`] is the same for one cell, with numbered equations: the definition that the rows are
+//! held to. `docs/reference.md` states every rule, and where the paper, the released code and this
 //! model part.
 
 mod band;
@@ -20,6 +21,7 @@ mod fire;
 mod hash;
 mod list;
 mod memory;
+pub mod model;
 mod noise;
 mod refractory;
 mod signal;
