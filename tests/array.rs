@@ -88,7 +88,7 @@ fn agrees<D: Domain>(
         .collect();
     let (analog, rest) = planes.split_at(7);
     let (digital, light) = rest.split_at(13);
-    let light = light[0].mapv(|light| light.abs());
+    let light = light[0].mapv(f64::abs);
 
     let mut judge = State::new(domain, Layout::of(device(), size), settings.edge);
     for (r, plane) in (0..).zip(analog) {

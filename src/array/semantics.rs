@@ -141,6 +141,42 @@ impl<D: Domain> Before<'_, D> {
             .collect()
     }
 
+    /// What a bus leaves: in each register of the pixel the pixel's own bus, in NEWS those of all
+    /// pixels that drive it.
+    fn bus(&self, targets: &[Target], sources: &[Source], at: Point) -> Lefts<D::Cell> {
+        let news = self.state.layout.news;
+        let mut lefts = smallvec![];
+        let mut driven: SmallVec<[(Point, Share); 4]> = smallvec![];
+        for (part, target) in targets.iter().enumerate() {
+            let share = Share::of(targets.len(), part);
+            match target {
+                Target::Register(register) if *register != news => {
+                    if self.flag(at) {
+                        let sum = self.sum(at, sources);
+                        lefts.push(self.stored(&sum, share, at, *register));
+                    }
+                }
+                Target::Register(_) => driven.push((at, share)),
+                Target::Neighbour(direction) => {
+                    driven.push((beside(at, direction.opposite()), share));
+                }
+            }
+        }
+        let several = driven.len() > 1;
+        driven.retain(|(driver, _)| self.flag(*driver));
+        if let Some((driver, share)) = driven.last() {
+            let mut sum = self.sum(*driver, sources);
+            if several {
+                sum = self.domain.nothing();
+                for (driver, _) in &driven {
+                    self.domain.join(&mut sum, &self.sum(*driver, sources));
+                }
+            }
+            lefts.push(self.stored(&sum, *share, at, news));
+        }
+        lefts
+    }
+
     /// What the word leaves in the pixel at `at`. Of PROP, one clock: one pixel further.
     ///
     /// # Errors
@@ -150,38 +186,7 @@ impl<D: Domain> Before<'_, D> {
         Ok(match word {
             Primitive::Nop | Primitive::BlurSet | Primitive::PropRead => smallvec![],
             Primitive::ResetPix => smallvec![Left::Pix(domain.hold(self.settings.reset_level))],
-            Primitive::Bus { targets, sources } => {
-                let mut lefts = smallvec![];
-                let mut driven: SmallVec<[(Point, Share); 4]> = smallvec![];
-                for (part, target) in targets.iter().enumerate() {
-                    let share = Share::of(targets.len(), part);
-                    match target {
-                        Target::Register(register) if *register != news => {
-                            if self.flag(at) {
-                                let sum = self.sum(at, sources);
-                                lefts.push(self.stored(&sum, share, at, *register));
-                            }
-                        }
-                        Target::Register(_) => driven.push((at, share)),
-                        Target::Neighbour(direction) => {
-                            driven.push((beside(at, direction.opposite()), share));
-                        }
-                    }
-                }
-                let several = driven.len() > 1;
-                driven.retain(|(driver, _)| self.flag(*driver));
-                if let Some((driver, share)) = driven.last() {
-                    let mut sum = self.sum(*driver, sources);
-                    if several {
-                        sum = domain.nothing();
-                        for (driver, _) in &driven {
-                            domain.join(&mut sum, &self.sum(*driver, sources));
-                        }
-                    }
-                    lefts.push(self.stored(&sum, *share, at, news));
-                }
-                lefts
-            }
+            Primitive::Bus { targets, sources } => self.bus(targets, sources, at),
             Primitive::Square { sources } => {
                 let gain = self.settings.square_gain;
                 let place = self.place(at, news);
