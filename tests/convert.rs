@@ -131,15 +131,18 @@ fn slices_kinds_and_json() {
             .collect::<Vec<u64>>()
     );
 
-    let said = folder.said(&["kinds.npy", "each.evt2", "--each-kind"]);
-    let mut sum = 0;
-    for kind in 0..3 {
-        let name = format!("each.kind{kind}.evt2");
-        assert!(said.contains(&name), "{said}");
-        sum += file::read(&folder.path(&name)).unwrap().packet.events.len();
+    for extension in ["evt2", "evt2.1"] {
+        let whole = format!("each.{extension}");
+        let said = folder.said(&["kinds.npy", &whole, "--each-kind"]);
+        let mut sum = 0;
+        for kind in 0..3 {
+            let name = format!("each.kind{kind}.{extension}");
+            assert!(said.contains(&name), "{said}");
+            sum += file::read(&folder.path(&name)).unwrap().packet.events.len();
+        }
+        assert_eq!(sum, 3000);
+        assert!(!folder.path(&whole).exists());
     }
-    assert_eq!(sum, 3000);
-    assert!(!folder.path("each.evt2").exists());
 }
 
 #[test]

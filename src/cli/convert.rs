@@ -1,7 +1,7 @@
 //! `amacrine convert`: an event file into another format, a slice of it, one kind of cell.
 
 use std::{
-    ffi::OsString,
+    ffi::{OsStr, OsString},
     path::{Path, PathBuf},
 };
 
@@ -240,13 +240,24 @@ fn targets(arguments: &Arguments, seen: &Seen) -> Vec<(PathBuf, Option<u8>)> {
     if !arguments.each_kind {
         return vec![(arguments.b.to_path_buf(), arguments.kind)];
     }
+    let whole: &Path = &arguments.b;
+    let stem = whole.with_extension("");
+    // `b.evt2.1` ends in `.1` as far as the system is concerned.
+    let (before, own) = match (stem.extension(), whole.extension()) {
+        (Some(first), Some(last)) if first.eq_ignore_ascii_case("evt2") && last == "1" => {
+            let mut own = first.to_owned();
+            own.push(".1");
+            (stem.as_path(), Some(own))
+        }
+        (_, own) => (whole, own.map(OsStr::to_owned)),
+    };
     let name = |kind: u8| {
         let mut extension = OsString::from(format!("kind{kind}"));
-        if let Some(own) = arguments.b.extension() {
+        if let Some(own) = &own {
             extension.push(".");
             extension.push(own);
         }
-        arguments.b.with_extension(extension)
+        before.with_extension(extension)
     };
     (0..seen.channels)
         .map(|kind| (name(kind), Some(kind)))
