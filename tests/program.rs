@@ -867,3 +867,23 @@ fn the_centre_surround_kernel_is_ternary_and_sums_to_zero() {
     assert_eq!(weights.iter().sum::<f64>(), 0.0);
     assert!(weights.iter().all(|w| [-1.0, 0.0, 1.0].contains(w)));
 }
+
+/// Propagation reads and writes R12, and DNEWS may read what it writes: these are the networks',
+/// not one-bit logic that takes two words.
+#[test]
+fn networks_over_neighbours_are_not_warned_of() {
+    let device = Device::scamp5();
+    for (text, warned) in [
+        ("PROP_0();", false),
+        ("PROP_1();", false),
+        ("DNEWS0(R5, R5);", false),
+        ("WHERE(FLAG);", false),
+        ("NOR(R5, R5, R6);", true),
+    ] {
+        let program = Program::parse("networks.scamp", text).unwrap();
+        let expansion = program.expand(&device, &BTreeMap::new()).unwrap();
+        let told = expansion.warnings.iter().map(|fault| &fault.message);
+        let told: Vec<_> = told.filter(|m| m.contains("in one word")).collect();
+        assert_eq!(!told.is_empty(), warned, "{text} {told:?}");
+    }
+}

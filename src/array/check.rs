@@ -145,7 +145,7 @@ fn body(steps: &[Step], layout: &Layout) -> Result<(), CodeError> {
 }
 
 fn word(word: &Primitive, layout: &Layout) -> Result<(), CodeProblem> {
-    let operands = word.operands(layout.news, layout.roles);
+    let operands = layout.operands(word);
     if operands.unit == Unit::Bus && operands.writes().next().is_none() {
         return Err(CodeProblem::NoTarget);
     }
@@ -157,7 +157,7 @@ fn word(word: &Primitive, layout: &Layout) -> Result<(), CodeProblem> {
         }
     }
     match operands.twice() {
-        // Diffusion within one register is a thing of the silicon's error, not of what runs here.
+        // A program's text may not diffuse a register into itself; the array reads a copy then.
         Some(_) if operands.unit != Unit::Diffusion => Err(CodeProblem::Twice),
         _ => Ok(()),
     }

@@ -139,8 +139,7 @@ impl Walk<'_> {
 
     fn word(&mut self, word: &Primitive) -> Option<()> {
         self.count()?;
-        let registers = self.device.registers();
-        let operands = word.operands(registers.news, registers.roles);
+        let operands = self.device.operands(word);
         if operands.unit == Unit::Propagation {
             return None;
         }

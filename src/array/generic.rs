@@ -78,7 +78,7 @@ impl<'a, D: Symbolic> Generic<'a, D> {
         settings: Settings,
         steps: &[Step],
     ) -> Result<Self, GenericError> {
-        let (rows, columns) = reach(steps, &Layout::of(device, Size::new(1, 1)));
+        let (rows, columns) = reach(steps, device);
         if rows.max(columns) > FARTHEST {
             return Err(GenericError::Reach { rows, columns });
         }
@@ -144,8 +144,7 @@ impl<'a, D: Symbolic> Generic<'a, D> {
         let number = self.words.len() as u64;
         let text = word.text(self.device);
         self.words.push((line, text.clone()));
-        let layout = self.state.layout;
-        let operands = word.operands(layout.news, layout.roles);
+        let operands = self.device.operands(word);
         match (operands.unit, operands.flag) {
             // Its gates are bits; only those that were never written are known.
             (Unit::Diffusion, _) => return Err(GenericError::Place { line, what: text }),
@@ -227,12 +226,12 @@ impl<'a, D: Symbolic> Generic<'a, D> {
 
 /// How far, in rows and columns, what goes in can lie from where it arrives: bits count only by
 /// way of FLAG, which is taken as unknown.
-fn reach(steps: &[Step], layout: &Layout) -> (usize, usize) {
+fn reach(steps: &[Step], device: &Device) -> (usize, usize) {
     let mut far = (0usize, 0usize);
     for step in steps {
         let (rows, columns) = match &step.action {
             Action::Word(word) => {
-                let operands = word.operands(layout.news, layout.roles);
+                let operands = device.operands(word);
                 match operands.unit {
                     Unit::Bus | Unit::Squarer => operands.halo().into(),
                     Unit::Idle
@@ -245,7 +244,7 @@ fn reach(steps: &[Step], layout: &Layout) -> (usize, usize) {
             }
             Action::Host(_) => (0, 0),
             Action::Repeat { times, body } => {
-                let (rows, columns) = reach(body, layout);
+                let (rows, columns) = reach(body, device);
                 let times = *times as usize;
                 (rows.saturating_mul(times), columns.saturating_mul(times))
             }

@@ -1,7 +1,7 @@
 //! How many registers a pixel has, and which of them have a special part.
 
 use crate::{
-    isa::{Analog, Device, Roles},
+    isa::{Analog, Device, Operands, Primitive, Roles},
     plane::Size,
 };
 
@@ -32,5 +32,11 @@ impl Layout {
             digital: registers.digital.len() as u8,
             roles: registers.roles,
         }
+    }
+
+    /// What a word reads, writes and does to FLAG on this array.
+    #[must_use]
+    pub fn operands(&self, word: &Primitive) -> Operands {
+        word.operands(self.news, self.roles)
     }
 }

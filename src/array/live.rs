@@ -55,18 +55,19 @@ impl Live {
 /// What is known about each piece; after the last the host looks. `whole`: FLAG is 1 in all
 /// pixels before the first.
 pub(super) fn known(pieces: &[Piece<'_>], mut whole: bool, layout: &Layout) -> Vec<Known> {
-    let of = |piece: &Piece<'_>| match piece {
-        Piece::Word { issued, .. } => Some(issued.word.operands(layout.news, layout.roles)),
+    let operands = pieces.iter().map(|piece| match piece {
+        Piece::Word { issued, .. } => Some(layout.operands(issued.word)),
         Piece::Copy(_) => None,
-    };
+    });
+    let operands: Vec<_> = operands.collect();
     let mut all = Vec::with_capacity(pieces.len());
-    for piece in pieces {
+    for word in &operands {
         all.push(Known {
             whole,
             ..Known::NOTHING
         });
-        if let Some(operands) = of(piece) {
-            match operands.flag {
+        if let Some(word) = word {
+            match word.flag {
                 FlagEffect::Keeps => {}
                 FlagEffect::Sets => whole = true,
                 FlagEffect::May => whole = false,
@@ -74,15 +75,12 @@ pub(super) fn known(pieces: &[Piece<'_>], mut whole: bool, layout: &Layout) -> V
         }
     }
     let mut live = Live::ALL;
-    for (piece, known) in pieces.iter().zip(&mut all).rev() {
+    for ((piece, word), known) in pieces.iter().zip(&operands).zip(&mut all).rev() {
         known.live = live;
-        match piece {
-            Piece::Word { .. } => {
-                let operands = of(piece);
-                live = operands.map_or(live, |operands| live.before(&operands, known.whole));
-            }
-            Piece::Copy(Cell::Analog(register)) => live.insert(*register),
-            Piece::Copy(Cell::Digital(_) | Cell::Flag) => {}
+        if let Some(word) = word {
+            live = live.before(word, known.whole);
+        } else if let Piece::Copy(Cell::Analog(register)) = piece {
+            live.insert(*register);
         }
     }
     all

@@ -99,8 +99,7 @@ pub fn of(
     let mut generic = Generic::new(&bounds, device, settings, steps)?;
     let mut found: BTreeMap<(u32, Analog), Interval> = BTreeMap::new();
     generic.run(steps, &mut |generic, Ran { line, word }| {
-        let registers = device.registers();
-        let operands = word.operands(registers.news, registers.roles);
+        let operands = device.operands(word);
         for register in operands.writes().filter_map(Access::analog) {
             let stored = generic.cell(register).stored;
             if stored.low < LIMITS.0 || stored.high > LIMITS.1 {

@@ -1,8 +1,8 @@
 //! Words that wait to be run together: those between two operations of the host that look at
 //! the array or change it.
 
-use super::{State, band::Constants, sweep::Issued};
-use crate::isa::{Analog, Cell, Primitive, Roles, operands::Unit};
+use super::{Layout, State, band::Constants, sweep::Issued};
+use crate::isa::{Cell, Primitive, operands::Unit};
 
 /// As many pieces wait at most.
 const FULL: usize = 1024;
@@ -46,8 +46,7 @@ impl Piece<'_> {
 pub(super) struct Segment<'a, C> {
     pieces: Vec<Piece<'a>>,
     constants: Constants<C>,
-    news: Analog,
-    roles: Roles,
+    layout: Layout,
 }
 
 impl<'a, C: Clone> Segment<'a, C> {
@@ -55,8 +54,7 @@ impl<'a, C: Clone> Segment<'a, C> {
         Self {
             pieces: Vec::new(),
             constants: Constants::of(state, 0),
-            news: state.layout.news,
-            roles: state.layout.roles,
+            layout: state.layout,
         }
     }
 
@@ -65,7 +63,7 @@ impl<'a, C: Clone> Segment<'a, C> {
         if self.pieces.is_empty() {
             self.constants.first = step;
         }
-        let operands = word.operands(self.news, self.roles);
+        let operands = self.layout.operands(word);
         let copied = operands.copied();
         self.pieces.extend(copied.map(Piece::Copy));
         let issued = Issued {

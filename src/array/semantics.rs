@@ -22,7 +22,7 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::{Domain, Layout, Place, Propagation, Settings, Share, State, Undecided};
+use super::{Domain, Place, Propagation, Settings, Share, State, Undecided};
 use crate::{
     isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target, operands::Unit},
     plane::Size,
@@ -213,12 +213,13 @@ impl<D: Domain> Before<'_, D> {
                 let parts: i32 = self.settings.diffusion.max(4).into();
                 let (mut sum, mut own) = (domain.nothing(), parts);
                 for direction in Direction::ALL {
-                    let (wanted, gate) = match direction {
-                        Direction::North | Direction::South => (*vertical, Direction::South),
-                        Direction::East | Direction::West => (*horizontal, Direction::West),
+                    let wanted = match direction {
+                        Direction::North | Direction::South => *vertical,
+                        Direction::East | Direction::West => *horizontal,
                     };
+                    let gate = Bit::Register(self.state.layout.roles.links(direction));
                     let there = beside(at, direction);
-                    if wanted && self.enabled(at, gate) && self.enabled(there, gate) {
+                    if wanted && self.bit(at, gate, false) && self.bit(there, gate, false) {
                         domain.add(&mut sum, self.analog(there, *source), 1);
                         own -= 1;
                     }
@@ -290,10 +291,8 @@ pub fn execute<D: Domain>(
     input: &D::Cell,
     step: u64,
 ) -> Result<(), Undecided> {
-    let Layout {
-        news, roles, size, ..
-    } = state.layout;
-    let clocks = match (word.operands(news, roles).unit, settings.propagation) {
+    let size = state.layout.size;
+    let clocks = match (state.layout.operands(word).unit, settings.propagation) {
         (Unit::Propagation, Propagation::Steps(steps)) => steps,
         // As far as there are pixels.
         (Unit::Propagation, Propagation::Settled) => size.pixels() as u32,

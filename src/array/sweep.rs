@@ -353,13 +353,12 @@ impl<D: Domain> Array<'_, D> {
     ) {
         let Size { height, width } = band.layout.size;
         let words = band.words();
-        let gates = Direction::ALL.map(|direction| match direction {
-            Direction::North | Direction::South => {
-                vertical.then(|| band.layout.roles.enables(Direction::South))
-            }
-            Direction::East | Direction::West => {
-                horizontal.then(|| band.layout.roles.enables(Direction::West))
-            }
+        let gates = Direction::ALL.map(|direction| {
+            let wanted = match direction {
+                Direction::North | Direction::South => vertical,
+                Direction::East | Direction::West => horizontal,
+            };
+            wanted.then(|| band.layout.roles.links(direction))
         });
         let mut linked = [const { Vec::new() }; 4].map(|_: Vec<u64>| vec![0; words]);
         let top = band.rows.start;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Analog, Bit, Digital, Direction, Evidence, Figure, HostKind, HostRow, Kind, Macro, Primitive,
-    PrimitiveRow, Quantity, Signature, Source, Target, Value, row::neighbour_name,
+    Analog, Bit, Digital, Direction, Evidence, Figure, HostKind, HostRow, Kind, Macro, Operands,
+    Primitive, PrimitiveRow, Quantity, Signature, Source, Target, Value, row::neighbour_name,
 };
 
 /// A chip, read from `isa/<name>/` and checked.
@@ -78,6 +78,16 @@ impl Roles {
             Direction::East => east,
             Direction::South => south,
             Direction::West => west,
+        }
+    }
+
+    /// The register that opens the links of the diffusion network to this neighbour and to the
+    /// one opposite: R1 along columns, R2 along rows.
+    #[must_use]
+    pub const fn links(&self, direction: Direction) -> Digital {
+        match direction {
+            Direction::North | Direction::South => self.enables(Direction::South),
+            Direction::East | Direction::West => self.enables(Direction::West),
         }
     }
 }
@@ -161,6 +171,12 @@ impl Device {
             return Err(FigureError { figure, value });
         }
         Ok(self)
+    }
+
+    /// What a word reads, writes and does to FLAG on this chip.
+    #[must_use]
+    pub fn operands(&self, word: &Primitive) -> Operands {
+        word.operands(self.registers.news, self.registers.roles)
     }
 
     /// The rows of `primitives.toml`.

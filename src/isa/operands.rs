@@ -295,8 +295,8 @@ impl Operands {
                 far && read.cell() == Some(*cell)
             })
         };
-        let written = self.cells_written().filter(|cell| *cell != Cell::Flag);
-        written.into_iter().find(reads_again)
+        let mut written = self.cells_written().filter(|cell| *cell != Cell::Flag);
+        written.find(reads_again)
     }
 
     /// What is twice on its analogue bus, which would be one connection. The squarer's result is
@@ -346,8 +346,8 @@ impl Primitive {
                 .sources(sources, news),
             Self::All => Operands::new(Unit::Logic).flag(FlagEffect::Sets),
             Self::BlurSet => Operands::new(Unit::Idle)
-                .own(Mode::Read, Cell::Digital(roles.enables(Direction::South)))
-                .own(Mode::Read, Cell::Digital(roles.enables(Direction::West))),
+                .own(Mode::Read, Cell::Digital(roles.links(Direction::South)))
+                .own(Mode::Read, Cell::Digital(roles.links(Direction::West))),
             Self::Blur {
                 target,
                 source,
@@ -364,19 +364,11 @@ impl Primitive {
                 };
                 let linked = Direction::ALL.into_iter().filter(linked);
                 linked.fold(blur, |blur, direction| {
-                    // R1 opens the links along columns, R2 those along rows, at both their ends.
-                    let gate = match direction {
-                        Direction::North | Direction::South => Direction::South,
-                        Direction::East | Direction::West => Direction::West,
-                    };
-                    let gate = Cell::Digital(roles.enables(gate));
-                    blur.and(
-                        Mode::Read,
-                        Terminal::Cell(analog(*source)),
-                        direction.step(),
-                    )
-                    .own(Mode::Gate, gate)
-                    .and(Mode::Gate, Terminal::Cell(gate), direction.step())
+                    let there = direction.step();
+                    let gate = Cell::Digital(roles.links(direction));
+                    blur.and(Mode::Read, Terminal::Cell(analog(*source)), there)
+                        .own(Mode::Gate, gate)
+                        .and(Mode::Gate, Terminal::Cell(gate), there)
                 })
             }
             Self::Set { targets } | Self::Clear { targets } => {

@@ -38,8 +38,7 @@ impl Effect {
         for step in steps {
             let (reads, writes) = match &step.action {
                 Action::Word(word) => {
-                    let registers = device.registers();
-                    let operands = word.operands(registers.news, registers.roles);
+                    let operands = device.operands(word);
                     match operands.flag {
                         FlagEffect::Keeps => {}
                         FlagEffect::Sets => self.flag = Some(FlagState::Whole),

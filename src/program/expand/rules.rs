@@ -3,7 +3,7 @@
 use super::{Lowering, Sink, cell};
 use crate::isa::{
     Callable, Digital, Macro, Operand, Primitive,
-    operands::Access,
+    operands::{Access, Unit},
     signature::{Bound, Mode},
     text::{Fault, Statement},
 };
@@ -58,8 +58,7 @@ impl<'d> Lowering<'d> {
         sink: &Sink,
         depth: usize,
     ) -> Result<(), Fault> {
-        let registers = self.device.registers();
-        let operands = word.operands(registers.news, registers.roles);
+        let operands = self.device.operands(word);
         match operands.twice() {
             None => Ok(()),
             Some(access) => {
@@ -102,15 +101,20 @@ impl<'d> Lowering<'d> {
 
     /// One word that reads and writes the same one-bit register.
     pub(super) fn warn_in_place(&mut self, word: &Primitive, sink: &Sink, depth: usize) {
-        let registers = self.device.registers();
-        let operands = word.operands(registers.news, registers.roles);
-        let own = |access: &&Access| access.offset == (0, 0);
-        let mut written = operands.writes().filter(own).filter_map(Access::digital);
+        if depth > 0 {
+            return;
+        }
+        let operands = self.device.operands(word);
+        // The networks over neighbours look after their own.
+        if operands.unit != Unit::Logic {
+            return;
+        }
+        let mut written = operands.writes().filter_map(Access::digital);
         let read = |target: &Digital| {
-            let mut read = operands.reads().filter(own).filter_map(Access::digital);
+            let mut read = operands.reads().filter_map(Access::digital);
             read.any(|register| register == *target)
         };
-        let Some(target) = written.find(read).filter(|_| depth == 0) else {
+        let Some(target) = written.find(read) else {
             return;
         };
         let name = self.device.digital_name(target);
