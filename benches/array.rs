@@ -1,6 +1,6 @@
 //! What an instruction word costs on a 256x256 array, the minimum over many repetitions, in
 //! several schedules and on one or two threads, next to the plain per-pixel loop, the memory
-//! of this machine and the real chip; and what a frame costs where little has changed.
+//! of this machine and the real chip.
 //!
 //! `AMACRINE_BENCH=quick` takes seconds. Further arguments choose rows by their text.
 
@@ -85,9 +85,6 @@ fn main() {
             }
         }
     }
-    if wanted.is_empty() || wanted.iter().any(|part| part == "active") {
-        frames(repetitions);
-    }
 }
 
 /// Words that are measured together, and how.
@@ -95,80 +92,6 @@ struct Sequence {
     title: &'static str,
     words: Vec<Primitive>,
     runs: &'static [(Schedule, usize)],
-}
-
-/// Frames in which 12 of 256 tiles of 16x16 pixels (5 %) change, tiled and active: the light,
-/// which both must look at, and the body.
-fn frames(repetitions: usize) {
-    println!("\nframes of 256x256 in which 5 % of the tiles change, us a frame, one thread");
-    println!(
-        "{:<8} {:<28} {:>6} {:>15} {:>15} {:>15}",
-        "", "", "", "tiled", "active", "faster"
-    );
-    println!(
-        "{:<8} {:<28} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}",
-        "domain", "program", "words", "light", "body", "light", "body", "whole", "body"
-    );
-    for file in [
-        "programs/dvs/snap.scamp",
-        "programs/convolve/gaussian.scamp",
-        "programs/rgc/centre_surround.scamp",
-    ] {
-        let text = std::fs::read_to_string(file).expect("a program of this repository");
-        let program = Program::parse(file, &text).expect("a program");
-        let device = Device::scamp5();
-        let expansion = program
-            .expand(&device, &[].into())
-            .expect("a program for this chip");
-        for domain in ["q8.8", "f32", "exact", "f16"] {
-            let [tiled, active] = [TILED, Schedule::Active].map(|schedule| {
-                let arithmetic: Arithmetic = domain.parse().expect("a domain");
-                let settings = Settings::of(&device);
-                let mut chip = arithmetic
-                    .chip(file, expansion.code.clone(), &device, SIZE, settings)
-                    .expect("a legal program");
-                chip.set_schedule(schedule, 1);
-                let mut packet = Packet::new(SIZE, chip.channels());
-                let lights: Vec<_> = (0..8).map(moving).collect();
-                chip.expose(&lights[7]).expect("its size");
-                chip.run_init(Micros(0), &mut packet).expect("numbers");
-                let before = chip.ledger().words().0;
-                let mut least = [f64::INFINITY; 2];
-                for _ in 0..repetitions {
-                    packet.events.clear();
-                    let mut spent = [0.0; 2];
-                    for light in &lights {
-                        let start = Instant::now();
-                        chip.expose(light).expect("its size");
-                        let exposed = Instant::now();
-                        chip.run_frame(Micros(0), &mut packet).expect("numbers");
-                        spent[0] += (exposed - start).as_secs_f64() * 1e6 / 8.0;
-                        spent[1] += exposed.elapsed().as_secs_f64() * 1e6 / 8.0;
-                    }
-                    least = [least[0].min(spent[0]), least[1].min(spent[1])];
-                }
-                let words = (chip.ledger().words().0 - before) / (8 * repetitions as u64);
-                (least, words)
-            });
-            let ([light, body], words) = tiled;
-            let ([light_active, body_active], _) = active;
-            println!(
-                "{domain:<8} {:<28} {words:>6} {light:>7.1} {body:>7.1} {light_active:>7.1} {body_active:>7.1} {:>6.1}x {:>6.1}x",
-                file.trim_start_matches("programs/"),
-                (light + body) / (light_active + body_active),
-                body / body_active,
-            );
-        }
-    }
-}
-
-/// A texture, elsewhere in each frame within four by three tiles.
-fn moving(frame: usize) -> Plane<f64> {
-    Plane::from_shape_fn(SIZE.shape(), |(y, x)| {
-        let inside = (96..144).contains(&y) && (80..144).contains(&x);
-        let by = if inside { 3 * frame } else { 0 };
-        ((y * 7 + (x + by) * 13) % 255) as f64
-    })
 }
 
 fn r(register: u8) -> Source {

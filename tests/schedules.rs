@@ -21,8 +21,8 @@ fn device() -> &'static Device {
     &DEVICE
 }
 
-/// Words, now and then something for the host or a loop; or only what [`Schedule::Active`]
-/// need not leave to [`Schedule::Tiled`].
+/// Words, now and then something for the host or a loop; or only what
+/// leaves the array as it is.
 fn steps(words: usize, all: bool) -> impl Strategy<Value = Vec<Step>> {
     let analog = || (0u8..7).prop_map(Analog);
     let scan = (digital(), any::<bool>(), 0u32..300).prop_map(|(source, on, slots)| {
@@ -358,23 +358,6 @@ macro_rules! every_domain {
                 })*
             }
         }
-
-        /// Random programs, where something has changed.
-        mod active {
-            use super::*;
-            proptest! {
-                #![proptest_config(ProptestConfig::with_cases(96))]
-                $(#[test]
-                fn $name(
-                    case in cases($domain), init in steps(4, true),
-                    frame in prop_oneof![steps(6, false), steps(20, false), steps(20, true)],
-                    threads in 1usize..=4
-                ) {
-                    let code = Code { init, frame };
-                    agree(&case, &code, Schedule::Active, threads)?;
-                })*
-            }
-        }
     };
 }
 
@@ -463,19 +446,19 @@ mod spots {
         #![proptest_config(ProptestConfig::with_cases(96))]
         #[test]
         fn exact(case in large_cases("exact"), frame in small_frames(), threads in 1usize..=3) {
-            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
+            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Tiled { rows: 0 }, threads)?;
         }
         #[test]
         fn single(case in large_cases("f32"), frame in small_frames(), threads in 1usize..=3) {
-            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
+            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Tiled { rows: 0 }, threads)?;
         }
         #[test]
         fn q8_8(case in large_cases("q8.8"), frame in small_frames(), threads in 1usize..=3) {
-            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
+            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Tiled { rows: 0 }, threads)?;
         }
         #[test]
         fn silicon(case in large_cases("silicon"), frame in small_frames(), threads in 1usize..=3) {
-            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Active, threads)?;
+            agree_in(&spots(case.size, case.seed), &case, &frame_alone(frame), Schedule::Tiled { rows: 0 }, threads)?;
         }
     }
 
@@ -528,7 +511,7 @@ fn flag_that_is_left_off_reaches_the_next_frame() {
         };
         let plain = watched(&case, &code, Schedule::Plain, 1, &lights);
         assert!(plain[4].analog != plain[5].analog, "not from light alone");
-        assert!(plain == watched(&case, &code, Schedule::Active, 1, &lights));
+        assert!(plain == watched(&case, &code, Schedule::Tiled { rows: 0 }, 1, &lights));
     }
 }
 
@@ -646,7 +629,6 @@ fn a_large_array_agrees_too() {
         (Schedule::Tiled { rows: 0 }, 1),
         (Schedule::Tiled { rows: 0 }, 2),
         (Schedule::Tiled { rows: 3 }, 4),
-        (Schedule::Active, 2),
     ] {
         let other = watched(&case, &code, schedule, threads, &lights);
         assert!(plain == other, "{schedule} on {threads} threads");

@@ -5,8 +5,7 @@ use std::{fmt, str::FromStr};
 use half::{bf16, f16};
 
 use super::{
-    Array, Chip, CodeError, Errors, Exact, Fixed, Halves, Layout, Schedule, Settings, Silicon,
-    Single,
+    Array, Chip, CodeError, Errors, Exact, Fixed, Halves, Layout, Settings, Silicon, Single,
 };
 use crate::{
     isa::Device,
@@ -70,10 +69,10 @@ impl Arithmetic {
         }
     }
 
-    /// Bytes that a chip of this size holds while it runs: registers, photodiodes and bits, twice
-    /// where `active` keeps what was and copies what has changed; and the errors of `silicon`.
+    /// Bytes that a chip of this size holds while it runs: registers, photodiodes and bits,
+    /// and the errors of `silicon`.
     #[must_use]
-    pub fn bytes(self, device: &Device, size: Size, schedule: Schedule) -> u128 {
+    pub fn bytes(self, device: &Device, size: Size) -> u128 {
         let layout = Layout::of(device, size);
         let cell = match self {
             Self::Number(Format::F64) => 8,
@@ -88,8 +87,7 @@ impl Arithmetic {
         };
         // In eighths of a byte: three more planes of bits than there are registers.
         let bits = u128::from(layout.digital) + 3;
-        let copies = if schedule == Schedule::Active { 2 } else { 1 };
-        let pixel = 8 * (copies * cell * planes + errors) + copies * bits;
+        let pixel = 8 * (cell * planes + errors) + bits;
         size.pixels() as u128 * pixel / 8
     }
 

@@ -25,35 +25,26 @@ pub(super) struct Constants<C> {
     pub(super) inputs: Vec<Vec<C>>,
 }
 
-impl<C: Clone> Constants<C> {
-    pub(super) fn of(state: &State<C>, first: u64) -> Self {
+impl<C: Clone + PartialEq> Constants<C> {
+    /// For an array as it was switched on.
+    pub(super) fn new(state: &State<C>) -> Self {
+        let cells = PIECE.min(state.layout.size.pixels());
         Self {
-            first,
+            first: 0,
             edge: state.edge.clone(),
-            inputs: vec![many(state, &state.edge), many(state, &state.input)],
+            inputs: vec![vec![state.edge.clone(); cells]],
         }
     }
 
-    /// What the global input holds: which of the inputs.
-    pub(super) const fn last(&self) -> usize {
-        self.inputs.len() - 1
+    /// The global input holds this as the `k`th of a block.
+    pub(super) fn set_input(&mut self, k: usize, cell: &C) {
+        let cells = self.inputs[0].len();
+        match self.inputs.get_mut(1 + k) {
+            Some(input) if input.first() == Some(cell) => {}
+            Some(input) => input.fill(cell.clone()),
+            None => self.inputs.push(vec![cell.clone(); cells]),
+        }
     }
-
-    /// Only what the global input holds now is needed.
-    pub(super) fn forget(&mut self) {
-        let last = self.last();
-        self.inputs.drain(1..last);
-    }
-
-    /// The global input holds something else.
-    pub(super) fn input(&mut self, state: &State<C>) {
-        self.inputs.push(many(state, &state.input));
-    }
-}
-
-/// The same cell, as often as is worked on at once.
-fn many<C: Clone>(state: &State<C>, cell: &C) -> Vec<C> {
-    vec![cell.clone(); PIECE.min(state.layout.size.pixels())]
 }
 
 /// Planes beside the registers: of one that a word reads at neighbours and writes itself,

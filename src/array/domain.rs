@@ -25,14 +25,6 @@ pub trait Domain: Sync {
     /// The nearest cell to a value in LSB, as it is set from outside.
     fn hold(&self, value: f64) -> Self::Cell;
 
-    /// Sets each cell to the nearest to `level + gain · value`, in LSB.
-    #[inline(always)]
-    fn hold_row(&self, level: f64, gain: f64, values: &[f64], cells: &mut [Self::Cell]) {
-        for (cell, value) in cells.iter_mut().zip(values) {
-            *cell = self.hold(level + gain * value);
-        }
-    }
-
     /// The value of a cell in LSB, without loss.
     fn value(&self, cell: &Self::Cell) -> f64;
 
@@ -47,6 +39,59 @@ pub trait Domain: Sync {
 
     /// The share of `-(sum)` that arrives in the cell at `place`.
     fn store(&self, sum: &Self::Sum, share: Share, place: Place) -> Self::Cell;
+
+    /// `gain · sum²`, as it arrives in the cell at `place`; `None` where this domain has no answer.
+    fn square(&self, sum: &Self::Sum, gain: f64, place: Place) -> Option<Self::Cell>;
+
+    /// Whether the sum is above zero; `None` where this domain has no answer.
+    fn positive(&self, sum: &Self::Sum) -> Option<bool>;
+
+    /// The cell, limited to [-128, 127] LSB.
+    fn limit(&self, cell: Self::Cell) -> Self::Cell;
+
+    /// The cell, limited if stores are.
+    #[inline(always)]
+    fn limited(&self, cell: Self::Cell, clip: bool) -> Self::Cell {
+        if clip { self.limit(cell) } else { cell }
+    }
+
+    /// What the DAC makes of a value in LSB, with or without the host's calibration.
+    fn input(&self, value: f64, _calibrated: bool) -> Self::Cell {
+        self.hold(value)
+    }
+
+    /// Whether a word gives the same from the same, whatever the place and the step.
+    fn is_steady(&self) -> bool {
+        true
+    }
+
+    /// What a cell holds some seconds later; `None` where cells keep what they hold.
+    fn aged(&self, _cell: &Self::Cell, _seconds: f64) -> Option<Self::Cell> {
+        None
+    }
+
+    /// How long one-bit registers hold at least, in seconds, without being written; `None`
+    /// where they hold for ever.
+    fn retention(&self) -> Option<f64> {
+        None
+    }
+
+    /// Whether a one-bit cell still holds, so many seconds after it was written.
+    fn holds(&self, _register: Digital, _pixel: usize, _seconds: f64) -> bool {
+        true
+    }
+}
+
+/// Operations on rows of cells. Each says what [`Domain`] does cell by cell, and an arithmetic says
+/// it again where it is faster together.
+pub trait RowOps: Domain {
+    /// Sets each cell to the nearest to `level + gain · value`, in LSB.
+    #[inline(always)]
+    fn hold_row(&self, level: f64, gain: f64, values: &[f64], cells: &mut [Self::Cell]) {
+        for (cell, value) in cells.iter_mut().zip(values) {
+            *cell = self.hold(level + gain * value);
+        }
+    }
 
     /// The cells `i` of all operands on one bus.
     fn sum(&self, operands: &[&[Self::Cell]], i: usize) -> Self::Sum {
@@ -112,12 +157,6 @@ pub trait Domain: Sync {
         if take == 0 { old.clone() } else { new.clone() }
     }
 
-    /// `gain · sum²`, as it arrives in the cell at `place`; `None` where this domain has no answer.
-    fn square(&self, sum: &Self::Sum, gain: f64, place: Place) -> Option<Self::Cell>;
-
-    /// Whether the sum is above zero; `None` where this domain has no answer.
-    fn positive(&self, sum: &Self::Sum) -> Option<bool>;
-
     /// Sets each byte to 1 where the sum of what the operands have there is
     /// above zero, else to 0; whether this domain has an answer for all of them.
     fn positives(&self, operands: &[&[Self::Cell]], bytes: &mut [u8]) -> bool {
@@ -134,41 +173,6 @@ pub trait Domain: Sync {
     /// domain does so. Else nothing is set.
     fn positive_words(&self, _operands: &[&[Self::Cell]], _words: &mut [u64]) -> bool {
         false
-    }
-
-    /// The cell, limited to [-128, 127] LSB.
-    fn limit(&self, cell: Self::Cell) -> Self::Cell;
-
-    /// The cell, limited if stores are.
-    #[inline(always)]
-    fn limited(&self, cell: Self::Cell, clip: bool) -> Self::Cell {
-        if clip { self.limit(cell) } else { cell }
-    }
-
-    /// What the DAC makes of a value in LSB, with or without the host's calibration.
-    fn input(&self, value: f64, _calibrated: bool) -> Self::Cell {
-        self.hold(value)
-    }
-
-    /// Whether a word gives the same from the same, whatever the place and the step.
-    fn is_steady(&self) -> bool {
-        true
-    }
-
-    /// What a cell holds some seconds later; `None` where cells keep what they hold.
-    fn aged(&self, _cell: &Self::Cell, _seconds: f64) -> Option<Self::Cell> {
-        None
-    }
-
-    /// How long one-bit registers hold at least, in seconds, without being written; `None`
-    /// where they hold for ever.
-    fn retention(&self) -> Option<f64> {
-        None
-    }
-
-    /// Whether a one-bit cell still holds, so many seconds after it was written.
-    fn holds(&self, _register: Digital, _pixel: usize, _seconds: f64) -> bool {
-        true
     }
 }
 

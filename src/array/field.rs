@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::{
-    Domain, Place,
+    Place, RowOps,
     band::Constants,
     wire::{Border, Store, Wire},
 };
@@ -192,7 +192,7 @@ impl<'a, C> Field<'_, 'a, C> {
 
     /// The bus of a pixel, which may lie off the array.
     #[inline]
-    pub(super) fn sum<D: Domain<Cell = C>>(
+    pub(super) fn sum<D: RowOps<Cell = C>>(
         &self,
         domain: &D,
         wires: &[Wire],

@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 
 use super::{
-    Domain, Place, Share,
+    Domain, Place, RowOps, Share,
     domain::LIMITS,
     each::{above, each, each_twice, some, summed},
 };
@@ -51,6 +51,41 @@ impl<T: Width> Domain for Fixed<T> {
     fn hold(&self, value: f64) -> T {
         self.number.hold(value)
     }
+    fn value(&self, cell: &T) -> f64 {
+        self.number.value(*cell)
+    }
+    #[inline]
+    fn nothing(&self) -> T::Wide {
+        T::Wide::default()
+    }
+    #[inline]
+    fn add(&self, sum: &mut T::Wide, cell: &T, times: i32) {
+        *sum = sum.plus(cell.widen().times(times));
+    }
+    #[inline]
+    fn join(&self, sum: &mut T::Wide, other: &T::Wide) {
+        *sum = sum.plus(*other);
+    }
+    #[inline]
+    fn store(&self, sum: &T::Wide, share: Share, _: Place) -> T {
+        self.number.narrow(sum.times(-1).divided(share.by))
+    }
+    fn square(&self, sum: &T::Wide, gain: f64, _: Place) -> Option<T> {
+        let sum: i64 = (*sum).into();
+        let sum = sum as f64 / self.number.one() as f64;
+        Some(self.number.hold(sum * sum * gain))
+    }
+    #[inline]
+    fn positive(&self, sum: &T::Wide) -> Option<bool> {
+        Some(*sum > T::Wide::default())
+    }
+    #[inline]
+    fn limit(&self, cell: T) -> T {
+        cell.clamp(self.limits.0, self.limits.1)
+    }
+}
+
+impl<T: Width> RowOps for Fixed<T> {
     #[inline(always)]
     fn hold_row(&self, level: f64, gain: f64, values: &[f64], cells: &mut [T]) {
         let mut done = 0;
@@ -72,25 +107,6 @@ impl<T: Width> Domain for Fixed<T> {
         for (cell, value) in cells.iter_mut().zip(values).skip(done) {
             *cell = self.hold(level + gain * value);
         }
-    }
-    fn value(&self, cell: &T) -> f64 {
-        self.number.value(*cell)
-    }
-    #[inline]
-    fn nothing(&self) -> T::Wide {
-        T::Wide::default()
-    }
-    #[inline]
-    fn add(&self, sum: &mut T::Wide, cell: &T, times: i32) {
-        *sum = sum.plus(cell.widen().times(times));
-    }
-    #[inline]
-    fn join(&self, sum: &mut T::Wide, other: &T::Wide) {
-        *sum = sum.plus(*other);
-    }
-    #[inline]
-    fn store(&self, sum: &T::Wide, share: Share, _: Place) -> T {
-        self.number.narrow(sum.times(-1).divided(share.by))
     }
     fn store_row(&self, operands: &[&[T]], share: Share, _: Place, cells: &mut [T]) {
         if self.saturates() {
@@ -125,25 +141,12 @@ impl<T: Width> Domain for Fixed<T> {
     fn choose(&self, old: &T, new: &T, take: u8) -> T {
         T::choose(*old, *new, take)
     }
-    fn square(&self, sum: &T::Wide, gain: f64, _: Place) -> Option<T> {
-        let sum: i64 = (*sum).into();
-        let sum = sum as f64 / self.number.one() as f64;
-        Some(self.number.hold(sum * sum * gain))
-    }
     fn positives(&self, operands: &[&[T]], bytes: &mut [u8]) -> bool {
         positives(operands, bytes);
         true
     }
     fn positive_words(&self, operands: &[&[T]], words: &mut [u64]) -> bool {
         positive_words(operands, words)
-    }
-    #[inline]
-    fn positive(&self, sum: &T::Wide) -> Option<bool> {
-        Some(*sum > T::Wide::default())
-    }
-    #[inline]
-    fn limit(&self, cell: T) -> T {
-        cell.clamp(self.limits.0, self.limits.1)
     }
 }
 

@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use multiversion::multiversion;
 
 use super::{
-    Domain, Place, Share,
+    Domain, Place, RowOps, Share,
     domain::LIMITS,
     each::{each, each_twice},
 };
@@ -159,6 +159,22 @@ macro_rules! float {
             fn store(&self, sum: &$cell, share: Share, _: Place) -> $cell {
                 (0.0 - sum) / share.by as $cell
             }
+            fn square(&self, sum: &$cell, gain: f64, _: Place) -> Option<$cell> {
+                let sum = f64::from(*sum);
+                Some((sum * sum * gain) as $cell)
+            }
+            #[inline]
+            fn positive(&self, sum: &$cell) -> Option<bool> {
+                Some(*sum > 0.0)
+            }
+            #[inline]
+            fn limit(&self, cell: $cell) -> $cell {
+                // The limits are exact in both.
+                cell.clamp(LIMITS.0 as $cell, LIMITS.1 as $cell)
+            }
+        }
+
+        impl RowOps for $domain {
             fn store_row(
                 &self,
                 operands: &[&[$cell]],
@@ -186,22 +202,9 @@ macro_rules! float {
                 let (old, new) = (old.to_bits(), new.to_bits());
                 <$cell>::from_bits(old ^ ((old ^ new) & <$bits>::from(take).wrapping_neg()))
             }
-            fn square(&self, sum: &$cell, gain: f64, _: Place) -> Option<$cell> {
-                let sum = f64::from(*sum);
-                Some((sum * sum * gain) as $cell)
-            }
-            #[inline]
-            fn positive(&self, sum: &$cell) -> Option<bool> {
-                Some(*sum > 0.0)
-            }
             fn positives(&self, operands: &[&[$cell]], bytes: &mut [u8]) -> bool {
                 positives(operands, bytes);
                 true
-            }
-            #[inline]
-            fn limit(&self, cell: $cell) -> $cell {
-                // The limits are exact in both.
-                cell.clamp(LIMITS.0 as $cell, LIMITS.1 as $cell)
             }
         }
     };

@@ -6,7 +6,7 @@
 use half::{bf16, f16};
 use multiversion::multiversion;
 
-use super::{Domain, Place, Share, domain::LIMITS};
+use super::{Domain, Place, RowOps, Share, domain::LIMITS};
 use crate::number::{self, Number};
 
 /// Half precision in the cells, f32 on the bus. `T` is [`struct@f16`] or [`struct@bf16`].
@@ -76,6 +76,22 @@ macro_rules! half {
             fn store(&self, sum: &f32, share: Share, _: Place) -> $cell {
                 $narrow((0.0 - sum) / share.by as f32)
             }
+            fn square(&self, sum: &f32, gain: f64, _: Place) -> Option<$cell> {
+                let sum = f64::from(*sum);
+                Some($number.hold(sum * sum * gain))
+            }
+            #[inline]
+            fn positive(&self, sum: &f32) -> Option<bool> {
+                Some(*sum > 0.0)
+            }
+            #[inline]
+            fn limit(&self, cell: $cell) -> $cell {
+                // The limits are exact in both.
+                cell.clamp($narrow(LIMITS.0 as f32), $narrow(LIMITS.1 as f32))
+            }
+        }
+
+        impl RowOps for Halves<$cell> {
             fn store_row(
                 &self,
                 operands: &[&[$cell]],
@@ -96,14 +112,6 @@ macro_rules! half {
                 let (old, new) = (old.to_bits(), new.to_bits());
                 <$cell>::from_bits(old ^ ((old ^ new) & u16::from(take).wrapping_neg()))
             }
-            fn square(&self, sum: &f32, gain: f64, _: Place) -> Option<$cell> {
-                let sum = f64::from(*sum);
-                Some($number.hold(sum * sum * gain))
-            }
-            #[inline]
-            fn positive(&self, sum: &f32) -> Option<bool> {
-                Some(*sum > 0.0)
-            }
             fn positives(&self, operands: &[&[$cell]], bytes: &mut [u8]) -> bool {
                 summed(
                     operands,
@@ -112,11 +120,6 @@ macro_rules! half {
                     |sum| (sum > 0.0).into(),
                 );
                 true
-            }
-            #[inline]
-            fn limit(&self, cell: $cell) -> $cell {
-                // The limits are exact in both.
-                cell.clamp($narrow(LIMITS.0 as f32), $narrow(LIMITS.1 as f32))
             }
         }
     };

@@ -49,6 +49,15 @@ impl Ledger {
         } += row.words;
     }
 
+    /// What a block costs, once more.
+    pub(super) const fn block(&mut self, cost: &Self) {
+        self.analog += cost.analog;
+        self.digital += cost.digital;
+        self.dnews += cost.dnews;
+        self.prop += cost.prop;
+        self.launches += cost.launches;
+    }
+
     /// One more operation of the host.
     pub(super) fn host(&mut self, host: &Host, device: &Device) {
         self.host += 1;

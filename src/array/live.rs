@@ -1,6 +1,6 @@
 //! What is read of what a word stores: what nobody reads need not be stored.
 
-use super::{Layout, segment::Piece, wire::Known};
+use super::{Layout, block::Piece, wire::Known};
 use crate::isa::{
     Analog, Cell, Operands,
     operands::{Access, FlagEffect},

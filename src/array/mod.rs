@@ -11,16 +11,16 @@
 //! [`Domain`]: what a cell holds and how the summing bus treats it. Rows do the same at once. A [`Chip`] is a program on an array in one
 //! domain; it is a [`Sensor`](crate::sensor::Sensor), so light goes in and events come out.
 
-mod active;
 mod arithmetic;
 mod band;
 mod bits;
+mod block;
 mod chance;
 mod check;
 mod chip;
-mod cone;
 mod domain;
 mod each;
+mod engine;
 mod field;
 mod fixed;
 mod float;
@@ -30,18 +30,16 @@ mod halves;
 mod host;
 mod layout;
 mod ledger;
-mod light;
 mod live;
 mod logic;
+mod lower;
 mod pair;
-mod patch;
 mod positive;
 pub mod range;
 mod readout;
 mod rows;
 mod runs;
 mod schedule;
-mod segment;
 pub mod semantics;
 mod settings;
 mod silicon;
@@ -50,16 +48,13 @@ mod store;
 mod sweep;
 pub mod taps;
 mod tiled;
-mod tiles;
-mod walks;
-mod window;
 mod wire;
 
 pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use bits::BitPlane;
 pub use check::{CodeError, CodeProblem, check};
 pub use chip::{Array, Chip, RunError, ShapeError};
-pub use domain::{Domain, Place, Share, Undecided};
+pub use domain::{Domain, Place, RowOps, Share, Undecided};
 pub use fixed::Fixed;
 pub use float::{Exact, Single};
 pub use form::Input;

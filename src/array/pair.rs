@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::{
-    Domain, Share,
+    RowOps, Share,
     band::Band,
     field::{Field, Stretch, WIRES},
     runs::RUN,
@@ -18,7 +18,7 @@ use super::{
 /// Does both in these rows, where FLAG is 1 in all pixels and nothing comes from above or below
 /// the array. `room` is for [`ROOM`](super::store::ROOM) cells.
 #[inline(always)]
-pub(super) fn pair<D: Domain>(
+pub(super) fn pair<D: RowOps>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -41,7 +41,7 @@ pub(super) fn pair<D: Domain>(
 
 /// The same in [level](super::wire::Store::is_level) rows.
 #[inline(always)]
-pub(super) fn pair_level<D: Domain>(
+pub(super) fn pair_level<D: RowOps>(
     domain: &D,
     band: &mut Band<'_, D::Cell>,
     wires: &[Wire],
@@ -68,7 +68,7 @@ pub(super) fn pair_level<D: Domain>(
 /// The cells at the left and right border, in a band: what is called sees no field that loops
 /// keep in the machine's registers.
 #[inline(never)]
-fn columns_of<D: Domain>(
+fn columns_of<D: RowOps>(
     domain: &D,
     band: &mut Band<'_, D::Cell>,
     wires: &[Wire],
@@ -81,7 +81,7 @@ fn columns_of<D: Domain>(
 
 /// With `N` wires, besides the cell itself.
 #[inline(always)]
-fn level<D: Domain, const N: usize>(
+fn level<D: RowOps, const N: usize>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
     wires: [Wire; N],
@@ -100,7 +100,7 @@ fn level<D: Domain, const N: usize>(
 
 /// The cells of these rows at the left and right border.
 #[inline(always)]
-fn columns<D: Domain>(
+fn columns<D: RowOps>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -119,7 +119,7 @@ fn columns<D: Domain>(
 /// The cells of these rows in one of those columns.
 #[allow(clippy::too_many_arguments)]
 #[inline(never)]
-fn column<D: Domain>(
+fn column<D: RowOps>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -193,7 +193,7 @@ fn extra<'b, C>(
 
 /// By way of a few cells of their own.
 #[inline(always)]
-fn by_way<D: Domain, const N: usize>(
+fn by_way<D: RowOps, const N: usize>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
     wires: &[Wire],

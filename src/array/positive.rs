@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::{
-    Domain, Undecided,
+    RowOps, Undecided,
     bits::cut,
     field::{Field, PIECE},
     wire::{Border, Wire},
@@ -21,7 +21,7 @@ const BATCH: usize = 16;
 /// # Errors
 /// In domains that have no answer.
 #[inline(always)]
-pub(super) fn positive<D: Domain>(
+pub(super) fn positive<D: RowOps>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -44,7 +44,7 @@ pub(super) fn positive<D: Domain>(
 
 /// With `N` wires; whether the domain has an answer.
 #[inline(always)]
-fn positive_n<D: Domain, const N: usize>(
+fn positive_n<D: RowOps, const N: usize>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -105,7 +105,7 @@ fn positive_n<D: Domain, const N: usize>(
 /// Whole words from a row on, where nothing is asked for that lies off the array; whether the
 /// domain makes words.
 #[inline(always)]
-fn in_words<D: Domain, const N: usize>(
+fn in_words<D: RowOps, const N: usize>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: [Wire; N],
@@ -123,7 +123,7 @@ fn in_words<D: Domain, const N: usize>(
 /// Every pixel of these rows, one by one.
 #[cold]
 #[inline(never)]
-fn all<D: Domain>(
+fn all<D: RowOps>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -143,7 +143,7 @@ fn all<D: Domain>(
 }
 
 /// One pixel; whether the domain has an answer.
-fn one<D: Domain>(
+fn one<D: RowOps>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],

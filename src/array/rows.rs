@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 
 use super::{
-    Domain, Place, Share,
+    Place, RowOps, Share,
     runs::{Run, Runs, merge},
 };
 
@@ -24,7 +24,7 @@ pub(super) struct Links<'a, C> {
 
 /// Stores one step of diffusion along the row `place`, where FLAG is 1.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn diffuse<D: Domain>(
+pub(super) fn diffuse<D: RowOps>(
     domain: &D,
     links: &Links<'_, D::Cell>,
     flags: &[u64],
@@ -73,7 +73,7 @@ pub(super) fn diffuse<D: Domain>(
 
 /// Sets pixels from light, as one exposure does.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn expose<D: Domain>(
+pub(super) fn expose<D: RowOps>(
     domain: &D,
     reset_level: f64,
     gain: f64,

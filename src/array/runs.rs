@@ -5,7 +5,7 @@
 
 use std::hint::black_box;
 
-use super::{Domain, field::PIECE};
+use super::{RowOps, field::PIECE};
 
 /// Words of bits that are looked at together.
 const WORDS: usize = 8;
@@ -139,7 +139,7 @@ pub(super) fn lanes() -> [u16; 16] {
 
 /// Takes `new` where the bit is 1.
 #[inline(always)]
-pub(super) fn merge<D: Domain>(
+pub(super) fn merge<D: RowOps>(
     domain: &D,
     cells: &mut [D::Cell],
     new: &mut [D::Cell],

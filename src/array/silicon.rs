@@ -23,7 +23,7 @@
 use multiversion::multiversion;
 
 use super::{
-    Domain, Layout, Place, Share,
+    Domain, Layout, Place, RowOps, Share,
     chance::{Draws, hash, normal},
 };
 use crate::isa::{Device, Digital, Figure};
@@ -327,20 +327,6 @@ impl Domain for Silicon {
         cell[0]
     }
 
-    fn store_row(&self, operands: &[&[f32]], share: Share, place: Place, cells: &mut [f32]) {
-        store_run(&self.run(share, place, cells.len()), operands, cells);
-    }
-
-    #[inline(always)]
-    fn choose(&self, old: &f32, new: &f32, take: u8) -> f32 {
-        super::Single.choose(old, new, take)
-    }
-
-    #[inline(always)]
-    fn positives(&self, operands: &[&[f32]], bytes: &mut [u8]) -> bool {
-        super::Single.positives(operands, bytes)
-    }
-
     fn is_steady(&self) -> bool {
         false
     }
@@ -381,5 +367,21 @@ impl Domain for Silicon {
         let draw = normal(hash(self.seed, RETENTION, register.0, 0, pixel as u64));
         let longer = self.errors.retention_spread * f64::from(draw.abs());
         seconds <= self.errors.retention * (1.0 + longer)
+    }
+}
+
+impl RowOps for Silicon {
+    fn store_row(&self, operands: &[&[f32]], share: Share, place: Place, cells: &mut [f32]) {
+        store_run(&self.run(share, place, cells.len()), operands, cells);
+    }
+
+    #[inline(always)]
+    fn choose(&self, old: &f32, new: &f32, take: u8) -> f32 {
+        super::Single.choose(old, new, take)
+    }
+
+    #[inline(always)]
+    fn positives(&self, operands: &[&[f32]], bytes: &mut [u8]) -> bool {
+        super::Single.positives(operands, bytes)
     }
 }

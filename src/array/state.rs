@@ -133,9 +133,9 @@ impl<C: Clone> State<C> {
         self.plane(domain, self.analog(register))
     }
 
-    /// The photodiodes, in LSB; or other cells in their place.
-    pub(super) fn light<D: Domain<Cell = C>>(&self, domain: &D, cells: Option<&[C]>) -> Plane<f64> {
-        self.plane(domain, cells.unwrap_or(&self.pix))
+    /// The photodiodes, in LSB.
+    pub(super) fn light<D: Domain<Cell = C>>(&self, domain: &D) -> Plane<f64> {
+        self.plane(domain, &self.pix)
     }
 
     fn plane<D: Domain<Cell = C>>(&self, domain: &D, cells: &[C]) -> Plane<f64> {

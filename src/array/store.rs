@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use super::{
-    Domain, Place, Share,
+    Place, RowOps, Share,
     band::Band,
     field::{Field, Stretch, WIRES},
     runs::{RUN, Run, Runs, merge},
@@ -25,7 +25,7 @@ pub(super) const ROOM: usize = RUN;
 /// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `room` is
 /// for [`ROOM`] cells.
 #[inline(always)]
-pub(super) fn store<D: Domain>(
+pub(super) fn store<D: RowOps>(
     domain: &D,
     field: &mut Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -72,7 +72,7 @@ pub(super) fn store<D: Domain>(
 
 /// The same in [level](Store::is_level) rows.
 #[inline(always)]
-pub(super) fn store_level<D: Domain>(
+pub(super) fn store_level<D: RowOps>(
     domain: &D,
     band: &mut Band<'_, D::Cell>,
     wires: &[Wire],
@@ -96,7 +96,7 @@ pub(super) fn store_level<D: Domain>(
 /// The cells at the left and right border, in a band: what is called sees no field that loops
 /// keep in the machine's registers.
 #[inline(never)]
-fn columns_of<D: Domain>(
+fn columns_of<D: RowOps>(
     domain: &D,
     band: &mut Band<'_, D::Cell>,
     wires: &[Wire],
@@ -111,7 +111,7 @@ fn columns_of<D: Domain>(
 
 /// With `N` wires.
 #[inline(always)]
-fn level<D: Domain, const N: usize>(
+fn level<D: RowOps, const N: usize>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: [Wire; N],
@@ -129,7 +129,7 @@ fn level<D: Domain, const N: usize>(
 /// Rows as one run, inside the border or one that is not.
 #[allow(clippy::too_many_arguments)]
 #[inline(always)]
-fn run<D: Domain, const N: usize>(
+fn run<D: RowOps, const N: usize>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -180,7 +180,7 @@ fn run<D: Domain, const N: usize>(
 
 /// Limits each cell.
 #[inline(never)]
-pub(super) fn limit<D: Domain>(domain: &D, cells: &mut [D::Cell]) {
+pub(super) fn limit<D: RowOps>(domain: &D, cells: &mut [D::Cell]) {
     for cell in cells {
         *cell = domain.limit(cell.clone());
     }
@@ -188,7 +188,7 @@ pub(super) fn limit<D: Domain>(domain: &D, cells: &mut [D::Cell]) {
 
 /// A few cells that do not lie beside each other in their planes: no wide vectors for them.
 #[inline(never)]
-pub(super) fn store_few<D: Domain>(
+pub(super) fn store_few<D: RowOps>(
     domain: &D,
     operands: &[&[D::Cell]],
     share: Share,
@@ -205,7 +205,7 @@ pub(super) fn store_few<D: Domain>(
 /// Every cell of these rows, one by one.
 #[cold]
 #[inline(never)]
-fn all<D: Domain>(
+fn all<D: RowOps>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -223,7 +223,7 @@ fn all<D: Domain>(
 
 /// One cell; any number of wires, driven from on the array or from off it.
 #[allow(clippy::too_many_arguments)]
-fn one<D: Domain>(
+fn one<D: RowOps>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -247,7 +247,7 @@ fn one<D: Domain>(
 /// The cells of these rows at the left and right border.
 #[allow(clippy::too_many_arguments)]
 #[inline(never)]
-fn columns<D: Domain>(
+fn columns<D: RowOps>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],
@@ -272,7 +272,7 @@ fn columns<D: Domain>(
 
 /// A column, in a domain where the place does not matter.
 #[allow(clippy::too_many_arguments)]
-fn column<D: Domain>(
+fn column<D: RowOps>(
     domain: &D,
     field: &Field<'_, '_, D::Cell>,
     wires: &[Wire],

@@ -11,7 +11,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::{
-    Domain, Place, Settings, Share, State, Undecided,
+    Place, RowOps, Settings, Share, State, Undecided,
     band::{Band, Copies},
     bits,
     logic::{any, dnews, fill, logic},
@@ -26,11 +26,11 @@ use crate::{
     plane::Size,
 };
 
-/// A word as it is given to the array.
+/// A word of a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Issued<'a> {
     pub(super) word: &'a Primitive,
-    /// Its number, counted from the first that was given with it.
+    /// Its number in the block.
     pub(super) step: u64,
     /// Which of the band's inputs the global input holds.
     pub(super) input: usize,
@@ -39,15 +39,15 @@ pub(super) struct Issued<'a> {
 }
 
 /// Makes room for the copy of a register.
-pub(super) fn make_copies<C: Clone>(copies: &mut Copies<C>, state: &State<C>, cell: Option<Cell>) {
+pub(super) fn make_copies<C: Clone>(copies: &mut Copies<C>, state: &State<C>, cell: Cell) {
     match cell {
         // FLAG is never read beside the pixel that writes it.
-        None | Some(Cell::Flag) => {}
-        Some(Cell::Analog(_)) => {
+        Cell::Flag => {}
+        Cell::Analog(_) => {
             let pixels = state.layout.size.pixels();
             copies.analog.resize(pixels, state.edge.clone());
         }
-        Some(Cell::Digital(_)) => copies.bits.resize(state.flag.words().len(), 0),
+        Cell::Digital(_) => copies.bits.resize(state.flag.words().len(), 0),
     }
 }
 
@@ -66,7 +66,7 @@ pub(super) fn copy<C: Clone>(band: &mut Band<'_, C>, cell: Cell, rows: Range<usi
 /// # Errors
 /// Which job has no answer in this domain.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn sweep<D: Domain>(
+pub(super) fn sweep<D: RowOps>(
     array: Array<'_, D>,
     band: &mut Band<'_, D::Cell>,
     jobs: &Jobs,
@@ -115,7 +115,7 @@ impl<D> Clone for Array<'_, D> {
 
 impl<D> Copy for Array<'_, D> {}
 
-impl<D: Domain> Array<'_, D> {
+impl<D: RowOps> Array<'_, D> {
     /// A job of a [`sweep`].
     #[inline(always)]
     fn execute(

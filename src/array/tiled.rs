@@ -21,9 +21,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{
-    Domain, Layout, State, Undecided,
+    Layout, RowOps, State, Undecided,
     band::{Band, Constants, Copies},
-    segment::Piece,
+    block::{Lowering, Piece},
     sweep::{self, Array},
     wire::{Job, Jobs, Known},
 };
@@ -41,9 +41,9 @@ pub(super) fn rows(size: Size, cell: usize) -> usize {
     (BAND / (size.width * cell)).max(1)
 }
 
-/// Words that the bands go through, and how far the bands have moved up at each.
+/// A tile pass: words that the bands go through, and how far the bands have moved up at each.
 #[derive(Clone, Debug)]
-pub(super) struct Walk {
+pub(super) struct Pass {
     jobs: Jobs,
     /// Of each job.
     shifts: Vec<usize>,
@@ -52,56 +52,54 @@ pub(super) struct Walk {
     pieces: usize,
 }
 
-impl Walk {
-    /// As many of the pieces as can go together, in bands of so many rows; `pairs`: two stores
-    /// may be one.
+impl Pass {
+    /// As many of the pieces as can go together.
     pub(super) fn new(
         pieces: &[Piece<'_>],
         known: &[Known],
         layout: &Layout,
-        rows: usize,
-        pairs: bool,
+        lowering: Lowering,
     ) -> Self {
-        let mut walk = Self {
+        let mut pass = Self {
             jobs: Jobs::default(),
             shifts: Vec::with_capacity(pieces.len()),
             lines: Vec::with_capacity(pieces.len()),
-            rows,
+            rows: lowering.rows,
             pieces: 0,
         };
         // One band does not move.
-        let moves = rows < layout.size.height;
+        let moves = lowering.rows < layout.size.height;
         let mut before = 0;
         for (piece, known) in pieces.iter().zip(known) {
             let halo = if moves { piece.halo() } else { 0 };
-            let last = walk.shifts.last();
+            let last = pass.shifts.last();
             let shift = last.map_or(halo, |last| last + halo.max(before));
             if shift > FARTHEST && last.is_some() {
                 break;
             }
             let line = match piece {
                 Piece::Copy(cell) => {
-                    walk.jobs.jobs.push(Job::Copy(*cell));
+                    pass.jobs.jobs.push(Job::Copy(*cell));
                     0
                 }
                 Piece::Word { issued, line, .. } => {
-                    walk.jobs.word(*issued, layout, *known);
+                    pass.jobs.word(*issued, layout, *known);
                     *line
                 }
             };
-            walk.pieces += 1;
+            pass.pieces += 1;
             // It writes nothing that the one before it reads, nor reads beside its own pixel.
-            let one_more = walk.jobs.jobs.len() == walk.shifts.len() + 1;
-            if moves && pairs && one_more && walk.jobs.join(known.live) {
+            let one_more = pass.jobs.jobs.len() == pass.shifts.len() + 1;
+            if moves && lowering.fuses && one_more && pass.jobs.join(known.live) {
                 continue;
             }
-            if walk.jobs.jobs.len() > walk.shifts.len() {
+            if pass.jobs.jobs.len() > pass.shifts.len() {
                 before = halo;
             }
-            walk.shifts.resize(walk.jobs.jobs.len(), shift);
-            walk.lines.resize(walk.jobs.jobs.len(), line);
+            pass.shifts.resize(pass.jobs.jobs.len(), shift);
+            pass.lines.resize(pass.jobs.jobs.len(), line);
         }
-        walk
+        pass
     }
 
     /// How many they are.
@@ -110,7 +108,7 @@ impl Walk {
     }
 
     /// Runs them on the whole array.
-    pub(super) fn run<D: Domain>(
+    pub(super) fn run<D: RowOps>(
         &self,
         array: Array<'_, D>,
         threads: usize,
@@ -146,7 +144,7 @@ impl Walk {
     }
 
     /// Each job on its rows.
-    fn sweep<D: Domain>(
+    fn sweep<D: RowOps>(
         &self,
         array: Array<'_, D>,
         band: &mut Band<'_, D::Cell>,
@@ -157,7 +155,7 @@ impl Walk {
     }
 
     /// One thread's rows, band after band.
-    fn part<D: Domain>(
+    fn part<D: RowOps>(
         &self,
         array: Array<'_, D>,
         band: &mut Band<'_, D::Cell>,

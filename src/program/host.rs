@@ -261,6 +261,15 @@ fn shape(name: &str, values: &Values<'_>) -> Option<Shape> {
 }
 
 impl Host {
+    /// Whether it only sets the global input.
+    #[must_use]
+    pub const fn is_input(&self) -> bool {
+        matches!(
+            self,
+            Self::LoadIn { .. } | Self::LoadInRaw { .. } | Self::LoadDac { .. }
+        )
+    }
+
     /// Its row.
     #[must_use]
     pub const fn kind(&self) -> HostKind {

@@ -1,10 +1,7 @@
 //! What every array answers to, whatever its arithmetic.
 
 use super::{
-    super::{
-        BitPlane, Domain, Layout, Ledger, Reading, Schedule, Settings, active::Active, cone::Cone,
-        rows, schedule::Plan,
-    },
+    super::{BitPlane, Layout, Ledger, Reading, RowOps, Schedule, Settings, engine::Engine, rows},
     Chip, RunError, ShapeError,
 };
 use crate::{
@@ -106,7 +103,7 @@ pub trait Array: Sensor {
     fn readings(&self) -> &[Reading];
 }
 
-impl<D: Domain> Array for Chip<D> {
+impl<D: RowOps> Array for Chip<D> {
     fn domain(&self) -> String {
         self.domain.name()
     }
@@ -120,35 +117,28 @@ impl<D: Domain> Array for Chip<D> {
     }
 
     fn set_schedule(&mut self, schedule: Schedule, threads: usize) {
-        self.forget();
-        self.plan = Plan::new(schedule, threads);
-        let small = schedule == Schedule::Active && self.domain.is_steady();
-        let cone = small.then(|| Cone::of(&self.code.frame, &self.device));
-        let size = self.state.layout.size;
-        self.active = cone.flatten().map(|cone| Active::new(size, cone));
+        self.engine = Engine::new(&self.state, schedule, threads);
+        self.lower();
     }
 
     fn schedule(&self) -> Schedule {
-        self.plan.schedule()
+        self.engine.schedule()
     }
 
     fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
         self.fits(values)?;
-        self.forget();
         self.state.set_analog(&self.domain, register, values);
         Ok(())
     }
 
     fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
-        self.forget();
         self.state.set_digital(register, bits);
         Ok(())
     }
 
     fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError> {
         self.fits(bits)?;
-        self.forget();
         self.state.flag = BitPlane::from_plane(bits);
         Ok(())
     }
@@ -169,10 +159,6 @@ impl<D: Domain> Array for Chip<D> {
         self.fits(light)?;
         let light = light.as_standard_layout();
         let light = light.as_slice().unwrap_or_default();
-        if let Some(active) = &mut self.active {
-            active.expose(&self.domain, &self.settings, light);
-            return Ok(());
-        }
         let Settings {
             gain, reset_level, ..
         } = self.settings;
@@ -182,18 +168,17 @@ impl<D: Domain> Array for Chip<D> {
 
     fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
         self.begin_frame();
-        let body = std::mem::take(&mut self.code.init);
-        let result = self.run_steps(&body, t, packet);
-        self.code.init = body;
+        let body = std::mem::take(&mut self.init);
+        let result = self.run(&body, t, packet);
+        self.init = body;
         result
     }
 
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
         self.begin_frame();
-        let body = std::mem::take(&mut self.code.frame);
-        self.refresh(&body);
-        let result = self.frame(&body, t, packet);
-        self.code.frame = body;
+        let body = std::mem::take(&mut self.frame);
+        let result = self.run(&body, t, packet);
+        self.frame = body;
         result
     }
 
@@ -203,11 +188,8 @@ impl<D: Domain> Array for Chip<D> {
         t: Micros,
         packet: &mut Packet,
     ) -> Result<(), RunError> {
-        self.forget();
-        // Steps that are not the chip's own may lie where others lay before.
-        self.plan.forget();
-        self.refresh(steps);
-        self.run(steps, t, packet)
+        let body = self.lowered(steps);
+        self.run(&body, t, packet)
     }
 
     fn begin_frame(&mut self) {
@@ -215,17 +197,12 @@ impl<D: Domain> Array for Chip<D> {
     }
 
     fn wait(&mut self, seconds: f64) {
-        // Where nothing decays there is nothing to forget, and the next frame stays small.
-        if !self.domain.is_steady() {
-            self.forget();
-        }
         self.age(seconds);
         self.fade(seconds);
     }
 
     fn pix(&self) -> Plane<f64> {
-        let unseen = self.active.as_ref().and_then(Active::unseen);
-        self.state.light(&self.domain, unseen)
+        self.state.light(&self.domain)
     }
 
     fn ledger(&self) -> Ledger {

@@ -14,8 +14,8 @@ mod time;
 pub use self::face::Array;
 
 use super::{
-    CodeError, Domain, Layout, Ledger, Reading, Schedule, Settings, State, active::Active, check,
-    schedule::Plan,
+    CodeError, Layout, Ledger, Reading, RowOps, Schedule, Settings, State, check, engine::Engine,
+    lower::Lowered,
 };
 use crate::{
     event::Packet,
@@ -56,7 +56,7 @@ pub struct RunError {
 
 /// A program on an array in one domain.
 #[derive(Clone, Debug)]
-pub struct Chip<D: Domain> {
+pub struct Chip<D: RowOps> {
     name: String,
     domain: D,
     device: Device,
@@ -72,14 +72,12 @@ pub struct Chip<D: Domain> {
     step: u64,
     ledger: Ledger,
     readings: Vec<Reading>,
-    plan: Plan<D::Cell>,
-    active: Option<Active<D::Cell>>,
-    /// While a body is gone through whose words have run already: how often the host has
-    /// looked at the array.
-    looks: Option<usize>,
+    engine: Engine<D::Cell>,
+    init: Lowered,
+    frame: Lowered,
 }
 
-impl<D: Domain> Chip<D> {
+impl<D: RowOps> Chip<D> {
     /// A chip as switched on: every register 0, FLAG 1.
     ///
     /// # Errors
@@ -97,8 +95,10 @@ impl<D: Domain> Chip<D> {
         let mut state = State::new(&domain, layout, settings.edge);
         // Switched on in the dark.
         state.pix.fill(domain.hold(settings.reset_level));
-        Ok(Self {
+        let schedule = Schedule::of(size);
+        let mut chip = Self {
             name: name.into(),
+            engine: Engine::new(&state, schedule, rayon::current_num_threads()),
             state,
             channels: channels(&code.init).max(channels(&code.frame)).max(1),
             domain,
@@ -110,10 +110,22 @@ impl<D: Domain> Chip<D> {
             step: 0,
             ledger: Ledger::default(),
             readings: Vec::new(),
-            plan: Plan::new(Schedule::of(size), rayon::current_num_threads()),
-            active: None,
-            looks: None,
-        })
+            init: Lowered::default(),
+            frame: Lowered::default(),
+        };
+        chip.lower();
+        Ok(chip)
+    }
+
+    /// Steps, as its engine wants them.
+    fn lowered(&self, steps: &[Step]) -> Lowered {
+        let lowering = self.engine.lowering(self.domain.pairs());
+        Lowered::new(steps, &self.device, &self.state.layout, lowering)
+    }
+
+    fn lower(&mut self) {
+        self.init = self.lowered(&self.code.init);
+        self.frame = self.lowered(&self.code.frame);
     }
 
     /// All registers.
@@ -173,7 +185,7 @@ fn channels(body: &[Step]) -> u8 {
     body.iter().map(of).max().unwrap_or(0)
 }
 
-impl<D: Domain> Sensor for Chip<D> {
+impl<D: RowOps> Sensor for Chip<D> {
     fn name(&self) -> &str {
         &self.name
     }

@@ -1,78 +1,52 @@
-//! A body run: words in segments, host operations between them.
+//! A lowered body run: blocks of words, host operations between them.
 
 use super::{
     super::{
-        Converters, Domain, Reading, Scan, Undecided,
-        active::{Active, Item},
-        cone, host, logic,
-        segment::Segment,
-        sweep::Array as Meaning,
+        Reading, RowOps, Scan, host, logic,
+        lower::{Counted, Lowered, Stage},
+        sweep::Array,
     },
     Chip, RunError,
 };
 use crate::{
     event::{Event, Packet, Polarity},
-    isa::Primitive,
-    program::{Action, Host, Step},
+    program::Host,
     unit::Micros,
 };
 
-impl<D: Domain> Chip<D> {
+impl<D: RowOps> Chip<D> {
     pub(super) fn run(
         &mut self,
-        body: &[Step],
+        body: &Lowered,
         t: Micros,
         packet: &mut Packet,
     ) -> Result<(), RunError> {
-        let mut segment = Segment::new(&self.state);
-        self.body(body, &mut segment, t, packet)?;
-        self.flush(&mut segment)
+        self.refresh(&body.refreshed);
+        self.stages(&body.stages, &body.blocks, t, packet)
     }
 
-    pub(super) fn body<'a>(
+    fn stages(
         &mut self,
-        body: &'a [Step],
-        segment: &mut Segment<'a, D::Cell>,
+        stages: &[Stage],
+        blocks: &[Counted],
         t: Micros,
         packet: &mut Packet,
     ) -> Result<(), RunError> {
-        let mut launched = false;
-        for step in body {
-            let word = matches!(step.action, Action::Word(_));
-            self.ledger.launches += u64::from(word && !launched);
-            launched = word;
-            match &step.action {
-                Action::Word(word) => {
-                    self.ledger.word(word, &self.device);
-                    if self.looks.is_some() {
-                        // It has run.
-                    } else if let Primitive::Prop { boundary } = word {
-                        self.flush(segment)?;
-                        logic::propagate(&mut self.state, self.settings.propagation, *boundary);
-                    } else {
-                        segment.push(word, self.step, step.line);
-                        if segment.is_full() {
-                            self.flush(segment)?;
-                        }
-                    }
+        for stage in stages {
+            match stage {
+                Stage::Block(k) => self.block(&blocks[*k])?,
+                Stage::Propagate { boundary, cost } => {
+                    self.ledger.block(cost);
+                    logic::propagate(&mut self.state, self.settings.propagation, *boundary);
                     self.step += 1;
                 }
-                Action::Host(operation) => {
+                Stage::Host { operation, line } => {
                     self.ledger.host(operation, &self.device);
-                    let input = cone::is_input(operation);
-                    if !input {
-                        self.flush(segment)?;
-                    }
-                    self.look(cone::looked_at(operation).is_some());
-                    self.host(operation, step.line, t, packet);
-                    self.look(cone::looked_at(operation).is_some());
-                    if input {
-                        segment.input(&self.state);
-                    }
+                    self.host(operation, *line, t, packet);
                 }
-                Action::Repeat { times, body } => {
+                Stage::Repeat { times, body } => {
                     for _ in 0..*times {
-                        self.body(body, segment, t, packet)?;
+                        self.stages(body, blocks, t, packet)?;
                     }
                 }
             }
@@ -80,62 +54,28 @@ impl<D: Domain> Chip<D> {
         Ok(())
     }
 
-    /// Runs a body for a frame.
-    pub(super) fn frame(
-        &mut self,
-        body: &[Step],
-        t: Micros,
-        packet: &mut Packet,
-    ) -> Result<(), RunError> {
-        let exposed = |active: &&mut Active<_>| active.unseen().is_some();
-        let Some(active) = self.active.as_mut().filter(exposed) else {
-            self.forget();
-            return self.run(body, t, packet);
-        };
-        let mut items = Vec::new();
-        flat(&self.domain, &self.settings.converters, body, &mut items);
-        let meaning = Meaning {
+    fn block(&mut self, Counted { block, cost }: &Counted) -> Result<(), RunError> {
+        self.ledger.block(cost);
+        let converters = &self.settings.converters;
+        let inputs = block.inputs.iter().filter_map(|operation| {
+            self.ledger.host(operation, &self.device);
+            host::input(&self.domain, converters, operation)
+        });
+        self.engine.begin(self.step, &self.state.input, inputs);
+        let array = Array {
             domain: &self.domain,
             settings: &self.settings,
         };
-        let result = active.frame(meaning, &mut self.plan, &mut self.state, &items);
-        result.map_err(|error| stopped(&self.domain, error))?;
-        self.looks = Some(0);
-        let result = self.run(body, t, packet);
-        self.looks = None;
-        result
+        let result = self.engine.run(array, &mut self.state, block);
+        self.step += block.words.len() as u64;
+        result.map_err(|(line, undecided)| RunError {
+            line,
+            operation: undecided.operation,
+            domain: self.domain.name(),
+        })
     }
 
-    /// Where words have run already: shows the host what a register held, or takes it back.
-    pub(super) fn look(&mut self, looks: bool) {
-        if let (Some(twice), Some(active), true) = (&mut self.looks, &mut self.active, looks) {
-            active.swap(*twice / 2, &mut self.state);
-            *twice += 1;
-        }
-    }
-
-    /// Something else than frames has changed the array: nothing is as it was.
-    pub(super) fn forget(&mut self) {
-        if let Some(active) = &mut self.active {
-            if let Some(light) = active.unseen() {
-                self.state.pix.clone_from_slice(light);
-            }
-            active.forget();
-        }
-    }
-
-    /// Runs the words that wait.
-    pub(super) fn flush(&mut self, segment: &mut Segment<'_, D::Cell>) -> Result<(), RunError> {
-        let meaning = Meaning {
-            domain: &self.domain,
-            settings: &self.settings,
-        };
-        let result = self.plan.run(meaning, &mut self.state, segment);
-        segment.clear();
-        result.map_err(|error| stopped(&self.domain, error))
-    }
-
-    pub(super) fn host(&mut self, operation: &Host, line: u32, t: Micros, packet: &mut Packet) {
+    fn host(&mut self, operation: &Host, line: u32, t: Micros, packet: &mut Packet) {
         let mut scan = |source, polarity, channel, slots, from_left, from_bottom| {
             let bits = self.state.digital(source);
             let scan = Scan::new(bits, self.state.layout.size, slots, from_left, from_bottom);
@@ -180,45 +120,7 @@ impl<D: Domain> Chip<D> {
     }
 }
 
-pub(super) fn stopped<D: Domain>(domain: &D, (line, undecided): (u32, Undecided)) -> RunError {
-    RunError {
-        line,
-        operation: undecided.operation,
-        domain: domain.name(),
-    }
-}
-
-/// A body without its loops.
-pub(super) fn flat<'a, D: Domain>(
-    domain: &D,
-    converters: &Converters,
-    body: &'a [Step],
-    items: &mut Vec<Item<'a, D::Cell>>,
-) {
-    for step in body {
-        match &step.action {
-            Action::Word(word) => items.push(Item::Word(word, step.line)),
-            Action::Host(operation) => {
-                let input = host::input(domain, converters, operation).map(Item::Input);
-                let look = cone::looked_at(operation).map(Item::Look);
-                items.extend(input.or(look));
-            }
-            Action::Repeat { times, body } => {
-                for _ in 0..*times {
-                    flat(domain, converters, body, items);
-                }
-            }
-        }
-    }
-}
-
-pub(super) fn deliver(
-    scan: &Scan,
-    polarity: Polarity,
-    channel: u8,
-    t: Micros,
-    packet: &mut Packet,
-) {
+fn deliver(scan: &Scan, polarity: Polarity, channel: u8, t: Micros, packet: &mut Packet) {
     packet.dropped.no_slot += scan.missed;
     packet.events.extend(scan.found.iter().map(|at| Event {
         t,

@@ -1,12 +1,9 @@
 //! What cells lose with time.
 
-use super::{super::Domain, Chip};
-use crate::{
-    isa::Digital,
-    program::{Cell, Effect, Step},
-};
+use super::{super::RowOps, Chip};
+use crate::isa::Digital;
 
-impl<D: Domain> Chip<D> {
+impl<D: RowOps> Chip<D> {
     /// Analogue registers some seconds later.
     pub(super) fn age(&mut self, seconds: f64) {
         for plane in &mut self.state.analog {
@@ -34,14 +31,9 @@ impl<D: Domain> Chip<D> {
     }
 
     /// These registers are as new.
-    pub(super) fn refresh(&mut self, body: &[Step]) {
-        if self.domain.retention().is_none() {
-            return;
-        }
-        for cell in Effect::of(body, &self.device).writes {
-            if let Cell::Digital(register) = cell
-                && let Some(idle) = self.idle.get_mut(usize::from(register.0))
-            {
+    pub(super) fn refresh(&mut self, registers: &[Digital]) {
+        for register in registers {
+            if let Some(idle) = self.idle.get_mut(usize::from(register.0)) {
                 *idle = 0.0;
             }
         }

@@ -85,10 +85,7 @@ impl<'a> Bench<'a> {
         };
         Need::new()
             .and("frames of the light", self.frames + 8 * pixels)
-            .and(
-                "the chip",
-                self.arithmetic.bytes(device, self.size, self.schedule),
-            )
+            .and("the chip", self.arithmetic.bytes(device, self.size))
             .and(
                 "registers that are set",
                 8 * pixels * self.planes.len() as u128,

@@ -71,7 +71,7 @@ pub struct Arguments {
     /// Which chip of the silicon domain, and which noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// In which order the array is worked on, which changes only the speed: plain, tiled, active
+    /// In which order the array is worked on, which changes only the speed: plain, tiled
     #[arg(long)]
     schedule: Option<String>,
     /// On how many threads at most

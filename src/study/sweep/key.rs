@@ -295,7 +295,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "schedule",
         sides: ARRAY,
-        kind: Kind::Choice(&["plain", "tiled", "active"]),
+        kind: Kind::Choice(&["plain", "tiled"]),
         default: Absent::Is("\"tiled\""),
         what: "in which order the array is worked on, which changes only the speed",
     },

@@ -1,0 +1,120 @@
+//! Blocks run on an array.
+
+use super::{
+    RowOps, Schedule, State, Undecided,
+    band::{Constants, Copies},
+    block::{Block, Lowering},
+    semantics,
+    sweep::{self, Array},
+    tiled,
+};
+use crate::plane::Size;
+
+/// Arrays of so many pixels are plainly run cell by cell: a row is no gain.
+const CELLS: usize = 256;
+
+/// A schedule, the threads that it may use, and room to work in.
+#[derive(Clone, Debug)]
+pub(super) struct Engine<C> {
+    schedule: Schedule,
+    threads: usize,
+    size: Size,
+    copies: Copies<C>,
+    constants: Constants<C>,
+}
+
+impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
+    pub(super) fn new(state: &State<C>, schedule: Schedule, threads: usize) -> Self {
+        Self {
+            schedule,
+            threads: threads.max(1),
+            size: state.layout.size,
+            copies: Copies::default(),
+            constants: Constants::new(state),
+        }
+    }
+
+    pub(super) const fn schedule(&self) -> Schedule {
+        self.schedule
+    }
+
+    /// How it wants blocks; `fuses`: the domain can fuse two stores.
+    pub(super) fn lowering(&self, fuses: bool) -> Lowering {
+        let plain = self.schedule == Schedule::Plain;
+        let rows = match self.schedule {
+            Schedule::Plain => self.size.height,
+            Schedule::Tiled { rows: 0 } => tiled::rows(self.size, size_of::<C>()),
+            Schedule::Tiled { rows } => rows,
+        };
+        Lowering {
+            rows,
+            stores_all: plain,
+            fuses,
+            passes: !plain || self.size.pixels() > CELLS,
+        }
+    }
+
+    /// Makes ready for the next block: the number of its first word since power-on, what the
+    /// global input holds, and what the host puts there on the way.
+    pub(super) fn begin(&mut self, first: u64, input: &C, inputs: impl Iterator<Item = C>) {
+        self.constants.first = first;
+        self.constants.set_input(0, input);
+        for (k, input) in (1..).zip(inputs) {
+            self.constants.set_input(k, &input);
+        }
+    }
+
+    /// Runs a block on the whole array.
+    ///
+    /// # Errors
+    /// The line of a word that has no answer in this domain.
+    pub(super) fn run<D: RowOps<Cell = C>>(
+        &mut self,
+        array: Array<'_, D>,
+        state: &mut State<C>,
+        block: &Block,
+    ) -> Result<(), (u32, Undecided)> {
+        let plain = self.schedule == Schedule::Plain;
+        if plain && self.size.pixels() <= CELLS {
+            self.cell_by_cell(array, state, block)?;
+        } else {
+            for register in &block.copied {
+                sweep::make_copies(&mut self.copies, state, *register);
+            }
+            let threads = if plain { 1 } else { self.threads };
+            let passes = &block.passes[usize::from(!state.flag.is_full())];
+            let (copies, constants) = (&mut self.copies, &self.constants);
+            let mut run = || {
+                let mut passes = passes.iter();
+                passes.try_for_each(|pass| pass.run(array, threads, state, copies, constants))
+            };
+            if threads > 1 {
+                // Among the threads, so that they need not be woken for every pass.
+                rayon::scope(|_| run())?;
+            } else {
+                run()?;
+            }
+        }
+        state
+            .input
+            .clone_from(&self.constants.inputs[1 + block.inputs.len()][0]);
+        Ok(())
+    }
+
+    /// Word after word, pixel after pixel, as [`semantics`] says.
+    fn cell_by_cell<D: RowOps<Cell = C>>(
+        &self,
+        array: Array<'_, D>,
+        state: &mut State<C>,
+        block: &Block,
+    ) -> Result<(), (u32, Undecided)> {
+        for word in &block.words {
+            let input = &self.constants.inputs[word.input][0];
+            let step = self.constants.first + word.step;
+            let (domain, settings) = (array.domain, array.settings);
+            let ran = semantics::execute(domain, settings, state, &word.word, input, step);
+            ran.map_err(|undecided| (word.line, undecided))?;
+        }
+        Ok(())
+    }
+}
