@@ -15,7 +15,7 @@ use amacrine::{
     isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
     number::Q,
     plane::{Plane, Size},
-    program::{Action, Code, Program, Step},
+    program::{Action, Code, Step},
     unit::Micros,
 };
 use multiversion::multiversion;

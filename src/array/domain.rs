@@ -117,9 +117,9 @@ pub trait RowOps: Domain {
         }
     }
 
-    /// Whether [`Domain::store_pair`] can be asked, which is worth it where a store costs more
+    /// Whether [`RowOps::store_fused`] can be asked, which is worth it where a store costs more
     /// than what is stored.
-    fn pairs(&self) -> bool {
+    fn fuses(&self) -> bool {
         false
     }
 
@@ -128,7 +128,7 @@ pub trait RowOps: Domain {
     /// One of the first may be what the cells held before, as `own` says; it is not among the
     /// operands.
     #[inline(always)]
-    fn store_pair(
+    fn store_fused(
         &self,
         _operands: &[&[Self::Cell]],
         _own: bool,

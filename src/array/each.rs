@@ -3,7 +3,8 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use super::runs::lanes;
+use std::hint::black_box;
+
 use crate::number::{Wide, Width};
 
 /// So many cells at a time: a loop over them needs no end of its own.
@@ -11,6 +12,18 @@ const BLOCK: usize = 128;
 
 /// So many under one word of bits.
 const WORD: usize = 64;
+
+/// The place of each of sixteen bits.
+const BITS: [u16; 16] = [
+    1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
+];
+
+/// The place of each of sixteen bits, not as a constant: so the compiler keeps sixteen lanes
+/// together.
+#[inline(always)]
+pub(super) fn lanes() -> [u16; 16] {
+    *black_box(&BITS)
+}
 
 /// Sets each cell to what `of` makes of the operands.
 #[inline(always)]

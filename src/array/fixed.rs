@@ -124,10 +124,10 @@ impl<T: Width> RowOps for Fixed<T> {
         }
         true
     }
-    fn pairs(&self) -> bool {
+    fn fuses(&self) -> bool {
         self.saturates()
     }
-    fn store_pair(
+    fn store_fused(
         &self,
         operands: &[&[T]],
         own: bool,
@@ -394,12 +394,12 @@ mod tests {
                 None => store(&[&first], 1),
             };
             let mut cells = nought();
-            domain.store_pair(operands, false, by, extra, &mut cells);
+            domain.store_fused(operands, false, by, extra, &mut cells);
             assert!(cells == second, "{} by {by}, {extra:?}", operands.len());
             for own in 0..operands.len() {
                 let mut others = operands.to_vec();
                 let mut cells = others.remove(own).to_vec();
-                domain.store_pair(&others, true, by, extra, &mut cells);
+                domain.store_fused(&others, true, by, extra, &mut cells);
                 assert!(
                     cells == second,
                     "{own} of {} by {by}, {extra:?}",

@@ -184,10 +184,10 @@ macro_rules! float {
             ) {
                 row(operands, share.by, cells);
             }
-            fn pairs(&self) -> bool {
+            fn fuses(&self) -> bool {
                 true
             }
-            fn store_pair(
+            fn store_fused(
                 &self,
                 operands: &[&[$cell]],
                 own: bool,

@@ -4,7 +4,7 @@
 //! what lies off the array is not there. Sums over the array are modelled as the ADC's view of
 //! a mean.
 
-use super::{Address, BitPlane, Converters, Domain, State, logic};
+use super::{Address, BitPlane, Converters, Domain, State, propagate};
 use crate::{
     isa::Analog,
     plane::{At, Size},
@@ -57,7 +57,7 @@ pub(super) fn execute<D: Domain>(
     match host {
         Host::Load { target, area } => {
             let bits = covered(*area, size);
-            logic::write(state, *target, &bits);
+            propagate::write(state, *target, &bits);
         }
         Host::Select { area } => {
             state.select = covered(*area, size);
@@ -68,7 +68,7 @@ pub(super) fn execute<D: Domain>(
         Host::Draw { target, shape } => {
             let mut bits = state.digital(*target).clone();
             draw(&mut bits, *shape, size);
-            logic::write(state, *target, &bits);
+            propagate::write(state, *target, &bits);
         }
         Host::GlobalCount {
             source,

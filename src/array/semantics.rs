@@ -17,7 +17,7 @@
 //!   its value; one that several drive holds the sum of what each puts in.
 //! - R12 is written only where R0 was 1 before the word.
 //!
-//! This is the meaning. `array/sweep.rs` does the same on rows, many pixels at once, and is held
+//! This is the meaning. `array/engine/sweep.rs` does the same on rows, many pixels at once, and is held
 //! to it to the bit by `tests/array.rs`.
 
 use smallvec::{SmallVec, smallvec};

@@ -1,7 +1,10 @@
 //! What every array answers to, whatever its arithmetic.
 
 use super::{
-    super::{BitPlane, Layout, Ledger, Reading, RowOps, Schedule, Settings, engine::Engine, rows},
+    super::{
+        BitPlane, Layout, Ledger, Reading, RowOps, Schedule, Settings,
+        engine::{self, Engine},
+    },
     Chip, RunError, ShapeError,
 };
 use crate::{
@@ -162,7 +165,7 @@ impl<D: RowOps> Array for Chip<D> {
         let Settings {
             gain, reset_level, ..
         } = self.settings;
-        rows::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
+        engine::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
         Ok(())
     }
 

@@ -14,8 +14,8 @@ mod time;
 pub use self::face::Array;
 
 use super::{
-    CodeError, Layout, Ledger, Reading, RowOps, Schedule, Settings, State, check, engine::Engine,
-    lower::Lowered,
+    CodeError, Layout, Ledger, Reading, RowOps, Schedule, Settings, State, check,
+    engine::{Engine, Lowered},
 };
 use crate::{
     event::Packet,
@@ -119,7 +119,7 @@ impl<D: RowOps> Chip<D> {
 
     /// Steps, as its engine wants them.
     fn lowered(&self, steps: &[Step]) -> Lowered {
-        let lowering = self.engine.lowering(self.domain.pairs());
+        let lowering = self.engine.lowering(self.domain.fuses());
         Lowered::new(steps, &self.device, &self.state.layout, lowering)
     }
 

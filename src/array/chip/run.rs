@@ -2,9 +2,9 @@
 
 use super::{
     super::{
-        Reading, RowOps, Scan, host, logic,
-        lower::{Counted, Lowered, Stage},
-        sweep::Array,
+        Reading, RowOps, Scan,
+        engine::{Counted, Lowered, Semantics, Stage},
+        host, propagate,
     },
     Chip, RunError,
 };
@@ -37,7 +37,7 @@ impl<D: RowOps> Chip<D> {
                 Stage::Block(k) => self.block(&blocks[*k])?,
                 Stage::Propagate { boundary, cost } => {
                     self.ledger.block(cost);
-                    logic::propagate(&mut self.state, self.settings.propagation, *boundary);
+                    propagate::propagate(&mut self.state, self.settings.propagation, *boundary);
                     self.step += 1;
                 }
                 Stage::Host { operation, line } => {
@@ -62,11 +62,11 @@ impl<D: RowOps> Chip<D> {
             host::input(&self.domain, converters, operation)
         });
         self.engine.begin(self.step, &self.state.input, inputs);
-        let array = Array {
+        let semantics = Semantics {
             domain: &self.domain,
             settings: &self.settings,
         };
-        let result = self.engine.run(array, &mut self.state, block);
+        let result = self.engine.run(semantics, &mut self.state, block);
         self.step += block.words.len() as u64;
         result.map_err(|(line, undecided)| RunError {
             line,

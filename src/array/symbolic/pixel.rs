@@ -4,7 +4,10 @@
 //! it. Its FLAG may be unknown, where it depends on what went in: then what a store would
 //! change holds either the old or the new.
 
-use super::{Domain, Input, Layout, Settings, State, Undecided, host, semantics::execute};
+use super::{
+    super::{Domain, Layout, Settings, State, Undecided, host, semantics::execute},
+    form::Input,
+};
 use crate::{
     isa::{
         Analog, Device, Primitive,
@@ -59,7 +62,7 @@ pub(super) struct Ran<'a> {
 }
 
 /// The array around the generic pixel.
-pub(super) struct Generic<'a, D: Domain> {
+pub(super) struct GenericPixel<'a, D: Domain> {
     domain: &'a D,
     device: &'a Device,
     settings: Settings,
@@ -70,7 +73,7 @@ pub(super) struct Generic<'a, D: Domain> {
     pub(super) words: Vec<(u32, String)>,
 }
 
-impl<'a, D: Symbolic> Generic<'a, D> {
+impl<'a, D: Symbolic> GenericPixel<'a, D> {
     /// Before the first word, around a pixel that has room for these steps.
     pub(super) fn new(
         domain: &'a D,

@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 
 use super::{
-    Place, RowOps, Share,
+    super::{Place, RowOps, Share},
     runs::{Run, Runs, merge},
 };
 
@@ -73,7 +73,7 @@ pub(super) fn diffuse<D: RowOps>(
 
 /// Sets pixels from light, as one exposure does.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn expose<D: RowOps>(
+pub(in crate::array) fn expose<D: RowOps>(
     domain: &D,
     reset_level: f64,
     gain: f64,

@@ -10,9 +10,10 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Domain, Input, Place, Settings, Share,
+    super::{Domain, Place, Settings, Share},
     form::Form,
-    generic::{Generic, GenericError, Symbolic},
+    form::Input,
+    pixel::{GenericError, GenericPixel, Symbolic},
 };
 use crate::{
     isa::{Analog, Device},
@@ -98,7 +99,7 @@ pub enum TapsError {
     /// Pixels are not treated alike.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Generic(#[from] GenericError),
+    GenericPixel(#[from] GenericError),
     /// The register is not linear in what went in.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -141,7 +142,7 @@ pub fn read_all(
         clip: false,
         ..settings
     };
-    let mut generic = Generic::new(&Algebra, device, settings, steps)?;
+    let mut generic = GenericPixel::new(&Algebra, device, settings, steps)?;
     generic.run(steps, &mut |_, _| {})?;
     let centre = generic.centre();
     let of = |register| match generic.cell(Analog(register)) {

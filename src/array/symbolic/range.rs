@@ -7,10 +7,10 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Domain, Input, Place, Settings, Share,
-    domain::LIMITS,
+    super::{Domain, Place, Settings, Share, domain::LIMITS},
     form::Form,
-    generic::{Generic, GenericError, Ran, Symbolic},
+    form::Input,
+    pixel::{GenericError, GenericPixel, Ran, Symbolic},
 };
 use crate::{
     isa::{Analog, Device, operands::Access},
@@ -96,7 +96,7 @@ pub fn of(
     inputs: Inputs,
 ) -> Result<Ranges, GenericError> {
     let bounds = Bounds { inputs };
-    let mut generic = Generic::new(&bounds, device, settings, steps)?;
+    let mut generic = GenericPixel::new(&bounds, device, settings, steps)?;
     let mut found: BTreeMap<(u32, Analog), Interval> = BTreeMap::new();
     generic.run(steps, &mut |generic, Ran { line, word }| {
         let operands = device.operands(word);

@@ -1,13 +1,37 @@
-//! Blocks run on an array.
+//! Programs lowered, once, and run on many pixels at a time: what
+//! [`semantics`](super::semantics) says of one pixel, to the bit.
+//!
+//! ```text
+//!   body ─ lower ─► basic blocks ─ liveness ─► operations on rows ─ pass ─► tiles, threads
+//!                                              fused stores, masks         ─ sweep ─► store, sign, logic
+//! ```
 
-use super::{
-    RowOps, Schedule, State, Undecided,
-    band::{Constants, Copies},
-    block::{Block, Lowering},
-    semantics,
-    sweep::{self, Array},
-    tiled,
-};
+mod block;
+mod constants;
+mod fused;
+mod instruction;
+mod liveness;
+mod logic;
+mod lower;
+mod operation;
+mod pass;
+mod planes;
+mod rows;
+mod runs;
+mod schedule;
+mod sign;
+mod slab;
+mod store;
+mod sweep;
+mod view;
+
+pub(super) use lower::{Counted, Lowered, Stage};
+pub(super) use rows::expose;
+pub use schedule::{Schedule, ScheduleError};
+pub(super) use sweep::Semantics;
+
+use self::{block::Block, constants::Constants, pass::Lowering, slab::Copies};
+use super::{RowOps, State, Undecided, semantics};
 use crate::plane::Size;
 
 /// Arrays of so many pixels are plainly run cell by cell: a row is no gain.
@@ -43,7 +67,7 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
         let plain = self.schedule == Schedule::Plain;
         let rows = match self.schedule {
             Schedule::Plain => self.size.height,
-            Schedule::Tiled { rows: 0 } => tiled::rows(self.size, size_of::<C>()),
+            Schedule::Tiled { rows: 0 } => pass::rows(self.size, size_of::<C>()),
             Schedule::Tiled { rows } => rows,
         };
         Lowering {
@@ -64,19 +88,19 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
         }
     }
 
-    /// Runs a block on the whole array.
+    /// Runs a block on the whole semantics.
     ///
     /// # Errors
     /// The line of a word that has no answer in this domain.
     pub(super) fn run<D: RowOps<Cell = C>>(
         &mut self,
-        array: Array<'_, D>,
+        semantics: Semantics<'_, D>,
         state: &mut State<C>,
         block: &Block,
     ) -> Result<(), (u32, Undecided)> {
         let plain = self.schedule == Schedule::Plain;
         if plain && self.size.pixels() <= CELLS {
-            self.cell_by_cell(array, state, block)?;
+            self.cell_by_cell(semantics, state, block)?;
         } else {
             for register in &block.copied {
                 sweep::make_copies(&mut self.copies, state, *register);
@@ -86,7 +110,7 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
             let (copies, constants) = (&mut self.copies, &self.constants);
             let mut run = || {
                 let mut passes = passes.iter();
-                passes.try_for_each(|pass| pass.run(array, threads, state, copies, constants))
+                passes.try_for_each(|pass| pass.run(semantics, threads, state, copies, constants))
             };
             if threads > 1 {
                 // Among the threads, so that they need not be woken for every pass.
@@ -104,14 +128,14 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
     /// Word after word, pixel after pixel, as [`semantics`] says.
     fn cell_by_cell<D: RowOps<Cell = C>>(
         &self,
-        array: Array<'_, D>,
+        semantics: Semantics<'_, D>,
         state: &mut State<C>,
         block: &Block,
     ) -> Result<(), (u32, Undecided)> {
         for word in &block.words {
             let input = &self.constants.inputs[word.input][0];
             let step = self.constants.first + word.step;
-            let (domain, settings) = (array.domain, array.settings);
+            let (domain, settings) = (semantics.domain, semantics.settings);
             let ran = semantics::execute(domain, settings, state, &word.word, input, step);
             ran.map_err(|undecided| (word.line, undecided))?;
         }

@@ -12,117 +12,114 @@
 use std::ops::Range;
 
 use super::{
-    Place, RowOps, Share,
-    band::Band,
-    field::{Field, Stretch, WIRES},
-    runs::{RUN, Run, Runs, merge},
-    wire::{Store, Wire},
+    super::{Place, RowOps, Share},
+    operation::{BusInput, Store},
+    runs::{Run, Runs, merge},
+    slab::Slab,
+    view::{BUS_INPUTS, Stretch, View},
 };
-
-/// Cells that a store needs room for: a run, or a piece of a column and of those on its wires.
-pub(super) const ROOM: usize = RUN;
 
 /// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `room` is
 /// for [`ROOM`] cells.
 #[inline(always)]
 pub(super) fn store<D: RowOps>(
     domain: &D,
-    field: &mut Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &mut View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     store: &Store,
     clip: bool,
     rows: Range<usize>,
     room: &mut [D::Cell],
 ) {
-    let cells = field.take(store.register);
-    let (border, width) = (store.border, field.size.width);
-    let inner = border.inside(field.size, &rows);
+    let cells = view.take(store.register);
+    let (border, width) = (store.border, view.size.width);
+    let inner = border.inside(view.size, &rows);
     let edges = border.left + border.right;
-    if width <= edges || wires.len() > WIRES {
-        all(domain, field, wires, store, cells, clip, rows);
-        field.put(store.register, cells);
+    if width <= edges || bus_inputs.len() > BUS_INPUTS {
+        all(domain, view, bus_inputs, store, cells, clip, rows);
+        view.put(store.register, cells);
         return;
     }
     // One run, over the ends of the rows between, if the words of bits are.
-    let level = store.whole || (edges == 0 && store.beside.1 == 0 && width.is_multiple_of(64));
+    let joined = store.whole || (edges == 0 && store.beside.1 == 0 && width.is_multiple_of(64));
     let mut y = rows.start;
     while y < rows.end {
         let inside = inner.contains(&y);
-        let end = if inside && level { inner.end } else { y + 1 };
+        let end = if inside && joined { inner.end } else { y + 1 };
         let rows = (y..end, inside);
-        match wires.len() {
-            0 => run::<D, 0>(domain, field, wires, store, cells, clip, rows, room),
-            1 => run::<D, 1>(domain, field, wires, store, cells, clip, rows, room),
-            2 => run::<D, 2>(domain, field, wires, store, cells, clip, rows, room),
-            3 => run::<D, 3>(domain, field, wires, store, cells, clip, rows, room),
-            _ => run::<D, WIRES>(domain, field, wires, store, cells, clip, rows, room),
+        match bus_inputs.len() {
+            0 => run::<D, 0>(domain, view, bus_inputs, store, cells, clip, rows, room),
+            1 => run::<D, 1>(domain, view, bus_inputs, store, cells, clip, rows, room),
+            2 => run::<D, 2>(domain, view, bus_inputs, store, cells, clip, rows, room),
+            3 => run::<D, 3>(domain, view, bus_inputs, store, cells, clip, rows, room),
+            _ => run::<D, BUS_INPUTS>(domain, view, bus_inputs, store, cells, clip, rows, room),
         }
         y = end;
     }
     if edges > 0 {
-        columns(domain, field, wires, store, cells, clip, &inner, room);
+        columns(domain, view, bus_inputs, store, cells, clip, &inner, room);
         for y in (rows.start..inner.start).chain(inner.end..rows.end) {
             for x in (0..border.left).chain(width - border.right..width) {
-                one(domain, field, wires, store, cells, clip, y, x);
+                one(domain, view, bus_inputs, store, cells, clip, y, x);
             }
         }
     }
-    field.put(store.register, cells);
+    view.put(store.register, cells);
 }
 
-/// The same in [level](Store::is_level) rows.
+/// The same in [interior](Store::is_interior) rows.
 #[inline(always)]
-pub(super) fn store_level<D: RowOps>(
+pub(super) fn store_interior<D: RowOps>(
     domain: &D,
-    band: &mut Band<'_, D::Cell>,
-    wires: &[Wire],
+    slab: &mut Slab<'_, D::Cell>,
+    bus_inputs: &[BusInput],
     store: &Store,
     rows: &Range<usize>,
 ) {
-    let (mut field, _) = band.field();
-    let cells = field.take(store.register);
-    match *wires {
-        [a] => level(domain, &field, [a], store, cells, rows),
-        [a, b] => level(domain, &field, [a, b], store, cells, rows),
-        [a, b, c] => level(domain, &field, [a, b, c], store, cells, rows),
+    let (mut view, _) = slab.view();
+    let cells = view.take(store.register);
+    match *bus_inputs {
+        [a] => interior(domain, &view, [a], store, cells, rows),
+        [a, b] => interior(domain, &view, [a, b], store, cells, rows),
+        [a, b, c] => interior(domain, &view, [a, b, c], store, cells, rows),
         _ => {}
     }
-    field.put(store.register, cells);
+    view.put(store.register, cells);
     if store.border.left + store.border.right > 0 {
-        columns_of(domain, band, wires, store, rows);
+        columns_of(domain, slab, bus_inputs, store, rows);
     }
 }
 
-/// The cells at the left and right border, in a band: what is called sees no field that loops
+/// The cells at the left and right border, in a slab: what is called sees no view that loops
 /// keep in the machine's registers.
 #[inline(never)]
 fn columns_of<D: RowOps>(
     domain: &D,
-    band: &mut Band<'_, D::Cell>,
-    wires: &[Wire],
+    slab: &mut Slab<'_, D::Cell>,
+    bus_inputs: &[BusInput],
     store: &Store,
     rows: &Range<usize>,
 ) {
-    let (mut field, room) = band.field();
-    let cells = field.take(store.register);
-    columns(domain, &field, wires, store, cells, false, rows, room);
-    field.put(store.register, cells);
+    let (mut view, room) = slab.view();
+    let cells = view.take(store.register);
+    columns(domain, &view, bus_inputs, store, cells, false, rows, room);
+    view.put(store.register, cells);
 }
 
-/// With `N` wires.
+/// With `N` bus_inputs.
 #[inline(always)]
-fn level<D: RowOps, const N: usize>(
+fn interior<D: RowOps, const N: usize>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: [Wire; N],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: [BusInput; N],
     store: &Store,
     cells: &mut [D::Cell],
     rows: &Range<usize>,
 ) {
-    let (at, n) = (field.cell(rows.start, 0), rows.len() * field.size.width);
-    let starts = field.starts(&wires, at, store.beside);
-    let sources = &field.sources(&wires, &starts, 0, n);
-    let place = field.place(store, rows.start, 0);
+    let (at, n) = (view.cell(rows.start, 0), rows.len() * view.size.width);
+    let starts = view.starts(&bus_inputs, at, store.beside);
+    let sources = &view.sources(&bus_inputs, &starts, 0, n);
+    let place = view.place(store, rows.start, 0);
     domain.store_row(sources, store.share, place, &mut cells[at..][..n]);
 }
 
@@ -131,8 +128,8 @@ fn level<D: RowOps, const N: usize>(
 #[inline(always)]
 fn run<D: RowOps, const N: usize>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
     clip: bool,
@@ -140,34 +137,34 @@ fn run<D: RowOps, const N: usize>(
     room: &mut [D::Cell],
 ) {
     let (down, right) = store.beside;
-    let mut wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    let mut bus_inputs: [BusInput; N] = *bus_inputs.as_array().unwrap_or(&[BusInput::NONE; N]);
     if !inside {
-        wires = field.beyond(&wires, rows.start.wrapping_add_signed(-down));
+        bus_inputs = view.beyond(&bus_inputs, rows.start.wrapping_add_signed(-down));
     }
     let Stretch { left, at, n } = if store.whole && inside {
-        field.stretch(&wires, store.beside, store.border, &rows)
+        view.stretch(&bus_inputs, store.beside, store.border, &rows)
     } else {
-        field.between(store.border, &rows)
+        view.between(store.border, &rows)
     };
-    let starts = field.starts(&wires, at, store.beside);
+    let starts = view.starts(&bus_inputs, at, store.beside);
     let driver = rows.start.wrapping_add_signed(-down);
     // Off the array FLAG is 1.
-    let mut runs = if store.whole || driver >= field.size.height {
+    let mut runs = if store.whole || driver >= view.size.height {
         Runs::all(n)
     } else {
-        let flags = field.flags(driver, rows.len());
+        let flags = view.flags(driver, rows.len());
         Runs::new(flags, left.wrapping_add_signed(-right), n)
     };
     while let Some(Run { from, to, all }) = runs.next() {
         let n = to - from;
-        let sources = &field.sources(&wires, &starts, from, n);
+        let sources = &view.sources(&bus_inputs, &starts, from, n);
         let old = &mut cells[at + from..][..n];
         let undivided = store.share.by == 1 && !clip;
         if !all && undivided && domain.store_some(sources, runs.words(), old) {
             continue;
         }
         let new = if all { &mut *old } else { &mut room[..n] };
-        let place = field.place(store, rows.start, left + from);
+        let place = view.place(store, rows.start, left + from);
         domain.store_row(sources, store.share, place, new);
         if clip {
             limit(domain, new);
@@ -207,26 +204,26 @@ pub(super) fn store_few<D: RowOps>(
 #[inline(never)]
 fn all<D: RowOps>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
     clip: bool,
     rows: Range<usize>,
 ) {
     for y in rows {
-        for x in 0..field.size.width {
-            one(domain, field, wires, store, cells, clip, y, x);
+        for x in 0..view.size.width {
+            one(domain, view, bus_inputs, store, cells, clip, y, x);
         }
     }
 }
 
-/// One cell; any number of wires, driven from on the array or from off it.
+/// One cell; any number of bus_inputs, driven from on the array or from off it.
 #[allow(clippy::too_many_arguments)]
 fn one<D: RowOps>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
     clip: bool,
@@ -235,13 +232,13 @@ fn one<D: RowOps>(
 ) {
     let (down, right) = store.beside;
     let (from_y, from_x) = (y.wrapping_add_signed(-down), x.wrapping_add_signed(-right));
-    if !field.flagged(from_y, from_x) {
+    if !view.flagged(from_y, from_x) {
         return;
     }
-    let place = field.place(store, y, x);
-    let sum = field.sum(domain, wires, from_y, from_x);
+    let place = view.place(store, y, x);
+    let sum = view.sum(domain, bus_inputs, from_y, from_x);
     let stored = domain.store(&sum, store.share, place);
-    cells[field.cell(y, x)] = domain.limited(stored, clip);
+    cells[view.cell(y, x)] = domain.limited(stored, clip);
 }
 
 /// The cells of these rows at the left and right border.
@@ -249,22 +246,22 @@ fn one<D: RowOps>(
 #[inline(never)]
 fn columns<D: RowOps>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
     clip: bool,
     rows: &Range<usize>,
     room: &mut [D::Cell],
 ) {
-    let (border, width) = (store.border, field.size.width);
+    let (border, width) = (store.border, view.size.width);
     for x in (0..border.left).chain(width - border.right..width) {
         // Where the place does not matter, in vectors.
         if domain.is_steady() {
-            column(domain, field, wires, store, cells, clip, rows, x, room);
+            column(domain, view, bus_inputs, store, cells, clip, rows, x, room);
         } else {
             for y in rows.clone() {
-                one(domain, field, wires, store, cells, clip, y, x);
+                one(domain, view, bus_inputs, store, cells, clip, y, x);
             }
         }
     }
@@ -274,8 +271,8 @@ fn columns<D: RowOps>(
 #[allow(clippy::too_many_arguments)]
 fn column<D: RowOps>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
     clip: bool,
@@ -287,17 +284,22 @@ fn column<D: RowOps>(
         return;
     }
     let (down, right) = store.beside;
-    let width = field.size.width;
+    let width = view.size.width;
     let from_x = x.wrapping_add_signed(-right);
-    let off = |wire: &Wire| from_x.wrapping_add_signed(wire.beside.1) >= width;
-    if from_x >= width || wires.iter().all(off) {
+    let off = |bus_input: &BusInput| from_x.wrapping_add_signed(bus_input.beside.1) >= width;
+    if from_x >= width || bus_inputs.iter().all(off) {
         // The same all along.
-        let place = field.place(store, rows.start, x);
-        let sum = field.sum(domain, wires, rows.start.wrapping_add_signed(-down), from_x);
+        let place = view.place(store, rows.start, x);
+        let sum = view.sum(
+            domain,
+            bus_inputs,
+            rows.start.wrapping_add_signed(-down),
+            from_x,
+        );
         let new = domain.limited(domain.store(&sum, store.share, place), clip);
-        let column = cells[field.cell(rows.start, x)..].iter_mut().step_by(width);
+        let column = cells[view.cell(rows.start, x)..].iter_mut().step_by(width);
         for (y, cell) in rows.clone().zip(column) {
-            if store.whole || field.flagged(y.wrapping_add_signed(-down), from_x) {
+            if store.whole || view.flagged(y.wrapping_add_signed(-down), from_x) {
                 cell.clone_from(&new);
             }
         }
@@ -307,19 +309,19 @@ fn column<D: RowOps>(
         let n = (rows.end - top).min(64);
         let from_y = top.wrapping_add_signed(-down);
         let (new, room) = room.split_at_mut(64);
-        let mut sources: [&[D::Cell]; WIRES] = [&[]; WIRES];
-        let blocks = room.chunks_exact_mut(64).zip(wires);
-        for (source, (block, wire)) in sources.iter_mut().zip(blocks) {
-            field.column(*wire, from_y, from_x, &mut block[..n]);
+        let mut sources: [&[D::Cell]; BUS_INPUTS] = [&[]; BUS_INPUTS];
+        let blocks = room.chunks_exact_mut(64).zip(bus_inputs);
+        for (source, (block, bus_input)) in sources.iter_mut().zip(blocks) {
+            view.column(*bus_input, from_y, from_x, &mut block[..n]);
             *source = &block[..n];
         }
-        let place = field.place(store, top, x);
+        let place = view.place(store, top, x);
         let new = &mut new[..n];
-        let sources = &sources[..wires.len()];
+        let sources = &sources[..bus_inputs.len()];
         store_few(domain, sources, store.share, place, clip, new);
-        let column = cells[field.cell(top, x)..].iter_mut().step_by(width);
+        let column = cells[view.cell(top, x)..].iter_mut().step_by(width);
         for (y, (cell, new)) in (from_y..).zip(column.zip(new)) {
-            if store.whole || field.flagged(y, from_x) {
+            if store.whole || view.flagged(y, from_x) {
                 cell.clone_from(new);
             }
         }

@@ -21,11 +21,13 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{
-    Layout, RowOps, State, Undecided,
-    band::{Band, Constants, Copies},
-    block::{Lowering, Piece},
-    sweep::{self, Array},
-    wire::{Job, Jobs, Known},
+    super::{Layout, RowOps, State, Undecided},
+    constants::Constants,
+    instruction::Instruction,
+    liveness::Known,
+    operation::{Operation, Operations},
+    slab::{Copies, Slab},
+    sweep::{self, Semantics},
 };
 use crate::plane::Size;
 
@@ -41,76 +43,89 @@ pub(super) fn rows(size: Size, cell: usize) -> usize {
     (BAND / (size.width * cell)).max(1)
 }
 
+/// How a schedule and a domain want blocks lowered.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::array) struct Lowering {
+    /// Rows of a tile; all of the array's where bits alone are worked on.
+    pub(in crate::array) rows: usize,
+    /// Whether dead stores are stored, too.
+    pub(in crate::array) stores_all: bool,
+    /// Whether two stores may be fused.
+    pub(in crate::array) fuses: bool,
+    /// Whether there are passes at all; else each cell is executed by itself.
+    pub(in crate::array) passes: bool,
+}
+
 /// A tile pass: words that the bands go through, and how far the bands have moved up at each.
 #[derive(Clone, Debug)]
 pub(super) struct Pass {
-    jobs: Jobs,
-    /// Of each job.
+    operations: Operations,
+    /// Of each operation.
     shifts: Vec<usize>,
     lines: Vec<u32>,
     rows: usize,
-    pieces: usize,
+    instructions: usize,
 }
 
 impl Pass {
-    /// As many of the pieces as can go together.
+    /// As many of the instructions as can go together.
     pub(super) fn new(
-        pieces: &[Piece<'_>],
+        instructions: &[Instruction<'_>],
         known: &[Known],
         layout: &Layout,
         lowering: Lowering,
     ) -> Self {
         let mut pass = Self {
-            jobs: Jobs::default(),
-            shifts: Vec::with_capacity(pieces.len()),
-            lines: Vec::with_capacity(pieces.len()),
+            operations: Operations::default(),
+            shifts: Vec::with_capacity(instructions.len()),
+            lines: Vec::with_capacity(instructions.len()),
             rows: lowering.rows,
-            pieces: 0,
+            instructions: 0,
         };
         // One band does not move.
         let moves = lowering.rows < layout.size.height;
         let mut before = 0;
-        for (piece, known) in pieces.iter().zip(known) {
-            let halo = if moves { piece.halo() } else { 0 };
+        for (instruction, known) in instructions.iter().zip(known) {
+            let halo = if moves { instruction.halo() } else { 0 };
             let last = pass.shifts.last();
             let shift = last.map_or(halo, |last| last + halo.max(before));
             if shift > FARTHEST && last.is_some() {
                 break;
             }
-            let line = match piece {
-                Piece::Copy(cell) => {
-                    pass.jobs.jobs.push(Job::Copy(*cell));
+            let line = match instruction {
+                Instruction::Copy(cell) => {
+                    pass.operations.operations.push(Operation::Copy(*cell));
                     0
                 }
-                Piece::Word { issued, line, .. } => {
-                    pass.jobs.word(*issued, layout, *known);
-                    *line
+                Instruction::Word { word, copied, .. } => {
+                    pass.operations.word(word, *copied, layout, *known);
+                    word.line
                 }
             };
-            pass.pieces += 1;
+            pass.instructions += 1;
             // It writes nothing that the one before it reads, nor reads beside its own pixel.
-            let one_more = pass.jobs.jobs.len() == pass.shifts.len() + 1;
-            if moves && lowering.fuses && one_more && pass.jobs.join(known.live) {
+            let one_more = pass.operations.operations.len() == pass.shifts.len() + 1;
+            if moves && lowering.fuses && one_more && pass.operations.join(known.live) {
                 continue;
             }
-            if pass.jobs.jobs.len() > pass.shifts.len() {
+            if pass.operations.operations.len() > pass.shifts.len() {
                 before = halo;
             }
-            pass.shifts.resize(pass.jobs.jobs.len(), shift);
-            pass.lines.resize(pass.jobs.jobs.len(), line);
+            pass.shifts.resize(pass.operations.operations.len(), shift);
+            pass.lines.resize(pass.operations.operations.len(), line);
         }
         pass
     }
 
     /// How many they are.
     pub(super) const fn len(&self) -> usize {
-        self.pieces
+        self.instructions
     }
 
-    /// Runs them on the whole array.
+    /// Runs them on the whole semantics.
     pub(super) fn run<D: RowOps>(
         &self,
-        array: Array<'_, D>,
+        semantics: Semantics<'_, D>,
         threads: usize,
         state: &mut State<D::Cell>,
         copies: &mut Copies<D::Cell>,
@@ -119,9 +134,9 @@ impl Pass {
         let height = state.layout.size.height;
         let farthest = self.shifts.last().copied().unwrap_or(0);
         let parts = threads.min(height / (2 * farthest + self.rows)).max(1);
-        let mut band = Band::whole(state, copies, constants);
+        let mut band = Slab::whole(state, copies, constants);
         if parts == 1 {
-            return self.part(array, &mut band, 0..height);
+            return self.part(semantics, &mut band, 0..height);
         }
         let seams: Vec<usize> = (1..parts).map(|part| part * height / parts).collect();
         let mut bands = Vec::with_capacity(parts);
@@ -133,32 +148,32 @@ impl Pass {
         bands.push(band);
         bands.into_par_iter().try_for_each(|mut band| {
             let rows = band.rows.clone();
-            self.part(array, &mut band, rows)
+            self.part(semantics, &mut band, rows)
         })?;
-        let mut band = Band::whole(state, copies, constants);
+        let mut band = Slab::whole(state, copies, constants);
         for seam in seams {
             let spans = self.shifts.iter().map(|shift| seam - shift..seam + shift);
-            self.sweep(array, &mut band, &spans.collect::<Vec<_>>())?;
+            self.sweep(semantics, &mut band, &spans.collect::<Vec<_>>())?;
         }
         Ok(())
     }
 
-    /// Each job on its rows.
+    /// Each operation on its rows.
     fn sweep<D: RowOps>(
         &self,
-        array: Array<'_, D>,
-        band: &mut Band<'_, D::Cell>,
+        semantics: Semantics<'_, D>,
+        band: &mut Slab<'_, D::Cell>,
         spans: &[Range<usize>],
     ) -> Result<(), (u32, Undecided)> {
-        let done = sweep::sweep(array, band, &self.jobs, spans);
+        let done = sweep::sweep(semantics, band, &self.operations, spans);
         done.map_err(|(k, undecided)| (self.lines[k], undecided))
     }
 
     /// One thread's rows, band after band.
     fn part<D: RowOps>(
         &self,
-        array: Array<'_, D>,
-        band: &mut Band<'_, D::Cell>,
+        semantics: Semantics<'_, D>,
+        band: &mut Slab<'_, D::Cell>,
         part: Range<usize>,
     ) -> Result<(), (u32, Undecided)> {
         let height = band.layout.size.height;
@@ -183,7 +198,7 @@ impl Pass {
                 let last = part.end - if part.end == height { 0 } else { *shift };
                 spans.push(from.max(first)..to.min(last));
             }
-            self.sweep(array, band, &spans)?;
+            self.sweep(semantics, band, &spans)?;
             top = bottom;
         }
         Ok(())

@@ -2,7 +2,12 @@
 
 use std::ops::Range;
 
-use super::{Layout, Share, band::Band, live::Live, sweep::Issued};
+use super::{
+    super::{Layout, Share},
+    instruction::Word,
+    liveness::{Known, Live},
+    planes,
+};
 use crate::{
     isa::{Analog, Bit, Cell, Primitive, Source, Target},
     plane::Size,
@@ -10,14 +15,14 @@ use crate::{
 
 /// A cell on the bus of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Wire {
-    /// Which plane of a [`Band`]; beyond them, which of its inputs.
+pub(super) struct BusInput {
+    /// Which plane of a [`Slab`]; beyond them, which of its inputs.
     pub(super) plane: usize,
     /// Where the cell lies, seen from the pixel whose bus it is.
     pub(super) beside: (isize, isize),
 }
 
-impl Wire {
+impl BusInput {
     /// In place of one that is not there.
     pub(super) const NONE: Self = Self {
         plane: 0,
@@ -37,10 +42,14 @@ pub(super) struct Border {
 
 impl Border {
     /// Of cells that lie `beside` the pixel whose bus they get.
-    fn of(wires: &[Wire], beside: (isize, isize)) -> Self {
+    fn of(bus_inputs: &[BusInput], beside: (isize, isize)) -> Self {
         let mut border = Self::default();
         // The pixel itself, and each cell on its bus, as seen from the cell that is written.
-        for (dy, dx) in wires.iter().map(|wire| wire.beside).chain([(0, 0)]) {
+        for (dy, dx) in bus_inputs
+            .iter()
+            .map(|bus_input| bus_input.beside)
+            .chain([(0, 0)])
+        {
             let (dy, dx) = (dy - beside.0, dx - beside.1);
             border.above = border.above.max((-dy).max(0) as usize);
             border.below = border.below.max(dy.max(0) as usize);
@@ -64,8 +73,8 @@ impl Border {
 /// A register that stores its share of the bus.
 #[derive(Clone, Debug)]
 pub(super) struct Store {
-    /// Of the wires of all jobs.
-    pub(super) wires: Range<usize>,
+    /// Of the bus_inputs of all operations.
+    pub(super) bus_inputs: Range<usize>,
     pub(super) register: Analog,
     pub(super) share: Share,
     /// Where the cell lies, seen from the pixel whose bus it stores.
@@ -75,24 +84,24 @@ pub(super) struct Store {
     pub(super) whole: bool,
     /// Whether, besides, one to three registers are on the bus, and nothing else: then rows that
     /// lie inside the array need no choice for any cell.
-    pub(super) level: bool,
-    /// Counted from the first word of all: see [`Constants::first`](super::band::Constants).
+    pub(super) interior: bool,
+    /// Counted from the first word of all: see [`Constants::first`](super::constants::Constants).
     pub(super) step: u64,
 }
 
 impl Store {
-    /// Whether it is [level](Store::level), and all that these rows need lies in `all` rows that
+    /// Whether it is [interior](Store::interior), and all that these rows need lies in `all` rows that
     /// there are: also what the cells at the left and right border take from the ends of the
     /// rows before and after, as they are stored with the others and put right afterwards.
     #[inline]
-    pub(super) fn is_level(&self, rows: &Range<usize>, all: &Range<usize>, size: Size) -> bool {
+    pub(super) fn is_interior(&self, rows: &Range<usize>, all: &Range<usize>, size: Size) -> bool {
         let Border {
             above,
             below,
             left,
             right,
         } = self.border;
-        self.level
+        self.interior
             && rows.start >= above
             && rows.end + below <= size.height
             && left + right < size.width
@@ -104,32 +113,39 @@ impl Store {
 /// Two stores, one after the other, of which the second has what the first put into its cell on
 /// its bus, and nobody else reads it: the usual way to move a value, since each store inverts.
 #[derive(Clone, Debug)]
-pub(super) struct Pair {
+pub(super) struct FusedStore {
     pub(super) first: Store,
     pub(super) second: Store,
     /// What else is on the second bus.
-    pub(super) extra: Option<Wire>,
+    pub(super) extra: Option<BusInput>,
     /// Whether the second cell is on the first bus.
     pub(super) own: bool,
-    /// Whether both are [level](Store::level).
-    pub(super) level: bool,
+    /// Whether both are [interior](Store::interior).
+    pub(super) interior: bool,
 }
 
-impl Pair {
+impl FusedStore {
     /// `None` where they cannot be one.
-    fn of(first: &Store, second: &Store, wires: &[Wire]) -> Option<Self> {
-        let (one, two) = (&wires[first.wires.clone()], &wires[second.wires.clone()]);
-        let between = Wire {
+    fn of(first: &Store, second: &Store, bus_inputs: &[BusInput]) -> Option<Self> {
+        let (one, two) = (
+            &bus_inputs[first.bus_inputs.clone()],
+            &bus_inputs[second.bus_inputs.clone()],
+        );
+        let between = BusInput {
             plane: first.register.0.into(),
             beside: (0, 0),
         };
         let target = usize::from(second.register.0);
-        let mut extra = two.iter().filter(|wire| **wire != between);
+        let mut extra = two.iter().filter(|bus_input| **bus_input != between);
         let (other, more) = (extra.next().copied(), extra.next());
         let joined = two.len() == 1 + usize::from(other.is_some()) && more.is_none();
-        let straight = other.is_none_or(|wire| wire.beside == (0, 0));
-        let own = one.iter().filter(|wire| wire.plane == target).count();
-        let unmoved = first.beside == (0, 0) && one.iter().all(|wire| wire.beside == (0, 0));
+        let straight = other.is_none_or(|bus_input| bus_input.beside == (0, 0));
+        let own = one
+            .iter()
+            .filter(|bus_input| bus_input.plane == target)
+            .count();
+        let unmoved =
+            first.beside == (0, 0) && one.iter().all(|bus_input| bus_input.beside == (0, 0));
         let fits = joined
             && straight
             && one.len() <= 2
@@ -145,7 +161,7 @@ impl Pair {
             second: second.clone(),
             extra: other,
             own: own > 0,
-            level: first.level && second.level && own <= 1,
+            interior: first.interior && second.interior && own <= 1,
         })
     }
 }
@@ -153,7 +169,7 @@ impl Pair {
 /// One bit of each pixel: `target := [not] (others, or itself)`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Logic {
-    /// Planes of bits of a [`Band`].
+    /// Planes of bits of a [`Slab`].
     pub(super) target: usize,
     pub(super) others: [usize; 4],
     /// How many they are.
@@ -168,7 +184,7 @@ impl Logic {
     fn of(target: Bit, sources: &[Bit], not: bool, layout: &Layout) -> Option<Self> {
         let plane = |bit: Bit| match bit {
             Bit::Register(register) => Some(usize::from(register.0)),
-            Bit::Flag => Some(Band::<()>::flag_plane(layout)),
+            Bit::Flag => Some(planes::flag(layout)),
             Bit::Select | Bit::Rect => None,
         };
         if target == Bit::Register(layout.roles.propagated) {
@@ -190,24 +206,24 @@ impl Logic {
 
 /// What there is to do on some rows.
 #[derive(Clone, Debug)]
-pub(super) enum Job {
+pub(super) enum Operation {
     /// One target of a bus.
     Store(Store),
-    Pair(Box<Pair>),
+    Fused(Box<FusedStore>),
     /// NEWS cells that several pixels drive: where each lies, and its share.
     Drive {
-        wires: Range<usize>,
+        bus_inputs: Range<usize>,
         driven: Vec<((isize, isize), Share)>,
         step: u64,
     },
     /// FLAG := the bus is above zero.
-    Positive {
-        wires: Range<usize>,
+    Sign {
+        bus_inputs: Range<usize>,
         border: Border,
     },
     /// NEWS := the square of the bus.
     Square {
-        wires: Range<usize>,
+        bus_inputs: Range<usize>,
         step: u64,
     },
     Logic(Logic),
@@ -220,65 +236,39 @@ pub(super) enum Job {
     Copy(Cell),
 }
 
-impl From<Issued<'_>> for Job {
-    fn from(issued: Issued<'_>) -> Self {
-        Self::Word {
-            word: Box::new(issued.word.clone()),
-            step: issued.step,
-        }
-    }
-}
-
 /// Words taken apart, in order.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Jobs {
-    pub(super) jobs: Vec<Job>,
-    pub(super) wires: Vec<Wire>,
+pub(super) struct Operations {
+    pub(super) operations: Vec<Operation>,
+    pub(super) bus_inputs: Vec<BusInput>,
 }
 
-/// What is known about a word from those around it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
-    /// FLAG is 1 in all pixels before it.
-    pub(super) whole: bool,
-    /// Which analogue registers are read after it, before all their cells are written.
-    pub(super) live: Live,
-}
-
-impl Known {
-    /// Nothing.
-    pub(super) const NOTHING: Self = Self {
-        whole: false,
-        live: Live::ALL,
-    };
-}
-
-impl Jobs {
+impl Operations {
     /// One more word.
-    pub(super) fn word(&mut self, issued: Issued<'_>, layout: &Layout, known: Known) {
-        match issued.word {
+    pub(super) fn word(&mut self, word: &Word, copied: bool, layout: &Layout, known: Known) {
+        match &word.word {
             Primitive::Bus { targets, sources } => {
-                let wires = self.wires(sources, issued, layout);
-                self.bus(targets, &wires, issued.step, layout, known);
+                let bus_inputs = self.bus_inputs(sources, word, copied, layout);
+                self.bus(targets, &bus_inputs, word.step, layout, known);
             }
             Primitive::Square { sources } => {
-                let wires = self.wires(sources, issued, layout);
-                let step = issued.step;
-                self.jobs.push(Job::Square { wires, step });
+                let bus_inputs = self.bus_inputs(sources, word, copied, layout);
+                let step = word.step;
+                self.operations.push(Operation::Square { bus_inputs, step });
             }
             Primitive::Where { sources } => {
-                let wires = self.wires(sources, issued, layout);
-                let border = Border::of(&self.wires[wires.clone()], (0, 0));
-                self.jobs.push(Job::Positive { wires, border });
+                let bus_inputs = self.bus_inputs(sources, word, copied, layout);
+                let border = Border::of(&self.bus_inputs[bus_inputs.clone()], (0, 0));
+                self.operations.push(Operation::Sign { bus_inputs, border });
             }
             Primitive::Or { target, sources } => {
-                self.logic(Bit::Register(*target), sources, false, issued, layout);
+                self.logic(Bit::Register(*target), sources, false, word, layout);
             }
             Primitive::Nor { target, sources } => {
-                self.logic(Bit::Register(*target), sources, true, issued, layout);
+                self.logic(Bit::Register(*target), sources, true, word, layout);
             }
             Primitive::WhereBit { sources } => {
-                self.logic(Bit::Flag, sources, false, issued, layout);
+                self.logic(Bit::Flag, sources, false, word, layout);
             }
             Primitive::Nop
             | Primitive::ResetPix
@@ -289,43 +279,45 @@ impl Jobs {
             | Primitive::Clear { .. }
             | Primitive::Dnews { .. }
             | Primitive::PropRead
-            | Primitive::Prop { .. } => self.jobs.push(issued.into()),
+            | Primitive::Prop { .. } => self.other(word),
         }
     }
 
-    /// Makes the last two jobs one; whether it did. `live`: as after the last.
+    /// Makes the last two operations one; whether it did. `live`: as after the last.
     pub(super) fn join(&mut self, live: Live) -> bool {
-        let [.., Job::Store(first), Job::Store(second)] = &self.jobs[..] else {
+        let [.., Operation::Store(first), Operation::Store(second)] = &self.operations[..] else {
             return false;
         };
         if live.has(first.register) {
             return false;
         }
-        let Some(pair) = Pair::of(first, second, &self.wires) else {
+        let Some(pair) = FusedStore::of(first, second, &self.bus_inputs) else {
             return false;
         };
-        self.jobs.truncate(self.jobs.len() - 2);
-        self.jobs.push(Job::Pair(Box::new(pair)));
+        self.operations.truncate(self.operations.len() - 2);
+        self.operations.push(Operation::Fused(Box::new(pair)));
         true
     }
 
-    fn logic(
-        &mut self,
-        target: Bit,
-        sources: &[Bit],
-        not: bool,
-        issued: Issued<'_>,
-        layout: &Layout,
-    ) {
-        let logic = Logic::of(target, sources, not, layout);
-        self.jobs
-            .push(logic.map_or_else(|| issued.into(), Job::Logic));
+    fn logic(&mut self, target: Bit, sources: &[Bit], not: bool, word: &Word, layout: &Layout) {
+        match Logic::of(target, sources, not, layout) {
+            Some(logic) => self.operations.push(Operation::Logic(logic)),
+            None => self.other(word),
+        }
+    }
+
+    /// A word that is executed as it is.
+    fn other(&mut self, word: &Word) {
+        self.operations.push(Operation::Word {
+            word: Box::new(word.word.clone()),
+            step: word.step,
+        });
     }
 
     fn bus(
         &mut self,
         targets: &[Target],
-        wires: &Range<usize>,
+        bus_inputs: &Range<usize>,
         step: u64,
         layout: &Layout,
         known: Known,
@@ -343,17 +335,17 @@ impl Jobs {
             if lost || (several && register == layout.news) {
                 continue;
             }
-            let bus = &self.wires[wires.clone()];
+            let bus = &self.bus_inputs[bus_inputs.clone()];
             let border = Border::of(bus, beside);
-            let planes = Band::<()>::planes(layout);
-            self.jobs.push(Job::Store(Store {
-                wires: wires.clone(),
+            let planes = planes::count(layout);
+            self.operations.push(Operation::Store(Store {
+                bus_inputs: bus_inputs.clone(),
                 register,
                 share: share(part),
                 beside,
-                level: known.whole
+                interior: known.whole
                     && matches!(bus.len(), 1..=3)
-                    && bus.iter().all(|wire| wire.plane < planes),
+                    && bus.iter().all(|bus_input| bus_input.plane < planes),
                 border,
                 whole: known.whole,
                 step,
@@ -365,8 +357,8 @@ impl Jobs {
                 .enumerate()
                 .filter(|(_, target)| to_news(target))
                 .map(|(part, target)| (place(target).1, share(part)));
-            self.jobs.push(Job::Drive {
-                wires: wires.clone(),
+            self.operations.push(Operation::Drive {
+                bus_inputs: bus_inputs.clone(),
                 driven: driven.collect(),
                 step,
             });
@@ -374,23 +366,29 @@ impl Jobs {
     }
 
     /// What the sources put on the bus.
-    fn wires(&mut self, sources: &[Source], issued: Issued<'_>, layout: &Layout) -> Range<usize> {
-        let first = self.wires.len();
-        let news = if issued.copied {
-            Band::<()>::copy_plane(layout)
+    fn bus_inputs(
+        &mut self,
+        sources: &[Source],
+        word: &Word,
+        copied: bool,
+        layout: &Layout,
+    ) -> Range<usize> {
+        let first = self.bus_inputs.len();
+        let news = if copied {
+            planes::copy(layout)
         } else {
             usize::from(layout.news.0)
         };
-        self.wires.extend(sources.iter().map(|source| {
+        self.bus_inputs.extend(sources.iter().map(|source| {
             let (plane, beside) = match source {
                 Source::Register(register) if *register == layout.news => (news, (0, 0)),
                 Source::Register(register) => (usize::from(register.0), (0, 0)),
-                Source::Pix => (Band::<()>::light_plane(layout), (0, 0)),
-                Source::In => (Band::<()>::planes(layout) + issued.input, (0, 0)),
+                Source::Pix => (planes::light(layout), (0, 0)),
+                Source::In => (planes::count(layout) + word.input, (0, 0)),
                 Source::Neighbour(direction) => (news, direction.step()),
             };
-            Wire { plane, beside }
+            BusInput { plane, beside }
         }));
-        first..self.wires.len()
+        first..self.bus_inputs.len()
     }
 }

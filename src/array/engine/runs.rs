@@ -5,13 +5,19 @@
 
 use std::hint::black_box;
 
-use super::{RowOps, field::PIECE};
+use super::super::{RowOps, each::lanes};
+
+/// Cells that are worked on at once, at most.
+pub(super) const PIECE: usize = 2048;
 
 /// Words of bits that are looked at together.
 const WORDS: usize = 8;
 
 /// Cells that are stored under a mask together.
 pub(super) const RUN: usize = 64 * WORDS;
+
+/// Cells that a store needs room for: a run, or a piece of a column and of those on its bus_inputs.
+pub(super) const ROOM: usize = RUN;
 
 /// Cells under a mask, run by run.
 pub(super) struct Runs<'a> {
@@ -123,18 +129,6 @@ impl<'a> Runs<'a> {
         }
         None
     }
-}
-
-/// The place of each of sixteen bits.
-const BITS: [u16; 16] = [
-    1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
-];
-
-/// The place of each of sixteen bits, not as a constant: so the compiler keeps sixteen lanes
-/// together.
-#[inline(always)]
-pub(super) fn lanes() -> [u16; 16] {
-    *black_box(&BITS)
 }
 
 /// Takes `new` where the bit is 1.

@@ -6,10 +6,10 @@
 use std::ops::Range;
 
 use super::{
-    RowOps, Undecided,
-    bits::cut,
-    field::{Field, PIECE},
-    wire::{Border, Wire},
+    super::{RowOps, Undecided, bits::cut},
+    operation::{Border, BusInput},
+    runs::PIECE,
+    view::View,
 };
 use crate::bits::packed;
 
@@ -21,19 +21,19 @@ const BATCH: usize = 16;
 /// # Errors
 /// In domains that have no answer.
 #[inline(always)]
-pub(super) fn positive<D: RowOps>(
+pub(super) fn sign_bits<D: RowOps>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     border: Border,
     bits: &mut [u64],
     rows: Range<usize>,
 ) -> Result<(), Undecided> {
-    let decided = match wires.len() {
-        1 => positive_n::<D, 1>(domain, field, wires, border, bits, rows),
-        2 => positive_n::<D, 2>(domain, field, wires, border, bits, rows),
-        3 => positive_n::<D, 3>(domain, field, wires, border, bits, rows),
-        _ => all(domain, field, wires, bits, rows.start, rows),
+    let decided = match bus_inputs.len() {
+        1 => sign_bits_n::<D, 1>(domain, view, bus_inputs, border, bits, rows),
+        2 => sign_bits_n::<D, 2>(domain, view, bus_inputs, border, bits, rows),
+        3 => sign_bits_n::<D, 3>(domain, view, bus_inputs, border, bits, rows),
+        _ => all(domain, view, bus_inputs, bits, rows.start, rows),
     };
     if decided {
         Ok(())
@@ -42,33 +42,33 @@ pub(super) fn positive<D: RowOps>(
     }
 }
 
-/// With `N` wires; whether the domain has an answer.
+/// With `N` bus_inputs; whether the domain has an answer.
 #[inline(always)]
-fn positive_n<D: RowOps, const N: usize>(
+fn sign_bits_n<D: RowOps, const N: usize>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     border: Border,
     bits: &mut [u64],
     rows: Range<usize>,
 ) -> bool {
-    let width = field.size.width;
+    let width = view.size.width;
     let top = rows.start;
-    let inner = border.inside(field.size, &rows);
+    let inner = border.inside(view.size, &rows);
     let mut decided = true;
     if inner != rows {
-        decided &= all(domain, field, wires, bits, top, rows.start..inner.start);
-        decided &= all(domain, field, wires, bits, top, inner.end..rows.end);
+        decided &= all(domain, view, bus_inputs, bits, top, rows.start..inner.start);
+        decided &= all(domain, view, bus_inputs, bits, top, inner.end..rows.end);
     }
     if inner.is_empty() {
         return decided;
     }
-    let wires: [Wire; N] = *wires.as_array().unwrap_or(&[Wire::NONE; N]);
+    let bus_inputs: [BusInput; N] = *bus_inputs.as_array().unwrap_or(&[BusInput::NONE; N]);
     let words = width.div_ceil(64);
     let even = width.is_multiple_of(64);
     if even && border.left + border.right == 0 {
         let bits = &mut bits[(inner.start - top) * words..][..inner.len() * words];
-        if in_words(domain, field, wires, bits, inner.start) {
+        if in_words(domain, view, bus_inputs, bits, inner.start) {
             return decided;
         }
     }
@@ -76,7 +76,7 @@ fn positive_n<D: RowOps, const N: usize>(
     // Many at once: bytes that were just written are slow to read in another width.
     let mut bytes = [0; 64 * BATCH];
     for y in inner.clone().step_by(run) {
-        let starts = field.starts(&wires, field.cell(y, 0), (0, 0));
+        let starts = view.starts(&bus_inputs, view.cell(y, 0), (0, 0));
         let (first, last) = (border.left, run * width - border.right);
         let bits = &mut bits[(y - top) * words..][..run * words];
         for (batch, bits) in bits.chunks_mut(BATCH).enumerate() {
@@ -84,7 +84,7 @@ fn positive_n<D: RowOps, const N: usize>(
             let bytes = &mut bytes[..64 * bits.len()];
             // What needs something from off the array is done afterwards.
             let (begin, end) = (from.max(first), (from + bytes.len()).min(last).max(from));
-            let sources = field.sources(&wires, &starts, begin, end - begin);
+            let sources = view.sources(&bus_inputs, &starts, begin, end - begin);
             decided &= domain.positives(&sources, &mut bytes[begin - from..end - from]);
             let blocks = bytes.as_chunks::<64>().0;
             for (word, bytes) in bits.iter_mut().zip(blocks) {
@@ -96,7 +96,7 @@ fn positive_n<D: RowOps, const N: usize>(
     for x in (0..border.left).chain(width - border.right..width) {
         for y in inner.clone() {
             let row = &mut bits[(y - top) * words..];
-            decided &= one(domain, field, &wires, row, y, x);
+            decided &= one(domain, view, &bus_inputs, row, y, x);
         }
     }
     decided
@@ -107,15 +107,15 @@ fn positive_n<D: RowOps, const N: usize>(
 #[inline(always)]
 fn in_words<D: RowOps, const N: usize>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: [Wire; N],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: [BusInput; N],
     bits: &mut [u64],
     y: usize,
 ) -> bool {
-    let starts = field.starts(&wires, field.cell(y, 0), (0, 0));
+    let starts = view.starts(&bus_inputs, view.cell(y, 0), (0, 0));
     let mut pieces = bits.chunks_mut(PIECE / 64).enumerate();
     pieces.all(|(k, bits)| {
-        let sources = field.sources(&wires, &starts, PIECE * k, 64 * bits.len());
+        let sources = view.sources(&bus_inputs, &starts, PIECE * k, 64 * bits.len());
         domain.positive_words(&sources, bits)
     })
 }
@@ -125,18 +125,18 @@ fn in_words<D: RowOps, const N: usize>(
 #[inline(never)]
 fn all<D: RowOps>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     bits: &mut [u64],
     top: usize,
     rows: Range<usize>,
 ) -> bool {
-    let width = field.size.width;
+    let width = view.size.width;
     let mut decided = true;
     for y in rows {
         let row = &mut bits[(y - top) * width.div_ceil(64)..];
         for x in 0..width {
-            decided &= one(domain, field, wires, row, y, x);
+            decided &= one(domain, view, bus_inputs, row, y, x);
         }
     }
     decided
@@ -145,13 +145,13 @@ fn all<D: RowOps>(
 /// One pixel; whether the domain has an answer.
 fn one<D: RowOps>(
     domain: &D,
-    field: &Field<'_, '_, D::Cell>,
-    wires: &[Wire],
+    view: &View<'_, '_, D::Cell>,
+    bus_inputs: &[BusInput],
     row: &mut [u64],
     y: usize,
     x: usize,
 ) -> bool {
-    let answer = domain.positive(&field.sum(domain, wires, y, x));
+    let answer = domain.positive(&view.sum(domain, bus_inputs, y, x));
     let mask = 1 << (x % 64);
     let word = &mut row[x / 64];
     *word = if answer == Some(true) {

@@ -1,8 +1,9 @@
 //! A body lowered, once, when a chip is made: basic blocks, and what the host does between them.
 
 use super::{
-    Layout, Ledger,
-    block::{Block, Lowering},
+    super::{Layout, Ledger},
+    block::Block,
+    pass::Lowering,
 };
 use crate::{
     isa::{Device, Digital, Primitive},
@@ -14,23 +15,23 @@ const FULL: usize = 1024;
 
 /// A body, lowered.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lowered {
-    pub(super) stages: Vec<Stage>,
-    pub(super) blocks: Vec<Counted>,
+pub(in crate::array) struct Lowered {
+    pub(in crate::array) stages: Vec<Stage>,
+    pub(in crate::array) blocks: Vec<Counted>,
     /// One-bit registers that it writes.
-    pub(super) refreshed: Vec<Digital>,
+    pub(in crate::array) refreshed: Vec<Digital>,
 }
 
 /// A block, and what its words cost.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Counted {
-    pub(super) block: Block,
-    pub(super) cost: Ledger,
+pub(in crate::array) struct Counted {
+    pub(in crate::array) block: Block,
+    pub(in crate::array) cost: Ledger,
 }
 
 /// One thing after the other.
 #[derive(Clone, Debug)]
-pub(super) enum Stage {
+pub(in crate::array) enum Stage {
     /// Which block.
     Block(usize),
     /// A wave of bits over the whole array.
@@ -50,11 +51,16 @@ pub(super) enum Stage {
 
 impl Lowered {
     /// Of a body on this chip.
-    pub(super) fn new(body: &[Step], device: &Device, layout: &Layout, how: Lowering) -> Self {
+    pub(in crate::array) fn new(
+        body: &[Step],
+        device: &Device,
+        layout: &Layout,
+        lowering: Lowering,
+    ) -> Self {
         let mut lowerer = Lowerer {
             device,
             layout,
-            how,
+            lowering,
             open: Counted::default(),
             blocks: Vec::new(),
         };
@@ -81,7 +87,7 @@ fn digital(cell: Cell) -> Option<Digital> {
 struct Lowerer<'a> {
     device: &'a Device,
     layout: &'a Layout,
-    how: Lowering,
+    lowering: Lowering,
     open: Counted,
     blocks: Vec<Counted>,
 }
@@ -177,7 +183,7 @@ impl Lowerer<'_> {
             return;
         }
         let mut counted = std::mem::take(&mut self.open);
-        counted.block.lower(self.layout, self.how);
+        counted.block.lower(self.layout, self.lowering);
         stages.push(Stage::Block(self.blocks.len()));
         self.blocks.push(counted);
     }

@@ -6,17 +6,14 @@
 use std::ops::Range;
 
 use super::{
-    Place, RowOps,
-    band::Constants,
-    wire::{Border, Store, Wire},
+    super::{Place, RowOps},
+    constants::Constants,
+    operation::{Border, BusInput, Store},
 };
 use crate::{isa::Analog, plane::Size};
 
-/// Cells that are worked on at once, at most.
-pub(super) const PIECE: usize = 2048;
-
 /// Wires of a bus that is worked on many pixels at once, at most.
-pub(super) const WIRES: usize = 4;
+pub(super) const BUS_INPUTS: usize = 4;
 
 /// Cells that follow each other in a plane.
 pub(super) struct Stretch {
@@ -28,7 +25,7 @@ pub(super) struct Stretch {
 }
 
 /// Some rows of the array.
-pub(super) struct Field<'b, 'a, C> {
+pub(super) struct View<'b, 'a, C> {
     /// Of the whole array.
     pub(super) size: Size,
     /// The row that comes first in all planes.
@@ -38,7 +35,7 @@ pub(super) struct Field<'b, 'a, C> {
     pub(super) constants: &'b Constants<C>,
 }
 
-impl<'a, C> Field<'_, 'a, C> {
+impl<'a, C> View<'_, 'a, C> {
     /// Where a cell lies that is stored into, and when that is.
     #[inline(always)]
     pub(super) fn place(&self, store: &Store, y: usize, x: usize) -> Place {
@@ -84,17 +81,17 @@ impl<'a, C> Field<'_, 'a, C> {
     #[inline(always)]
     pub(super) fn stretch(
         &self,
-        wires: &[Wire],
+        bus_inputs: &[BusInput],
         beside: (isize, isize),
         border: Border,
         rows: &Range<usize>,
     ) -> Stretch {
         let (at, n) = (self.cell(rows.start, 0), rows.len() * self.size.width);
         let mut fits = true;
-        for wire in wires {
-            let (dy, dx) = (wire.beside.0 - beside.0, wire.beside.1 - beside.1);
+        for bus_input in bus_inputs {
+            let (dy, dx) = (bus_input.beside.0 - beside.0, bus_input.beside.1 - beside.1);
             let start = at as isize + dy * self.size.width as isize + dx;
-            let cells = match self.planes.get(wire.plane) {
+            let cells = match self.planes.get(bus_input.plane) {
                 Some(plane) => plane.len(),
                 None => usize::MAX,
             };
@@ -107,53 +104,59 @@ impl<'a, C> Field<'_, 'a, C> {
         }
     }
 
-    /// Where each wire begins, that leads to the cells of a plane from `at` on; those lie
+    /// Where each bus_input begins, that leads to the cells of a plane from `at` on; those lie
     /// `beside` the pixels whose bus they get.
     #[inline(always)]
     pub(super) fn starts<const N: usize>(
         &self,
-        wires: &[Wire; N],
+        bus_inputs: &[BusInput; N],
         at: usize,
         beside: (isize, isize),
     ) -> [usize; N] {
         let mut starts = [0; N];
-        for (start, wire) in starts.iter_mut().zip(wires) {
-            let (dy, dx) = (wire.beside.0 - beside.0, wire.beside.1 - beside.1);
+        for (start, bus_input) in starts.iter_mut().zip(bus_inputs) {
+            let (dy, dx) = (bus_input.beside.0 - beside.0, bus_input.beside.1 - beside.1);
             *start = at.wrapping_add_signed(dy * self.size.width as isize + dx);
         }
         starts
     }
 
-    /// Where the wires of the buses of one row lead, which may lie off the array.
+    /// Where the bus_inputs of the buses of one row lead, which may lie off the array.
     #[inline(always)]
-    pub(super) fn beyond<const N: usize>(&self, wires: &[Wire; N], y: usize) -> [Wire; N] {
-        let mut wires = *wires;
-        for wire in &mut wires {
-            if y >= self.size.height || y.wrapping_add_signed(wire.beside.0) >= self.size.height {
+    pub(super) fn beyond<const N: usize>(
+        &self,
+        bus_inputs: &[BusInput; N],
+        y: usize,
+    ) -> [BusInput; N] {
+        let mut bus_inputs = *bus_inputs;
+        for bus_input in &mut bus_inputs {
+            if y >= self.size.height
+                || y.wrapping_add_signed(bus_input.beside.0) >= self.size.height
+            {
                 // The first of the inputs is what lies there.
-                *wire = Wire {
+                *bus_input = BusInput {
                     plane: self.planes.len(),
                     beside: (0, 0),
                 };
             }
         }
-        wires
+        bus_inputs
     }
 
-    /// What comes along each wire: `n` cells, at most a [`PIECE`], so many after its start.
+    /// What comes along each bus_input: `n` cells, at most a [`PIECE`], so many after its start.
     #[inline(always)]
     pub(super) fn sources<const N: usize>(
         &self,
-        wires: &[Wire; N],
+        bus_inputs: &[BusInput; N],
         starts: &[usize; N],
         after: usize,
         n: usize,
     ) -> [&[C]; N] {
         let mut sources: [&[C]; N] = [&[]; N];
-        for ((source, wire), start) in sources.iter_mut().zip(wires).zip(starts) {
-            *source = match self.planes.get(wire.plane) {
+        for ((source, bus_input), start) in sources.iter_mut().zip(bus_inputs).zip(starts) {
+            *source = match self.planes.get(bus_input.plane) {
                 Some(plane) => &plane[start.wrapping_add(after)..][..n],
-                None => &self.constants.inputs[wire.plane - self.planes.len()][..n],
+                None => &self.constants.inputs[bus_input.plane - self.planes.len()][..n],
             };
         }
         sources
@@ -172,18 +175,18 @@ impl<'a, C> Field<'_, 'a, C> {
         y >= height || x >= width || self.flags(y, 1)[x / 64] >> (x % 64) & 1 == 1
     }
 
-    /// What a wire leads to from the bus of a pixel, which may lie off the array.
+    /// What a bus_input leads to from the bus of a pixel, which may lie off the array.
     #[inline]
-    fn at(&self, wire: Wire, y: usize, x: usize) -> &C {
+    fn at(&self, bus_input: BusInput, y: usize, x: usize) -> &C {
         let Size { height, width } = self.size;
         let (to_y, to_x) = (
-            y.wrapping_add_signed(wire.beside.0),
-            x.wrapping_add_signed(wire.beside.1),
+            y.wrapping_add_signed(bus_input.beside.0),
+            x.wrapping_add_signed(bus_input.beside.1),
         );
         if y < height && x < width && to_y < height && to_x < width {
-            match self.planes.get(wire.plane) {
+            match self.planes.get(bus_input.plane) {
                 Some(plane) => &plane[self.cell(to_y, to_x)],
-                None => &self.constants.inputs[wire.plane - self.planes.len()][0],
+                None => &self.constants.inputs[bus_input.plane - self.planes.len()][0],
             }
         } else {
             &self.constants.edge
@@ -195,19 +198,19 @@ impl<'a, C> Field<'_, 'a, C> {
     pub(super) fn sum<D: RowOps<Cell = C>>(
         &self,
         domain: &D,
-        wires: &[Wire],
+        bus_inputs: &[BusInput],
         y: usize,
         x: usize,
     ) -> D::Sum {
         let mut sum = domain.nothing();
-        for wire in wires {
-            domain.add(&mut sum, self.at(*wire, y, x), 1);
+        for bus_input in bus_inputs {
+            domain.add(&mut sum, self.at(*bus_input, y, x), 1);
         }
         sum
     }
 }
 
-impl<C: Clone> Field<'_, '_, C> {
+impl<C: Clone> View<'_, '_, C> {
     /// Writes cells of a register one below the other.
     pub(super) fn put_column(&mut self, register: Analog, y: usize, x: usize, new: &[C]) {
         let (from, width) = (self.cell(y, x), self.size.width);
@@ -226,23 +229,23 @@ impl<C: Clone> Field<'_, '_, C> {
         }
     }
 
-    /// What a wire leads to from the buses of one column, which may lie off the array; its rows
-    /// and those where the wire leads do not.
+    /// What a bus_input leads to from the buses of one column, which may lie off the array; its rows
+    /// and those where the bus_input leads do not.
     #[inline(always)]
-    pub(super) fn column(&self, wire: Wire, y: usize, x: usize, cells: &mut [C]) {
+    pub(super) fn column(&self, bus_input: BusInput, y: usize, x: usize, cells: &mut [C]) {
         let width = self.size.width;
         let (to_y, to_x) = (
-            y.wrapping_add_signed(wire.beside.0),
-            x.wrapping_add_signed(wire.beside.1),
+            y.wrapping_add_signed(bus_input.beside.0),
+            x.wrapping_add_signed(bus_input.beside.1),
         );
-        match self.planes.get(wire.plane) {
+        match self.planes.get(bus_input.plane) {
             Some(plane) if x < width && to_x < width => {
                 let there = plane[self.cell(to_y, to_x)..].iter().step_by(width);
                 for (cell, there) in cells.iter_mut().zip(there) {
                     cell.clone_from(there);
                 }
             }
-            _ => cells.fill(self.at(wire, y, x).clone()),
+            _ => cells.fill(self.at(bus_input, y, x).clone()),
         }
     }
 }

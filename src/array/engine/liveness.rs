@@ -1,6 +1,6 @@
 //! What is read of what a word stores: what nobody reads need not be stored.
 
-use super::{Layout, block::Piece, wire::Known};
+use super::{super::Layout, instruction::Instruction};
 use crate::isa::{
     Analog, Cell, Operands,
     operands::{Access, FlagEffect},
@@ -52,15 +52,36 @@ impl Live {
     }
 }
 
-/// What is known about each piece; after the last the host looks. `whole`: FLAG is 1 in all
+/// What is known about a word from those around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    /// FLAG is 1 in all pixels before it.
+    pub(super) whole: bool,
+    /// Which analogue registers are read after it, before all their cells are written.
+    pub(super) live: Live,
+}
+
+impl Known {
+    /// Nothing.
+    pub(super) const NOTHING: Self = Self {
+        whole: false,
+        live: Live::ALL,
+    };
+}
+
+/// What is known about each instruction; after the last the host looks. `whole`: FLAG is 1 in all
 /// pixels before the first.
-pub(super) fn known(pieces: &[Piece<'_>], mut whole: bool, layout: &Layout) -> Vec<Known> {
-    let operands = pieces.iter().map(|piece| match piece {
-        Piece::Word { issued, .. } => Some(layout.operands(issued.word)),
-        Piece::Copy(_) => None,
+pub(super) fn known(
+    instructions: &[Instruction<'_>],
+    mut whole: bool,
+    layout: &Layout,
+) -> Vec<Known> {
+    let operands = instructions.iter().map(|instruction| match instruction {
+        Instruction::Word { word, .. } => Some(layout.operands(&word.word)),
+        Instruction::Copy(_) => None,
     });
     let operands: Vec<_> = operands.collect();
-    let mut all = Vec::with_capacity(pieces.len());
+    let mut all = Vec::with_capacity(instructions.len());
     for word in &operands {
         all.push(Known {
             whole,
@@ -75,11 +96,11 @@ pub(super) fn known(pieces: &[Piece<'_>], mut whole: bool, layout: &Layout) -> V
         }
     }
     let mut live = Live::ALL;
-    for ((piece, word), known) in pieces.iter().zip(&operands).zip(&mut all).rev() {
+    for ((instruction, word), known) in instructions.iter().zip(&operands).zip(&mut all).rev() {
         known.live = live;
         if let Some(word) = word {
             live = live.before(word, known.whole);
-        } else if let Piece::Copy(Cell::Analog(register)) = piece {
+        } else if let Instruction::Copy(Cell::Analog(register)) = instruction {
             live.insert(*register);
         }
     }

@@ -6,46 +6,14 @@
 use std::ops::Range;
 
 use super::{
-    Layout, State, bits,
-    field::{Field, PIECE},
-    store::ROOM,
-    wire::Logic,
+    super::{BitPlane, Layout, State, bits},
+    constants::Constants,
+    operation::Logic,
+    planes,
+    runs::ROOM,
+    view::View,
 };
 use crate::isa::{Analog, Bit, Digital};
-
-/// What every part of the array needs besides its own rows.
-#[derive(Clone, Debug)]
-pub(super) struct Constants<C> {
-    /// The number of the first word since power-on.
-    pub(super) first: u64,
-    /// What lies off the array.
-    pub(super) edge: C,
-    /// That, and then what the global input held, one after the other, each so often as is
-    /// worked on at once.
-    pub(super) inputs: Vec<Vec<C>>,
-}
-
-impl<C: Clone + PartialEq> Constants<C> {
-    /// For an array as it was switched on.
-    pub(super) fn new(state: &State<C>) -> Self {
-        let cells = PIECE.min(state.layout.size.pixels());
-        Self {
-            first: 0,
-            edge: state.edge.clone(),
-            inputs: vec![vec![state.edge.clone(); cells]],
-        }
-    }
-
-    /// The global input holds this as the `k`th of a block.
-    pub(super) fn set_input(&mut self, k: usize, cell: &C) {
-        let cells = self.inputs[0].len();
-        match self.inputs.get_mut(1 + k) {
-            Some(input) if input.first() == Some(cell) => {}
-            Some(input) => input.fill(cell.clone()),
-            None => self.inputs.push(vec![cell.clone(); cells]),
-        }
-    }
-}
 
 /// Planes beside the registers: of one that a word reads at neighbours and writes itself,
 /// what it held before the word. They are made when they are first needed.
@@ -65,7 +33,7 @@ impl<C> Default for Copies<C> {
 }
 
 /// Rows of every plane.
-pub(super) struct Band<'a, C> {
+pub(super) struct Slab<'a, C> {
     /// Of the whole array.
     pub(super) layout: Layout,
     /// Which rows these are.
@@ -83,7 +51,7 @@ pub(super) struct Band<'a, C> {
     pub(super) bits: Vec<u64>,
 }
 
-impl<'a, C: Clone> Band<'a, C> {
+impl<'a, C: Clone> Slab<'a, C> {
     /// All rows.
     pub(super) fn whole(
         state: &'a mut State<C>,
@@ -95,11 +63,7 @@ impl<'a, C: Clone> Band<'a, C> {
         let mut analog: Vec<&mut [C]> = state.analog.iter_mut().map(|plane| &mut **plane).collect();
         analog.push(&mut copies.analog);
         analog.push(&mut state.pix);
-        let mut digital: Vec<_> = state
-            .digital
-            .iter_mut()
-            .map(super::BitPlane::words_mut)
-            .collect();
+        let mut digital: Vec<_> = state.digital.iter_mut().map(BitPlane::words_mut).collect();
         digital.push(&mut copies.bits);
         digital.push(state.flag.words_mut());
         Self {
@@ -124,7 +88,7 @@ impl<'a, C: Clone> Band<'a, C> {
         let (digital, digital_below) = split_all(self.digital, above * words);
         let (select, select_below) = self.select.split_at(above * words);
         let (rect, rect_below) = self.rect.split_at(above * words);
-        let top = Band {
+        let top = Slab {
             layout: self.layout,
             rows: self.rows.start..row,
             analog,
@@ -135,7 +99,7 @@ impl<'a, C: Clone> Band<'a, C> {
             cells: self.cells.clone(),
             bits: self.bits.clone(),
         };
-        let below = Band {
+        let below = Slab {
             layout: self.layout,
             rows: row..self.rows.end,
             analog: analog_below,
@@ -162,7 +126,7 @@ fn split_all<T>(planes: Vec<&mut [T]>, at: usize) -> (Vec<&mut [T]>, Vec<&mut [T
         .unzip()
 }
 
-impl<'a, C> Band<'a, C> {
+impl<'a, C> Slab<'a, C> {
     /// Words of bits in a row.
     pub(super) fn words(&self) -> usize {
         self.layout.size.width.div_ceil(64)
@@ -186,7 +150,7 @@ impl<'a, C> Band<'a, C> {
     /// What a word reads: a register, or the copy of it.
     pub(super) fn analog(&self, register: Analog, copied: bool) -> &[C] {
         if copied {
-            self.analog[Self::copy_plane(&self.layout)]
+            self.analog[planes::copy(&self.layout)]
         } else {
             self.analog[usize::from(register.0)]
         }
@@ -194,52 +158,32 @@ impl<'a, C> Band<'a, C> {
 
     /// The photodiodes.
     pub(super) fn pix(&mut self) -> &mut [C] {
-        self.analog[Self::light_plane(&self.layout)]
-    }
-
-    /// Where the copy of a register lies among the planes.
-    pub(super) fn copy_plane(layout: &Layout) -> usize {
-        layout.analog.into()
-    }
-
-    /// Where the photodiodes lie among the planes.
-    pub(super) fn light_plane(layout: &Layout) -> usize {
-        Self::copy_plane(layout) + 1
-    }
-
-    /// How many planes there are.
-    pub(super) fn planes(layout: &Layout) -> usize {
-        Self::light_plane(layout) + 1
+        self.analog[planes::light(&self.layout)]
     }
 
     /// What loops over pixels read, and the room that they need.
     #[inline(always)]
-    pub(super) fn field(&mut self) -> (Field<'_, 'a, C>, &mut [C]) {
-        let field = Field {
+    pub(super) fn view(&mut self) -> (View<'_, 'a, C>, &mut [C]) {
+        let view = View {
             size: self.layout.size,
             top: self.rows.start,
             planes: &mut self.analog,
-            flag: self.digital[Self::flag_plane(&self.layout)],
+            flag: self.digital[planes::flag(&self.layout)],
             constants: self.constants,
         };
-        (field, &mut self.cells)
+        (view, &mut self.cells)
     }
 
     pub(super) fn flag(&self) -> &[u64] {
-        self.digital[Self::flag_plane(&self.layout)]
+        self.digital[planes::flag(&self.layout)]
     }
 
     pub(super) fn take_flag(&mut self) -> &'a mut [u64] {
-        std::mem::take(&mut self.digital[Self::flag_plane(&self.layout)])
+        std::mem::take(&mut self.digital[planes::flag(&self.layout)])
     }
 
     pub(super) fn put_flag(&mut self, flag: &'a mut [u64]) {
-        self.digital[Self::flag_plane(&self.layout)] = flag;
-    }
-
-    /// Where FLAG lies among the planes of bits.
-    pub(super) fn flag_plane(layout: &Layout) -> usize {
-        usize::from(layout.digital) + 1
+        self.digital[planes::flag(&self.layout)] = flag;
     }
 
     pub(super) fn take_bits(&mut self, register: Digital) -> &'a mut [u64] {
@@ -265,20 +209,20 @@ impl<'a, C> Band<'a, C> {
         }
     }
 
-    /// Where rows of bits lie in a plane of this band.
+    /// Where rows of bits lie in a plane of this slab.
     pub(super) fn row_words(&self, rows: Range<usize>) -> Range<usize> {
         let (top, words) = (self.rows.start, self.words());
         (rows.start - top) * words..(rows.end - top) * words
     }
 
-    /// Where rows of cells lie in a plane of this band.
+    /// Where rows of cells lie in a plane of this slab.
     pub(super) fn row_cells(&self, rows: Range<usize>) -> Range<usize> {
         let (top, width) = (self.rows.start, self.layout.size.width);
         (rows.start - top) * width..(rows.end - top) * width
     }
 }
 
-impl<C> Band<'_, C> {
+impl<C> Slab<'_, C> {
     /// One-bit logic on some rows.
     #[inline(always)]
     pub(super) fn logic(&mut self, logic: &Logic, rows: Range<usize>) {
@@ -310,11 +254,11 @@ impl<C> Band<'_, C> {
     }
 }
 
-impl<C: Clone> Band<'_, C> {
+impl<C: Clone> Slab<'_, C> {
     /// Copies rows of a register.
     pub(super) fn copy(&mut self, register: Analog, rows: Range<usize>) {
         let cells = self.row_cells(rows);
-        let copy = Self::copy_plane(&self.layout);
+        let copy = planes::copy(&self.layout);
         let (registers, copies) = self.analog.split_at_mut(copy);
         copies[0][cells.clone()].clone_from_slice(&registers[usize::from(register.0)][cells]);
     }

@@ -1,0 +1,9 @@
+//! Programs on linear forms and intervals: the kernel that a program computes, and its ranges.
+
+mod form;
+mod pixel;
+pub mod range;
+pub mod taps;
+
+pub use form::Input;
+pub use pixel::GenericError;
