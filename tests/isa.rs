@@ -4,7 +4,8 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use amacrine::{
-    isa::{Device, Figure, LoadError, text::Located},
+    config::Located,
+    isa::{Device, Figure, LoadError},
     program::{Action, Program, Step, stored},
 };
 

@@ -6,7 +6,7 @@
 //! let program = Program::parse("copy.scamp", "mov(A, B); // through NEWS")?;
 //! let expansion = program.expand(&Device::scamp5(), &Default::default())?;
 //! assert_eq!(Cost::of(&expansion.code.frame, &Device::scamp5()).words.0, 2);
-//! # Ok::<(), amacrine::isa::text::Faults>(())
+//! # Ok::<(), amacrine::config::Faults>(())
 //! ```
 
 mod check;
@@ -35,11 +35,9 @@ pub use syntax::Syntax;
 pub use words::vendor_text;
 
 use crate::{
+    config::{Fault, Faults, Severity},
     event::Polarity,
-    isa::{
-        Analog, Device, Digital, Primitive,
-        text::{Fault, Faults, Severity},
-    },
+    isa::{Analog, Device, Digital, Primitive},
 };
 
 /// A program: its text, taken apart.

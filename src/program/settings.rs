@@ -5,10 +5,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::isa::{
-    text::{Fault, Place},
-    toml_fault,
-};
+use crate::config::{Fault, Place};
+use crate::isa::toml_fault;
 
 /// The settings of a program; all can be left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -4,13 +4,11 @@ use std::collections::BTreeMap;
 
 use toml::Spanned;
 
+use crate::config::{Fault, Faults, suggestion, suggestion_or};
 use crate::limit::ALIASES;
 
 use super::{
-    super::{
-        Analog, Digital, Figure, Quantity, Registers, Roles,
-        text::{Fault, Faults, suggestion, suggestion_or},
-    },
+    super::{Analog, Digital, Figure, Quantity, Registers, Roles},
     Layer,
 };
 

@@ -3,12 +3,9 @@
 use std::path::Path;
 
 use super::{
-    super::{
-        Device,
-        text::{Fault, Faults, suggestion_or},
-    },
-    CHAIN, Folder, Layer, LoadError, PrimitivesFile, SHIPPED, toml_fault, unknown,
+    super::Device, CHAIN, Folder, Layer, LoadError, PrimitivesFile, SHIPPED, toml_fault, unknown,
 };
+use crate::config::{Fault, Faults, suggestion_or};
 use crate::source;
 
 /// What a chip's folder holds.

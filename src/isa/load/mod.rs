@@ -21,12 +21,10 @@ use self::{
     layers::{disk_folder, layers, shipped_folder},
     rows::{all_macros, host_rows, primitive_rows},
 };
+use crate::config::{Fault, Faults, Place, nearest};
 use crate::limit::FAULTS;
 
-use super::{
-    Clock, Device, Evidence, HostKind, Kind, Quantity, macros,
-    text::{Fault, Faults, Place, nearest},
-};
+use super::{Clock, Device, Evidence, HostKind, Kind, Quantity, macros};
 
 /// Why a chip cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]

@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 
 use toml::Spanned;
 
+use crate::config::{Fault, Faults};
 use crate::limit::FORMS;
 
 use super::{
     super::{
         Analog, Digital, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
-        Signature, Value, macros, row,
-        signature::Parameter,
-        text::{Fault, Faults},
+        Signature, Value, macros, row, signature::Parameter,
     },
     Layer,
 };

@@ -8,7 +8,7 @@ use toml::{
     de::{DeString, DeTable, DeValue},
 };
 
-use crate::isa::text::{Fault, Place, suggestion_or};
+use crate::config::{Fault, Place, suggestion_or};
 
 /// What was read, or what is wrong with it.
 pub(super) type Read<T> = Result<T, Fault>;

@@ -28,10 +28,8 @@ use super::{
     table,
 };
 use crate::{
-    isa::{
-        Device,
-        text::{Fault, Faults, Place},
-    },
+    config::{Fault, Faults, Place},
+    isa::Device,
     kernel::Kernel,
     source,
 };

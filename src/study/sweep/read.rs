@@ -11,7 +11,7 @@ use super::{
     value::{Ramp, Value, Values},
 };
 use crate::{
-    isa::text::{Fault, Place},
+    config::{Fault, Place},
     photoreceptor::{Curve, Response},
     reference::Noise,
 };

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{key::Side, point::Point};
 use crate::{
-    isa::text::{Fault, Place},
+    config::{Fault, Place},
     kernel::Kernel,
     reference::{Description, DescriptionError},
 };

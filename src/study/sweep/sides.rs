@@ -13,7 +13,7 @@ use super::{
     study::{Entry, Reader, SETTINGS},
     value::Values,
 };
-use crate::isa::text::{Fault, Place};
+use crate::config::{Fault, Place};
 
 impl Reader<'_> {
     /// The axes of every side; what stands above them holds for all that have the key.

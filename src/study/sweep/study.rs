@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     compile::Effort,
-    isa::text::{Fault, Faults, Place, suggestion_or},
+    config::{Fault, Faults, Place, suggestion_or},
     unit::Micros,
 };
 
