@@ -75,6 +75,19 @@ impl Kind {
         }
     }
 
+    /// Whether it takes this text.
+    #[must_use]
+    pub fn holds_text(&self, text: &str) -> bool {
+        match self {
+            Self::Text => true,
+            Self::Name => !text.is_empty(),
+            Self::Choice(words) => words.contains(&text),
+            Self::Spelled(spelling) => (spelling.holds)(text),
+            Self::Either { ways, .. } => ways.iter().any(|way| way.holds_text(text)),
+            _ => false,
+        }
+    }
+
     /// What it takes, in words.
     #[must_use]
     pub fn words(&self) -> String {
@@ -102,6 +115,7 @@ impl Kind {
 pub(super) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
     match names.as_slice() {
+        [] => "none".to_owned(),
         [one] => one.clone(),
         [one, other] => format!("{one} or {other}"),
         all => format!("one of {}", all.join(", ")),

@@ -1,6 +1,6 @@
 //! A table that was checked: typed values by the names of their keys.
 
-use super::{Absent, Fault, Node, Place, Read, Table};
+use super::{Absent, Fault, Key, Kind, Node, Place, Read, Table, choice};
 
 /// A table of a document, and what its keys are.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +71,26 @@ impl<'a> Section<'a> {
         }
         let node = self.need(key)?;
         node.as_text().ok_or_else(|| other(key, node, "a text"))
+    }
+
+    /// What the word of a key stands for: that of `all` which is where the word is in the key's
+    /// list of words. None when there is neither a word nor a default.
+    ///
+    /// # Errors
+    /// When the key takes other words.
+    pub fn word<T: Copy>(&self, key: &str, all: &[T]) -> Read<Option<T>> {
+        let Some(Key {
+            kind: Kind::Choice(words),
+            ..
+        }) = self.table.key(key)
+        else {
+            return Ok(None);
+        };
+        if self.get(key).is_none() && self.default(key).is_none() {
+            return Ok(None);
+        }
+        let at = choice(self.text(key)?, words, self.place_of(key), "")?;
+        Ok(all.get(at).copied())
     }
 
     /// The number of a key, or what holds when it is left out.
