@@ -150,20 +150,19 @@ impl Check<'_> {
             }
         }
         let chosen = given.iter().filter(|(n, _)| table.one_of.contains(&n.text));
-        let names = listed(table.one_of.iter().copied());
+        let names: Vec<String> = table.one_of.iter().map(|n| format!("`{n}`")).collect();
+        let names = names.join(", ");
         match chosen.count() {
             0 if !table.one_of.is_empty() => {
-                let key = table.one_of.iter().find_map(|name| table.key(name));
-                let help = key.map_or_else(String::new, |key| {
-                    format!("add it, such as {}", key.example)
-                });
-                let message = format!("missing key {}", names.trim_start_matches("one of "));
-                self.wrong(node.place(), message, help);
+                let mut examples = table.one_of.iter().filter_map(|name| table.key(name));
+                let example = examples.next().map_or("", |key| key.example);
+                let help = format!("add one of them, such as {example}");
+                self.wrong(node.place(), format!("missing key {names}"), help);
             }
             0 | 1 => {}
             _ => {
-                let message = format!("{names} is given, not several of them");
-                self.wrong(node.place(), message, "leave all but one out");
+                let message = format!("only one of {names} can be given");
+                self.wrong(node.place(), message, "leave the others out");
             }
         }
     }
@@ -205,7 +204,10 @@ fn takes(kind: &Kind, node: Node<'_>) -> bool {
 }
 
 fn give(kind: &Kind, what: &str) -> String {
-    format!("give {}: {what}", kind.words())
+    match what {
+        "" => format!("give {}", kind.words()),
+        what => format!("give {}: {what}", kind.words()),
+    }
 }
 
 /// The entries of a list of tables are named alone: their place says which it is.

@@ -57,6 +57,12 @@ pub struct Node<'a> {
 }
 
 impl<'a> Node<'a> {
+    /// This value.
+    #[must_use]
+    pub const fn new(value: &'a Spanned<DeValue<'a>>) -> Self {
+        Self { value }
+    }
+
     /// Where it stands.
     #[must_use]
     pub fn place(self) -> Place {
@@ -120,6 +126,13 @@ impl<'a> Node<'a> {
     pub fn as_list(self) -> Option<Vec<Self>> {
         let list = self.value.get_ref().as_array()?;
         Some(list.iter().map(|value| Self { value }).collect())
+    }
+
+    /// The numbers, row by row, if it is a list of lists of numbers.
+    #[must_use]
+    pub fn as_rows(self) -> Option<Vec<Vec<f64>>> {
+        let row = |row: Self| row.as_list()?.into_iter().map(Self::as_number).collect();
+        self.as_list()?.into_iter().map(row).collect()
     }
 
     /// Keys and values of the table, if it is one, in the order of the text.

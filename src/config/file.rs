@@ -36,21 +36,14 @@ impl File {
     /// All that is wrong with it.
     pub fn document<'a>(&self, text: &'a str) -> Result<Document<'a>, Vec<Fault>> {
         let document = Document::parse(text).map_err(|fault| vec![fault])?;
-        let faults = self.check(&self.kind, document.root(), "", "");
-        if faults.is_empty() {
-            return Ok(document);
-        }
-        Err(faults)
-    }
-
-    /// What is wrong with one value; `path` is what messages call it, `what` what it is.
-    #[must_use]
-    pub fn check(&self, kind: &Kind, node: Node<'_>, path: &str, what: &str) -> Vec<Fault> {
         let mut check = Check {
             see: self.see,
             faults: Vec::new(),
         };
-        check.value(kind, node, path, what);
-        check.faults
+        check.value(&self.kind, document.root(), "", "");
+        if check.faults.is_empty() {
+            return Ok(document);
+        }
+        Err(check.faults)
     }
 }

@@ -204,7 +204,7 @@ fn of_macro(text: &mut String, it: &Macro, device: &Device) {
     line(text, &format!("- words: {}", words(it, device)));
     match &it.evidence {
         Some((evidence, source)) => {
-            line(text, &format!("- evidence: {}; {source}", *evidence.word()));
+            line(text, &format!("- evidence: {}; {source}", evidence.word()));
         }
         None => line(text, "- evidence: quoted; HW"),
     }

@@ -11,30 +11,30 @@ use super::{
     value::{Ramp, Value, Values},
 };
 use crate::{
-    config::{Fault, Place},
+    config::{self, Fault, Node, Place},
     photoreceptor::{Curve, Response},
-    reference::Noise,
+    reference::{Noise, keys::FILE},
 };
 
 /// The values of a key: one, a list, or a range.
-pub(super) fn values(key: &Key, written: &Spanned<DeValue<'_>>, text: &str) -> Read<Values> {
+pub(super) fn values(key: &Key, written: &Spanned<DeValue<'_>>) -> Read<Values> {
     match written.get_ref() {
         DeValue::Array(list) => {
-            let one = |item: &Spanned<DeValue<'_>>| Ok((value(key, item, text)?, at(item.span())));
+            let one = |item: &Spanned<DeValue<'_>>| Ok((value(key, item)?, at(item.span())));
             list.iter().map(one).collect::<Read<_>>().map(Values::List)
         }
         DeValue::Table(table) if key.ranges() && table.contains_key("from") => {
             ramp(key, table, at(written.span())).map(Values::Ramp)
         }
         _ => Ok(Values::List(vec![(
-            value(key, written, text)?,
+            value(key, written)?,
             at(written.span()),
         )])),
     }
 }
 
 /// One value.
-pub(super) fn value(key: &Key, written: &Spanned<DeValue<'_>>, text: &str) -> Read<Value> {
+pub(super) fn value(key: &Key, written: &Spanned<DeValue<'_>>) -> Read<Value> {
     let place = at(written.span());
     let name = key.name;
     match key.kind {
@@ -69,8 +69,8 @@ pub(super) fn value(key: &Key, written: &Spanned<DeValue<'_>>, text: &str) -> Re
         }
         Kind::Threshold => threshold(name, written),
         Kind::Refractory => refractory(name, written),
-        Kind::Noise => noise(written, text),
-        Kind::Response => response(written, text),
+        Kind::Noise => noise(written),
+        Kind::Response => response(written),
     }
 }
 
@@ -125,20 +125,16 @@ const NOISY: Noise = Noise {
     ..Noise::NONE
 };
 
-fn noise(written: &Spanned<DeValue<'_>>, text: &str) -> Read<Value> {
+fn noise(written: &Spanned<DeValue<'_>>) -> Read<Value> {
     let place = at(written.span());
     let noise = match written.get_ref() {
         DeValue::String(name) => match one_of("noise", name, &["none", "noisy"], place)? {
             "noisy" => NOISY,
             _ => Noise::NONE,
         },
-        DeValue::Table(_) => inside::<Noise>("noise", written, text)?,
         _ => {
-            return Err(kind(
-                "noise",
-                written,
-                "\"none\", \"noisy\" or { shot-hz = 5 }",
-            ));
+            let kind = config::Kind::Table(&Noise::TABLE);
+            Noise::stated(kind.check(Node::new(written), "noise", FILE.see)?)?
         }
     };
     Ok(Value::Word(noise_text(&noise)))
@@ -168,8 +164,9 @@ fn noise_text(noise: &Noise) -> String {
     format!("{{ {} }}", told.join(", "))
 }
 
-fn response(written: &Spanned<DeValue<'_>>, text: &str) -> Read<Value> {
-    let Response { curve, round_f32 } = inside::<Response>("response", written, text)?;
+fn response(written: &Spanned<DeValue<'_>>) -> Read<Value> {
+    let Response { curve, round_f32 } =
+        Response::read(Response::KIND.check(Node::new(written), "response", FILE.see)?)?;
     let round = if round_f32 { ", round = \"f32\"" } else { "" };
     Ok(Value::Word(match curve {
         Curve::Identity => "\"identity\"".to_owned(),
@@ -182,36 +179,6 @@ fn response(written: &Spanned<DeValue<'_>>, text: &str) -> Read<Value> {
         }
         Curve::LinLog { knee } => format!("{{ lin-log = {{ knee = {knee:?} }} }}"),
     }))
-}
-
-/// Reads what stands there as a sensor file would.
-fn inside<T: serde::de::DeserializeOwned>(
-    name: &str,
-    written: &Spanned<DeValue<'_>>,
-    text: &str,
-) -> Read<T> {
-    let span = written.span();
-    let there = text.get(span.clone()).unwrap_or_default();
-    let before = "it = ";
-    let table: Result<std::collections::BTreeMap<String, T>, _> =
-        toml::from_str(&format!("{before}{there}"));
-    match table {
-        Ok(mut table) => table
-            .remove("it")
-            .ok_or_else(|| Fault::error(at(span), format!("`{name}` is empty"), "here")),
-        Err(fault) => {
-            let inner = fault.span().unwrap_or(0..0);
-            let moved =
-                |byte: usize| (span.start + byte.saturating_sub(before.len())).min(span.end);
-            let place = at(moved(inner.start)..moved(inner.end));
-            let message = fault
-                .message()
-                .trim()
-                .replace("unknown field", "unknown key");
-            Err(Fault::error(place, format!("`{name}`: {message}"), "here")
-                .help("docs/reference.md lists the keys of a sensor file"))
-        }
-    }
 }
 
 fn ramp(key: &Key, table: &DeTable<'_>, place: Place) -> Read<Ramp> {

@@ -82,7 +82,7 @@ impl Reader<'_> {
                 found.map(|(name, written)| (*name, *written))
             });
             let read = match own {
-                Some((_, written)) => axis(key, written, self.text, sampled).map(Some),
+                Some((_, written)) => axis(key, written, sampled).map(Some),
                 None => absent(key, side, place),
             };
             axes.extend(self.keep(read).flatten());
@@ -116,13 +116,8 @@ impl Reader<'_> {
     }
 }
 
-fn axis(
-    key: &'static Key,
-    written: &Spanned<DeValue<'_>>,
-    text: &str,
-    sampled: bool,
-) -> Read<Axis> {
-    let values = read::values(key, written, text)?;
+fn axis(key: &'static Key, written: &Spanned<DeValue<'_>>, sampled: bool) -> Read<Axis> {
+    let values = read::values(key, written)?;
     let place: Place = written.span().into();
     let name = key.name;
     match &values {
@@ -157,7 +152,7 @@ fn absent(key: &'static Key, side: Side, place: Place) -> Read<Option<Axis>> {
         Absent::Is(text) => {
             let value = DeValue::parse(text)
                 .map_err(|e| Fault::error(place, e.message().to_owned(), "here"))?;
-            let mut axis = axis(key, &value, text, true)?;
+            let mut axis = axis(key, &value, true)?;
             axis.place = place;
             if let Values::List(list) = &mut axis.values {
                 for (_, at) in list {
