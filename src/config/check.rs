@@ -130,6 +130,7 @@ impl Check<'_> {
     pub fn table(&mut self, table: &'static Table, node: Node<'_>, path: &str) {
         let section = Section::new(node, table);
         let given = node.as_table().unwrap_or_default();
+        let mut unknown = false;
         for (name, value) in &given {
             if enough(&self.faults) {
                 return;
@@ -139,8 +140,13 @@ impl Check<'_> {
                 None => {
                     let fault = unknown_key(*name, table.names(), self.see);
                     self.faults.push(fault);
+                    unknown = true;
                 }
             }
+        }
+        // What is missing is most likely what was misspelled.
+        if unknown {
+            return;
         }
         for key in table.keys {
             if key.absent == Absent::Required

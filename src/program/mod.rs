@@ -30,7 +30,10 @@ pub use effect::{Effect, FlagState};
 pub use expand::{Entry, Expanded, Expansion, Overrides};
 pub use host::buffer;
 pub use reference::reference;
-pub use settings::{Computes, Expectation, ExpectedEvents, ExpectedWords, Settings, Summary};
+pub use settings::{
+    Computes, EXPECTATION_FILE, Expectation, ExpectedEvents, ExpectedWords, SETTINGS_FILE,
+    Settings, Summary,
+};
 pub use syntax::Syntax;
 pub use words::vendor_text;
 
@@ -78,8 +81,8 @@ impl Program {
             footer_at,
             mut faults,
         } = parse::parse(text);
-        let settings = settings::read(&syntax.header, &header_at, &mut faults);
-        let expectation = settings::read(&syntax.footer, &footer_at, &mut faults);
+        let settings = Settings::read(&syntax.header, &header_at, &mut faults);
+        let expectation = Expectation::read(&syntax.footer, &footer_at, &mut faults);
         Self {
             file: file.to_owned(),
             text: text.into(),
