@@ -113,10 +113,11 @@ impl Check<'_> {
             tried.push(check.faults);
         }
         match (fits.as_slice(), tried.pop()) {
-            ([Kind::Choice(_)], _) => {
+            ([Kind::Choice(words)], _) => {
                 let word = node.as_text().unwrap_or_default();
                 let message = format!("unknown value `{word}`, expected {}", kind.words());
-                self.wrong(node.place(), message, self.see);
+                let help = suggestion_or(word, words.iter().copied(), self.see);
+                self.wrong(node.place(), message, help);
             }
             ([_], Some(faults)) => self.faults.extend(faults),
             _ => {

@@ -26,7 +26,7 @@ pub mod schema;
 mod section;
 
 pub use check::{choice, unknown_key};
-pub use document::{Document, Node};
+pub use document::{Document, Name, Node};
 pub use fault::{Fault, Faults, Located, Severity, enough, thin};
 pub use file::File;
 pub use key::{Absent, Key, Table};

@@ -97,7 +97,7 @@ const SLOTS: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
     holds: |text| {
         text.trim()
             .parse()
-            .is_ok_and(|slots| (1..=4000).contains(&slots))
+            .is_ok_and(|slots: u64| (1..=4000).contains(&slots))
     },
 })));
 
