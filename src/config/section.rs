@@ -93,6 +93,16 @@ impl<'a> Section<'a> {
         Ok(all.get(at).copied())
     }
 
+    /// As [`Section::word`], where there is one.
+    ///
+    /// # Errors
+    /// When there is none, or it is none of the key's words.
+    pub fn needed_word<T: Copy>(&self, key: &str, all: &[T]) -> Read<T> {
+        let node = self.need(key)?;
+        let word = self.word(key, all)?;
+        word.ok_or_else(|| other(key, node, "another word"))
+    }
+
     /// The number of a key, or what holds when it is left out.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ mod value;
 
 pub use device::{Callable, Device, FigureError, Registers, Roles};
 pub use figure::{Domain, Evidence, Figure, Quantity};
-pub use load::LoadError;
+pub use load::{LoadError, keys};
 
 pub use macros::Macro;
 pub use operands::{Cell, Operands};
