@@ -31,8 +31,7 @@ pub use expand::{Entry, Expanded, Expansion, Overrides};
 pub use host::buffer;
 pub use reference::reference;
 pub use settings::{
-    Computes, EXPECTATION_FILE, Expectation, ExpectedEvents, ExpectedWords, SETTINGS_FILE,
-    Settings, Summary,
+    Computes, Expectation, ExpectedEvents, ExpectedWords, Settings, Summary, json_schema,
 };
 pub use syntax::Syntax;
 pub use words::vendor_text;

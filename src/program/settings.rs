@@ -6,25 +6,39 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::{
-    config::{Fault, File, Key, Kind, Node, Place, Range, Read, Section, Table},
+    config::{Fault, File, Key, Kind, Node, Place, Range, Read, Section, Table, schema},
     kernel,
 };
 
 const SEE: &str = "docs/guides and the shipped programs show what can stand here";
 
 /// The settings at the top of a program.
-pub const SETTINGS_FILE: File = File {
+const SETTINGS_FILE: File = File {
     title: "settings of a program of amacrine: its lines that begin with //!",
     kind: Kind::Table(&SETTINGS),
     see: SEE,
 };
 
 /// The expectation at the bottom of a program.
-pub const EXPECTATION_FILE: File = File {
+const EXPECTATION_FILE: File = File {
     title: "expectation of a program of amacrine: its lines that begin with //=",
     kind: Kind::Table(&EXPECTATION),
     see: SEE,
 };
+
+/// JSON Schema of the settings of a program; that of its expectation is `$defs/expectation` in
+/// it.
+#[must_use]
+pub fn json_schema() -> serde_json::Value {
+    let mut settings = schema::file(&SETTINGS_FILE);
+    let expectation = schema::file(&EXPECTATION_FILE);
+    schema::add(
+        &mut settings,
+        "$defs",
+        serde_json::json!({"expectation": expectation}),
+    );
+    settings
+}
 
 /// Any number: whoever uses it says what it may be.
 const NUMBER: Kind = Kind::Number(Range::FREE);
