@@ -77,7 +77,7 @@ targets! {
     "light" Words |b| clip("npy", b);
     "folder" Png folder;
     "pattern" Text |b| text(b, |t| play(&format!("pattern:{t}")));
-    "kernel" Text |b| text(b, |t| drop(Kernel::from_toml(t)));
+    "kernel" Text |b| text(b, |t| drop(Kernel::from_toml("k.toml", t)));
     "weights" Words |b| drop(Kernel::from_npy(b));
     "sensor" Text |b| text(b, sensor);
     "device" Text |b| chip(0, b);

@@ -19,6 +19,7 @@
 
 pub mod bits;
 pub mod chance;
+pub mod config;
 pub mod elementary;
 pub mod guard;
 pub mod limit;

@@ -12,13 +12,13 @@
 //! `round = "f32"` in a response rounds the result to single precision, as the released data
 //! set does before its double-precision simulator reads it.
 
-use serde::Deserialize;
-
-use crate::elementary;
+use crate::{
+    config::{Document, Key, Kind, Node, Range, Read, Section, Table},
+    elementary,
+};
 
 /// The static response of the photoreceptor.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "Written")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
     /// The curve.
     pub curve: Curve,
@@ -114,119 +114,111 @@ impl Response {
     }
 }
 
-const KNOWN: &str = "expected \"identity\", { linear = 255 }, \
-    { log = { white = 255, offset = 1e-5 } } or { lin-log = { knee = 20 } }";
+const CURVES: Table = Table {
+    one_of: &["linear", "log", "lin-log"],
+    keys: &[
+        Key::optional(
+            "linear",
+            Kind::Either {
+                ways: &[WHITE, Kind::Table(&LINEAR)],
+                expected: "the light that maps to 1, or { white = 255, round = \"f32\" }",
+            },
+            "the light that maps to 1",
+        )
+        .example("linear = 255"),
+        Key::optional("log", Kind::Table(&LOG), "ln(I / white + offset)")
+            .example("log = { white = 255, offset = 1e-5 }"),
+        Key::optional(
+            "lin-log",
+            Kind::Table(&LIN_LOG),
+            "linear up to the knee, ln I above it",
+        )
+        .example("lin-log = { knee = 20 }"),
+    ],
+};
 
-/// A response as it stands in a sensor file.
-#[derive(Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected \"identity\", { linear = 255 }, { log = { white = 255, offset = 1e-5 } } or { lin-log = { knee = 20 } }"
-)]
-enum Written {
-    Name(String),
-    Curve(Table),
-}
+const WHITE: Kind = Kind::Number(Range::POSITIVE);
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct Table {
-    linear: Option<Linear>,
-    log: Option<Log>,
-    lin_log: Option<LinLog>,
-}
+const ROUND: Key = Key::with_default(
+    "round",
+    Kind::Choice(&["f64", "f32"]),
+    "\"f64\"",
+    "to which precision the result is rounded",
+);
 
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Linear {
-    White(f64),
-    Table {
-        white: f64,
-        #[serde(default)]
-        round: Round,
-    },
-}
+const LINEAR: Table = Table::new(&[
+    Key::required("white", WHITE, "the light that maps to 1").example("white = 255"),
+    ROUND,
+]);
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Log {
-    white: f64,
-    offset: f64,
-    #[serde(default)]
-    round: Round,
-}
+const LOG: Table = Table::new(&[
+    Key::required("white", WHITE, "the light that maps to ln(1 + offset)").example("white = 255"),
+    Key::required(
+        "offset",
+        Kind::Number(Range::POSITIVE),
+        "what keeps the logarithm of black finite",
+    )
+    .example("offset = 1e-5"),
+    ROUND,
+]);
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LinLog {
-    knee: f64,
-}
+// Below e the two parts cannot both rise.
+const LIN_LOG: Table = Table::new(&[Key::required(
+    "knee",
+    Kind::Number(Range::above(1.0)),
+    "the light where the two parts meet",
+)
+.example("knee = 20")]);
 
-#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Round {
-    #[default]
-    F64,
-    F32,
-}
+impl Response {
+    /// How a response is written in a file.
+    pub const KIND: Kind = Kind::Either {
+        ways: &[Kind::Choice(&["identity"]), Kind::Table(&CURVES)],
+        expected: "\"identity\", { linear = 255 }, { log = { white = 255, offset = 1e-5 } } or { lin-log = { knee = 20 } }",
+    };
 
-impl TryFrom<Written> for Response {
-    type Error = String;
+    /// The response that a text of TOML states, such as `{ linear = 255 }`.
+    ///
+    /// # Errors
+    /// When it states none.
+    pub fn parse(text: &str) -> Read<Self> {
+        let document = Document::value(text)?;
+        Self::read(Self::KIND.check(document.root(), "response", "")?)
+    }
 
-    fn try_from(written: Written) -> Result<Self, String> {
-        let positive = |name: &str, value: f64| {
-            if value > 0.0 && value.is_finite() {
-                Ok(value)
-            } else {
-                Err(format!("{name} must be a positive number, it is {value}"))
+    /// The response that a checked value of [`Response::KIND`] states.
+    ///
+    /// # Errors
+    /// When a number is missing.
+    pub fn read(node: Node<'_>) -> Read<Self> {
+        let curves = Section::new(node, &CURVES);
+        let round =
+            |section: &Section<'_>| Ok(section.word("round", &[false, true])? == Some(true));
+        if let Some(linear) = curves.get("linear") {
+            if let Some(white) = linear.as_number() {
+                return Ok(Self::new(Curve::Linear { white }));
             }
-        };
-        let (curve, round) = match written {
-            Written::Name(name) if name == "identity" => (Curve::Identity, Round::F64),
-            Written::Name(name) => return Err(format!("unknown response \"{name}\": {KNOWN}")),
-            Written::Curve(Table {
-                linear: Some(linear),
-                log: None,
-                lin_log: None,
-            }) => {
-                let (white, round) = match linear {
-                    Linear::White(white) => (white, Round::F64),
-                    Linear::Table { white, round } => (white, round),
-                };
-                let white = positive("linear (the light that maps to 1)", white)?;
-                (Curve::Linear { white }, round)
-            }
-            Written::Curve(Table {
-                linear: None,
-                log: Some(log),
-                lin_log: None,
-            }) => (
-                Curve::Log {
-                    white: positive("log.white", log.white)?,
-                    offset: positive(
-                        "log.offset (what keeps the logarithm of black finite)",
-                        log.offset,
-                    )?,
-                },
-                log.round,
-            ),
-            Written::Curve(Table {
-                linear: None,
-                log: None,
-                lin_log: Some(LinLog { knee }),
-            }) => {
-                // Below e the two parts cannot both rise.
-                if !(knee > 1.0 && knee.is_finite()) {
-                    return Err(format!("lin-log.knee must be above 1, it is {knee}"));
-                }
-                (Curve::LinLog { knee }, Round::F64)
-            }
-            Written::Curve(_) => return Err(format!("one response, not none or several: {KNOWN}")),
-        };
-        Ok(Self {
-            curve,
-            round_f32: round == Round::F32,
-        })
+            let linear = Section::new(linear, &LINEAR);
+            let white = linear.number("white")?;
+            return Ok(Self {
+                curve: Curve::Linear { white },
+                round_f32: round(&linear)?,
+            });
+        }
+        if let Some(log) = curves.get("log") {
+            let log = Section::new(log, &LOG);
+            let (white, offset) = (log.number("white")?, log.number("offset")?);
+            return Ok(Self {
+                curve: Curve::Log { white, offset },
+                round_f32: round(&log)?,
+            });
+        }
+        Ok(Self::new(match curves.get("lin-log") {
+            Some(knee) => Curve::LinLog {
+                knee: Section::new(knee, &LIN_LOG).number("knee")?,
+            },
+            None => Curve::Identity,
+        }))
     }
 }
 
@@ -235,13 +227,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Response, String> {
-        #[derive(Deserialize)]
-        struct File {
-            response: Response,
-        }
-        toml::from_str::<File>(&format!("response = {text}"))
-            .map(|file| file.response)
-            .map_err(|e| e.message().to_owned())
+        Response::parse(text).map_err(|fault| fault.message)
     }
 
     #[test]
@@ -270,18 +256,21 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_said() {
-        for text in [
-            "\"cubic\"",
-            "{ linear = 0 }",
-            "{ log = { white = 255, offset = 0 } }",
-            "{}",
-            "3",
+        for (text, want) in [
+            (
+                "\"cubic\"",
+                "unknown value `cubic`, expected \"identity\", {",
+            ),
+            ("{ linear = 0 }", "`response.linear` is 0"),
+            (
+                "{ log = { white = 255, offset = 0 } }",
+                "`response.log.offset` is 0",
+            ),
+            ("{}", "missing key `linear`, `log`, `lin-log`"),
+            ("3", "`response` takes \"identity\", {"),
         ] {
             let message = parse(text).unwrap_err();
-            assert!(
-                message.contains("expected") || message.contains("must be"),
-                "{text}: {message}"
-            );
+            assert!(message.starts_with(want), "{text}: {message}");
         }
     }
 

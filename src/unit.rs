@@ -154,6 +154,20 @@ pub enum Evidence {
     Guess,
 }
 
+impl Evidence {
+    /// All, from the best on.
+    pub const ALL: [Self; 4] = [Self::Measured, Self::Quoted, Self::Modelled, Self::Guess];
+
+    /// As they are written, in the same order.
+    pub const WORDS: [&str; 4] = ["measured", "quoted", "modelled", "guess"];
+
+    /// As it is written.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        Self::WORDS[self as usize]
+    }
+}
+
 /// Instruction words: what a program costs on the chip, one clock of the array each.
 #[derive(
     Clone,

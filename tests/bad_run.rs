@@ -128,8 +128,8 @@ fn sensors() {
     says(
         &message,
         &[
-            "negative_threshold.toml:6:25",
-            "threshold.off is -0.2",
+            "negative_threshold.toml:6:31",
+            "`threshold.off` is -0.2",
             "positive magnitude",
         ],
     );

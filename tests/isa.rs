@@ -4,7 +4,8 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use amacrine::{
-    isa::{Device, Figure, LoadError, text::Located},
+    config::Located,
+    isa::{Device, Figure, LoadError},
     program::{Action, Program, Step, stored},
 };
 
@@ -381,10 +382,10 @@ fn a_row_without_a_variant_is_told_where_it_stands() {
             panic!("{error:?}");
         };
         let fault = &faults.faults[0];
-        assert!(fault.fault.message.starts_with("unknown variant `nand`"));
+        assert!(fault.fault.message.starts_with("unknown value `nand`"));
         assert_eq!(fault.line, line);
     }
-    assert!(readme().contains("\"unknown variant `nand`\""));
+    assert!(readme().contains("\"unknown value `nand`\""));
 }
 
 /// The files that the page names are those that take primitives apart, and none of them has

@@ -866,7 +866,7 @@ fn read_all(text: &str) {
     };
     let none = |name: &str| Err(std::io::Error::other(name.to_owned()));
     let _ = Description::parse("s.toml", text, &none).map_err(|e| e.to_string());
-    let _ = Kernel::from_toml(text).map_err(|e| e.to_string());
+    let _ = Kernel::from_toml("k.toml", text).map_err(|e| e.to_string());
     let _ = Kernel::from_npy(text.as_bytes()).map_err(|e| e.to_string());
     let _ = Study::parse("study.toml", text).map_err(|e| e.to_string());
     let _ = settings::Description::parse("r.toml", text).map(|d| d.readout().is_ok());

@@ -4,10 +4,11 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use amacrine::{
+    config::{Place, Severity},
     event::Polarity,
     isa::{
         Analog, Bit, Device, Digital, Direction, Primitive, Source, Target,
-        text::{Argument, Expression, Operator, Place, Severity, Statement, Term},
+        text::{Argument, Expression, Operator, Statement, Term},
     },
     program::{
         Action, Cost, ExpectedWords, Host, Program, Syntax, stored,

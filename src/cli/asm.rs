@@ -220,7 +220,7 @@ fn json(
     };
     let costs: serde_json::Map<_, _> = costs(expansion, device).into_iter().map(cost).collect();
     let warnings = program.warnings(expansion).map_or_else(Vec::new, |faults| {
-        let line = |w: &crate::isa::text::Located| w.to_string();
+        let line = |w: &crate::config::Located| w.to_string();
         faults.faults.iter().map(line).collect()
     });
     json!({

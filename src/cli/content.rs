@@ -25,6 +25,8 @@ pub enum Content {
     Program,
     /// A kernel.
     Kernel,
+    /// A JSON Schema.
+    Schema,
     /// A folder of several files.
     Folder,
 }
@@ -44,6 +46,7 @@ impl Content {
             Self::Page => &["html", "htm"],
             Self::Program => &["scamp"],
             Self::Kernel => &["toml"],
+            Self::Schema => &["json"],
         }
     }
 
@@ -58,6 +61,7 @@ impl Content {
             Self::Page => "a page",
             Self::Program => "a program",
             Self::Kernel => "a kernel",
+            Self::Schema => "a schema",
             Self::Folder => "a folder",
         }
     }

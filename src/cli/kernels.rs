@@ -4,7 +4,11 @@ use std::path::Path;
 
 use miette::miette;
 
-use crate::{kernel::Kernel, limit::KERNELS, source};
+use crate::{
+    kernel::{Kernel, KernelFileError, NUMPY},
+    limit::KERNELS,
+    source,
+};
 
 /// The kernels of a file or of a name, and how many axes they came with.
 ///
@@ -26,8 +30,11 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
             error.cause
         )
     })?;
-    if !bytes.starts_with(b"\x93NUMPY") {
-        let kernel = Kernel::from_toml_bytes(&bytes).map_err(|e| miette!("{name}: {e}"))?;
+    if !bytes.starts_with(NUMPY) {
+        let kernel = Kernel::from_bytes(name, &bytes).map_err(|e| match e {
+            KernelFileError::Wrong(faults) => faults.into(),
+            other => miette!("{name}: {other}"),
+        })?;
         return Ok((vec![workable(kernel, name)?], 2));
     }
     let flat = match Kernel::from_npy(&bytes) {

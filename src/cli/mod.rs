@@ -27,6 +27,7 @@ mod recording;
 mod registers;
 pub mod report;
 pub mod run;
+pub mod schema;
 pub mod show;
 mod signals;
 mod statistics;
@@ -61,7 +62,8 @@ Examples:
   amacrine show out/silicon.npy -o picture.png
   amacrine sweep studies/formats.toml --output out/formats
   amacrine merge out/shard-0 out/shard-1 --output out/all
-  amacrine report out/formats -o front.svg";
+  amacrine report out/formats -o front.svg
+  amacrine schema sensor -o sensor.schema.json";
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
@@ -112,6 +114,8 @@ enum Verb {
     Merge(merge::Arguments),
     /// Which points of a sweep no other beats: error against time, bits or words
     Report(report::Arguments),
+    /// The keys of a kind of file as JSON Schema: sensor, kernel, study, readout, program, chip
+    Schema(schema::Arguments),
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -169,6 +173,7 @@ fn run(arguments: Arguments) -> miette::Result<()> {
         Some(Verb::Sweep(arguments)) => sweep::run(&arguments),
         Some(Verb::Merge(arguments)) => merge::run(&arguments),
         Some(Verb::Report(arguments)) => report::run(&arguments),
+        Some(Verb::Schema(arguments)) => schema::run(&arguments),
     }
 }
 

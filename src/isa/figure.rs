@@ -1,14 +1,16 @@
 //! Numbers about the silicon, each with its unit, its source and how well it is known.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use crate::limit::{ARRAY_SIDE, FIGURE, STORE_WORDS};
+use crate::{
+    config::Range,
+    limit::{ARRAY_SIDE, FIGURE, STORE_WORDS},
+};
 
 pub use crate::unit::Evidence;
 
 /// A number as it stands in `device.toml`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quantity {
     /// The number.
     pub value: f64,
@@ -19,7 +21,7 @@ pub struct Quantity {
     /// How well it is known.
     pub evidence: Evidence,
     /// What else is to be said about it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
 
@@ -49,22 +51,37 @@ pub enum Domain {
 }
 
 impl Domain {
+    /// The numbers that make sense, and whether they are whole.
+    #[must_use]
+    pub fn range(self) -> (Range, bool) {
+        match self {
+            Self::Any => (Range::between(-FIGURE, FIGURE), false),
+            Self::NotNegative => (Range::between(0.0, FIGURE), false),
+            Self::Positive => (Range::between(1.0 / FIGURE, FIGURE), false),
+            Self::Count => (Range::between(1.0, 1e9), true),
+            Self::Side => (Range::between(1.0, ARRAY_SIDE as f64), true),
+            Self::Words => (Range::between(1.0, STORE_WORDS as f64), true),
+            Self::Codes => (Range::between(2.0, 256.0), true),
+            Self::Links => (Range::between(4.0, 255.0), true),
+            Self::Part => {
+                let part = Range::between(0.0, 1.0);
+                (
+                    Range {
+                        below: true,
+                        ..part
+                    },
+                    false,
+                )
+            }
+            Self::Correlation => (Range::between(-1.0, 1.0), false),
+        }
+    }
+
     /// Whether a value makes sense.
     #[must_use]
     pub fn holds(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Any => value.abs() <= FIGURE,
-                Self::NotNegative => (0.0..=FIGURE).contains(&value),
-                Self::Positive => (1.0 / FIGURE..=FIGURE).contains(&value),
-                Self::Count => (1.0..=1e9).contains(&value) && value.fract() == 0.0,
-                Self::Side => (1.0..=ARRAY_SIDE as f64).contains(&value) && value.fract() == 0.0,
-                Self::Words => (1.0..=STORE_WORDS as f64).contains(&value) && value.fract() == 0.0,
-                Self::Codes => (2.0..=256.0).contains(&value) && value.fract() == 0.0,
-                Self::Links => (4.0..=255.0).contains(&value) && value.fract() == 0.0,
-                Self::Part => (0.0..1.0).contains(&value),
-                Self::Correlation => (-1.0..=1.0).contains(&value),
-            }
+        let (range, whole) = self.range();
+        range.holds(value) && !(whole && value.fract() != 0.0)
     }
 
     /// What a value should have been, in words: with the limits, where it is beyond them.
@@ -104,11 +121,11 @@ impl Domain {
 
 /// One list: the variant, its section and key in `device.toml`, unit, domain, meaning.
 macro_rules! figures {
-    ($($(#[$doc:meta])* $name:ident = $section:literal . $key:literal, $unit:literal, $domain:ident;)*) => {
+    ($($(#[doc = $doc:literal])* $name:ident = $section:literal . $key:literal, $unit:literal, $domain:ident;)*) => {
         /// The numbers that every chip states, under `[figure.<section>]`.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Figure {
-            $($(#[$doc])* $name,)*
+            $($(#[doc = $doc])* $name,)*
         }
 
         impl Figure {
@@ -126,6 +143,12 @@ macro_rules! figures {
             #[must_use]
             pub const fn key(self) -> (&'static str, &'static str) {
                 match self { $(Self::$name => ($section, $key),)* }
+            }
+
+            /// What it is.
+            #[must_use]
+            pub const fn what(self) -> &'static str {
+                match self { $(Self::$name => concat!($($doc),*),)* }
             }
 
             /// The unit in which it is stated.

@@ -15,15 +15,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::config::{Fault, Place, suggestion_or};
 use crate::limit::{FAULTS, MACRO_DEPTH, MACRO_STATEMENTS, MACROS};
 
 use super::{
     Callable, Device, Evidence, Kind as Primitives, Operand, Signature,
     signature::{Given, Mode},
-    text::{
-        Argument, Cursor, Expression, Fault, Kind, Place, Statement, Term, Token, lex,
-        suggestion_or,
-    },
+    text::{Argument, Cursor, Expression, Kind, Statement, Term, Token, lex},
 };
 
 /// A macro.

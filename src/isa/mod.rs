@@ -17,8 +17,8 @@ mod value;
 
 pub use device::{Callable, Device, FigureError, Registers, Roles};
 pub use figure::{Domain, Evidence, Figure, Quantity};
-pub use load::LoadError;
-pub(crate) use load::toml_fault;
+pub use load::{LoadError, keys};
+
 pub use macros::Macro;
 pub use operands::{Cell, Operands};
 pub use row::{Clock, HostKind, HostRow, Kind, PrimitiveRow};

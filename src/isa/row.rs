@@ -1,69 +1,68 @@
 //! Rows of the tables: what a primitive or a host operation is called, what it takes, what
 //! it means, what it costs.
 
-use serde::Deserialize;
-
 use super::{
     Analog, Bit, Device, Digital, Direction, Evidence, Primitive, Quantity, Signature, Source,
     Target, Value, signature::Bound,
 };
 
-/// An enum and the list of its variants, from one list.
+/// An enum, the list of its variants and how each is written, from one list.
 macro_rules! listed {
-    ($(#[$outer:meta])* pub enum $name:ident { $($(#[$doc:meta])* $variant:ident,)* }) => {
+    ($(#[$outer:meta])* pub enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
         $(#[$outer])*
         pub enum $name { $($(#[$doc])* $variant,)* }
 
         impl $name {
             /// All of them, in order.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
+            /// How they are written in a chip's files, in the same order.
+            pub const WORDS: &'static [&'static str] = &[$($word),*];
         }
     };
 }
 
 listed! {
 /// The name of a primitive in `primitives.toml`; one for every variant of [`Primitive`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
     /// [`Primitive::Nop`]
-    Nop,
+    Nop = "nop",
     /// [`Primitive::ResetPix`]
-    ResetPix,
+    ResetPix = "reset_pix",
     /// [`Primitive::Bus`]
-    Bus,
+    Bus = "bus",
     /// [`Primitive::Square`]
-    Square,
+    Square = "square",
     /// [`Primitive::Where`]
-    Where,
+    Where = "where",
     /// [`Primitive::All`]
-    All,
+    All = "all",
     /// [`Primitive::BlurSet`]
-    BlurSet,
+    BlurSet = "blur_set",
     /// [`Primitive::Blur`]
-    Blur,
+    Blur = "blur",
     /// [`Primitive::Set`]
-    Set,
+    Set = "set",
     /// [`Primitive::Clear`]
-    Clear,
+    Clear = "clear",
     /// [`Primitive::Or`]
-    Or,
+    Or = "or",
     /// [`Primitive::Nor`]
-    Nor,
+    Nor = "nor",
     /// [`Primitive::WhereBit`]
-    WhereBit,
+    WhereBit = "where_bit",
     /// [`Primitive::Dnews`]
-    Dnews,
+    Dnews = "dnews",
     /// [`Primitive::PropRead`]
-    PropRead,
+    PropRead = "prop_read",
     /// [`Primitive::Prop`]
-    Prop,
+    Prop = "prop",
 }
 }
 
 /// The clock that an instruction word runs under.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
     /// Analogue words.
     Analog,
@@ -73,6 +72,14 @@ pub enum Clock {
     Dnews,
     /// Propagation.
     Prop,
+}
+
+impl Clock {
+    /// All, in the order of [`Clock::WORDS`].
+    pub const ALL: [Self; 4] = [Self::Analog, Self::Digital, Self::Dnews, Self::Prop];
+
+    /// How they are written.
+    pub const WORDS: [&str; 4] = ["analog", "digital", "dnews", "prop"];
 }
 
 /// A row of `primitives.toml`.
@@ -96,45 +103,44 @@ pub struct PrimitiveRow {
 
 listed! {
 /// The name of a host operation in `device.toml`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum HostKind {
     /// `program::Host` of this name.
-    LoadIn,
+    LoadIn = "load_in",
     /// `program::Host` of this name.
-    LoadInRaw,
+    LoadInRaw = "load_in_raw",
     /// `program::Host` of this name.
-    LoadDac,
+    LoadDac = "load_dac",
     /// `program::Host` of this name.
-    ScanEvents,
+    ScanEvents = "scan_events",
     /// `program::Host` of this name.
-    ReadAnalog,
+    ReadAnalog = "read_analog",
     /// `program::Host` of this name.
-    ReadPixel,
+    ReadPixel = "read_pixel",
     /// `program::Host` of this name.
-    ScanAnalog,
+    ScanAnalog = "scan_analog",
     /// `program::Host` of this name.
-    ScanBlocks,
+    ScanBlocks = "scan_blocks",
     /// `program::Host` of this name.
-    ScanDigital,
+    ScanDigital = "scan_digital",
     /// `program::Host` of this name.
-    ScanBoundingBox,
+    ScanBoundingBox = "scan_bounding_box",
     /// `program::Host` of this name.
-    GlobalSum,
+    GlobalSum = "global_sum",
     /// `program::Host` of this name.
-    GlobalOr,
+    GlobalOr = "global_or",
     /// `program::Host` of this name.
-    GlobalCount,
+    GlobalCount = "global_count",
     /// `program::Host::Load`, an area of a register.
-    Load,
+    Load = "load",
     /// `program::Host` of this name.
-    Select,
+    Select = "select",
     /// `program::Host` of this name.
-    DrawBegin,
+    DrawBegin = "draw_begin",
     /// `program::Host` of this name.
-    Draw,
+    Draw = "draw",
     /// `program::Host` of this name.
-    DrawEnd,
+    DrawEnd = "draw_end",
 }
 }
 

@@ -10,11 +10,12 @@
 
 use std::fmt;
 
+use crate::config::{Fault, Place};
 use crate::limit::ARGUMENTS;
 
 use super::{
     Bit, Source, Value,
-    text::{Cursor, Expression, Fault, Kind, Place, Token},
+    text::{Cursor, Expression, Kind, Token},
 };
 
 /// What a statement does to a register that is its argument.

@@ -10,15 +10,25 @@
 //!
 //! Learned kernels come as `.npy` arrays of shape (rows, columns).
 
+use std::path::Path;
+
 use ndarray::{Array, ArrayView, Dimension, Ix2, Ix3};
 use ndarray_npy::{ViewElement, ViewNpyError, ViewNpyExt};
-use serde::Deserialize;
 
 use super::{Kernel, KernelError};
-use crate::{elementary, limit::KERNEL_SIDE, plane::Plane, source};
+use crate::{
+    config::{Fault, Faults, File, Key, Kind, Node, Range, Read, Section, Table},
+    elementary,
+    limit::KERNEL_SIDE,
+    plane::Plane,
+    source,
+};
+
+/// How a `.npy` begins.
+pub const NUMPY: &[u8] = b"\x93NUMPY";
 
 /// A kernel file that cannot be used.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum KernelFileError {
     /// Not text.
     #[error("it is not text in UTF-8")]
@@ -26,87 +36,138 @@ pub enum KernelFileError {
     /// Not a two-dimensional array of numbers in the format of numpy.
     #[error("{0}")]
     Array(String),
-    /// Not TOML, or not the keys of a kernel file.
-    #[error("line {line}: {message}")]
-    Syntax {
-        /// From 1.
-        line: usize,
-        /// What is wrong.
-        message: String,
-    },
+    /// Not TOML, or not the keys and values of a kernel file.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Wrong(#[from] Faults),
     /// Not a kernel.
     #[error("{0}")]
     Kernel(#[from] KernelError),
-    /// None or several of the ways to give the weights.
-    #[error("give the kernel by exactly one of `weights`, `centre-surround` and `gaussians`")]
-    OneWay,
     /// A formula with a parameter it is not defined for.
     #[error("{0}")]
     Parameter(String),
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct Written {
-    #[expect(dead_code, reason = "for people")]
-    name: Option<String>,
-    #[expect(dead_code, reason = "for people")]
-    source: Option<String>,
-    weights: Option<Vec<Vec<f64>>>,
-    centre_surround: Option<usize>,
-    gaussians: Option<Vec<Gaussian>>,
-}
+/// A kernel file.
+pub const FILE: File = File {
+    title: "a kernel of amacrine",
+    kind: Kind::Table(&KERNEL),
+    see: "a kernel file has one of `weights`, `centre-surround` and `gaussians`; kernels/ has examples",
+};
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// Weights as they are written: rows of numbers, row 0 to the north.
+pub const ROWS: Kind = Kind::list(&Kind::list(&Kind::Number(Range::FREE)));
+
+const KERNEL: Table = Table {
+    one_of: &["weights", "centre-surround", "gaussians"],
+    keys: &[
+        Key::optional("name", Kind::Text, "what it is called, for people"),
+        Key::optional("source", Kind::Text, "where it came from, for people"),
+        Key::optional(
+            "weights",
+            ROWS,
+            "rows of numbers, row 0 to the north; rows and columns are odd in number",
+        )
+        .example("weights = [[0, -1, 0], [-1, 4, -1], [0, -1, 0]]"),
+        Key::optional(
+            "centre-surround",
+            Kind::Whole {
+                least: 0,
+                most: i64::MAX as u64,
+            },
+            "side of a square whose centre is 1 and whose other weights are equal and sum to -1",
+        )
+        .unit("px")
+        .example("centre-surround = 5"),
+        Key::optional(
+            "gaussians",
+            Kind::list(&Kind::Table(&GAUSSIAN)),
+            "a sum of Gaussians, each cut at 3 sigma and normalised before its gain",
+        )
+        .example("gaussians = [{ sigma = 1, gain = 1 }, { sigma = 2, gain = -1 }]"),
+    ],
+};
+
+const GAUSSIAN: Table = Table::new(&[
+    Key::required(
+        "sigma",
+        Kind::Number(Range {
+            above: true,
+            ..Range::between(0.0, 20.0)
+        }),
+        "its standard deviation",
+    )
+    .unit("px")
+    .example("sigma = 1"),
+    Key::required("gain", Kind::Number(Range::FREE), "the sum of its weights").example("gain = 1"),
+]);
+
+/// A term of a sum.
 struct Gaussian {
     sigma: f64,
     gain: f64,
 }
 
+impl Gaussian {
+    fn read(node: Node<'_>) -> Read<Self> {
+        let written = Section::new(node, &GAUSSIAN);
+        Ok(Self {
+            sigma: written.number("sigma")?,
+            gain: written.number("gain")?,
+        })
+    }
+}
+
+impl KernelFileError {
+    /// What is wrong, with the file that it is wrong with.
+    #[must_use]
+    pub fn in_file(&self, name: &str) -> String {
+        match self {
+            Self::Wrong(faults) => faults.to_string(),
+            other => format!("{name}: {other}"),
+        }
+    }
+}
+
 impl Kernel {
-    /// Reads a kernel file's text.
+    /// Reads a kernel file's text; `name` is told in messages.
     ///
     /// # Errors
     /// When the text is not a kernel file, or what it says is not a kernel.
-    pub fn from_toml(text: &str) -> Result<Self, KernelFileError> {
-        let written: Written = toml::from_str(text).map_err(|e| {
-            let before = e.span().and_then(|span| text.get(..span.start));
-            KernelFileError::Syntax {
-                line: before.unwrap_or("").matches('\n').count() + 1,
-                message: e.message().trim().to_owned(),
+    pub fn from_toml(name: &str, text: &str) -> Result<Self, KernelFileError> {
+        let kernel = FILE.read(name, text, |root| {
+            let file = Section::new(root, &KERNEL);
+            let wrong = |key: &str, what: String| {
+                Fault::error(file.place_of(key), what, "here").help(FILE.see)
+            };
+            if let Some(rows) = file.get("weights") {
+                let rows = rows.as_rows().unwrap_or_default();
+                return Self::from_rows(&rows).map_err(|e| wrong("weights", e.to_string()));
             }
+            if let Some(side) = file.get("centre-surround").and_then(Node::as_whole) {
+                let side = usize::try_from(side).unwrap_or(usize::MAX);
+                let made = Self::centre_surround(side);
+                return made.map_err(|e| wrong("centre-surround", e.to_string()));
+            }
+            let parts = file.list("gaussians").into_iter().map(Gaussian::read);
+            let parts = parts.collect::<Read<Vec<_>>>()?;
+            sum_of_gaussians(&parts).map_err(|e| wrong("gaussians", e.to_string()))
         })?;
-        match written {
-            Written {
-                weights: Some(rows),
-                centre_surround: None,
-                gaussians: None,
-                ..
-            } => Ok(Self::from_rows(&rows)?),
-            Written {
-                weights: None,
-                centre_surround: Some(side),
-                gaussians: None,
-                ..
-            } => Self::centre_surround(side),
-            Written {
-                weights: None,
-                centre_surround: None,
-                gaussians: Some(parts),
-                ..
-            } => sum_of_gaussians(&parts),
-            _ => Err(KernelFileError::OneWay),
-        }
+        Ok(kernel)
     }
 
-    /// Reads a kernel file as it comes from the disk.
+    /// Reads a kernel file as it comes from the disk, TOML or `.npy`; `name` tells which where
+    /// the bytes do not, and is told in messages.
     ///
     /// # Errors
-    /// As [`Kernel::from_toml`], and when it is not text.
-    pub fn from_toml_bytes(bytes: &[u8]) -> Result<Self, KernelFileError> {
+    /// As [`Kernel::from_toml`] and [`Kernel::from_npy`], and when it is neither.
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, KernelFileError> {
+        let array = Path::new(name).extension().is_some_and(|e| e == "npy");
+        if array || bytes.starts_with(NUMPY) {
+            return Self::from_npy(bytes);
+        }
         let text = std::str::from_utf8(bytes).map_err(|_| KernelFileError::NotText)?;
-        Self::from_toml(text)
+        Self::from_toml(name, text)
     }
 
     /// Reads a `.npy` array of shape (rows, columns), row 0 north.
@@ -235,13 +296,7 @@ fn read<T: ViewElement + Copy, D: Dimension>(
 
 /// Each Gaussian is cut at `int(6 sigma) + 1` (made odd) and normalised to sum 1 before its
 /// gain, as in the released Neural Ganglion Sensors simulator.
-fn sum_of_gaussians(parts: &[Gaussian]) -> Result<Kernel, KernelFileError> {
-    if let Some(bad) = parts.iter().find(|g| !(g.sigma > 0.0 && g.sigma <= 20.0)) {
-        return Err(KernelFileError::Parameter(format!(
-            "sigma must be above 0 and at most 20 pixels, it is {}",
-            bad.sigma
-        )));
-    }
+fn sum_of_gaussians(parts: &[Gaussian]) -> Result<Kernel, KernelError> {
     let side_of = |g: &Gaussian| ((6.0 * g.sigma) as usize + 1) | 1;
     let side = parts.iter().map(side_of).max().ok_or(KernelError::Empty)?;
     let mut weights = Plane::<f64>::zeros((side, side));
@@ -259,7 +314,7 @@ fn sum_of_gaussians(parts: &[Gaussian]) -> Result<Kernel, KernelFileError> {
             }
         }
     }
-    Ok(Kernel::new(weights)?)
+    Kernel::new(weights)
 }
 
 #[cfg(test)]
@@ -268,9 +323,10 @@ mod tests {
 
     #[test]
     fn formulas_have_the_sums_they_promise() {
-        let cs = Kernel::from_toml("centre-surround = 5").unwrap();
+        let cs = Kernel::from_toml("k", "centre-surround = 5").unwrap();
         assert!(cs.sum().abs() < 1e-15);
         let dog = Kernel::from_toml(
+            "k",
             "gaussians = [{ sigma = 1, gain = 1.3 }, { sigma = 2, gain = -0.9 }]",
         )
         .unwrap();
@@ -280,16 +336,14 @@ mod tests {
 
     #[test]
     fn one_way_only() {
-        for text in ["", "weights = [[1]]\ncentre-surround = 3"] {
-            assert!(matches!(
-                Kernel::from_toml(text),
-                Err(KernelFileError::OneWay)
-            ));
-        }
-        assert!(matches!(
-            Kernel::from_toml("colour = 3"),
-            Err(KernelFileError::Syntax { line: 1, .. })
-        ));
+        let said = |text: &str| Kernel::from_toml("k.toml", text).unwrap_err().to_string();
+        let ways = "`weights`, `centre-surround`, `gaussians`";
+        assert_eq!(said(""), format!("k.toml:1:1: missing key {ways}"));
+        let both = said("weights = [[1]]\ncentre-surround = 3");
+        assert_eq!(both, format!("k.toml:1:1: only one of {ways} can be given"));
+        assert!(said("dog = 3").contains("things are wrong"));
+        let sigma = said("gaussians = [{ sigma = 30, gain = 1 }]");
+        assert_eq!(sigma, "k.toml:1:24: `sigma` is 30");
     }
 
     fn npy<T: ndarray_npy::WritableElement>(array: &ndarray::ArrayD<T>) -> Vec<u8> {
@@ -301,7 +355,8 @@ mod tests {
     #[test]
     fn arrays_are_kernels() {
         let rows = ndarray::arr2(&[[0.0, -1.0, 0.5], [1.0, 4.0, 2.0], [0.0, 3.0, -9.0]]).into_dyn();
-        let want = Kernel::from_toml("weights = [[0, -1, 0.5], [1, 4, 2], [0, 3, -9]]").unwrap();
+        let want =
+            Kernel::from_toml("k", "weights = [[0, -1, 0.5], [1, 4, 2], [0, 3, -9]]").unwrap();
         assert_eq!(Kernel::from_npy(&npy(&rows)).unwrap(), want);
         let single = rows.mapv(|w| w as f32);
         assert_eq!(Kernel::from_npy(&npy(&single)).unwrap(), want);

@@ -8,7 +8,7 @@ mod file;
 pub mod quantise;
 mod zoo;
 
-pub use file::KernelFileError;
+pub use file::{FILE, KernelFileError, NUMPY, ROWS};
 
 use crate::{
     limit::{KERNEL_SIDE, LEAST_WEIGHT, MOST_WEIGHT},

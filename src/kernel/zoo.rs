@@ -38,7 +38,7 @@ impl Kernel {
     pub fn builtin(name: &str) -> Option<Self> {
         let text = ZOO.iter().find(|(known, _)| *known == name)?.1;
         // A test reads every shipped file, so a shipped file is a kernel.
-        Self::from_toml(text).ok()
+        Self::from_toml(name, text).ok()
     }
 
     /// The names of the built-ins, in alphabetical order.
@@ -54,7 +54,7 @@ mod tests {
     #[test]
     fn every_shipped_file_is_a_kernel_and_listed() {
         for (name, text) in ZOO {
-            let kernel = Kernel::from_toml(text);
+            let kernel = Kernel::from_toml(name, text);
             assert!(kernel.is_ok(), "{name}: {kernel:?}");
             assert!(
                 text.contains(&format!("name = \"{name}\"")),

@@ -9,10 +9,8 @@ use super::{
     expand::{Entry, Expanded, Expansion},
 };
 use crate::{
-    isa::{
-        Cell, Device, Figure,
-        text::{Fault, Place},
-    },
+    config::{Fault, Place},
+    isa::{Cell, Device, Figure},
     limit::FAULTS,
 };
 

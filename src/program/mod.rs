@@ -6,7 +6,7 @@
 //! let program = Program::parse("copy.scamp", "mov(A, B); // through NEWS")?;
 //! let expansion = program.expand(&Device::scamp5(), &Default::default())?;
 //! assert_eq!(Cost::of(&expansion.code.frame, &Device::scamp5()).words.0, 2);
-//! # Ok::<(), amacrine::isa::text::Faults>(())
+//! # Ok::<(), amacrine::config::Faults>(())
 //! ```
 
 mod check;
@@ -30,16 +30,16 @@ pub use effect::{Effect, FlagState};
 pub use expand::{Entry, Expanded, Expansion, Overrides};
 pub use host::buffer;
 pub use reference::reference;
-pub use settings::{Computes, Expectation, ExpectedEvents, ExpectedWords, Settings, Summary};
+pub use settings::{
+    Computes, Expectation, ExpectedEvents, ExpectedWords, Settings, Summary, json_schema,
+};
 pub use syntax::Syntax;
 pub use words::vendor_text;
 
 use crate::{
+    config::{Fault, Faults, Severity},
     event::Polarity,
-    isa::{
-        Analog, Device, Digital, Primitive,
-        text::{Fault, Faults, Severity},
-    },
+    isa::{Analog, Device, Digital, Primitive},
 };
 
 /// A program: its text, taken apart.
@@ -80,8 +80,8 @@ impl Program {
             footer_at,
             mut faults,
         } = parse::parse(text);
-        let settings = settings::read(&syntax.header, &header_at, &mut faults);
-        let expectation = settings::read(&syntax.footer, &footer_at, &mut faults);
+        let settings = Settings::read(&syntax.header, &header_at, &mut faults);
+        let expectation = Expectation::read(&syntax.footer, &footer_at, &mut faults);
         Self {
             file: file.to_owned(),
             text: text.into(),

@@ -2,7 +2,8 @@
 
 use super::syntax::{Comment, Item, Node, Syntax};
 use crate::{
-    isa::text::{Cursor, Fault, Kind, Place, Token, lex},
+    config::{Fault, Place},
+    isa::text::{Cursor, Kind, Token, lex},
     limit::FAULTS,
 };
 

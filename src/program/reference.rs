@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 
 use super::{Cost, Expansion, Overrides, Program, for_each};
 use crate::isa::{
-    Clock, Device, Evidence, Figure, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
-    Signature,
+    Clock, Device, Figure, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity, Signature,
     macros::Item,
     signature::{Mode, Parameter},
 };
@@ -25,7 +24,7 @@ pub fn reference(device: &Device) -> String {
     for figure in Figure::ALL {
         let (section, key) = figure.key();
         let quantity = device.figure(*figure);
-        let (value, unit, evidence) = (quantity.value, &quantity.unit, word(quantity.evidence));
+        let (value, unit, evidence) = (quantity.value, &quantity.unit, quantity.evidence.word());
         let source = source(quantity);
         line(
             &mut text,
@@ -78,15 +77,6 @@ fn line(text: &mut String, what: &str) {
     let _ = writeln!(text, "{what}");
 }
 
-const fn word(evidence: Evidence) -> &'static str {
-    match evidence {
-        Evidence::Measured => "measured",
-        Evidence::Quoted => "quoted",
-        Evidence::Modelled => "modelled",
-        Evidence::Guess => "guess",
-    }
-}
-
 fn primitive(text: &mut String, row: &PrimitiveRow) {
     heading(text, &row.forms);
     line(text, &format!("{}\n", row.equation));
@@ -120,7 +110,7 @@ fn primitive(text: &mut String, row: &PrimitiveRow) {
     line(text, &format!("- words: {}, {clock} clock", row.words));
     line(
         text,
-        &format!("- evidence: {}; {}", word(row.evidence), row.source),
+        &format!("- evidence: {}; {}", row.evidence.word(), row.source),
     );
 }
 
@@ -214,7 +204,7 @@ fn of_macro(text: &mut String, it: &Macro, device: &Device) {
     line(text, &format!("- words: {}", words(it, device)));
     match &it.evidence {
         Some((evidence, source)) => {
-            line(text, &format!("- evidence: {}; {source}", word(*evidence)));
+            line(text, &format!("- evidence: {}; {source}", evidence.word()));
         }
         None => line(text, "- evidence: quoted; HW"),
     }
@@ -377,7 +367,7 @@ fn host(text: &mut String, row: &HostRow) {
     line(text, "- aliases: legal: all");
     line(text, &format!("- destroys: {}", or_nothing(&trash)));
     let quantity = |what: &str, quantity: &Quantity| {
-        let (value, unit, evidence) = (quantity.value, &quantity.unit, word(quantity.evidence));
+        let (value, unit, evidence) = (quantity.value, &quantity.unit, quantity.evidence.word());
         format!("- {what}: {value} {unit}, {evidence}; {}", source(quantity))
     };
     line(text, "- words: 0");

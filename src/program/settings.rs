@@ -3,16 +3,168 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use crate::isa::{
-    text::{Fault, Place},
-    toml_fault,
+use crate::{
+    config::{Fault, File, Key, Kind, Node, Place, Range, Read, Section, Table, schema},
+    kernel,
 };
 
+const SEE: &str = "docs/guides and the shipped programs show what can stand here";
+
+/// The settings at the top of a program.
+const SETTINGS_FILE: File = File {
+    title: "settings of a program of amacrine: its lines that begin with //!",
+    kind: Kind::Table(&SETTINGS),
+    see: SEE,
+};
+
+/// The expectation at the bottom of a program.
+const EXPECTATION_FILE: File = File {
+    title: "expectation of a program of amacrine: its lines that begin with //=",
+    kind: Kind::Table(&EXPECTATION),
+    see: SEE,
+};
+
+/// JSON Schema of the settings of a program; that of its expectation is `$defs/expectation` in
+/// it.
+#[must_use]
+pub fn json_schema() -> serde_json::Value {
+    let mut settings = schema::file(&SETTINGS_FILE);
+    let expectation = schema::file(&EXPECTATION_FILE);
+    schema::add(
+        &mut settings,
+        "$defs",
+        serde_json::json!({"expectation": expectation}),
+    );
+    settings
+}
+
+/// Any number: whoever uses it says what it may be.
+const NUMBER: Kind = Kind::Number(Range::FREE);
+
+const WHOLE: Kind = Kind::Whole {
+    least: 0,
+    most: i64::MAX as u64,
+};
+
+const SETTINGS: Table = Table::new(&[
+    Key::optional("title", Kind::Text, "the program in one line"),
+    Key::optional(
+        "chip",
+        Kind::Text,
+        "the chip that it is for; SCAMP-5 when left out",
+    ),
+    Key::optional(
+        "image",
+        Kind::Text,
+        "a picture or scene to run it on, relative to the program's folder, or a pattern",
+    ),
+    Key::optional("fps", NUMBER, "frames per second").unit("Hz"),
+    Key::optional("frames", WHOLE, "how many frames to run"),
+    Key::optional(
+        "size",
+        Kind::List {
+            of: &WHOLE,
+            least: 2,
+            most: 2,
+        },
+        "height and width of the array",
+    )
+    .unit("px"),
+    Key::optional(
+        "domain",
+        Kind::Text,
+        "the arithmetic: exact, f32, f16, bf16, qM.N, silicon",
+    ),
+    Key::optional(
+        "clip",
+        Kind::Flag,
+        "whether every store is limited to the register's range",
+    ),
+    Key::optional(
+        "edge",
+        NUMBER,
+        "the value of analogue registers off the array",
+    )
+    .unit("LSB"),
+    Key::optional(
+        "channels",
+        Kind::Whole {
+            least: 0,
+            most: u8::MAX as u64,
+        },
+        "kinds of cells whose events it reads out",
+    ),
+    Key::optional(
+        "const",
+        Kind::Map(&NUMBER),
+        "constants, as `const` states them",
+    ),
+    Key::optional(
+        "computes",
+        Kind::Table(&COMPUTES),
+        "the linear map that it computes, for a comparison with the reference",
+    ),
+]);
+
+const COMPUTES: Table = Table::new(&[
+    Key::required(
+        "kernel",
+        kernel::ROWS,
+        "rows of weights, from the north; rows and columns are odd in number",
+    )
+    .example("kernel = [[0, -1, 0], [-1, 4, -1], [0, -1, 0]]"),
+    Key::required(
+        "scale",
+        NUMBER,
+        "from light (0 to 255) times weights to LSB",
+    )
+    .example("scale = 1"),
+    Key::optional(
+        "threshold",
+        Kind::Text,
+        "the constant by which the drive must have moved since the last event",
+    ),
+    Key::optional(
+        "register",
+        Kind::Text,
+        "the register that holds the drive, in programs without events",
+    ),
+]);
+
+const EXPECTATION: Table = Table::new(&[
+    Key::optional(
+        "words",
+        Kind::Table(&Table::new(&[
+            Key::required("init", WHOLE, "of `init`"),
+            Key::required("frame", WHOLE, "of one frame"),
+        ])),
+        "instruction words",
+    ),
+    Key::optional(
+        "events",
+        Kind::Table(&Table::new(&[
+            Key::required("on", WHOLE, "ON events"),
+            Key::required("off", WHOLE, "OFF events"),
+        ])),
+        "events over all frames",
+    ),
+    Key::optional(
+        "registers",
+        Kind::Map(&Kind::Table(&SUMMARY)),
+        "registers after the last frame, by name",
+    ),
+]);
+
+const SUMMARY: Table = Table::new(&[
+    Key::required("min", NUMBER, "lowest value"),
+    Key::required("max", NUMBER, "highest value"),
+    Key::required("sum", NUMBER, "sum over the array"),
+]);
+
 /// The settings of a program; all can be left out.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Settings {
     /// The program in one line.
     pub title: Option<String>,
@@ -42,8 +194,7 @@ pub struct Settings {
 }
 
 /// `drive(p) = scale * sum over d of kernel(d) * light(p + d)`, correlation, row 0 is north.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Computes {
     /// Rows of weights, from the north; rows and columns are odd in number.
     pub kernel: Vec<Vec<f64>>,
@@ -57,8 +208,7 @@ pub struct Computes {
 }
 
 /// What a program gives, for a test that compares and can bless.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Expectation {
     /// Instruction words.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,8 +222,7 @@ pub struct Expectation {
 }
 
 /// Expected instruction words.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ExpectedWords {
     /// Of `init`.
     pub init: u64,
@@ -82,8 +231,7 @@ pub struct ExpectedWords {
 }
 
 /// Expected events.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ExpectedEvents {
     /// ON events.
     pub on: u64,
@@ -92,8 +240,7 @@ pub struct ExpectedEvents {
 }
 
 /// A register in three numbers; bits count as 0 and 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Lowest value.
     pub min: f64,
@@ -123,25 +270,127 @@ impl Expectation {
     }
 }
 
-/// Reads TOML from comment lines; `at` is the byte at which each line begins in the file.
-pub(super) fn read<T: serde::de::DeserializeOwned + Default>(
+impl Settings {
+    /// The settings of the lines above a program; `at` is the byte at which each line begins in
+    /// the file. Nothing is set when something is wrong with them.
+    pub(super) fn read(lines: &[String], at: &[usize], faults: &mut Vec<Fault>) -> Self {
+        commented(&SETTINGS_FILE, lines, at, faults, Self::stated)
+    }
+
+    fn stated(root: Node<'_>) -> Read<Self> {
+        let top = Section::new(root, &SETTINGS);
+        let text = |key: &str| Some(top.get(key)?.as_text()?.to_owned());
+        let number = |key: &str| top.get(key)?.as_number();
+        let whole = |key: &str| top.get(key)?.as_whole();
+        let size: Vec<u64> = top
+            .list("size")
+            .into_iter()
+            .filter_map(Node::as_whole)
+            .collect();
+        let constants = top
+            .get("const")
+            .and_then(Node::as_table)
+            .unwrap_or_default();
+        let constants = constants.into_iter();
+        Ok(Self {
+            title: text("title"),
+            chip: text("chip"),
+            image: text("image"),
+            fps: number("fps"),
+            frames: whole("frames"),
+            size: match size.as_slice() {
+                [height, width] => Some((*height as usize, *width as usize)),
+                _ => None,
+            },
+            domain: text("domain"),
+            clip: top.get("clip").and_then(Node::as_flag),
+            edge: number("edge"),
+            channels: whole("channels").map(|n| n as u8),
+            constants: constants
+                .filter_map(|(name, value)| Some((name.text.to_owned(), value.as_number()?)))
+                .collect(),
+            computes: top.get("computes").map(Computes::stated).transpose()?,
+        })
+    }
+}
+
+impl Computes {
+    fn stated(node: Node<'_>) -> Read<Self> {
+        let computes = Section::new(node, &COMPUTES);
+        let text = |key: &str| Some(computes.get(key)?.as_text()?.to_owned());
+        Ok(Self {
+            kernel: computes.need("kernel")?.as_rows().unwrap_or_default(),
+            scale: computes.number("scale")?,
+            threshold: text("threshold"),
+            register: text("register"),
+        })
+    }
+}
+
+impl Expectation {
+    /// The expectation of the lines below a program, as [`Settings::read`].
+    pub(super) fn read(lines: &[String], at: &[usize], faults: &mut Vec<Fault>) -> Self {
+        commented(&EXPECTATION_FILE, lines, at, faults, Self::stated)
+    }
+
+    fn stated(root: Node<'_>) -> Read<Self> {
+        let whole = |node: Node<'_>, key: &str| node.get(key).and_then(Node::as_whole);
+        let number = |node: Node<'_>, key: &str| node.get(key).and_then(Node::as_number);
+        let words = |node: Node<'_>| {
+            Some(ExpectedWords {
+                init: whole(node, "init")?,
+                frame: whole(node, "frame")?,
+            })
+        };
+        let events = |node: Node<'_>| {
+            Some(ExpectedEvents {
+                on: whole(node, "on")?,
+                off: whole(node, "off")?,
+            })
+        };
+        let summary = |node: Node<'_>| {
+            Some(Summary {
+                min: number(node, "min")?,
+                max: number(node, "max")?,
+                sum: number(node, "sum")?,
+            })
+        };
+        let registers = root.get("registers").and_then(Node::as_table);
+        let registers = registers.unwrap_or_default().into_iter();
+        Ok(Self {
+            words: root.get("words").and_then(words),
+            events: root.get("events").and_then(events),
+            registers: registers
+                .filter_map(|(name, node)| Some((name.text.to_owned(), summary(node)?)))
+                .collect(),
+        })
+    }
+}
+
+/// Reads TOML from comment lines.
+fn commented<T: Default>(
+    file: &File,
     lines: &[String],
     at: &[usize],
     faults: &mut Vec<Fault>,
+    stated: fn(Node<'_>) -> Read<T>,
 ) -> T {
     let text = lines.join("\n");
-    match toml::from_str(&text) {
-        Ok(value) => value,
-        Err(error) => {
-            let fault = toml_fault(&error);
-            let place = Place::new(
-                in_file(fault.place.start, lines, at),
-                in_file(fault.place.end, lines, at),
-            );
-            faults.push(Fault { place, ..fault });
-            T::default()
-        }
-    }
+    let read = file.document(&text);
+    let read = read.and_then(|document| stated(document.root()).map_err(|fault| vec![fault]));
+    read.unwrap_or_else(|wrong| {
+        let place = |place: Place| {
+            Place::new(
+                in_file(place.start, lines, at),
+                in_file(place.end, lines, at),
+            )
+        };
+        faults.extend(wrong.into_iter().map(|fault| Fault {
+            place: place(fault.place),
+            ..fault
+        }));
+        T::default()
+    })
 }
 
 /// From a byte of the joined lines to a byte of the file.

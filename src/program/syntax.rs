@@ -1,6 +1,7 @@
 //! A program as it is written: the tree that is parsed, printed and expanded.
 
-use crate::isa::text::{Expression, Place, Statement};
+use crate::config::Place;
+use crate::isa::text::{Expression, Statement};
 
 /// The text of a program, taken apart.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -35,8 +35,8 @@ mod voxel;
 
 pub use counts::{CountBand, Counts};
 pub use description::{
-    Border, Channel, Description, DescriptionError, MemoryRule, PolarityRule, ReadFile, Refractory,
-    RefractoryRule, Threshold,
+    Border, Channel, Description, MemoryRule, PolarityRule, ReadFile, Refractory, RefractoryRule,
+    Threshold, keys,
 };
 pub use list::{EventList, Limit, ListBand, WhenFull};
 pub use noise::Noise;

@@ -30,18 +30,15 @@
 //! most once a frame and are stamped with the frame's end; its leak starts in step in all
 //! cells; its low-pass is an Euler step that has to be clipped.
 
-use std::ops::Range;
-
-use ndarray::ArrayView1;
-use serde::Deserialize;
-
 use crate::{
+    config::{Fault, Key, Kind, Node, Range, Read, Section, Table},
     elementary,
     number::Real,
     plane::{Plane, Size},
     scene::Frame,
     sensor::SensorError,
 };
+use ndarray::ArrayView1;
 
 use super::{
     description::{Description, MemoryRule, RefractoryRule, Threshold},
@@ -50,8 +47,7 @@ use super::{
 };
 
 /// What disturbs the cells of a sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// ON events a second that leakage makes in a cell.
     pub leak_hz: f64,
@@ -71,14 +67,6 @@ pub struct Noise {
     pub cutoff_hz: f64,
 }
 
-/// A key of `[noise]` that cannot have its value.
-#[derive(Debug)]
-pub(super) struct Fault {
-    pub(super) key: &'static str,
-    pub(super) message: String,
-    pub(super) advice: String,
-}
-
 impl Default for Noise {
     fn default() -> Self {
         Self::NONE
@@ -90,6 +78,18 @@ const WHITE: f64 = 255.0;
 
 /// A cell that fires more often than once a microsecond has no times.
 const FASTEST: f64 = 1e6;
+
+/// A key of `[noise]`: a number from 0 on.
+const fn rate(
+    name: &'static str,
+    most: f64,
+    default: &'static str,
+    what: &'static str,
+    unit: &'static str,
+) -> Key {
+    let range = Range::between(0.0, most);
+    Key::with_default(name, Kind::Number(range), default, what).unit(unit)
+}
 
 impl Noise {
     /// No noise.
@@ -104,53 +104,103 @@ impl Noise {
         cutoff_hz: 0.0,
     };
 
-    /// Says what is wrong with these values under these rules.
-    pub(super) fn check(self, memory: MemoryRule, refractory: RefractoryRule) -> Result<(), Fault> {
-        let anything = f64::INFINITY;
-        let all = [
-            ("leak-hz", self.leak_hz, FASTEST),
-            ("leak-spread", self.leak_spread, 3.0),
-            ("shot-hz", self.shot_hz, FASTEST),
-            ("shot-at-white", self.shot_at_white, 1.0),
-            ("hot-fraction", self.hot_fraction, 1.0),
-            ("hot-hz", self.hot_hz, FASTEST),
-            ("jitter-us", self.jitter_us, anything),
-            ("cutoff-hz", self.cutoff_hz, anything),
-        ];
-        for (name, value, most) in all {
-            if !(value >= 0.0 && value <= most && value.is_finite()) {
-                let range = if most == anything {
-                    "zero or a positive number".to_owned()
-                } else {
-                    format!("a number from 0 to {most}")
-                };
-                return Err(Fault {
-                    key: name,
-                    message: format!("noise.{name} is {value}"),
-                    advice: format!("give {range}; docs/reference.md has its unit"),
-                });
-            }
-        }
-        let leaks = self.leak_hz > 0.0;
-        let fault = |message: &str, advice: &str| Fault {
-            key: "leak-hz",
-            message: message.to_owned(),
-            advice: advice.to_owned(),
-        };
+    /// The keys of `[noise]`.
+    pub const TABLE: Table = Table::new(&[
+        rate(
+            "leak-hz",
+            FASTEST,
+            "0",
+            "ON events that leakage makes in a cell",
+            "events/s",
+        ),
+        rate(
+            "leak-spread",
+            3.0,
+            "0",
+            "standard deviation of the cells' leak rates",
+            "decades",
+        ),
+        rate(
+            "shot-hz",
+            FASTEST,
+            "0",
+            "noise events of a cell in the dark, ON and OFF together",
+            "events/s",
+        ),
+        rate(
+            "shot-at-white",
+            1.0,
+            "1",
+            "the share of them that is left at light 255",
+            "",
+        ),
+        rate(
+            "hot-fraction",
+            1.0,
+            "0",
+            "share of the cells that are hot",
+            "",
+        ),
+        rate("hot-hz", FASTEST, "0", "events of a hot cell", "events/s"),
+        rate(
+            "jitter-us",
+            f64::INFINITY,
+            "0",
+            "standard deviation of the events' times",
+            "us",
+        ),
+        rate(
+            "cutoff-hz",
+            f64::INFINITY,
+            "0",
+            "bandwidth of the photoreceptor at light 255; 0 for no limit",
+            "Hz",
+        ),
+    ]);
+
+    /// The noise that a checked table states.
+    ///
+    /// # Errors
+    /// Never, when it was checked.
+    pub fn stated(node: Node<'_>) -> Read<Self> {
+        let noise = Section::new(node, &Self::TABLE);
+        Ok(Self {
+            leak_hz: noise.number("leak-hz")?,
+            leak_spread: noise.number("leak-spread")?,
+            shot_hz: noise.number("shot-hz")?,
+            shot_at_white: noise.number("shot-at-white")?,
+            hot_fraction: noise.number("hot-fraction")?,
+            hot_hz: noise.number("hot-hz")?,
+            jitter_us: noise.number("jitter-us")?,
+            cutoff_hz: noise.number("cutoff-hz")?,
+        })
+    }
+
+    /// The noise that a checked table states, under these rules.
+    ///
+    /// # Errors
+    /// When the rules do not know it.
+    pub(super) fn read(
+        node: Node<'_>,
+        memory: MemoryRule,
+        refractory: RefractoryRule,
+    ) -> Read<Self> {
+        let noise = Self::stated(node)?;
+        let leaks = noise.leak_hz > 0.0;
+        let place = Section::new(node, &Self::TABLE).place_of("leak-hz");
         let pixels = matches!(memory, MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep);
         if pixels && leaks {
-            return Err(fault(
-                "noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels",
+            let message = "noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels";
+            return Err(Fault::error(place, message, "here").help(
                 "use memory = \"filtered-snap\" or \"filtered-step\", or leave the leak out",
             ));
         }
         if refractory == RefractoryRule::Authors && leaks {
-            return Err(fault(
-                "noise.leak-hz moves the memory between frames, which the authors' refractory rule does not know",
-                "use rule = \"dead-time\", or leave the leak out",
-            ));
+            let message = "noise.leak-hz moves the memory between frames, which the authors' refractory rule does not know";
+            return Err(Fault::error(place, message, "here")
+                .help("use rule = \"dead-time\", or leave the leak out"));
         }
-        Ok(())
+        Ok(noise)
     }
 
     /// Whether cells fire for other reasons than what they see.
@@ -311,7 +361,7 @@ impl<R: Real> Thresholds<R> {
         (&self.inverse.0[row.clone()], &self.inverse.1[row])
     }
 
-    fn place(&self, y: usize) -> Range<usize> {
+    fn place(&self, y: usize) -> std::ops::Range<usize> {
         let start = y % self.rows * self.width;
         start..start + self.width
     }

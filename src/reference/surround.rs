@@ -11,11 +11,10 @@
 //! solved for each frame ([`crate::mesh::Steady`]); `rule = "v2e"` steps it as v2e does. The
 //! border is always the open end of the resistors.
 
-use serde::Deserialize;
-
-use super::{noise::Fault, signal::Light};
+use super::signal::Light;
 use crate::{
     chance::{GOLDEN, mix},
+    config::{Fault, Key, Kind, Node, Place, Range, Read, Section, Table},
     mesh::{Between, Euler, Flow, MeshError, Sheet, Steady},
     number::Number,
     plane::{Plane, Size},
@@ -47,8 +46,7 @@ pub struct Surround {
 }
 
 /// How sheets are moved on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SheetRule {
     /// Exactly; the signal is a straight line between frames.
     #[default]
@@ -59,131 +57,155 @@ pub enum SheetRule {
     V2e,
 }
 
-/// The sheets as they stand in a sensor file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub(super) struct Written {
-    lambda: Option<f64>,
-    lambda_y: Option<f64>,
-    tau_us: Option<f64>,
-    noise: Option<f64>,
-    centre: Option<f64>,
-    sheets: Option<Vec<WrittenSheet>>,
-    #[serde(default)]
-    rule: SheetRule,
-}
+const NOT_NEGATIVE: Kind = Kind::Number(Range::NOT_NEGATIVE);
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct WrittenSheet {
-    gain: f64,
-    lambda: f64,
-    lambda_y: Option<f64>,
-    #[serde(default)]
-    tau_us: f64,
-    #[serde(default)]
-    noise: f64,
-}
+const LAMBDA_Y: Key = Key::optional(
+    "lambda-y",
+    NOT_NEGATIVE,
+    "space constant down the columns; as lambda when left out",
+)
+.unit("px");
 
-impl Written {
-    /// Checks what was written; `gain` is the channel's.
-    pub(super) fn checked(self, gain: f64) -> Result<Surrounds, Fault> {
-        let rule = self.rule;
-        let (centre, sheets) = match (self.lambda, self.sheets) {
-            (Some(lambda), None) => {
-                let sheet = WrittenSheet {
-                    gain: -1.0,
-                    lambda,
-                    lambda_y: self.lambda_y,
-                    tau_us: self.tau_us.unwrap_or(0.0),
-                    noise: self.noise.unwrap_or(0.0),
-                };
-                (self.centre.unwrap_or(1.0), vec![sheet])
-            }
-            (None, Some(sheets)) if !sheets.is_empty() => {
-                for (key, given) in [
-                    ("lambda-y", self.lambda_y),
-                    ("tau-us", self.tau_us),
-                    ("noise", self.noise),
-                ] {
-                    if given.is_some() {
-                        return Err(fault(
-                            key,
-                            format!("{key} stands beside sheets"),
-                            "give it inside each of the sheets",
-                        ));
-                    }
+const TAU: Key = Key::with_default(
+    "tau-us",
+    NOT_NEGATIVE,
+    "0",
+    "time constant C/g; 0 settles at once",
+)
+.unit("us");
+
+const NOISE: Key = Key::with_default(
+    "noise",
+    NOT_NEGATIVE,
+    "0",
+    "sqrt(kT/C), in the unit of the signal",
+);
+
+/// The words of [`SheetRule`], in its order.
+pub const RULE: Kind = Kind::Choice(&["ramp", "step", "v2e"]);
+
+/// The keys of a channel's `mesh`.
+pub const MESH: Table = Table {
+    one_of: &["lambda", "sheets"],
+    keys: &[
+        Key::optional(
+            "lambda",
+            NOT_NEGATIVE,
+            "space constant of the one sheet; its square is transverse over lateral resistance",
+        )
+        .unit("px")
+        .example("lambda = 10"),
+        LAMBDA_Y,
+        TAU,
+        NOISE,
+        Key::with_default(
+            "centre",
+            Kind::Number(Range::FINITE),
+            "1",
+            "gain of the pixel itself",
+        ),
+        Key::optional(
+            "sheets",
+            Kind::List {
+                of: &Kind::Table(&SHEET),
+                least: 1,
+                most: usize::MAX,
+            },
+            "several sheets in place of one",
+        )
+        .example("sheets = [{ gain = -1, lambda = 10 }]"),
+        Key::with_default("rule", RULE, "\"ramp\"", "how the sheets are moved on"),
+    ],
+};
+
+const SHEET: Table = Table::new(&[
+    Key::required(
+        "gain",
+        Kind::Number(Range::FINITE),
+        "what it is multiplied by",
+    )
+    .example("gain = -1"),
+    Key::required("lambda", NOT_NEGATIVE, "its space constant")
+        .unit("px")
+        .example("lambda = 10"),
+    LAMBDA_Y,
+    TAU,
+    NOISE,
+]);
+
+impl Surrounds {
+    /// The sheets that a checked table of [`MESH`] states; `gain` is the channel's.
+    ///
+    /// # Errors
+    /// When they contradict each other, or are too large times the gain.
+    pub(super) fn read(node: Node<'_>, gain: f64) -> Read<Self> {
+        let mesh = Section::new(node, &MESH);
+        let rules = [SheetRule::Ramp, SheetRule::Step, SheetRule::V2e];
+        let rule = mesh.word("rule", &rules)?.unwrap_or_default();
+        let sheets = if mesh.get("lambda").is_some() {
+            vec![Surround::read(&mesh, -1.0, gain, rule)?]
+        } else {
+            for key in ["lambda-y", "tau-us", "noise"] {
+                if let Some(given) = mesh.get(key) {
+                    let message = format!("{key} stands beside sheets");
+                    let advice = "give it inside each of the sheets";
+                    return Err(fault(given.place(), message, advice));
                 }
-                (self.centre.unwrap_or(1.0), sheets)
             }
-            _ => {
-                return Err(fault(
-                    "mesh",
-                    "a mesh has either one lambda, or a list of sheets".into(),
-                    "write mesh = { lambda = 10, tau-us = 500 }, or mesh = { centre = 1, sheets = [{ gain = -1, lambda = 10 }] }",
-                ));
-            }
+            let sheet = |node| {
+                let sheet = Section::new(node, &SHEET);
+                Surround::read(&sheet, sheet.number("gain")?, gain, rule)
+            };
+            let sheets = mesh.list("sheets").into_iter();
+            sheets.map(sheet).collect::<Read<_>>()?
         };
-        let centre = finite("centre", centre)? * gain;
-        let sheets = sheets
-            .into_iter()
-            .map(|sheet| sheet.checked(gain, rule))
-            .collect::<Result<_, _>>()?;
-        Ok(Surrounds {
-            centre: finite("centre", centre)?,
+        let centre = mesh.number("centre")?;
+        Ok(Self {
+            centre: times("centre", centre, gain, mesh.place_of("centre"))?,
             sheets,
             rule,
         })
     }
 }
 
-impl WrittenSheet {
-    fn checked(self, gain: f64, rule: SheetRule) -> Result<Surround, Fault> {
-        let sheet = Sheet::anisotropic(self.lambda_y.unwrap_or(self.lambda), self.lambda);
-        let sheet = sheet.map_err(|e| {
+impl Surround {
+    fn read(section: &Section<'_>, own: f64, gain: f64, rule: SheetRule) -> Read<Self> {
+        let lambda = section.number("lambda")?;
+        let down = section.get("lambda-y").and_then(Node::as_number);
+        let sheet = Sheet::anisotropic(down.unwrap_or(lambda), lambda).map_err(|e| {
             let advice =
                 "give a number of pixels, 0 or more: λ² is transverse over lateral resistance";
-            fault("lambda", e.to_string(), advice)
+            fault(section.place_of("lambda"), e.to_string(), advice)
         })?;
-        let positive = |key, value: f64| {
-            if value >= 0.0 && value.is_finite() {
-                Ok(value)
-            } else {
-                let message = format!("mesh.{key} is {value}");
-                Err(fault(key, message, "give a finite number, 0 or more"))
-            }
-        };
-        let noise = positive("noise", self.noise)?;
+        let noise = section.number("noise")?;
         if rule == SheetRule::V2e && (noise > 0.0 || sheet.lambdas().0 != sheet.lambdas().1) {
             return Err(fault(
-                "rule",
-                "v2e's sheet has one space constant and no noise".into(),
+                section.place(),
+                "v2e's sheet has one space constant and no noise",
                 "use rule = \"ramp\", or leave noise and lambda-y out",
             ));
         }
-        Ok(Surround {
-            gain: finite("gain", finite("gain", self.gain)? * gain)?,
+        Ok(Self {
+            gain: times("gain", own, gain, section.place())?,
             sheet,
-            tau: positive("tau-us", self.tau_us)? * 1e-6,
+            tau: section.number("tau-us")? * 1e-6,
             noise,
         })
     }
 }
 
-fn finite(key: &'static str, value: f64) -> Result<f64, Fault> {
-    if value.is_finite() {
-        return Ok(value);
+/// A factor times the channel's gain.
+fn times(key: &str, factor: f64, gain: f64, place: Place) -> Read<f64> {
+    let product = factor * gain;
+    if product.is_finite() {
+        return Ok(product);
     }
-    let message = format!("mesh.{key}, times the channel's gain, is {value}");
-    Err(fault(key, message, "give a finite number"))
+    let message = format!("mesh.{key}, times the channel's gain, is {product}");
+    Err(fault(place, message, "give a finite number"))
 }
 
-fn fault(key: &'static str, message: String, advice: &str) -> Fault {
-    Fault {
-        key,
-        message,
-        advice: advice.into(),
-    }
+fn fault(place: Place, message: impl Into<String>, advice: &str) -> Fault {
+    Fault::error(place, message, "here").help(advice)
 }
 
 /// The sheets of a sensor while it runs.

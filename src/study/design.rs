@@ -33,8 +33,9 @@
 use crate::{
     array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
     compile::{CompileError, Effort, Kind, Memory, Request, SensorProgram},
+    config::Faults,
     event::{Event, Packet, Polarity},
-    isa::{Device, Digital, text::Faults},
+    isa::{Device, Digital},
     kernel::{
         Kernel,
         quantise::{QuantiseError, Quantised, Quantiser, Sum},

@@ -138,7 +138,7 @@ impl Proof<'_> {
     pub(super) fn too_long(
         &self,
         filter: &Filter,
-        faults: crate::isa::text::Faults,
+        faults: crate::config::Faults,
     ) -> miette::Report {
         let room = self.device.value(Figure::Store) as u64;
         let words = filter.words.len() as u64;

@@ -24,8 +24,9 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Array, Schedule, Settings},
+    config::nearest,
     event::Packet,
-    isa::{Analog, Device, Digital, Figure, text::nearest},
+    isa::{Analog, Device, Digital, Figure},
     limit::THREADS,
     picture::{panel, write_png},
     plane::{Plane, Size},

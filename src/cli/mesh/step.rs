@@ -69,13 +69,7 @@ enum Rule {
 
 /// A response as it stands in a sensor file.
 fn response(text: &str) -> Result<Response, String> {
-    #[derive(serde::Deserialize)]
-    struct Line {
-        response: Response,
-    }
-    let line: Line =
-        toml::from_str(&format!("response = {text}")).map_err(|e| e.message().to_owned())?;
-    Ok(line.response)
+    Response::parse(text).map_err(|fault| fault.message)
 }
 
 /// A sheet that is moved on by one of the rules.

@@ -17,16 +17,16 @@
 //! All settings of a readout are given, none is assumed. Times within a readout are exact to
 //! the picosecond, periods to the microsecond.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, str::FromStr};
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::{Arbiter, Frame, Ideal, Readout, Requests, RowOrder, Scan, WhenFull, scan::Order};
-use crate::limit::QUEUE;
-use crate::unit::{Evidence, Micros, Picos};
-
-/// What a queue can be.
-const FIFO: &str = "a whole number, at most 4294967296, or `unlimited`";
+use crate::{
+    config::{Faults, File, Key, Kind, Node, Read, Section, Spelling, Table},
+    limit::QUEUE,
+    unit::{Evidence, Micros, Picos},
+};
 
 /// The readouts that come with the program, by name.
 const SHIPPED: [(&str, &str); 4] = [
@@ -36,27 +36,144 @@ const SHIPPED: [(&str, &str); 4] = [
     ("frame", include_str!("../../../readouts/frame.toml")),
 ];
 
-/// Names and settings of a readout, before they are believed.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+/// A readout's file.
+pub const FILE: File = File {
+    title: "a readout of amacrine",
+    kind: Kind::Cases {
+        tag: "readout",
+        cases: &[
+            ("ideal", &Table::new(&[READOUT, settings(SETTINGS[0].1)])),
+            ("scan", &Table::new(&[READOUT, settings(SETTINGS[1].1)])),
+            ("arbiter", &Table::new(&[READOUT, settings(SETTINGS[2].1)])),
+            ("frame", &Table::new(&[READOUT, settings(SETTINGS[3].1)])),
+        ],
+    },
+    see: "write `readout = \"arbiter\"`, then below `[settings]` each setting as `row = { value = \"36ns\", source = \"…\", evidence = \"guess\" }`; readouts/ has examples",
+};
+
+const READOUT: Key = Key::required("readout", Kind::Text, "which readout");
+
+const fn settings(table: &'static Table) -> Key {
+    Key::optional("settings", Kind::Table(table), "its settings, all of them")
+}
+
+/// A setting with its source. It is needed, but may come from the command line.
+const fn setting(name: &'static str, stated: &'static Table, what: &'static str) -> Key {
+    Key::optional(name, Kind::Table(stated), what)
+}
+
+/// What the table of a setting holds.
+const fn stated(value: Kind) -> [Key; 3] {
+    [
+        Key::required("value", value, "its value, with the unit where it has one"),
+        Key::required("source", Kind::Text, "who says so"),
+        Key::optional(
+            "evidence",
+            Kind::Choice(&Evidence::WORDS),
+            "how well it is known",
+        ),
+    ]
+}
+
+const TIME: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
+    what: "a time in whole picoseconds, at most 1 s, such as 36ns or 0.91us",
+    pattern: r"^\s*[0-9]+\.?[0-9]*\s*(ps|ns|us|µs|ms|s)\s*$",
+    // No sum of such times overflows.
+    holds: |text| {
+        text.parse()
+            .is_ok_and(|time: Picos| time.0 <= 1_000_000_000_000)
+    },
+})));
+
+const PERIOD: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
+    what: "a time in whole microseconds, such as 1ms; 0us makes each time stamp a frame",
+    pattern: r"^\s*[0-9]+\.?[0-9]*\s*(us|µs|ms|s)\s*$",
+    holds: |text| text.trim().parse::<Micros>().is_ok(),
+})));
+
+const SLOTS: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
+    what: "a whole number from 1 to 4000",
+    pattern: r"^\s*\+?[0-9]+\s*$",
+    holds: |text| {
+        text.trim()
+            .parse()
+            .is_ok_and(|slots: u64| (1..=4000).contains(&slots))
+    },
+})));
+
+const FIFO: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
+    what: "a whole number, at most 4294967296, or `unlimited`",
+    pattern: r"^\s*(\+?[0-9]+|unlimited)\s*$",
+    holds: |text| text.trim() == "unlimited" || text.trim().parse().is_ok_and(|n: u64| n <= QUEUE),
+})));
+
+const COLUMNS: &Table = &Table::new(&stated(Kind::Choice(&["from-right", "from-left"])));
+const ROWS: &Table = &Table::new(&stated(Kind::Choice(&["from-top", "from-bottom"])));
+const BURST: &Table = &Table::new(&stated(Kind::Choice(&["yes", "no"])));
+const ORDER: &Table = &Table::new(&stated(Kind::Choice(&["oldest", "round"])));
+const REQUESTS: &Table = &Table::new(&stated(Kind::Choice(&["one", "all"])));
+const WHEN_FULL: &Table = &Table::new(&stated(Kind::Choice(&[
+    "stall",
+    "drop-newest",
+    "drop-oldest",
+])));
+
+/// The settings of each readout, in the order in which they are shown.
+const SETTINGS: [(&str, &Table); 4] = [
+    ("ideal", &Table::new(&[])),
+    (
+        "scan",
+        &Table::new(&[
+            setting("slots", SLOTS, "events of a list"),
+            setting("slot", TIME, "time of one slot of the list"),
+            setting("period", PERIOD, "time from one frame to the next"),
+            setting("columns", COLUMNS, "from where columns are scanned"),
+            setting("rows", ROWS, "from where rows are scanned"),
+        ]),
+    ),
+    (
+        "arbiter",
+        &Table::new(&[
+            setting("row", TIME, "time to choose a row"),
+            setting("event", TIME, "time to read one event of it"),
+            setting("burst", BURST, "whether a row is read whole"),
+            setting("order", ORDER, "which row comes next"),
+            setting("requests", REQUESTS, "how many events of a cell wait"),
+            setting("link", TIME, "time that the link takes for one event"),
+            setting("fifo", FIFO, "events that the queue before the link holds"),
+            setting(
+                "when-full",
+                WHEN_FULL,
+                "what happens when the queue is full",
+            ),
+        ]),
+    ),
+    (
+        "frame",
+        &Table::new(&[
+            setting("period", PERIOD, "time from one frame to the next"),
+            setting("bit", TIME, "time of one bit"),
+        ]),
+    ),
+];
+
+/// Names and settings of a readout.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Description {
     /// Which readout: `ideal`, `scan`, `arbiter`, `frame`.
     readout: String,
     /// Its settings.
-    #[serde(default)]
     settings: BTreeMap<String, Setting>,
 }
 
 /// One setting, as a readout's file has it.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Setting {
     /// Its value, with the unit where it has one.
     pub value: String,
     /// Who says so.
     pub source: String,
     /// How well it is known; `None` for what was set by hand.
-    #[serde(default)]
     pub evidence: Option<Evidence>,
 }
 
@@ -64,20 +181,9 @@ pub struct Setting {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ReadoutError {
     /// The text is no TOML, or not of a readout.
-    #[error("{name}:{line}:{column}: {why}")]
-    #[diagnostic(help(
-        "write `readout = \"arbiter\"`, then below `[settings]` each setting as `row = {{ value = \"36ns\", source = \"…\", evidence = \"guess\" }}`; readouts/ has examples"
-    ))]
-    Text {
-        /// The file.
-        name: String,
-        /// From 1.
-        line: usize,
-        /// From 1, in characters.
-        column: usize,
-        /// What is wrong.
-        why: String,
-    },
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Text(#[from] Faults),
     /// No such readout.
     #[error("there is no readout `{name}`")]
     #[diagnostic(help("known are {}; or give the path of a .toml file", shipped().join(", ")))]
@@ -110,11 +216,11 @@ pub enum ReadoutError {
         /// Which readout.
         readout: String,
         /// Which setting.
-        key: &'static str,
+        key: String,
         /// What was given.
         value: String,
         /// What it may be.
-        want: &'static str,
+        want: String,
     },
 }
 
@@ -125,29 +231,20 @@ pub fn shipped() -> Vec<&'static str> {
 }
 
 /// The settings that a readout has.
-fn keys(readout: &str) -> &'static [&'static str] {
-    match readout {
-        "scan" => &["slots", "slot", "period", "columns", "rows"],
-        "arbiter" => &[
-            "row",
-            "event",
-            "burst",
-            "order",
-            "requests",
-            "link",
-            "fifo",
-            "when-full",
-        ],
-        "frame" => &["period", "bit"],
-        _ => &[],
-    }
+fn table(readout: &str) -> &'static Table {
+    let found = SETTINGS.iter().find(|(name, _)| *name == readout);
+    found.map_or(&SETTINGS[0], |it| it).1
+}
+
+fn keys(readout: &str) -> Vec<&'static str> {
+    table(readout).names().collect()
 }
 
 /// For advice.
 fn has(readout: &str) -> String {
-    match keys(readout) {
-        [] => format!("`{readout}` has no settings"),
-        keys => format!("the settings of `{readout}` are {}", keys.join(", ")),
+    match keys(readout).join(", ") {
+        none if none.is_empty() => format!("`{readout}` has no settings"),
+        keys => format!("the settings of `{readout}` are {keys}"),
     }
 }
 
@@ -167,38 +264,25 @@ impl Description {
     /// The readout of a file's text; `name` is for messages.
     ///
     /// # Errors
-    /// When the text is not TOML, or not of a known readout.
+    /// When the text is not TOML, or not of a known readout, or a setting has a value that it
+    /// cannot have. A setting may be missing: [`Description::set`] can give it.
     pub fn parse(name: &str, text: &str) -> Result<Self, ReadoutError> {
-        let description: Self = toml::from_str(text).map_err(|e| {
-            let before = text
-                .get(..e.span().map_or(0, |s| s.start))
-                .unwrap_or_default();
-            let line = before.rsplit('\n').next().unwrap_or_default();
-            ReadoutError::Text {
-                name: name.to_owned(),
-                line: before.matches('\n').count() + 1,
-                column: line.chars().count() + 1,
-                why: e.message().to_owned(),
-            }
-        })?;
-        if !shipped().contains(&description.readout.as_str()) {
-            return Err(ReadoutError::Unknown {
-                name: description.readout,
-            });
-        }
-        Ok(description)
+        Ok(FILE.read(name, text, described)?)
     }
 
     /// Sets one setting by hand.
     ///
     /// # Errors
-    /// When this readout has no such setting.
+    /// When this readout has no such setting, or it cannot have this value.
     pub fn set(&mut self, key: &str, value: &str) -> Result<(), ReadoutError> {
-        if !keys(&self.readout).contains(&key) {
+        let Some(kind) = kind_of(&self.readout, key) else {
             return Err(ReadoutError::Key {
                 readout: self.readout.clone(),
                 key: key.to_owned(),
             });
+        };
+        if !kind.holds_text(value) {
+            return Err(self.wrong(key, value));
         }
         let setting = Setting {
             value: value.to_owned(),
@@ -211,9 +295,8 @@ impl Description {
 
     /// Its settings, in the order of the table above.
     pub fn settings(&self) -> impl Iterator<Item = (&'static str, &Setting)> {
-        keys(&self.readout)
-            .iter()
-            .filter_map(|key| Some((*key, self.settings.get(*key)?)))
+        let keys = table(&self.readout).names();
+        keys.filter_map(|key| Some((key, self.settings.get(key)?)))
     }
 
     /// Which readout it is.
@@ -225,114 +308,107 @@ impl Description {
     /// The readout itself.
     ///
     /// # Errors
-    /// When a setting is missing, unknown, or has a value that it cannot have.
+    /// When a setting is missing.
     pub fn readout(&self) -> Result<Readout, ReadoutError> {
-        let known = keys(&self.readout);
-        if let Some(key) = self.settings.keys().find(|k| !known.contains(&k.as_str())) {
-            return Err(ReadoutError::Key {
-                readout: self.readout.clone(),
-                key: key.clone(),
-            });
-        }
         match self.readout.as_str() {
-            "ideal" => Ok(Readout::Ideal(Ideal)),
             "scan" => Ok(Readout::Scan(Scan {
-                slots: self.read("slots", "a whole number from 1 to 4000", |v| {
-                    v.parse().ok().filter(|slots| (1..=4000).contains(slots))
-                })?,
-                slot: self.time("slot")?,
-                period: self.period()?,
+                slots: self.parsed("slots")?,
+                slot: self.parsed("slot")?,
+                period: self.parsed("period")?,
                 order: Order {
-                    from_left: self.one_of(
-                        "columns",
-                        "`from-right` or `from-left`",
-                        &[("from-right", false), ("from-left", true)],
-                    )?,
-                    from_bottom: self.one_of(
-                        "rows",
-                        "`from-top` or `from-bottom`",
-                        &[("from-top", false), ("from-bottom", true)],
-                    )?,
+                    from_left: self.is("columns", "from-left")?,
+                    from_bottom: self.is("rows", "from-bottom")?,
                 },
             })),
             "arbiter" => Ok(Readout::Arbiter(Arbiter {
-                row: self.time("row")?,
-                event: self.time("event")?,
-                link: self.time("link")?,
-                burst: self.one_of("burst", "`yes` or `no`", &[("yes", true), ("no", false)])?,
-                order: self.one_of(
-                    "order",
-                    "`oldest` or `round`",
-                    &[("oldest", RowOrder::Oldest), ("round", RowOrder::Round)],
-                )?,
-                requests: self.one_of(
-                    "requests",
-                    "`one` or `all`",
-                    &[("one", Requests::One), ("all", Requests::All)],
-                )?,
-                fifo: self.read("fifo", FIFO, |v| match v {
-                    "unlimited" => Some(None),
-                    number => number.parse().ok().filter(|n| *n <= QUEUE).map(Some),
-                })?,
-                when_full: self.one_of(
-                    "when-full",
-                    "`stall`, `drop-newest` or `drop-oldest`",
-                    &[
-                        ("stall", WhenFull::Stall),
-                        ("drop-newest", WhenFull::DropNewest),
-                        ("drop-oldest", WhenFull::DropOldest),
-                    ],
-                )?,
+                row: self.parsed("row")?,
+                event: self.parsed("event")?,
+                link: self.parsed("link")?,
+                burst: self.is("burst", "yes")?,
+                order: if self.is("order", "round")? {
+                    RowOrder::Round
+                } else {
+                    RowOrder::Oldest
+                },
+                requests: if self.is("requests", "all")? {
+                    Requests::All
+                } else {
+                    Requests::One
+                },
+                fifo: if self.is("fifo", "unlimited")? {
+                    None
+                } else {
+                    Some(self.parsed("fifo")?)
+                },
+                when_full: match self.value("when-full")? {
+                    "drop-newest" => WhenFull::DropNewest,
+                    "drop-oldest" => WhenFull::DropOldest,
+                    _ => WhenFull::Stall,
+                },
             })),
             "frame" => Ok(Readout::Frame(Frame {
-                period: self.period()?,
-                bit: self.time("bit")?,
+                period: self.parsed("period")?,
+                bit: self.parsed("bit")?,
             })),
-            other => Err(ReadoutError::Unknown {
-                name: other.to_owned(),
-            }),
+            _ => Ok(Readout::Ideal(Ideal)),
         }
     }
 
-    fn read<T>(
-        &self,
-        key: &'static str,
-        want: &'static str,
-        parse: impl Fn(&str) -> Option<T>,
-    ) -> Result<T, ReadoutError> {
-        let readout = self.readout.clone();
-        let Some(setting) = self.settings.get(key) else {
-            return Err(ReadoutError::Missing { readout, key });
+    fn value(&self, key: &'static str) -> Result<&str, ReadoutError> {
+        let setting = self.settings.get(key);
+        setting
+            .map(|setting| setting.value.trim())
+            .ok_or_else(|| ReadoutError::Missing {
+                readout: self.readout.clone(),
+                key,
+            })
+    }
+
+    fn is(&self, key: &'static str, word: &str) -> Result<bool, ReadoutError> {
+        Ok(self.value(key)? == word)
+    }
+
+    fn parsed<T: FromStr>(&self, key: &'static str) -> Result<T, ReadoutError> {
+        let value = self.value(key)?;
+        value.parse().map_err(|_| self.wrong(key, value))
+    }
+
+    fn wrong(&self, key: &str, value: &str) -> ReadoutError {
+        ReadoutError::Value {
+            readout: self.readout.clone(),
+            key: key.to_owned(),
+            value: value.to_owned(),
+            want: kind_of(&self.readout, key).map_or_else(String::new, Kind::words),
+        }
+    }
+}
+
+/// What the value of a setting can be.
+fn kind_of(readout: &str, key: &str) -> Option<&'static Kind> {
+    match &table(readout).key(key)?.kind {
+        Kind::Table(stated) => Some(&stated.key("value")?.kind),
+        _ => None,
+    }
+}
+
+fn described(root: Node<'_>) -> Read<Description> {
+    let readout = root.get("readout").and_then(Node::as_text);
+    let readout = readout.unwrap_or_default().to_owned();
+    let given = root.get("settings").and_then(Node::as_table);
+    let mut settings = BTreeMap::new();
+    for (name, node) in given.unwrap_or_default() {
+        let Some(Kind::Table(stated)) = table(&readout).key(name.text).map(|key| key.kind) else {
+            continue;
         };
-        parse(setting.value.trim()).ok_or_else(|| ReadoutError::Value {
-            readout,
-            key,
-            value: setting.value.clone(),
-            want,
-        })
+        let stated = Section::new(node, stated);
+        let setting = Setting {
+            value: stated.text("value")?.to_owned(),
+            source: stated.text("source")?.to_owned(),
+            evidence: stated.word("evidence", &Evidence::ALL)?,
+        };
+        settings.insert(name.text.to_owned(), setting);
     }
-
-    fn one_of<T: Copy>(
-        &self,
-        key: &'static str,
-        want: &'static str,
-        values: &[(&str, T)],
-    ) -> Result<T, ReadoutError> {
-        let find = |v: &str| values.iter().find(|(name, _)| *name == v).map(|(_, t)| *t);
-        self.read(key, want, find)
-    }
-
-    /// At most a second, so that no sum of times can overflow.
-    fn time(&self, key: &'static str) -> Result<Picos, ReadoutError> {
-        let want = "a time in whole picoseconds, at most 1 s, such as 36ns or 0.91us";
-        let most = Picos(1_000_000_000_000);
-        self.read(key, want, |v| v.parse().ok().filter(|t| *t <= most))
-    }
-
-    fn period(&self) -> Result<Micros, ReadoutError> {
-        let want = "a time in whole microseconds, such as 1ms; 0us makes each time stamp a frame";
-        self.read("period", want, |v| v.parse().ok())
-    }
+    Ok(Description { readout, settings })
 }
 
 #[cfg(test)]
@@ -361,7 +437,9 @@ mod tests {
         let setting =
             |v: &str| format!("{{ value = \"{v}\", source = \"s\", evidence = \"guess\" }}");
         assert!(said("readout = 'frame'\n[settings]\nbit = 7").starts_with("my.toml:3:7: "));
-        assert_eq!(said("readout = 'x'"), "there is no readout `x`");
+        let unknown =
+            "my.toml:1:11: unknown value `x`, expected one of `ideal`, `scan`, `arbiter`, `frame`";
+        assert_eq!(said("readout = 'x'"), unknown);
         assert_eq!(said("readout = 'frame'"), "frame: `period` is not set");
         let frame = |period: &str, bit: &str| {
             let (period, bit) = (setting(period), setting(bit));
@@ -369,11 +447,17 @@ mod tests {
         };
         assert_eq!(
             said(&frame("0.5us", "1ns")),
-            "frame: `period` cannot be `0.5us`"
+            "my.toml:3:20: `settings.period.value` cannot be \"0.5us\""
         );
-        assert_eq!(said(&frame("1us", "2s")), "frame: `bit` cannot be `2s`");
+        assert_eq!(
+            said(&frame("1us", "2s")),
+            "my.toml:4:17: `settings.bit.value` cannot be \"2s\""
+        );
         let extra = frame("1us", "0ns") + "\nrow = " + &setting("1ns");
-        assert_eq!(said(&extra), "frame has no setting `row`");
+        assert_eq!(
+            said(&extra),
+            "my.toml:5:1: unknown key `row`, expected `period` or `bit`"
+        );
         assert!(said("readout = 'ideal'\n[x").starts_with("my.toml:2:"));
     }
 
@@ -390,6 +474,6 @@ mod tests {
             arbiter.set("depth", "3").unwrap_err().to_string(),
             "arbiter has no setting `depth`"
         );
-        assert!(arbiter.set("fifo", "-1").is_ok() && arbiter.readout().is_err());
+        assert!(arbiter.set("fifo", "-1").is_err() && arbiter.readout().is_ok());
     }
 }

@@ -2,51 +2,41 @@
 
 use std::collections::BTreeMap;
 
-use toml::Spanned;
-
+use crate::config::{Fault, Faults, suggestion, suggestion_or};
 use crate::limit::ALIASES;
 
 use super::{
-    super::{
-        Analog, Digital, Figure, Quantity, Registers, Roles,
-        text::{Fault, Faults, suggestion, suggestion_or},
-    },
+    super::{Analog, Digital, Figure, Quantity, Registers, Roles},
     Layer,
+    file::Placed,
 };
 
 pub(super) fn figures(layers: &[Layer]) -> Result<Vec<Quantity>, Faults> {
     let mut found: BTreeMap<Figure, Quantity> = BTreeMap::new();
     for layer in layers {
         let mut faults = Vec::new();
-        for (section, entries) in &layer.device.figure {
-            for (key, entry) in entries {
-                let figure = Figure::ALL
+        for (section, key, entry) in &layer.device.figures {
+            let name = format!("{section}.{}", key.value);
+            let figure = Figure::ALL
+                .iter()
+                .find(|f| f.key() == (section.as_str(), key.value.as_str()));
+            let Some(&figure) = figure else {
+                let known: Vec<String> = Figure::ALL
                     .iter()
-                    .find(|f| f.key() == (section.get_ref(), key.get_ref()));
-                let Some(&figure) = figure else {
-                    let known: Vec<String> = Figure::ALL
-                        .iter()
-                        .map(|f| format!("{}.{}", f.key().0, f.key().1))
-                        .collect();
-                    let name = format!("{}.{}", section.get_ref(), key.get_ref());
-                    faults.push(
-                        Fault::error(
-                            key.span().into(),
-                            format!("unknown figure `{name}`"),
-                            "this key",
-                        )
-                        .help(
-                            suggestion(&name, known.iter().map(String::as_str))
-                                .unwrap_or_else(|| format!("known are {}", known.join(", "))),
-                        ),
-                    );
-                    continue;
-                };
-                if let Some(fault) = wrong_quantity(figure, entry) {
-                    faults.push(fault);
-                }
-                found.insert(figure, entry.get_ref().clone());
+                    .map(|f| format!("{}.{}", f.key().0, f.key().1))
+                    .collect();
+                faults.push(
+                    Fault::error(key.place, format!("unknown figure `{name}`"), "this key").help(
+                        suggestion(&name, known.iter().map(String::as_str))
+                            .unwrap_or_else(|| format!("known are {}", known.join(", "))),
+                    ),
+                );
+                continue;
+            };
+            if let Some(fault) = wrong_quantity(figure, entry) {
+                faults.push(fault);
             }
+            found.insert(figure, entry.value.clone());
         }
         layer.wrong("device.toml", faults)?;
     }
@@ -60,7 +50,7 @@ pub(super) fn figures(layers: &[Layer]) -> Result<Vec<Quantity>, Faults> {
     if !missing.is_empty() {
         faults.push(
             Fault::error(
-                top.device.name.span().into(),
+                top.device.name.place,
                 format!(
                     "{} figures are missing: {}",
                     missing.len(),
@@ -76,7 +66,7 @@ pub(super) fn figures(layers: &[Layer]) -> Result<Vec<Quantity>, Faults> {
     {
         faults.push(
             Fault::error(
-                top.device.name.span().into(),
+                top.device.name.place,
                 format!(
                     "range.low ({}) is not below range.high ({})",
                     low.value, high.value
@@ -90,13 +80,13 @@ pub(super) fn figures(layers: &[Layer]) -> Result<Vec<Quantity>, Faults> {
     Ok(found.into_values().collect())
 }
 
-pub(super) fn wrong_quantity(figure: Figure, entry: &Spanned<Quantity>) -> Option<Fault> {
+pub(super) fn wrong_quantity(figure: Figure, entry: &Placed<Quantity>) -> Option<Fault> {
     let Quantity {
         value,
         unit,
         source,
         ..
-    } = entry.get_ref();
+    } = &entry.value;
     let (section, key) = figure.key();
     let wrong = if unit != figure.unit() {
         format!(
@@ -113,11 +103,9 @@ pub(super) fn wrong_quantity(figure: Figure, entry: &Spanned<Quantity>) -> Optio
     } else {
         return None;
     };
-    Some(
-        Fault::error(entry.span().into(), wrong, "this figure").help(
-            "write { value = …, unit = …, source = …, evidence = measured|quoted|modelled|guess }",
-        ),
-    )
+    Some(Fault::error(entry.place, wrong, "this figure").help(
+        "write { value = …, unit = …, source = …, evidence = measured|quoted|modelled|guess }",
+    ))
 }
 
 pub(super) fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
@@ -130,7 +118,7 @@ pub(super) fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
     };
     let missing = |what: &str| -> Result<Registers, Faults> {
         let fault = Fault::error(
-            top.device.name.span().into(),
+            top.device.name.place,
             format!("`registers.{what}` is missing"),
             "this chip",
         )
@@ -154,52 +142,45 @@ pub(super) fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
         return missing("roles");
     };
     let mut faults = wrong_lists(top, analog, digital);
-    let mut find = |list: &[Spanned<String>], name: &Spanned<String>, what: &str| -> u8 {
-        let at = list.iter().position(|n| n.get_ref() == name.get_ref());
+    let mut find = |list: &[Placed<String>], name: &Placed<String>, what: &str| -> u8 {
+        let at = list.iter().position(|n| n.value == name.value);
         if at.is_none() {
-            let names = list.iter().map(|n| n.get_ref().as_str());
+            let names = list.iter().map(|n| n.value.as_str());
             faults.push(
                 Fault::error(
-                    name.span().into(),
-                    format!("`{}` is not {what} register", name.get_ref()),
+                    name.place,
+                    format!("`{}` is not {what} register", name.value),
                     "this name",
                 )
-                .help(suggestion_or(name.get_ref(), names, "name one of the list")),
+                .help(suggestion_or(&name.value, names, "name one of the list")),
             );
         }
         at.unwrap_or(0) as u8
     };
     let news = Analog(find(analog, news, "an analogue"));
-    let mut bit = |name: &Spanned<String>| Digital(find(digital, name, "a one-bit"));
+    let mut bit = |name: &Placed<String>| Digital(find(digital, name, "a one-bit"));
     let roles = Roles {
         mask: bit(&roles.mask),
         propagated: bit(&roles.propagated),
-        enable: [
-            bit(&roles.north),
-            bit(&roles.east),
-            bit(&roles.south),
-            bit(&roles.west),
-        ],
+        enable: roles.enable.each_ref().map(&mut bit),
     };
     let mut aliases: Vec<(String, Digital)> = Vec::new();
     for part in parts() {
         for (alias, name) in &part.aliases {
             // One more than there can be tells enough.
-            if aliases.len() <= ALIASES
-                && !aliases.iter().any(|(known, _)| known == alias.get_ref())
-            {
-                aliases.push((alias.get_ref().clone(), bit(name)));
+            if aliases.len() <= ALIASES && !aliases.iter().any(|(known, _)| known == alias) {
+                aliases.push((alias.clone(), bit(name)));
             }
         }
     }
     if aliases.len() > ALIASES {
         let what = format!("too many other names: {ALIASES} aliases at most");
-        let place = top.device.name.span().into();
+        let place = top.device.name.place;
         faults.push(Fault::error(place, what, "this chip").help("leave some out"));
     }
     let owner = layers.iter().rev().find(|l| l.device.registers.is_some());
     owner.unwrap_or(top).wrong("device.toml", faults)?;
-    let plain = |list: &[Spanned<String>]| list.iter().map(|n| n.get_ref().clone()).collect();
+    let plain = |list: &[Placed<String>]| list.iter().map(|n| n.value.clone()).collect();
     Ok(Registers {
         analog: plain(analog),
         news,
@@ -212,29 +193,29 @@ pub(super) fn registers(layers: &[Layer]) -> Result<Registers, Faults> {
 /// Names that stand twice, and lists that are empty or too long.
 pub(super) fn wrong_lists(
     top: &Layer,
-    analog: &[Spanned<String>],
-    digital: &[Spanned<String>],
+    analog: &[Placed<String>],
+    digital: &[Placed<String>],
 ) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut seen: Vec<&str> = Vec::new();
     for name in analog.iter().chain(digital) {
-        if seen.contains(&name.get_ref().as_str()) {
+        if seen.contains(&name.value.as_str()) {
             faults.push(
                 Fault::error(
-                    name.span().into(),
-                    format!("two registers are called `{}`", name.get_ref()),
+                    name.place,
+                    format!("two registers are called `{}`", name.value),
                     "the second",
                 )
                 .help("every register has a name of its own"),
             );
         }
-        seen.push(name.get_ref());
+        seen.push(&name.value);
     }
     for (what, list) in [("analogue", analog), ("one-bit", digital)] {
         if list.is_empty() || list.len() > 64 {
             faults.push(
                 Fault::error(
-                    top.device.name.span().into(),
+                    top.device.name.place,
                     format!("{} {what} registers; there can be 1 to 64", list.len()),
                     "this chip",
                 )

@@ -2,13 +2,8 @@
 
 use std::path::Path;
 
-use super::{
-    super::{
-        Device,
-        text::{Fault, Faults, suggestion_or},
-    },
-    CHAIN, Folder, Layer, LoadError, PrimitivesFile, SHIPPED, toml_fault, unknown,
-};
+use super::{super::Device, CHAIN, Folder, Layer, LoadError, SHIPPED, file, unknown};
+use crate::config::{Fault, Faults, suggestion_or};
 use crate::source;
 
 /// What a chip's folder holds.
@@ -63,10 +58,10 @@ pub(super) fn layers(top: Folder, beside: Option<&Path>) -> Result<Vec<Layer>, L
         let Some(base) = last.device.extends.clone() else {
             break;
         };
-        let name = base.get_ref();
-        if layers.len() == CHAIN || layers.iter().any(|l| l.device.name.get_ref() == name) {
+        let name = &base.value;
+        if layers.len() == CHAIN || layers.iter().any(|l| l.device.name.value == *name) {
             let fault = Fault::error(
-                base.span().into(),
+                base.place,
                 format!("`{name}` comes back to itself"),
                 "this chip extends itself",
             )
@@ -82,7 +77,7 @@ pub(super) fn layers(top: Folder, beside: Option<&Path>) -> Result<Vec<Layer>, L
             }
             _ => {
                 let fault = Fault::error(
-                    base.span().into(),
+                    base.place,
                     format!("there is no chip `{name}` to extend"),
                     "neither a shipped chip nor a folder beside this one",
                 )
@@ -102,13 +97,9 @@ pub(super) fn layers(top: Folder, beside: Option<&Path>) -> Result<Vec<Layer>, L
 }
 
 pub(super) fn layer(folder: Folder) -> Result<Layer, LoadError> {
-    let device = from_toml(&format!("{}/device.toml", folder.name), &folder.device)?;
+    let device = file::device(&format!("{}/device.toml", folder.name), &folder.device)?;
     let primitives = match &folder.primitives {
-        Some(text) => {
-            let file: PrimitivesFile =
-                from_toml(&format!("{}/primitives.toml", folder.name), text)?;
-            file.primitive
-        }
+        Some(text) => file::primitives(&format!("{}/primitives.toml", folder.name), text)?,
         None => Vec::new(),
     };
     Ok(Layer {
@@ -116,12 +107,4 @@ pub(super) fn layer(folder: Folder) -> Result<Layer, LoadError> {
         device,
         primitives,
     })
-}
-
-/// TOML with a fault that has a place.
-pub(super) fn from_toml<T: serde::de::DeserializeOwned>(
-    file: &str,
-    text: &str,
-) -> Result<T, Faults> {
-    toml::from_str(text).map_err(|error| Faults::one(file, text, toml_fault(&error)))
 }

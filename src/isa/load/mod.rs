@@ -4,29 +4,25 @@
 //! is read when it is asked for. Every check says which file, which place, and what to do.
 
 mod figures;
+mod file;
+pub mod keys;
 mod layers;
 mod rows;
 
 use std::{
-    collections::BTreeMap,
     path::Path,
     sync::{Arc, LazyLock},
 };
 
-use serde::Deserialize;
-use toml::Spanned;
-
 use self::{
     figures::{figures, registers},
+    file::{DeviceFile, RowFile},
     layers::{disk_folder, layers, shipped_folder},
     rows::{all_macros, host_rows, primitive_rows},
 };
-use crate::limit::FAULTS;
+use crate::{config::Faults, limit::FAULTS};
 
-use super::{
-    Clock, Device, Evidence, HostKind, Kind, Quantity, macros,
-    text::{Fault, Faults, Place, nearest},
-};
+use super::{Device, macros};
 
 /// Why a chip cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -142,90 +138,11 @@ fn unknown(name: &str) -> LoadError {
     }
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DeviceFile {
-    name: Spanned<String>,
-    title: String,
-    extends: Option<Spanned<String>>,
-    registers: Option<RegistersFile>,
-    #[serde(default)]
-    figure: BTreeMap<Spanned<String>, BTreeMap<Spanned<String>, Spanned<Quantity>>>,
-    #[serde(default)]
-    host: Vec<HostFile>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RegistersFile {
-    analogue: Option<Vec<Spanned<String>>>,
-    news: Option<Spanned<String>>,
-    digital: Option<Vec<Spanned<String>>>,
-    #[serde(default)]
-    aliases: BTreeMap<Spanned<String>, Spanned<String>>,
-    roles: Option<RolesFile>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RolesFile {
-    mask: Spanned<String>,
-    propagated: Spanned<String>,
-    north: Spanned<String>,
-    east: Spanned<String>,
-    south: Spanned<String>,
-    west: Spanned<String>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct HostFile {
-    name: Spanned<HostKind>,
-    forms: Vec<Spanned<String>>,
-    meaning: String,
-    call: Spanned<Quantity>,
-    item: Option<Spanned<Quantity>>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PrimitivesFile {
-    primitive: Vec<RowFile>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RowFile {
-    name: Spanned<Kind>,
-    forms: Vec<Spanned<String>>,
-    equation: String,
-    words: Spanned<u64>,
-    clock: Clock,
-    source: String,
-    evidence: Evidence,
-}
-
 /// One folder, read as TOML.
 struct Layer {
     folder: Folder,
     device: DeviceFile,
     primitives: Vec<RowFile>,
-}
-
-/// What TOML said, as a fault.
-pub(crate) fn toml_fault(error: &toml::de::Error) -> Fault {
-    let place = error.span().map_or(Place::new(0, 0), Place::from);
-    let message = error.message();
-    // "unknown field `x`, expected one of `a`, `b`": the names are between backticks.
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let help = message
-        .starts_with("unknown")
-        .then(|| quoted.next().and_then(|name| nearest(name, quoted)))
-        .flatten()
-        .map(|near| format!("did you mean `{near}`?"));
-    Fault::error(place, message, "here").help(help.unwrap_or_else(|| {
-        "see isa/README.md or the shipped files for what can stand here".to_owned()
-    }))
 }
 
 /// All checks, one after the other; each can rely on those before it.
@@ -242,7 +159,7 @@ fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
         Some(Arc::new(assemble(below)?))
     };
     let device = Device {
-        name: top.device.name.get_ref().clone(),
+        name: top.device.name.value.clone(),
         title: top.device.title.clone(),
         registers,
         figures,

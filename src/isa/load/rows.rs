@@ -2,45 +2,43 @@
 
 use std::collections::BTreeMap;
 
-use toml::Spanned;
-
+use crate::config::{Fault, Faults};
 use crate::limit::FORMS;
 
 use super::{
     super::{
         Analog, Digital, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
-        Signature, Value, macros, row,
-        signature::Parameter,
-        text::{Fault, Faults},
+        Signature, Value, macros, row, signature::Parameter,
     },
     Layer,
+    file::Placed,
 };
 
 /// Parses the forms of a row.
 pub(super) fn forms(
-    list: &[Spanned<String>],
+    list: &[Placed<String>],
     faults: &mut Vec<Fault>,
     fits: impl Fn(&Signature) -> bool,
 ) -> Vec<Signature> {
     let mut parsed = Vec::new();
     if let Some(form) = list.get(FORMS) {
         let what = format!("{} forms; a row has {FORMS} forms at most", list.len());
-        faults.push(Fault::error(form.span().into(), what, "this form").help("leave some out"));
+        faults.push(Fault::error(form.place, what, "this form").help("leave some out"));
         return parsed;
     }
     for form in list {
-        match Signature::parse(form.get_ref()) {
+        match Signature::parse(&form.value) {
             Ok(signature) if fits(&signature) => parsed.push(signature),
             Ok(signature) => faults.push(
                 Fault::error(
-                    form.span().into(),
+                    form.place,
                     format!("the instruction cannot be made from `{signature}`"),
                     "this form",
                 )
                 .help("keep the parameters of the shipped row"),
             ),
             Err(fault) => faults.push(Fault {
-                place: form.span().into(),
+                place: form.place,
                 ..fault
             }),
         }
@@ -53,26 +51,16 @@ pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faul
     for layer in layers {
         let mut faults = Vec::new();
         for row in &layer.primitives {
-            let kind = *row.name.get_ref();
+            let kind = row.kind;
             let built = PrimitiveRow {
                 kind,
                 forms: forms(&row.forms, &mut faults, |form| can_be_built(kind, form)),
                 equation: row.equation.clone(),
-                words: *row.words.get_ref(),
+                words: row.words,
                 clock: row.clock,
                 source: row.source.clone(),
                 evidence: row.evidence,
             };
-            if !(1..=64).contains(&built.words) {
-                faults.push(
-                    Fault::error(
-                        row.words.span().into(),
-                        format!("a primitive takes 1 to 64 words, not {}", built.words),
-                        "here",
-                    )
-                    .help("one word is the rule"),
-                );
-            }
             rows.insert(kind, built);
         }
         layer.wrong("primitives.toml", faults)?;
@@ -83,7 +71,7 @@ pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faul
         if !rows.contains_key(kind) {
             faults.push(
                 Fault::error(
-                    top.device.name.span().into(),
+                    top.device.name.place,
                     format!("the primitive {kind:?} has no row"),
                     "this chip",
                 )
@@ -101,11 +89,11 @@ pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
         let mut faults = Vec::new();
         for row in &layer.device.host {
             for quantity in std::iter::once(&row.call).chain(&row.item) {
-                let Quantity { value, unit, .. } = quantity.get_ref();
+                let Quantity { value, unit, .. } = &quantity.value;
                 if unit != "us" || !value.is_finite() || *value < 0.0 {
                     faults.push(
                         Fault::error(
-                            quantity.span().into(),
+                            quantity.place,
                             "a host operation costs zero or more microseconds (`us`)",
                             "this figure",
                         )
@@ -114,11 +102,11 @@ pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
                 }
             }
             let built = HostRow {
-                kind: *row.name.get_ref(),
+                kind: row.kind,
                 forms: forms(&row.forms, &mut faults, |_| true),
                 meaning: row.meaning.clone(),
-                call: row.call.get_ref().clone(),
-                item: row.item.as_ref().map(|i| i.get_ref().clone()),
+                call: row.call.value.clone(),
+                item: row.item.as_ref().map(|i| i.value.clone()),
             };
             rows.insert(built.kind, built);
         }
@@ -130,7 +118,7 @@ pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
         if !rows.contains_key(kind) {
             faults.push(
                 Fault::error(
-                    top.device.name.span().into(),
+                    top.device.name.place,
                     format!("the host operation {kind:?} has no row"),
                     "this chip",
                 )

@@ -1,9 +1,10 @@
 //! Walking over tokens: what is expected, what stands there instead, and how to go on after
 //! a fault.
 
+use crate::config::{Fault, Place};
 use crate::limit::NESTING;
 
-use super::{Argument, Expression, Fault, Kind, Operator, Place, Statement, Term, Token};
+use super::{Argument, Expression, Kind, Operator, Statement, Term, Token};
 
 /// A place in a list of tokens.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Place;
+use crate::config::Place;
 
 /// `name(argument, argument);`
 #[derive(Clone, Debug, PartialEq)]

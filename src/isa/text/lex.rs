@@ -8,7 +8,7 @@ use winnow::{
     token::{any, one_of, take_till, take_while},
 };
 
-use super::{Fault, Place};
+use crate::config::{Fault, Place};
 use crate::limit::FAULTS;
 
 /// One word of the text.

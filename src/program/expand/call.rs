@@ -1,10 +1,11 @@
 //! Which macro or primitive a statement calls.
 
 use super::{Lowering, Scope};
+use crate::config::{Fault, Place, suggestion};
 use crate::isa::{
     Callable, Device, Value,
     signature::{Bound, Given, Mismatch, Signature},
-    text::{Argument, Fault, Place, Statement, suggestion},
+    text::{Argument, Statement},
 };
 
 impl<'d> Lowering<'d> {

@@ -13,10 +13,11 @@ use super::{
     host,
     syntax::{Item, Node, Syntax},
 };
+use crate::config::{Fault, Lines, Place, Severity, enough, thin};
 use crate::isa::{
     Bit, Callable, Cell, Device, Digital, Macro, Source, Value, macros, row,
     signature::{Bound, Mode, Signature},
-    text::{Fault, Lines, Place, Severity, Statement, enough, thin},
+    text::Statement,
 };
 use crate::limit::{EXPANDED_STEPS, FRAME_STEPS, STATEMENT_WORDS};
 

@@ -1,11 +1,12 @@
 //! What the chip does not allow, and what is lost on the way.
 
 use super::{Lowering, Sink, cell};
+use crate::config::Fault;
 use crate::isa::{
     Callable, Digital, Macro, Operand, Primitive,
     operands::{Access, Unit},
     signature::{Bound, Mode},
-    text::{Fault, Statement},
+    text::Statement,
 };
 
 impl<'d> Lowering<'d> {

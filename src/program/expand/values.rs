@@ -6,10 +6,11 @@ use super::{
     super::syntax::{Node, Syntax},
     Lowering, Overrides, Scope,
 };
+use crate::config::{Fault, Place, enough, suggestion, thin};
 use crate::isa::{
     Bit, Direction, Source, Value,
     signature::Given,
-    text::{Argument, Expression, Fault, Place, Term, enough, suggestion, thin},
+    text::{Argument, Expression, Term},
 };
 
 impl Lowering<'_> {

@@ -1,126 +1,137 @@
 //! The kernels of a channel: rows, built-in ones, files.
 
-use std::{ops::Range, path::Path};
-
-use toml::Spanned;
-
 use crate::{
+    config::{Node, Place, Read},
     elementary,
-    kernel::{Kernel, KernelError},
+    kernel::{Kernel, KernelError, KernelFileError},
     plane::Plane,
 };
 
-use super::{MemoryRule, check::Checked, door::Door, written::WrittenKernel};
+use super::{
+    MemoryRule,
+    check::{Reader, wrong},
+};
 
-impl Door<'_> {
-    pub(super) fn scaled(
-        &self,
-        kernel: &Kernel,
-        gain: f64,
-        span: &Range<usize>,
-    ) -> Checked<Kernel> {
-        let scaled = kernel.weights() * gain;
-        let is_zero = |weights: &Plane<f64>| weights.iter().all(|w| *w == 0.0);
-        if is_zero(&scaled) && !is_zero(kernel.weights()) {
-            let what = format!("with gain {gain:e}: every weight becomes 0");
-            return Err(self.wrong(span.clone(), &what, "give a larger gain"));
-        }
-        Kernel::new(scaled).map_err(|e| {
-            let advice = match e {
-                KernelError::Subnormal { .. } => "give a larger gain",
-                _ => "give a smaller gain",
-            };
-            self.wrong(span.clone(), &format!("with gain {gain:e}: {e}"), advice)
-        })
-    }
-
+impl Reader<'_> {
     pub(super) fn memory_kernel(
         &self,
         memory: MemoryRule,
-        written: Option<Spanned<WrittenKernel>>,
+        written: Option<Node<'_>>,
         gain: f64,
-        whole: Range<usize>,
-    ) -> Checked<Option<Kernel>> {
+        channel: Place,
+    ) -> Read<Option<Kernel>> {
         match (written, memory) {
-            (None, MemoryRule::AuthorsPixelStep) => Err(self.wrong(
-                whole,
+            (None, MemoryRule::AuthorsPixelStep) => Err(wrong(
+                channel,
                 "memory = \"authors-pixel-step\" needs a memory-kernel",
                 "give the kernel that the memory is seen through (often the channel's own)",
             )),
             (None, _) => Ok(None),
             (Some(written), MemoryRule::AuthorsPixelStep) => {
-                let span = written.span();
-                let kernel = self.kernel(written.into_inner(), &span)?;
-                let kernel = self.scaled(&kernel, gain, &span)?;
-                self.stable(&kernel, span)?;
+                let kernel = scaled(&self.kernel(written)?, gain, written.place())?;
+                stable(&kernel, written.place())?;
                 Ok(Some(kernel))
             }
-            (Some(written), _) => Err(self.wrong(
-                written.span(),
+            (Some(written), _) => Err(wrong(
+                written.place(),
                 "memory-kernel is only for memory = \"authors-pixel-step\"",
                 "leave it out: the memory of the other rules is seen through the channel's own kernel, or holds the filtered signal",
             )),
         }
     }
 
-    /// Events move the pixels' memory by what the filtered difference was, which moves that
-    /// difference by the kernel's answer to it: what is left of a pattern of spatial frequency
-    /// f is 1 - W(f) of it. Above 1 in size it grows.
-    fn stable(&self, kernel: &Kernel, span: Range<usize>) -> Checked<()> {
-        let worst = growth(kernel);
-        if worst <= MOST_GROWTH {
-            return Ok(());
-        }
-        Err(self.wrong(
-            span,
-            &format!("a pixel memory stepped by filtered thresholds runs away through this kernel: what an event should remove grows up to {worst:.2} times with each frame"),
-            "use memory = \"filtered-step\" or \"raw-snap\", which are stable with any kernel",
-        ))
-    }
-
-    pub(super) fn kernel(&self, written: WrittenKernel, span: &Range<usize>) -> Checked<Kernel> {
-        match written {
-            WrittenKernel::Rows(rows) => Kernel::from_rows(&rows).map_err(|e: KernelError| {
-                self.wrong(
-                    span.clone(),
-                    &e.to_string(),
-                    "kernels are 1x1, 3x3, 5x5, …: rows of numbers, row 0 to the north",
-                )
-            }),
-            WrittenKernel::Name(name) => self.named(&name, span),
+    /// One kernel, or four for a pattern.
+    pub(super) fn kernels(&self, node: Node<'_>, four: bool) -> Read<Vec<Kernel>> {
+        let one = node.as_text().is_some() || node.as_rows().is_some();
+        match (node.as_list(), four) {
+            (_, false) if one => Ok(vec![self.kernel(node)?]),
+            (Some(list), true) if !one && list.len() == 4 => {
+                list.into_iter().map(|it| self.kernel(it)).collect()
+            }
+            (_, false) => Err(wrong(
+                node.place(),
+                "several kernels in one channel",
+                "add pattern = \"2x2\" for four kernels, or one [[channel]] for each",
+            )),
+            (_, true) => Err(wrong(
+                node.place(),
+                "pattern = \"2x2\" needs four kernels",
+                "give kernel = [k0, k1, k2, k3]; the pixel at (x, y) uses number 2*(y%2) + (x%2)",
+            )),
         }
     }
 
-    fn named(&self, name: &str, span: &Range<usize>) -> Checked<Kernel> {
+    fn kernel(&self, node: Node<'_>) -> Read<Kernel> {
+        if let Some(name) = node.as_text() {
+            return self.named(name, node.place());
+        }
+        Kernel::from_rows(&node.as_rows().unwrap_or_default()).map_err(|e| {
+            wrong(
+                node.place(),
+                e.to_string(),
+                "kernels are 1x1, 3x3, 5x5, …: rows of numbers, row 0 to the north",
+            )
+        })
+    }
+
+    fn named(&self, name: &str, place: Place) -> Read<Kernel> {
         if let Some(kernel) = Kernel::builtin(name) {
             return Ok(kernel);
         }
         let bytes = (self.read)(name).map_err(|e| {
             let known: Vec<_> = Kernel::builtin_names().collect();
-            self.wrong(
-                span.clone(),
-                &format!("kernel \"{name}\" is neither built in nor a file that can be read ({e})"),
+            wrong(
+                place,
+                format!("kernel \"{name}\" is neither built in nor a file that can be read ({e})"),
                 &format!(
                     "give a file beside the sensor file, rows of numbers, or one of {}",
                     known.join(", ")
                 ),
             )
         })?;
-        let (kernel, advice) = if Path::new(name).extension().is_some_and(|e| e == "npy") {
-            let advice = "give a two-dimensional array of numbers; in numpy: np.save(file, kernel)";
-            (Kernel::from_npy(&bytes), advice)
-        } else {
-            let advice = "a kernel file is TOML with one of `weights`, `centre-surround` and `gaussians`, or a .npy array";
-            (Kernel::from_toml_bytes(&bytes), advice)
-        };
-        kernel.map_err(|e| {
-            self.wrong(
-                span.clone(),
-                &format!("kernel file \"{name}\": {e}"),
-                advice,
-            )
+        Kernel::from_bytes(name, &bytes).map_err(|e| {
+            let advice = match e {
+                KernelFileError::Array(_) => {
+                    "give a two-dimensional array of numbers; in numpy: np.save(file, kernel)"
+                }
+                _ => "a kernel file is TOML with one of `weights`, `centre-surround` and `gaussians`, or a .npy array",
+            };
+            wrong(place, format!("kernel file {}", e.in_file(name)), advice)
         })
     }
+}
+
+pub(super) fn scaled(kernel: &Kernel, gain: f64, place: Place) -> Read<Kernel> {
+    let scaled = kernel.weights() * gain;
+    let is_zero = |weights: &Plane<f64>| weights.iter().all(|w| *w == 0.0);
+    if is_zero(&scaled) && !is_zero(kernel.weights()) {
+        let what = format!("with gain {gain:e}: every weight becomes 0");
+        return Err(wrong(place, what, "give a larger gain"));
+    }
+    Kernel::new(scaled).map_err(|e| {
+        let advice = match e {
+            KernelError::Subnormal { .. } => "give a larger gain",
+            _ => "give a smaller gain",
+        };
+        wrong(place, format!("with gain {gain:e}: {e}"), advice)
+    })
+}
+
+/// Events move the pixels' memory by what the filtered difference was, which moves that
+/// difference by the kernel's answer to it: what is left of a pattern of spatial frequency
+/// f is 1 - W(f) of it. Above 1 in size it grows.
+fn stable(kernel: &Kernel, place: Place) -> Read<()> {
+    let worst = growth(kernel);
+    if worst <= MOST_GROWTH {
+        return Ok(());
+    }
+    Err(wrong(
+        place,
+        format!(
+            "a pixel memory stepped by filtered thresholds runs away through this kernel: what an event should remove grows up to {worst:.2} times with each frame"
+        ),
+        "use memory = \"filtered-step\" or \"raw-snap\", which are stable with any kernel",
+    ))
 }
 
 /// How much a pixel memory stepped by filtered thresholds may grow in a frame. 1 would be

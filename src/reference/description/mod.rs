@@ -21,19 +21,14 @@
 //! (x, y) uses number `2 (y mod 2) + (x mod 2)`.
 
 mod check;
-mod door;
 mod kernels;
-mod written;
+pub mod keys;
 
-use std::sync::Arc;
-
-use serde::Deserialize;
-
-use crate::{kernel::Kernel, photoreceptor::Response};
+use crate::{config::Faults, kernel::Kernel, photoreceptor::Response};
 
 use super::{noise::Noise, surround::Surrounds};
 
-use self::{door::Door, written::Written};
+use self::check::Reader;
 
 /// Everything that makes one sensor different from another.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,8 +52,7 @@ pub struct Description {
 }
 
 /// What an event does to the memory; `docs/reference.md` has the equations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MemoryRule {
     /// The memory holds pixels; a pixel that fires stores its own signal (Eq. 2-4 of the paper).
     RawSnap,
@@ -71,9 +65,18 @@ pub enum MemoryRule {
     AuthorsPixelStep,
 }
 
+impl MemoryRule {
+    /// All, in the order of their words in [`keys::MEMORY`].
+    pub const ALL: [Self; 4] = [
+        Self::RawSnap,
+        Self::FilteredSnap,
+        Self::FilteredStep,
+        Self::AuthorsPixelStep,
+    ];
+}
+
 /// Where an event's sign comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PolarityRule {
     /// The sign of the filtered difference (the released code).
     #[default]
@@ -84,8 +87,7 @@ pub enum PolarityRule {
 }
 
 /// What the kernel reads off the array.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
     /// The nearest pixel of the array.
     #[default]
@@ -95,19 +97,16 @@ pub enum Border {
 }
 
 /// How long a cell is silent after an event; `docs/reference.md` has the equations.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refractory {
     /// Microseconds.
     pub us: f64,
     /// How the silence works.
-    #[serde(default)]
     pub rule: RefractoryRule,
 }
 
 /// How the silence after an event works.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RefractoryRule {
     /// A real dead time: crossings in it are lost, and the memory moves through them.
     #[default]
@@ -134,37 +133,14 @@ pub struct Channel {
 }
 
 /// When a cell fires.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threshold {
     /// For ON events, above zero.
     pub on: f64,
     /// For OFF events, a positive magnitude.
     pub off: f64,
     /// Standard deviation of the fixed-pattern mismatch, same unit as the thresholds.
-    #[serde(default)]
     pub sigma: f64,
-}
-
-/// What is wrong with a sensor file, and where.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("{file}:{line}:{column}: {message}")]
-pub struct DescriptionError {
-    /// The file's name as it was given.
-    pub file: String,
-    /// From 1.
-    pub line: usize,
-    /// From 1.
-    pub column: usize,
-    /// What is wrong.
-    pub message: String,
-    /// What to do.
-    #[help]
-    pub advice: Option<String>,
-    #[source_code]
-    source_code: Arc<miette::NamedSource<String>>,
-    #[label("here")]
-    span: miette::SourceSpan,
 }
 
 /// Reads a file that a sensor file names; the path is as written there.
@@ -174,13 +150,8 @@ impl Description {
     /// Reads the text of a sensor file called `file`; `read` opens the kernel files it names.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its line and column.
-    pub fn parse(file: &str, text: &str, read: &ReadFile<'_>) -> Result<Self, DescriptionError> {
-        let door = Door { file, text, read };
-        if let Err(e) = toml::from_str::<toml::Table>(text) {
-            return Err(door.syntax(&e));
-        }
-        let written: Written = toml::from_str(text).map_err(|e| door.key(&e))?;
-        door.check(written)
+    /// What is wrong, each with its line and column.
+    pub fn parse(file: &str, text: &str, read: &ReadFile<'_>) -> Result<Self, Faults> {
+        keys::FILE.read(file, text, |root| Reader { file, read }.sensor(root))
     }
 }

@@ -5,7 +5,7 @@ use super::{
     point::Point,
     value::{Ramp, Value, Values},
 };
-use crate::isa::text::{Fault, Place};
+use crate::config::{Fault, Place};
 
 /// The most points that a study may name.
 pub const MOST_POINTS: u64 = crate::limit::STUDY_POINTS;

@@ -5,7 +5,16 @@ use std::{fmt, str::FromStr};
 
 use miette::Diagnostic;
 
-use crate::{array::Arithmetic, kernel::quantise::Quantiser, number::Format};
+pub use crate::config::Absent;
+
+use crate::{
+    array::Arithmetic,
+    config::{self, Range},
+    kernel::quantise::Quantiser,
+    number::Format,
+    photoreceptor::Response,
+    reference::{Noise, keys},
+};
 
 /// Which sensor a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -54,17 +63,6 @@ pub struct Key {
     pub what: &'static str,
 }
 
-/// A key that is left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Absent {
-    /// It must not be.
-    Required,
-    /// Then there is none.
-    None,
-    /// Then it is this, as TOML.
-    Is(&'static str),
-}
-
 /// A name in its canonical spelling; or what is wrong with it, and what to do.
 pub type Spell = fn(&str) -> Result<String, (String, String)>;
 
@@ -99,6 +97,45 @@ pub enum Kind {
     Noise,
     /// The `response` of a sensor file.
     Response,
+}
+
+/// A threshold: both signs in one number, or as in a sensor file.
+const THRESHOLD: config::Kind = config::Kind::Either {
+    ways: &[
+        config::Kind::Number(Range::POSITIVE),
+        config::Kind::Table(&keys::THRESHOLD),
+    ],
+    expected: "a number above 0, or { on = 8, off = 8, sigma = 0 }",
+};
+
+/// Noise: a preset, or as in a sensor file.
+const NOISE: config::Kind = config::Kind::Either {
+    ways: &[
+        config::Kind::Choice(&["none", "noisy"]),
+        config::Kind::Table(&Noise::TABLE),
+    ],
+    expected: "\"none\", \"noisy\" or { shot-hz = 5 }",
+};
+
+impl Kind {
+    /// What one value is written as: where a sensor file has the key, as there.
+    #[must_use]
+    pub const fn written(self) -> config::Kind {
+        match self {
+            Self::Name => config::Kind::Name,
+            Self::Number { least, above } => config::Kind::Number(Range {
+                above,
+                ..Range::least(least)
+            }),
+            Self::Whole { least, most } => config::Kind::Whole { least, most },
+            Self::Choice(words) => config::Kind::Choice(words),
+            Self::Spelled(_) => config::Kind::Text,
+            Self::Threshold => THRESHOLD,
+            Self::Refractory => config::Kind::Table(&keys::REFRACTORY),
+            Self::Noise => NOISE,
+            Self::Response => Response::KIND,
+        }
+    }
 }
 
 const ANY: &[Side] = &Side::ALL;

@@ -13,7 +13,6 @@
 mod build;
 pub mod damage;
 mod difference;
-mod entry;
 mod error;
 mod footage;
 pub mod grid;

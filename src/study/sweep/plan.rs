@@ -28,10 +28,8 @@ use super::{
     table,
 };
 use crate::{
-    isa::{
-        Device,
-        text::{Fault, Faults, Place},
-    },
+    config::{Fault, Faults, Place},
+    isa::Device,
     kernel::Kernel,
     source,
 };
@@ -248,15 +246,9 @@ impl Opened<'_> {
             let what = format!("cannot read the kernel {}: {}", path.display(), error.cause);
             self.wrong(point, "kernel", &what, Some(error.help))
         })?;
-        let kernel = if bytes.starts_with(b"\x93NUMPY") {
-            Kernel::from_npy(&bytes)
-        } else {
-            Kernel::from_toml_bytes(&bytes)
-        };
-        kernel.map_err(|e| {
-            let what = format!("{}: {e}", path.display());
-            self.wrong(point, "kernel", &what, None)
-        })
+        let shown = path.display().to_string();
+        let kernel = Kernel::from_bytes(&shown, &bytes);
+        kernel.map_err(|e| self.wrong(point, "kernel", &e.in_file(&shown), None))
     }
 
     /// The chip, and its data as text.

@@ -1,118 +1,74 @@
-//! From TOML to the values of a key.
-
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
+//! From a document to the values of a key.
 
 use super::{
-    entry::{Parts, Read, at, in_range, kind, number, one_of, whole, whole_in_range, word},
     key::{Key, Kind},
     value::{Ramp, Value, Values},
 };
 use crate::{
-    isa::text::{Fault, Place},
+    config::{self, Fault, Node, Range, Read, Section, Table},
     photoreceptor::{Curve, Response},
-    reference::Noise,
+    reference::{Noise, Threshold, keys::REFRACTORY},
 };
 
+/// What to do where nothing better can be said.
+pub(super) const SEE: &str = "docs/sweeps.md lists every key of a study";
+
 /// The values of a key: one, a list, or a range.
-pub(super) fn values(key: &Key, written: &Spanned<DeValue<'_>>, text: &str) -> Read<Values> {
-    match written.get_ref() {
-        DeValue::Array(list) => {
-            let one = |item: &Spanned<DeValue<'_>>| Ok((value(key, item, text)?, at(item.span())));
-            list.iter().map(one).collect::<Read<_>>().map(Values::List)
-        }
-        DeValue::Table(table) if key.ranges() && table.contains_key("from") => {
-            ramp(key, table, at(written.span())).map(Values::Ramp)
-        }
-        _ => Ok(Values::List(vec![(
-            value(key, written, text)?,
-            at(written.span()),
-        )])),
+pub(super) fn values(key: &Key, node: Node<'_>) -> Read<Values> {
+    if let Some(list) = node.as_list() {
+        let one = |item: Node<'_>| Ok((value(key, item)?, item.place()));
+        return list
+            .into_iter()
+            .map(one)
+            .collect::<Read<_>>()
+            .map(Values::List);
     }
+    if key.ranges() && node.get("from").is_some() {
+        return ramp(key, node).map(Values::Ramp);
+    }
+    Ok(Values::List(vec![(value(key, node)?, node.place())]))
 }
 
 /// One value.
-pub(super) fn value(key: &Key, written: &Spanned<DeValue<'_>>, text: &str) -> Read<Value> {
-    let place = at(written.span());
-    let name = key.name;
+fn value(key: &Key, node: Node<'_>) -> Read<Value> {
+    key.kind.written().check(node, key.name, SEE)?;
+    let word = node.as_text().unwrap_or_default();
     match key.kind {
-        Kind::Name => {
-            let word = word(name, written)?;
-            if word.is_empty() {
-                return Err(Fault::error(place, format!("`{name}` is empty"), "here")
-                    .help(format!("give {}", key.what)));
-            }
-            Ok(Value::Word(word.to_owned()))
+        Kind::Name | Kind::Choice(_) => Ok(Value::Word(word.to_owned())),
+        Kind::Number { .. } => Ok(Value::Number(node.as_number().unwrap_or_default())),
+        Kind::Whole { .. } => Ok(Value::Whole(node.as_whole().unwrap_or_default())),
+        Kind::Spelled(spell) => spell(word)
+            .map(Value::Word)
+            .map_err(|(what, help)| Fault::error(node.place(), what, "here").help(help)),
+        Kind::Threshold => {
+            let Threshold { on, off, sigma } = match node.as_number() {
+                Some(both) => Threshold {
+                    on: both,
+                    off: both,
+                    sigma: 0.0,
+                },
+                None => Threshold::read(node)?,
+            };
+            Ok(Value::Threshold { on, off, sigma })
         }
-        Kind::Number { least, above } => {
-            let number = number(name, written)?;
-            in_range(name, number, least, above, place)?;
-            Ok(Value::Number(number))
+        Kind::Refractory => {
+            let refractory = Section::new(node, &REFRACTORY);
+            let rule = refractory.word("rule", &["dead-time", "authors"])?;
+            Ok(Value::Refractory {
+                us: refractory.number("us")?,
+                rule: rule.unwrap_or("dead-time"),
+            })
         }
-        Kind::Whole { least, most } => {
-            let number = whole(name, written)?;
-            whole_in_range(name, number, least..=most, place)?;
-            Ok(Value::Whole(number))
+        Kind::Noise => {
+            let noise = match node.as_text() {
+                Some("noisy") => NOISY,
+                Some(_) => Noise::NONE,
+                None => Noise::stated(node)?,
+            };
+            Ok(Value::Word(noise_text(&noise)))
         }
-        Kind::Choice(words) => {
-            let word = word(name, written)?;
-            one_of(name, word, words, place).map(|word| Value::Word(word.to_owned()))
-        }
-        Kind::Spelled(spell) => {
-            let word = word(name, written)?;
-            let spelled = spell(word);
-            spelled
-                .map(Value::Word)
-                .map_err(|(what, help)| Fault::error(place, what, "here").help(help))
-        }
-        Kind::Threshold => threshold(name, written),
-        Kind::Refractory => refractory(name, written),
-        Kind::Noise => noise(written, text),
-        Kind::Response => response(written, text),
+        Kind::Response => Ok(Value::Word(response_text(Response::read(node)?))),
     }
-}
-
-fn threshold(name: &str, written: &Spanned<DeValue<'_>>) -> Read<Value> {
-    let place = at(written.span());
-    let DeValue::Table(table) = written.get_ref() else {
-        let both = number(name, written)?;
-        in_range(name, both, 0.0, true, place)?;
-        return Ok(Value::Threshold {
-            on: both,
-            off: both,
-            sigma: 0.0,
-        });
-    };
-    let mut parts = Parts::of(name, table, &["on", "off", "sigma"], place)?;
-    let on = parts.number("on", None)?;
-    let off = parts.number("off", None)?;
-    let sigma = parts.number("sigma", Some(0.0))?;
-    in_range("threshold.on", on, 0.0, true, place)?;
-    in_range("threshold.off", off, 0.0, true, place)?;
-    in_range("threshold.sigma", sigma, 0.0, false, place)?;
-    Ok(Value::Threshold { on, off, sigma })
-}
-
-fn refractory(name: &str, written: &Spanned<DeValue<'_>>) -> Read<Value> {
-    let place = at(written.span());
-    let DeValue::Table(table) = written.get_ref() else {
-        return Err(kind(name, written, "{ us = 1000 }"));
-    };
-    let mut parts = Parts::of(name, table, &["us", "rule"], place)?;
-    let us = parts.number("us", None)?;
-    in_range("refractory.us", us, 0.0, false, place)?;
-    let rule = match parts.take("rule") {
-        None => "dead-time",
-        Some(rule) => one_of(
-            "refractory.rule",
-            word("refractory.rule", rule)?,
-            &["dead-time", "authors"],
-            at(rule.span()),
-        )?,
-    };
-    Ok(Value::Refractory { us, rule })
 }
 
 /// The `[noise]` of `sensors/dvs-noisy.toml`; a test holds it to the file.
@@ -124,25 +80,6 @@ const NOISY: Noise = Noise {
     shot_at_white: 0.25,
     ..Noise::NONE
 };
-
-fn noise(written: &Spanned<DeValue<'_>>, text: &str) -> Read<Value> {
-    let place = at(written.span());
-    let noise = match written.get_ref() {
-        DeValue::String(name) => match one_of("noise", name, &["none", "noisy"], place)? {
-            "noisy" => NOISY,
-            _ => Noise::NONE,
-        },
-        DeValue::Table(_) => inside::<Noise>("noise", written, text)?,
-        _ => {
-            return Err(kind(
-                "noise",
-                written,
-                "\"none\", \"noisy\" or { shot-hz = 5 }",
-            ));
-        }
-    };
-    Ok(Value::Word(noise_text(&noise)))
-}
 
 /// The keys that are not as in a sensor without noise.
 fn noise_text(noise: &Noise) -> String {
@@ -168,10 +105,10 @@ fn noise_text(noise: &Noise) -> String {
     format!("{{ {} }}", told.join(", "))
 }
 
-fn response(written: &Spanned<DeValue<'_>>, text: &str) -> Read<Value> {
-    let Response { curve, round_f32 } = inside::<Response>("response", written, text)?;
+fn response_text(response: Response) -> String {
+    let Response { curve, round_f32 } = response;
     let round = if round_f32 { ", round = \"f32\"" } else { "" };
-    Ok(Value::Word(match curve {
+    match curve {
         Curve::Identity => "\"identity\"".to_owned(),
         Curve::Linear { white } if round_f32 => {
             format!("{{ linear = {{ white = {white:?}{round} }} }}")
@@ -181,63 +118,48 @@ fn response(written: &Spanned<DeValue<'_>>, text: &str) -> Read<Value> {
             format!("{{ log = {{ white = {white:?}, offset = {offset:?}{round} }} }}")
         }
         Curve::LinLog { knee } => format!("{{ lin-log = {{ knee = {knee:?} }} }}"),
-    }))
-}
-
-/// Reads what stands there as a sensor file would.
-fn inside<T: serde::de::DeserializeOwned>(
-    name: &str,
-    written: &Spanned<DeValue<'_>>,
-    text: &str,
-) -> Read<T> {
-    let span = written.span();
-    let there = text.get(span.clone()).unwrap_or_default();
-    let before = "it = ";
-    let table: Result<std::collections::BTreeMap<String, T>, _> =
-        toml::from_str(&format!("{before}{there}"));
-    match table {
-        Ok(mut table) => table
-            .remove("it")
-            .ok_or_else(|| Fault::error(at(span), format!("`{name}` is empty"), "here")),
-        Err(fault) => {
-            let inner = fault.span().unwrap_or(0..0);
-            let moved =
-                |byte: usize| (span.start + byte.saturating_sub(before.len())).min(span.end);
-            let place = at(moved(inner.start)..moved(inner.end));
-            let message = fault
-                .message()
-                .trim()
-                .replace("unknown field", "unknown key");
-            Err(Fault::error(place, format!("`{name}`: {message}"), "here")
-                .help("docs/reference.md lists the keys of a sensor file"))
-        }
     }
 }
 
-fn ramp(key: &Key, table: &DeTable<'_>, place: Place) -> Read<Ramp> {
-    let name = key.name;
-    let is_whole = matches!(key.kind, Kind::Whole { .. });
-    let mut parts = Parts::of(name, table, &["from", "to", "steps", "log"], place)?;
-    let (from, to) = (parts.number("from", None)?, parts.number("to", None)?);
-    let log = match parts.take("log") {
-        None => false,
-        Some(given) => match given.get_ref() {
-            DeValue::Boolean(log) => *log,
-            _ => return Err(kind("log", given, "true or false")),
+/// The keys of a range.
+pub(super) const RAMP: Table = Table::new(&[
+    config::Key::required(
+        "from",
+        config::Kind::Number(Range::FINITE),
+        "the first value",
+    ),
+    config::Key::required("to", config::Kind::Number(Range::FINITE), "the last value"),
+    config::Key::optional(
+        "steps",
+        config::Kind::Whole {
+            least: 2,
+            most: i64::MAX as u64,
         },
-    };
-    let mut steps = match parts.take("steps") {
-        None => None,
-        Some(given) => {
-            let steps = whole("steps", given)?;
-            whole_in_range("steps", steps, 2..=u64::MAX, at(given.span()))?;
-            Some(steps)
-        }
-    };
+        "how many values, ends included; any number between when left out",
+    ),
+    config::Key::with_default(
+        "log",
+        config::Kind::Flag,
+        "false",
+        "equal factors instead of equal steps",
+    ),
+]);
+
+fn ramp(key: &Key, node: Node<'_>) -> Read<Ramp> {
+    let (name, place) = (key.name, node.place());
+    config::Kind::Table(&RAMP).check(node, name, SEE)?;
+    let parts = Section::new(node, &RAMP);
+    let (from, to) = (parts.number("from")?, parts.number("to")?);
+    let log = parts.flag("log");
+    let mut steps = parts.get("steps").and_then(Node::as_whole);
+    let is_whole = matches!(key.kind, Kind::Whole { .. });
     let wrong = |what: String, help: &str| Err(Fault::error(place, what, "here").help(help));
     for end in [from, to] {
-        match key.kind {
-            Kind::Number { least, above } => in_range(name, end, least, above, place)?,
+        let range = match key.kind {
+            Kind::Number { least, above } => Range {
+                above,
+                ..Range::least(least)
+            },
             Kind::Whole { least, most } => {
                 if end.fract() != 0.0 || end < 0.0 || end > 2f64.powi(53) {
                     return wrong(
@@ -245,9 +167,13 @@ fn ramp(key: &Key, table: &DeTable<'_>, place: Place) -> Read<Ramp> {
                         "give whole numbers up to 2^53",
                     );
                 }
-                whole_in_range(name, end as u64, least..=most, place)?;
+                Range::between(least as f64, most as f64)
             }
-            _ => in_range(name, end, 0.0, true, place)?,
+            _ => Range::POSITIVE,
+        };
+        if !range.holds(end) {
+            let help = format!("give {}", range.words());
+            return wrong(format!("`{name}` is {end}"), &help);
         }
     }
     if from >= to {

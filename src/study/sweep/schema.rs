@@ -6,16 +6,18 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value as Json, json};
 
 use super::{
-    key::{Absent, Key, Kind, Side},
-    study::{AGAINST, METRICS, SETTINGS},
+    key::{Absent, Key, Side},
+    read::RAMP,
+    study::SETTINGS,
 };
+use crate::config::{self, schema};
 
 /// JSON Schema (draft 2020-12) of a study file, read as TOML.
 #[must_use]
 pub fn json_schema() -> Json {
     let mut properties: Map<String, Json> = SETTINGS
         .iter()
-        .map(|(name, what)| ((*name).to_owned(), setting(name, what)))
+        .map(|key| (key.name.to_owned(), schema::key(key)))
         .collect();
     for side in Side::ALL {
         for key in Key::of(side) {
@@ -65,100 +67,33 @@ fn of_side(side: Side) -> Json {
 }
 
 fn axis(key: &Key) -> Json {
-    let one = one(key);
+    let one = schema::kind(&key.kind.written());
     let mut ways = vec![
         one.clone(),
         json!({"type": "array", "minItems": 1, "items": one}),
     ];
     if key.ranges() {
-        ways.push(json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": ["from", "to"],
-            "properties": {
-                "from": {"type": "number"},
-                "to": {"type": "number"},
-                "steps": {"type": "integer", "minimum": 2},
-                "log": {"type": "boolean"},
-            },
-        }));
+        ways.push(schema::table(&RAMP));
     }
-    let mut schema = json!({"description": key.what, "anyOf": ways});
-    if let (Absent::Is(text), Some(schema)) = (key.default, schema.as_object_mut()) {
-        schema.insert("x-default-toml".to_owned(), json!(text));
-    }
-    schema
-}
-
-fn one(key: &Key) -> Json {
-    match key.kind {
-        Kind::Name | Kind::Spelled(_) => json!({"type": "string", "minLength": 1}),
-        Kind::Number { least, above: true } => json!({"type": "number", "exclusiveMinimum": least}),
-        Kind::Number { least, .. } => json!({"type": "number", "minimum": least}),
-        Kind::Whole { least, most } => {
-            json!({"type": "integer", "minimum": least, "maximum": most})
-        }
-        Kind::Choice(words) => json!({"enum": words}),
-        Kind::Threshold => json!({"anyOf": [
-            {"type": "number", "exclusiveMinimum": 0},
-            {
-                "type": "object",
-                "additionalProperties": false,
-                "required": ["on", "off"],
-                "properties": {
-                    "on": {"type": "number", "exclusiveMinimum": 0},
-                    "off": {"type": "number", "exclusiveMinimum": 0},
-                    "sigma": {"type": "number", "minimum": 0},
-                },
-            },
-        ]}),
-        Kind::Refractory => json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": ["us"],
-            "properties": {
-                "us": {"type": "number", "minimum": 0},
-                "rule": {"enum": ["dead-time", "authors"]},
-            },
-        }),
-        Kind::Noise => json!({"anyOf": [{"enum": ["none", "noisy"]}, {"type": "object"}]}),
-        Kind::Response => json!({"anyOf": [{"const": "identity"}, {"type": "object"}]}),
-    }
-}
-
-fn setting(name: &str, what: &str) -> Json {
-    let several = |one: Json| json!([one, {"type": "array", "items": one}]);
-    let mut schema = match name {
-        "metrics" => json!({"anyOf": several(json!({"enum": METRICS.map(|(name, _)| name)}))}),
-        "within" | "van-rossum" | "victor-purpura" => {
-            json!({"anyOf": several(json!({"type": "string"}))})
-        }
-        "against" => json!({"enum": AGAINST}),
-        "effort" => json!({"type": "number", "minimum": 0, "maximum": 3600}),
-        "sample" => json!({
-            "type": "object",
-            "additionalProperties": false,
-            "required": ["method", "points"],
-            "properties": {
-                "method": {"enum": ["random", "sobol"]},
-                "points": {"type": "integer", "minimum": 1},
-                "seed": {"type": "integer", "minimum": 0},
-            },
-        }),
-        _ => json!({"type": "string"}),
+    // The default and the description are those of any key.
+    let key = config::Key {
+        absent: key.default,
+        ..config::Key::optional(key.name, config::Kind::Text, key.what)
     };
-    if let Some(schema) = schema.as_object_mut() {
-        schema.insert("description".to_owned(), json!(what));
+    let mut axis = schema::key(&key);
+    if let Some(members) = axis.as_object_mut() {
+        members.remove("type");
     }
-    schema
+    schema::add(&mut axis, "anyOf", ways);
+    axis
 }
 
 /// Every key as rows of a Markdown table: the settings, then the axes.
 #[must_use]
 pub fn key_table() -> String {
     let mut text = String::from("| key | side | when left out | what it is |\n|---|---|---|---|\n");
-    for (name, what) in SETTINGS {
-        let _ = writeln!(text, "| `{name}` | all | | {what} |");
+    for key in SETTINGS {
+        let _ = writeln!(text, "| `{}` | all | | {} |", key.name, key.what);
     }
     for key in super::key::KEYS {
         let sides: Vec<&str> = key.sides.iter().map(|side| side.name()).collect();

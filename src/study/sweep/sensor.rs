@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 
 use super::{key::Side, point::Point};
 use crate::{
-    isa::text::{Fault, Place},
+    config::{Fault, Faults, Place},
     kernel::Kernel,
-    reference::{Description, DescriptionError},
+    photoreceptor::{Curve, Response},
+    reference::Description,
 };
 
 /// The sensor file of a float point, one key a line.
@@ -92,14 +93,9 @@ fn mesh(point: &Point, solver: Option<&str>) -> String {
 
 /// The response, and what light units become in it.
 fn response(written: Option<&str>) -> (String, f64) {
-    #[derive(serde::Deserialize)]
-    struct Only {
-        it: crate::photoreceptor::Response,
-    }
     let written = written.unwrap_or("\"identity\"").to_owned();
-    let only = toml::from_str::<Only>(&format!("it = {written}"));
-    let scale = match only.map(|only| only.it.curve) {
-        Ok(crate::photoreceptor::Curve::Linear { white }) => 1.0 / white,
+    let scale = match Response::parse(&written).map(|read| read.curve) {
+        Ok(Curve::Linear { white }) => 1.0 / white,
         _ => 1.0,
     };
     (written, scale)
@@ -111,7 +107,7 @@ fn rows(kernel: &Kernel) -> String {
     format!("{rows:?}")
 }
 
-fn parse(text: &str) -> Result<Description, DescriptionError> {
+fn parse(text: &str) -> Result<Description, Faults> {
     let none = |name: &str| Err(std::io::Error::other(format!("{name} is not needed")));
     Description::parse("point", text, &none)
 }
@@ -120,7 +116,7 @@ fn parse(text: &str) -> Result<Description, DescriptionError> {
 ///
 /// # Errors
 /// When settings contradict each other.
-pub(super) fn description(point: &Point, kernel: &Kernel) -> Result<Description, DescriptionError> {
+pub(super) fn description(point: &Point, kernel: &Kernel) -> Result<Description, Faults> {
     parse(&text(point, &rows(kernel)))
 }
 
@@ -128,11 +124,7 @@ pub(super) fn description(point: &Point, kernel: &Kernel) -> Result<Description,
 ///
 /// # Errors
 /// When settings contradict each other.
-pub(super) fn ideal(
-    point: &Point,
-    kernel: &Kernel,
-    against: &str,
-) -> Result<Description, DescriptionError> {
+pub(super) fn ideal(point: &Point, kernel: &Kernel, against: &str) -> Result<Description, Faults> {
     parse(&ideal_text(point, &rows(kernel), against))
 }
 
@@ -157,11 +149,18 @@ pub(super) fn contradiction(
             continue;
         }
         if let Err(error) = parse(&text) {
-            let line = text.lines().nth(error.line.saturating_sub(1));
+            let Some(first) = error.faults.into_iter().next() else {
+                continue;
+            };
+            let line = text.lines().nth(first.line as usize - 1);
             let key = line.and_then(|line| line.split(" =").next()).unwrap_or("");
             let key = if key == "mesh" { "solver" } else { key };
-            let fault = Fault::error(Place::new(0, 0), error.message, "contradicts the others");
-            let advice = error.advice.unwrap_or_default();
+            let fault = Fault::error(
+                Place::new(0, 0),
+                first.fault.message,
+                "contradicts the others",
+            );
+            let advice = first.fault.help.unwrap_or_default();
             let help = format!("{advice}; or give those values a [[side]] of their own");
             return Some((key.to_owned(), fault.help(help)));
         }

@@ -1,60 +1,36 @@
 //! The sides of a study file, each with its axes.
 
-use toml::{
-    Spanned,
-    de::{DeString, DeTable, DeValue},
-};
-
 use super::{
-    entry::{self, Read},
     grid::{Axes, Axis},
     key::{Absent, Key, Side},
-    read,
+    read::{self, SEE},
     study::{Entry, Reader, SETTINGS},
     value::Values,
 };
-use crate::isa::text::{Fault, Place};
+use crate::config::{Document, Fault, Name, Node, Place, Read, choice, unknown_key};
 
 impl Reader<'_> {
     /// The axes of every side; what stands above them holds for all that have the key.
-    pub fn sides(
-        &mut self,
-        written: &Spanned<DeValue<'_>>,
-        common: &[Entry<'_>],
-        sampled: bool,
-    ) -> Vec<Axes> {
-        let DeValue::Array(list) = written.get_ref() else {
-            let fault = entry::kind("side", written, "[[side]] tables");
-            self.faults.push(fault);
-            return Vec::new();
-        };
-        let mut all = Vec::new();
-        for item in list {
-            let DeValue::Table(table) = item.get_ref() else {
-                let fault = entry::kind("side", item, "[[side]] tables");
-                self.faults.push(fault);
-                continue;
-            };
-            all.extend(self.side(table, item.span().into(), common, sampled));
-        }
-        if list.is_empty() {
-            let what = "the list of sides is empty";
+    pub fn sides(&mut self, node: Node<'_>, common: &[Entry<'_>], sampled: bool) -> Vec<Axes> {
+        let list = node.as_list().unwrap_or_default();
+        let wrong = list.iter().find(|side| side.as_table().is_none());
+        let wrong = wrong.or(list.is_empty().then_some(&node));
+        if let Some(wrong) = wrong {
+            let what = format!("`side` takes [[side]] tables, this is {}", wrong.found());
             self.faults.push(
-                Fault::error(written.span().into(), what, "here")
+                Fault::error(wrong.place(), what, "here")
                     .help("add [[side]] with side = \"reference\", \"array\" or \"mesh\""),
             );
+            return Vec::new();
         }
-        all
+        let sides = list.into_iter();
+        sides
+            .filter_map(|side| self.side(side, common, sampled))
+            .collect()
     }
 
-    fn side(
-        &mut self,
-        table: &DeTable<'_>,
-        place: Place,
-        common: &[Entry<'_>],
-        sampled: bool,
-    ) -> Option<Axes> {
-        let names = Side::ALL.map(Side::name);
+    fn side(&mut self, table: Node<'_>, common: &[Entry<'_>], sampled: bool) -> Option<Axes> {
+        let place = table.place();
         let Some(kind) = table.get("side") else {
             self.faults.push(
                 Fault::error(place, "a [[side]] that does not say which", "here")
@@ -62,27 +38,25 @@ impl Reader<'_> {
             );
             return None;
         };
-        let word = entry::word("side", kind)
-            .and_then(|word| entry::one_of("side", word, &names, kind.span().into()));
-        let word = self.keep(word)?;
-        let side = Side::ALL.into_iter().find(|side| side.name() == word)?;
+        let names = Side::ALL.map(Side::name);
+        let word = kind.as_text().unwrap_or_default();
+        let side = choice(word, &names, kind.place(), SEE);
+        let side = Side::ALL[self.keep(side)?];
         let mut known = vec!["side"];
         known.extend(Key::of(side).map(|key| key.name));
-        for key in table.keys() {
-            if !known.contains(&key.get_ref().as_ref()) {
-                let fault = misplaced(key, side, &known);
-                self.faults.push(fault);
+        for (name, _) in table.as_table().unwrap_or_default() {
+            if !known.contains(&name.text) {
+                self.faults.push(misplaced(name, side, &known));
             }
         }
         let mut axes = Vec::new();
         for key in Key::of(side) {
-            let own = table.get_key_value(key.name);
-            let own = own.or_else(|| {
-                let found = common.iter().find(|(name, _)| name.get_ref() == key.name);
-                found.map(|(name, written)| (*name, *written))
+            let own = table.get(key.name).or_else(|| {
+                let found = common.iter().find(|(name, _)| name.text == key.name);
+                found.map(|(_, node)| *node)
             });
             let read = match own {
-                Some((_, written)) => axis(key, written, self.text, sampled).map(Some),
+                Some(node) => axis(key, node, sampled).map(Some),
                 None => absent(key, side, place),
             };
             axes.extend(self.keep(read).flatten());
@@ -96,7 +70,7 @@ impl Reader<'_> {
             return;
         }
         for (key, _) in axes {
-            let name = key.get_ref().as_ref();
+            let name = key.text;
             let has = |axes: &Axes| Key::of(axes.side).any(|key| key.name == name);
             if !sides.iter().any(has) {
                 let who: Vec<_> = Side::ALL
@@ -106,7 +80,7 @@ impl Reader<'_> {
                     .collect();
                 let what = format!("`{name}` is set, and no side of this study has it");
                 self.faults.push(
-                    Fault::error(key.span().into(), what, "changes nothing").help(format!(
+                    Fault::error(key.place, what, "changes nothing").help(format!(
                         "leave it out, or add a [[side]] with side = {}",
                         who.join(" or ")
                     )),
@@ -116,14 +90,9 @@ impl Reader<'_> {
     }
 }
 
-fn axis(
-    key: &'static Key,
-    written: &Spanned<DeValue<'_>>,
-    text: &str,
-    sampled: bool,
-) -> Read<Axis> {
-    let values = read::values(key, written, text)?;
-    let place: Place = written.span().into();
+fn axis(key: &'static Key, node: Node<'_>, sampled: bool) -> Read<Axis> {
+    let values = read::values(key, node)?;
+    let place = node.place();
     let name = key.name;
     match &values {
         Values::List(list) if list.is_empty() => Err(Fault::error(
@@ -155,9 +124,8 @@ fn absent(key: &'static Key, side: Side, place: Place) -> Read<Option<Axis>> {
         )
         .help(format!("add {}: {}", key.name, key.what))),
         Absent::Is(text) => {
-            let value = DeValue::parse(text)
-                .map_err(|e| Fault::error(place, e.message().to_owned(), "here"))?;
-            let mut axis = axis(key, &value, text, true)?;
+            let value = Document::value(text)?;
+            let mut axis = axis(key, value.root(), true)?;
             axis.place = place;
             if let Values::List(list) = &mut axis.values {
                 for (_, at) in list {
@@ -170,16 +138,16 @@ fn absent(key: &'static Key, side: Side, place: Place) -> Read<Option<Axis>> {
 }
 
 /// A key that this side does not have; another may.
-fn misplaced(key: &Spanned<DeString<'_>>, side: Side, known: &[&str]) -> Fault {
-    let name = key.get_ref().as_ref();
+fn misplaced(key: Name<'_>, side: Side, known: &[&'static str]) -> Fault {
+    let name = key.text;
     let others: Vec<_> = Side::ALL
         .iter()
         .filter(|other| Key::of(**other).any(|key| key.name == name))
         .map(|other| format!("\"{other}\""))
         .collect();
     if others.is_empty() {
-        let every = SETTINGS.iter().any(|(known, _)| *known == name);
-        let fault = entry::unknown(key, known, &format!("of side = \"{side}\""));
+        let every = SETTINGS.iter().any(|known| known.name == name);
+        let fault = unknown_key(key, known.iter().copied(), SEE);
         return if every {
             fault.help("it holds for the whole study: write it above the first [[side]]")
         } else {
@@ -196,7 +164,7 @@ fn misplaced(key: &Spanned<DeString<'_>>, side: Side, known: &[&str]) -> Fault {
         _ => otherwise,
     };
     Fault::error(
-        key.span().into(),
+        key.place,
         format!("side = \"{side}\" has no `{name}`"),
         "contradicts the side",
     )

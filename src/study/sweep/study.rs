@@ -1,20 +1,17 @@
 //! A study file: which points, and what is measured of each.
 
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
-
 use super::{
-    entry::{self, Read},
     grid::{self, Axes},
-    key::{Key, Side},
     point::Point,
+    read::SEE,
     sample::{Method, Sample},
 };
 use crate::{
     compile::Effort,
-    isa::text::{Fault, Faults, Place, suggestion_or},
+    config::{
+        self, Document, Fault, Faults, Kind, Name, Node, Place, Range, Read, Section, Spelling,
+        Table, unknown_key,
+    },
     unit::Micros,
 };
 
@@ -108,39 +105,135 @@ const USUAL: [&str; 5] = ["f1", "precision", "recall", "count-l1", "van-rossum"]
 /// What the events are measured against.
 pub const AGAINST: [&str; 4] = ["same", "filtered-snap", "filtered-step", "raw-snap"];
 
+const NAMES: [&str; METRICS.len()] = {
+    let mut names = [""; METRICS.len()];
+    let mut at = 0;
+    while at < names.len() {
+        names[at] = METRICS[at].0;
+        at += 1;
+    }
+    names
+};
+
+/// Some of the metrics, or one.
+const CHOSEN: Kind = Kind::Either {
+    ways: &[Kind::Choice(&NAMES), Kind::list(&Kind::Choice(&NAMES))],
+    expected: "the name of a metric, or a list of them",
+};
+
+/// Times, or one.
+const WINDOWS: Kind = Kind::Either {
+    ways: &[WINDOW, several(&WINDOW)],
+    expected: "a time such as 1ms, or a list of them",
+};
+
+const WINDOW: Kind = Kind::Spelled(&Spelling {
+    what: "a number and a unit, such as 100us, 1ms or 0.5s",
+    pattern: TIME,
+    holds: |text| text.parse::<Micros>().is_ok(),
+});
+
+/// Times above zero, or one.
+const TIMES: Kind = Kind::Either {
+    ways: &[ABOVE, several(&ABOVE)],
+    expected: "a time such as 5ms, or a list of them",
+};
+
+const ABOVE: Kind = Kind::Spelled(&Spelling {
+    what: "a number above 0 and a unit, such as 100us, 1ms or 0.5s",
+    pattern: TIME,
+    holds: |text| text.parse().is_ok_and(|time: Micros| time.0 > 0),
+});
+
+const TIME: &str = r"^[0-9]+\.?[0-9]*\s*(us|µs|ms|s)$";
+
+const fn several(of: &'static Kind) -> Kind {
+    Kind::List {
+        of,
+        least: 1,
+        most: usize::MAX,
+    }
+}
+
+const SAMPLE: Table = Table::new(&[
+    config::Key::required(
+        "method",
+        Kind::Choice(&["random", "sobol"]),
+        "how points are drawn",
+    )
+    .example("method = \"sobol\""),
+    config::Key::required(
+        "points",
+        Kind::Whole {
+            least: 1,
+            most: i64::MAX as u64,
+        },
+        "how many",
+    )
+    .example("points = 256"),
+    config::Key::with_default(
+        "seed",
+        Kind::Whole {
+            least: 0,
+            most: i64::MAX as u64,
+        },
+        "0",
+        "chooses the points",
+    ),
+]);
+
+const BESIDE: Table = Table::new(&SETTINGS);
+
 /// The keys beside the axes, and what each is.
-pub const SETTINGS: [(&str, &str); 9] = [
-    (
+pub const SETTINGS: [config::Key; 9] = [
+    config::Key::optional(
         "title",
+        Kind::Text,
         "what the study is called; the file's name when left out",
     ),
-    ("source", "where the numbers come from, for people"),
-    (
+    config::Key::optional(
+        "source",
+        Kind::Text,
+        "where the numbers come from, for people",
+    ),
+    config::Key::optional(
         "metrics",
+        CHOSEN,
         "what is measured of each point; `f1`, `precision`, `recall`, `count-l1` and `van-rossum` when left out",
     ),
-    (
+    config::Key::with_default(
         "within",
+        WINDOWS,
+        "\"1ms\"",
         "windows of matches, such as `[\"1ms\", \"10ms\"]`; `\"1ms\"` when left out. A point's error is 1 - F1 in the first",
     ),
-    (
+    config::Key::with_default(
         "van-rossum",
+        TIMES,
+        "\"5ms\"",
         "time constants of van Rossum's distance; `\"5ms\"` when left out",
     ),
-    (
+    config::Key::with_default(
         "victor-purpura",
+        TIMES,
+        "\"5ms\"",
         "shifts that cost 1 in Victor and Purpura's distance; `\"5ms\"` when left out",
     ),
-    (
+    config::Key::with_default(
         "against",
+        Kind::Choice(&AGAINST),
+        "\"same\"",
         "memory of the f64 sensor that events are measured against: `same` as the point's own (when left out), or one for all",
     ),
-    (
+    config::Key::with_default(
         "effort",
+        Kind::Number(Range::between(0.0, 3600.0)),
+        "0.2",
         "how long to search for each program, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 0.2 when left out",
     ),
-    (
+    config::Key::optional(
         "sample",
+        Kind::Table(&SAMPLE),
         "draw points instead of taking the whole grid: `{ method = \"sobol\", points = 256, seed = 0 }` or `method = \"random\"`",
     ),
 ];
@@ -151,17 +244,12 @@ impl Study {
     /// # Errors
     /// Everything that is wrong, each with its place.
     pub fn parse(file: &str, text: &str) -> Result<Self, Faults> {
-        let table = DeTable::parse(text).map_err(|e| {
-            let place = e.span().map_or(Place::new(0, 0), Place::from);
-            let fault = Fault::error(place, format!("not TOML: {}", e.message().trim()), "here")
-                .help("write key = value; words go in quotes, as in kernel = \"csdvs-5\"");
-            Faults::one(file, text, fault)
-        })?;
+        let document = Document::parse(text).map_err(|fault| Faults::one(file, text, fault))?;
         let mut reader = Reader {
             text,
             faults: Vec::new(),
         };
-        let study = reader.study(file, table.get_ref());
+        let study = reader.study(file, document.root());
         if !reader.faults.is_empty() {
             return Err(Faults::new(file, text, reader.faults));
         }
@@ -200,10 +288,7 @@ fn no_side() -> Fault {
 }
 
 /// A key and what it is set to.
-pub(super) type Entry<'a> = (
-    &'a Spanned<toml::de::DeString<'a>>,
-    &'a Spanned<DeValue<'a>>,
-);
+pub(super) type Entry<'a> = (Name<'a>, Node<'a>);
 
 /// The study being read; everything that is wrong with it so far.
 pub(super) struct Reader<'a> {
@@ -217,208 +302,107 @@ impl Reader<'_> {
         read.map_err(|fault| self.faults.push(fault)).ok()
     }
 
-    fn study(&mut self, file: &str, table: &DeTable<'_>) -> Option<Study> {
+    fn study(&mut self, file: &str, root: Node<'_>) -> Option<Study> {
         let mut axes = Vec::new();
-        let mut settings = Vec::new();
         let mut sides = None;
-        for (key, written) in table {
-            let name = key.get_ref().as_ref();
-            if name == "side" {
-                sides = Some(written);
-            } else if SETTINGS.iter().any(|(known, _)| *known == name) {
-                settings.push((key, written));
-            } else if Side::ALL
-                .iter()
-                .any(|side| Key::of(*side).any(|k| k.name == name))
-            {
-                axes.push((key, written));
+        let mut right = true;
+        for (name, node) in root.as_table().unwrap_or_default() {
+            if name.text == "side" {
+                sides = Some(node);
+            } else if let Some(key) = BESIDE.key(name.text) {
+                let checked = key.kind.check(node, key.name, SEE);
+                right &= self.keep(checked).is_some();
+            } else if all_names().any(|known| known == name.text) {
+                axes.push((name, node));
             } else {
-                let fault = entry::unknown(key, &all_names(), "in a study");
-                self.faults.push(fault);
+                self.faults.push(unknown_key(name, all_names(), SEE));
             }
         }
-        let drawn = settings.iter().find(|(key, _)| key.get_ref() == "sample");
-        let sample = drawn.and_then(|(_, written)| self.keep(sample(written)));
-        let title = self.title(file, &settings);
-        let settings = self.settings(&settings);
+        // What is built of wrong settings would only repeat what is wrong.
+        let read = if right {
+            let settings = Section::new(root, &BESIDE);
+            let read = settings_of(&settings).and_then(|it| Ok((it, sample_of(&settings)?)));
+            self.keep(read)
+        } else {
+            None
+        };
         let Some(written) = sides else {
             self.faults.push(no_side());
             return None;
         };
-        let sides = self.sides(written, &axes, sample.is_some());
+        let sides = self.sides(written, &axes, root.get("sample").is_some());
         self.unused(&axes, &sides);
+        let (settings, sample) = read?;
+        let title = root.get("title").and_then(Node::as_text);
+        let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+        let title = title.unwrap_or_else(|| name.strip_suffix(".toml").unwrap_or(name));
         Some(Study {
             file: file.to_owned(),
             text: self.text.to_owned(),
-            title: title?,
-            settings: settings?,
+            title: title.to_owned(),
+            settings,
             sides,
             sample,
         })
     }
-
-    fn title(&mut self, file: &str, settings: &[Entry<'_>]) -> Option<String> {
-        for (key, written) in settings {
-            if key.get_ref() == "source" {
-                let read = entry::word("source", written);
-                self.keep(read)?;
-            }
-        }
-        let given = settings.iter().find(|(key, _)| key.get_ref() == "title");
-        let Some((_, written)) = given else {
-            let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
-            return Some(name.strip_suffix(".toml").unwrap_or(name).to_owned());
-        };
-        let read = entry::word("title", written).map(str::to_owned);
-        self.keep(read)
-    }
-
-    fn settings(&mut self, written: &[Entry<'_>]) -> Option<Settings> {
-        let named = |name: &str| {
-            let found = written.iter().find(|(key, _)| key.get_ref() == name);
-            found.map(|(_, value)| *value)
-        };
-        let metrics = match named("metrics") {
-            None => Some(USUAL.to_vec()),
-            Some(written) => {
-                let read = metrics(written);
-                self.keep(read)
-            }
-        };
-        let mut times = |name, usual| {
-            let read = named(name).map_or(Ok(vec![Micros(usual)]), |it| times(name, it));
-            self.keep(read)
-        };
-        let within = times("within", 1_000);
-        let van_rossum = times("van-rossum", 5_000);
-        let victor_purpura = times("victor-purpura", 5_000);
-        let against = named("against").map_or(Ok("same"), |written| {
-            let word = entry::word("against", written)?;
-            entry::one_of("against", word, &AGAINST, written.span().into())
-        });
-        let against = self.keep(against);
-        let effort = named("effort").map_or(Ok(0.2), |written| {
-            let seconds = entry::number("effort", written)?;
-            if (0.0..=3600.0).contains(&seconds) {
-                return Ok(seconds);
-            }
-            let what = format!("`effort` is {seconds}");
-            Err(Fault::error(written.span().into(), what, "here")
-                .help("give seconds from 0 to 3600"))
-        });
-        let effort = self.keep(effort);
-        Some(Settings {
-            metrics: metrics?,
-            within: within?,
-            van_rossum: van_rossum?,
-            victor_purpura: victor_purpura?,
-            against: against?,
-            effort: Effort::seconds(effort?).states,
-        })
-    }
 }
 
-fn sample(written: &Spanned<DeValue<'_>>) -> Read<Sample> {
-    let place: Place = written.span().into();
-    let example = "{ method = \"sobol\", points = 256, seed = 0 }";
-    let DeValue::Table(table) = written.get_ref() else {
-        return Err(entry::kind("sample", written, example));
+fn settings_of(written: &Section<'_>) -> Read<Settings> {
+    let times = |key: &str, usual: u64| match written.get(key) {
+        None => vec![Micros(usual)],
+        Some(node) => each_once(node, |text| text.parse().ok()),
     };
-    let mut parts = entry::Parts::of("sample", table, &["method", "points", "seed"], place)?;
-    let missing = |key: &str| {
-        Fault::error(place, format!("`sample` has no `{key}`"), "here")
-            .help(format!("write sample = {example}"))
-    };
-    let method = parts.take("method").ok_or_else(|| missing("method"))?;
-    let method = entry::one_of(
-        "sample.method",
-        entry::word("sample.method", method)?,
-        &["random", "sobol"],
-        method.span().into(),
-    )?;
-    let method = match method {
-        "sobol" => Method::Sobol,
-        _ => Method::Random,
-    };
-    let count = parts.take("points").ok_or_else(|| missing("points"))?;
-    let points = entry::whole("sample.points", count)?;
-    let most = method.most();
-    if points == 0 || points > most {
-        let what = format!("`sample.points` is {points}");
-        return Err(Fault::error(count.span().into(), what, "here")
-            .help(format!("give from 1 to {most} points")));
-    }
-    let seed = match parts.take("seed") {
-        None => 0,
-        Some(seed) => entry::whole("sample.seed", seed)?,
-    };
-    Ok(Sample {
-        method,
-        points,
-        seed,
+    let metric = |text: &str| NAMES.into_iter().find(|name| *name == text);
+    let metrics = written.get("metrics");
+    let against = written.text("against")?;
+    let against = AGAINST.into_iter().find(|name| *name == against);
+    Ok(Settings {
+        metrics: metrics.map_or(USUAL.to_vec(), |node| each_once(node, metric)),
+        within: times("within", 1_000),
+        van_rossum: times("van-rossum", 5_000),
+        victor_purpura: times("victor-purpura", 5_000),
+        against: against.unwrap_or(AGAINST[0]),
+        effort: Effort::seconds(written.number("effort")?).states,
     })
 }
 
+fn sample_of(settings: &Section<'_>) -> Read<Option<Sample>> {
+    let Some(node) = settings.get("sample") else {
+        return Ok(None);
+    };
+    let sample = Section::new(node, &SAMPLE);
+    let method = sample.word("method", &[Method::Random, Method::Sobol])?;
+    let method = method.unwrap_or(Method::Random);
+    let points = sample.whole("points")?;
+    let most = method.most();
+    if points > most {
+        let what = format!("`sample.points` is {points}");
+        let place = sample.place_of("points");
+        return Err(Fault::error(place, what, "here").help(format!("give from 1 to {most} points")));
+    }
+    let seed = sample.whole("seed")?;
+    Ok(Some(Sample {
+        method,
+        points,
+        seed,
+    }))
+}
+
 /// Every key that can stand at the top.
-fn all_names() -> Vec<&'static str> {
-    let mut names: Vec<_> = SETTINGS.iter().map(|(name, _)| *name).collect();
-    names.push("side");
-    names.extend(super::key::KEYS.iter().map(|key| key.name));
-    names
+fn all_names() -> impl Iterator<Item = &'static str> + Clone {
+    let settings = BESIDE.names().chain(["side"]);
+    settings.chain(super::key::KEYS.iter().map(|key| key.name))
 }
 
-fn listed<'a>(written: &'a Spanned<DeValue<'a>>) -> Vec<&'a Spanned<DeValue<'a>>> {
-    match written.get_ref() {
-        DeValue::Array(list) => list.iter().collect(),
-        _ => vec![written],
-    }
-}
-
-fn metrics(written: &Spanned<DeValue<'_>>) -> Read<Vec<&'static str>> {
-    let names = METRICS.map(|(name, _)| name);
-    let mut chosen = Vec::new();
-    for item in listed(written) {
-        let word = entry::word("metrics", item)?;
-        let Some(name) = names.iter().find(|name| **name == word) else {
-            let otherwise = format!("known are {}", names.join(", "));
-            let what = format!("unknown metric \"{word}\"");
-            return Err(Fault::error(item.span().into(), what, "here")
-                .help(suggestion_or(word, names, &otherwise)));
-        };
-        if !chosen.contains(name) {
-            chosen.push(*name);
-        }
-    }
-    Ok(chosen)
-}
-
-fn times(name: &str, written: &Spanned<DeValue<'_>>) -> Read<Vec<Micros>> {
+/// A value, or those of a list, each once.
+fn each_once<T: PartialEq>(node: Node<'_>, read: impl Fn(&str) -> Option<T>) -> Vec<T> {
     let mut all = Vec::new();
-    for item in listed(written) {
-        let word = entry::word(name, item)?;
-        let time: Micros = word.parse().map_err(|_| {
-            Fault::error(
-                item.span().into(),
-                format!("`{name}` takes times, \"{word}\" is none"),
-                "here",
-            )
-            .help("give a number and a unit, such as 100us, 1ms or 0.5s")
-        })?;
-        if name != "within" && time.0 == 0 {
-            let what = format!("`{name}` is 0");
-            return Err(
-                Fault::error(item.span().into(), what, "here").help("give a time above zero")
-            );
-        }
-        if !all.contains(&time) {
-            all.push(time);
+    for item in node.as_list().unwrap_or_else(|| vec![node]) {
+        if let Some(value) = item.as_text().and_then(&read)
+            && !all.contains(&value)
+        {
+            all.push(value);
         }
     }
-    if all.is_empty() {
-        return Err(
-            Fault::error(written.span().into(), format!("`{name}` is empty"), "here")
-                .help("give at least one time, or leave the key out"),
-        );
-    }
-    Ok(all)
+    all
 }

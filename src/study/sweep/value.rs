@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{elementary, isa::text::Place};
+use crate::{config::Place, elementary};
 
 /// One value of an axis.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use std::{fmt, sync::Arc};
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
-use super::{Place, line_column};
+use super::place::{Place, line_column};
 use crate::limit::FAULTS;
 
 /// Whether a text can still be used.

@@ -1,0 +1,64 @@
+//! `amacrine schema`: the keys of a kind of file as JSON Schema, for editors and checkers.
+
+use serde_json::Value as Json;
+
+use super::{content::Content, files::Output};
+use crate::{
+    config::schema, event::readout, isa, kernel, program, reference, save::save, study::sweep,
+};
+
+/// What `schema` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine schema sensor\n  amacrine schema study -o study.schema.json\n\nThe schema is that of the file read as JSON (draft 2020-12); editors that know TOML take it as it is, such as with `#:schema study.schema.json` in the first line of a file. That of a program is of its lines that begin with //!, and $defs/expectation of those that begin with //=. That of a chip is of device.toml, and $defs/primitives of primitives.toml."
+)]
+pub struct Arguments {
+    /// Which kind of file
+    kind: Kind,
+    /// Write it to a file instead
+    #[arg(short, long, value_name = "FILE.json", value_parser = Content::Schema)]
+    output: Option<Output>,
+}
+
+/// A kind of file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Kind {
+    /// sensors/*.toml
+    Sensor,
+    /// kernels/*.toml
+    Kernel,
+    /// studies/*.toml
+    Study,
+    /// readouts/*.toml
+    Readout,
+    /// programs/**/*.scamp
+    Program,
+    /// isa/*/device.toml and primitives.toml
+    Chip,
+}
+
+fn of(kind: Kind) -> Json {
+    match kind {
+        Kind::Sensor => schema::file(&reference::keys::FILE),
+        Kind::Kernel => schema::file(&kernel::FILE),
+        Kind::Study => sweep::schema::json_schema(),
+        Kind::Readout => schema::file(&readout::settings::FILE),
+        Kind::Program => program::json_schema(),
+        Kind::Chip => isa::keys::json_schema(),
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let text = format!("{:#}\n", of(arguments.kind));
+    let Some(path) = &arguments.output else {
+        super::say(&text);
+        return Ok(());
+    };
+    save(path, |file| file.write_all(text.as_bytes()))?;
+    super::say(&format!("wrote    {}\n", path.display()));
+    Ok(())
+}

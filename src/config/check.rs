@@ -1,0 +1,273 @@
+//! Values against the description of their keys.
+
+use super::{
+    Absent, Fault, Key, Kind, Node, Place, Read, Section, Table, document::Name, enough,
+    kind::listed, suggestion_or,
+};
+
+/// A value being checked: all that is wrong with it goes into `faults`.
+pub(super) struct Check<'a> {
+    /// What to do where nothing better can be said.
+    pub see: &'a str,
+    pub faults: Vec<Fault>,
+}
+
+impl Check<'_> {
+    fn wrong(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
+        self.faults
+            .push(Fault::error(place, message, "here").help(help));
+    }
+
+    /// Checks the value of a key; `path` is the key as messages name it.
+    pub fn value(&mut self, kind: &Kind, node: Node<'_>, path: &str, what: &str) {
+        let place = node.place();
+        let text = node.as_text();
+        match (kind, text) {
+            (Kind::Text, Some(_)) => {}
+            (Kind::Name, Some("")) => {
+                self.wrong(place, format!("`{path}` is empty"), give(kind, what));
+            }
+            (Kind::Name, Some(_)) => {}
+            (Kind::Choice(words), Some(word)) => {
+                if let Err(fault) = choice(word, words, place, self.see) {
+                    self.faults.push(fault);
+                }
+            }
+            (Kind::Spelled(spelling), Some(word)) => {
+                if !(spelling.holds)(word) {
+                    let message = format!("`{path}` cannot be \"{word}\"");
+                    self.wrong(place, message, give(kind, what));
+                }
+            }
+            (Kind::Flag, _) if node.as_flag().is_some() => {}
+            (Kind::Number(range), _) if node.as_number().is_some() => {
+                let number = node.as_number().unwrap_or_default();
+                if !range.holds(number) {
+                    self.wrong(place, format!("`{path}` is {number}"), give(kind, what));
+                }
+            }
+            (Kind::Whole { least, most }, _) if node.as_whole().is_some() => {
+                let number = node.as_whole().unwrap_or_default();
+                if !(*least..=*most).contains(&number) {
+                    self.wrong(place, format!("`{path}` is {number}"), give(kind, what));
+                }
+            }
+            (Kind::Whole { .. }, _) if node.as_number().is_some_and(f64::is_finite) => {
+                let number = node.as_number().unwrap_or_default();
+                self.wrong(place, format!("`{path}` is {number}"), give(kind, what));
+            }
+            (Kind::List { of, least, most }, _) if node.as_list().is_some() => {
+                let list = node.as_list().unwrap_or_default();
+                if list.len() < *least || list.len() > *most {
+                    let beyond = list.get(*most).map_or(place, |item| item.place());
+                    let many = if *most == usize::MAX {
+                        format!("at least {least}")
+                    } else {
+                        format!("{least} to {most}")
+                    };
+                    let message = format!("`{path}` has {} entries", list.len());
+                    self.wrong(beyond, message, format!("give {many}"));
+                    return;
+                }
+                for item in list {
+                    if enough(&self.faults) {
+                        return;
+                    }
+                    self.value(of, item, path, what);
+                }
+            }
+            (Kind::Table(table), _) if node.as_table().is_some() => self.table(table, node, path),
+            (Kind::Map(of), _) if node.as_table().is_some() => {
+                for (name, value) in node.as_table().unwrap_or_default() {
+                    if enough(&self.faults) {
+                        return;
+                    }
+                    self.value(of, value, &join(path, name.text), what);
+                }
+            }
+            (Kind::Either { ways, .. }, _) => self.either(kind, ways, node, path, what),
+            (Kind::Cases { tag, cases }, _) if node.as_table().is_some() => {
+                self.cases(tag, cases, node, path);
+            }
+            _ => {
+                let message = format!("`{path}` takes {}, this is {}", kind.words(), node.found());
+                self.wrong(place, message, self.see);
+            }
+        }
+    }
+
+    /// A way that takes values of this sort says best what is wrong; where several do, all are
+    /// named.
+    fn either(&mut self, kind: &Kind, ways: &[Kind], node: Node<'_>, path: &str, what: &str) {
+        let fits: Vec<&Kind> = ways.iter().filter(|way| takes(way, node)).collect();
+        let mut tried = Vec::new();
+        for way in &fits {
+            let mut check = Check {
+                see: self.see,
+                faults: Vec::new(),
+            };
+            check.value(way, node, path, what);
+            if check.faults.is_empty() {
+                return;
+            }
+            tried.push(check.faults);
+        }
+        match (fits.as_slice(), tried.pop()) {
+            ([Kind::Choice(words)], _) => {
+                let word = node.as_text().unwrap_or_default();
+                let message = format!("unknown value `{word}`, expected {}", kind.words());
+                let help = suggestion_or(word, words.iter().copied(), self.see);
+                self.wrong(node.place(), message, help);
+            }
+            ([_], Some(faults)) => self.faults.extend(faults),
+            _ => {
+                let message = format!("`{path}` takes {}", kind.words());
+                self.wrong(node.place(), message, self.see);
+            }
+        }
+    }
+
+    /// Checks the keys of a table.
+    pub fn table(&mut self, table: &'static Table, node: Node<'_>, path: &str) {
+        let section = Section::new(node, table);
+        let given = node.as_table().unwrap_or_default();
+        let mut unknown = false;
+        for (name, value) in &given {
+            if enough(&self.faults) {
+                return;
+            }
+            match table.key(name.text) {
+                Some(key) => self.value(&key.kind, *value, &inner(path, key), key.what),
+                None => {
+                    let fault = unknown_key(*name, table.names(), self.see);
+                    self.faults.push(fault);
+                    unknown = true;
+                }
+            }
+        }
+        // What is missing is most likely what was misspelled.
+        if unknown {
+            return;
+        }
+        for key in table.keys {
+            if key.absent == Absent::Required
+                && let Err(fault) = section.need(key.name)
+            {
+                self.faults.push(fault);
+            }
+        }
+        let chosen = given.iter().filter(|(n, _)| table.one_of.contains(&n.text));
+        let names: Vec<String> = table.one_of.iter().map(|n| format!("`{n}`")).collect();
+        let names = names.join(", ");
+        match chosen.count() {
+            0 if !table.one_of.is_empty() => {
+                let mut examples = table.one_of.iter().filter_map(|name| table.key(name));
+                let example = examples.next().map_or("", |key| key.example);
+                let help = format!("add one of them, such as {example}");
+                self.wrong(node.place(), format!("missing key {names}"), help);
+            }
+            0 | 1 => {}
+            _ => {
+                let message = format!("only one of {names} can be given");
+                self.wrong(node.place(), message, "leave the others out");
+            }
+        }
+    }
+
+    fn cases(
+        &mut self,
+        tag: &str,
+        cases: &'static [(&'static str, &'static Table)],
+        node: Node<'_>,
+        path: &str,
+    ) {
+        let words: Vec<&str> = cases.iter().map(|(word, _)| *word).collect();
+        let Some(given) = node.get(tag) else {
+            let message = format!("missing key `{tag}`");
+            let help = format!("add it: {}", listed(words));
+            return self.wrong(node.place(), message, help);
+        };
+        let Some(word) = given.as_text() else {
+            let message = format!("`{tag}` takes {}, this is {}", listed(words), given.found());
+            return self.wrong(given.place(), message, self.see);
+        };
+        match choice(word, &words, given.place(), self.see) {
+            Err(fault) => self.faults.push(fault),
+            Ok(at) => self.table(cases[at].1, node, path),
+        }
+    }
+}
+
+/// Whether a kind takes values of this sort, right or wrong.
+fn takes(kind: &Kind, node: Node<'_>) -> bool {
+    match kind {
+        Kind::Text | Kind::Name | Kind::Choice(_) | Kind::Spelled(_) => node.as_text().is_some(),
+        Kind::Flag => node.as_flag().is_some(),
+        Kind::Number(_) | Kind::Whole { .. } => node.as_number().is_some(),
+        Kind::List { .. } => node.as_list().is_some(),
+        Kind::Table(_) | Kind::Map(_) | Kind::Cases { .. } => node.as_table().is_some(),
+        Kind::Either { ways, .. } => ways.iter().any(|way| takes(way, node)),
+    }
+}
+
+fn give(kind: &Kind, what: &str) -> String {
+    match what {
+        "" => format!("give {}", kind.words()),
+        what => format!("give {}: {what}", kind.words()),
+    }
+}
+
+/// The entries of a list of tables are named alone: their place says which it is.
+fn inner(path: &str, key: &Key) -> String {
+    if matches!(
+        key.kind,
+        Kind::List {
+            of: Kind::Table(_) | Kind::Cases { .. },
+            ..
+        }
+    ) {
+        return String::new();
+    }
+    join(path, key.name)
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{path}.{key}")
+    }
+}
+
+/// Which of these words it is.
+///
+/// # Errors
+/// When it is none; `see` is said where no word is near.
+pub fn choice(word: &str, words: &[&str], place: Place, see: &str) -> Read<usize> {
+    words
+        .iter()
+        .position(|known| *known == word)
+        .ok_or_else(|| {
+            let message = format!(
+                "unknown value `{word}`, expected {}",
+                listed(words.iter().copied())
+            );
+            let help = suggestion_or(word, words.iter().copied(), see);
+            Fault::error(place, message, "not known here").help(help)
+        })
+}
+
+/// The fault of a key that is none of the known ones; `see` is said where none is near.
+pub fn unknown_key(
+    name: Name<'_>,
+    known: impl Iterator<Item = &'static str> + Clone,
+    see: &str,
+) -> Fault {
+    let message = format!(
+        "unknown key `{}`, expected {}",
+        name.text,
+        listed(known.clone())
+    );
+    let help = suggestion_or(name.text, known, see);
+    Fault::error(name.place, message, "not known here").help(help)
+}

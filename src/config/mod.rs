@@ -1,0 +1,40 @@
+//! Configuration files: from text to typed values, every fault with its place.
+//!
+//! A file of one kind is described by its keys ([`Key`]): what each takes, in which range and
+//! unit, what holds when it is left out. The description is data. [`File::read`] checks a text
+//! against it and hands the values to whoever builds something of them, and [`schema`] makes
+//! JSON Schema of it, so what an editor is told and what is read cannot differ.
+//!
+//! ```text
+//! text ─ [document] spanned values ─ [check] against the keys ─ [section] typed values ─ constructor
+//!                                              │
+//!                                   [schema] JSON Schema
+//! ```
+//!
+//! Places, faults and suggestions serve other texts as well: programs and macros.
+
+mod check;
+mod document;
+mod fault;
+mod file;
+mod key;
+mod kind;
+mod nearest;
+mod place;
+mod range;
+pub mod schema;
+mod section;
+
+pub use check::{choice, unknown_key};
+pub use document::{Document, Name, Node};
+pub use fault::{Fault, Faults, Located, Severity, enough, thin};
+pub use file::File;
+pub use key::{Absent, Key, Table};
+pub use kind::{Kind, Spelling};
+pub use nearest::{nearest, suggestion, suggestion_or};
+pub use place::{Lines, Place, line_column};
+pub use range::Range;
+pub use section::Section;
+
+/// What was read, or what is wrong with it.
+pub type Read<T> = Result<T, Fault>;

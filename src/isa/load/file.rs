@@ -1,0 +1,181 @@
+//! The files of a chip as they are written: values with their places.
+
+use super::{
+    super::{Clock, Evidence, HostKind, Kind, Quantity},
+    keys::{self, DEVICE, HOST, PRIMITIVE, PRIMITIVES, QUANTITY, REGISTERS, ROLES},
+};
+use crate::config::{Faults, Node, Place, Read, Section};
+
+/// A value and where it stands.
+#[derive(Clone, Debug)]
+pub(super) struct Placed<T> {
+    pub value: T,
+    pub place: Place,
+}
+
+#[derive(Debug)]
+pub(super) struct DeviceFile {
+    pub name: Placed<String>,
+    pub title: String,
+    pub extends: Option<Placed<String>>,
+    pub registers: Option<RegistersFile>,
+    /// Section, key, figure.
+    pub figures: Vec<(String, Placed<String>, Placed<Quantity>)>,
+    pub host: Vec<HostFile>,
+}
+
+#[derive(Debug)]
+pub(super) struct RegistersFile {
+    pub analogue: Option<Vec<Placed<String>>>,
+    pub news: Option<Placed<String>>,
+    pub digital: Option<Vec<Placed<String>>>,
+    /// In alphabetical order.
+    pub aliases: Vec<(String, Placed<String>)>,
+    pub roles: Option<RolesFile>,
+}
+
+#[derive(Debug)]
+pub(super) struct RolesFile {
+    pub mask: Placed<String>,
+    pub propagated: Placed<String>,
+    /// North, east, south, west.
+    pub enable: [Placed<String>; 4],
+}
+
+#[derive(Debug)]
+pub(super) struct HostFile {
+    pub kind: HostKind,
+    pub forms: Vec<Placed<String>>,
+    pub meaning: String,
+    pub call: Placed<Quantity>,
+    pub item: Option<Placed<Quantity>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RowFile {
+    pub kind: Kind,
+    pub forms: Vec<Placed<String>>,
+    pub equation: String,
+    pub words: u64,
+    pub clock: Clock,
+    pub source: String,
+    pub evidence: Evidence,
+}
+
+/// The text of `device.toml`; `name` is told in messages.
+pub(super) fn device(name: &str, text: &str) -> Result<DeviceFile, Faults> {
+    keys::DEVICE_FILE.read(name, text, |root| {
+        let top = Section::new(root, &DEVICE);
+        let mut figures = Vec::new();
+        for (section, node) in table(top.get("figure")) {
+            for (key, node) in table(Some(node)) {
+                let name = Placed {
+                    value: key.text.to_owned(),
+                    place: key.place,
+                };
+                figures.push((section.text.to_owned(), name, quantity(node)?));
+            }
+        }
+        Ok(DeviceFile {
+            name: placed(top.need("name")?),
+            title: top.text("title")?.to_owned(),
+            extends: top.get("extends").map(placed),
+            registers: top.get("registers").map(registers).transpose()?,
+            figures,
+            host: top
+                .list("host")
+                .into_iter()
+                .map(host)
+                .collect::<Read<_>>()?,
+        })
+    })
+}
+
+/// The text of `primitives.toml`; `name` is told in messages.
+pub(super) fn primitives(name: &str, text: &str) -> Result<Vec<RowFile>, Faults> {
+    keys::PRIMITIVES_FILE.read(name, text, |root| {
+        let rows = Section::new(root, &PRIMITIVES).list("primitive");
+        rows.into_iter().map(row).collect()
+    })
+}
+
+fn row(node: Node<'_>) -> Read<RowFile> {
+    let row = Section::new(node, &PRIMITIVE);
+    Ok(RowFile {
+        kind: row.needed_word("name", Kind::ALL)?,
+        forms: row.list("forms").into_iter().map(placed).collect(),
+        equation: row.text("equation")?.to_owned(),
+        words: row.whole("words")?,
+        clock: row.needed_word("clock", &Clock::ALL)?,
+        source: row.text("source")?.to_owned(),
+        evidence: row.needed_word("evidence", &Evidence::ALL)?,
+    })
+}
+
+fn host(node: Node<'_>) -> Read<HostFile> {
+    let row = Section::new(node, &HOST);
+    Ok(HostFile {
+        kind: row.needed_word("name", HostKind::ALL)?,
+        forms: row.list("forms").into_iter().map(placed).collect(),
+        meaning: row.text("meaning")?.to_owned(),
+        call: quantity(row.need("call")?)?,
+        item: row.get("item").map(quantity).transpose()?,
+    })
+}
+
+fn registers(node: Node<'_>) -> Read<RegistersFile> {
+    let part = Section::new(node, &REGISTERS);
+    let names = |key: &str| {
+        let list = part.get(key)?.as_list()?;
+        Some(list.into_iter().map(placed).collect())
+    };
+    let mut aliases: Vec<_> = table(part.get("aliases"))
+        .into_iter()
+        .map(|(alias, name)| (alias.text.to_owned(), placed(name)))
+        .collect();
+    aliases.sort_by(|a, b| a.0.cmp(&b.0));
+    Ok(RegistersFile {
+        analogue: names("analogue"),
+        news: part.get("news").map(placed),
+        digital: names("digital"),
+        aliases,
+        roles: part.get("roles").map(roles).transpose()?,
+    })
+}
+
+fn roles(node: Node<'_>) -> Read<RolesFile> {
+    let roles = Section::new(node, &ROLES);
+    let role = |key: &str| roles.need(key).map(placed);
+    Ok(RolesFile {
+        mask: role("mask")?,
+        propagated: role("propagated")?,
+        enable: [role("north")?, role("east")?, role("south")?, role("west")?],
+    })
+}
+
+fn quantity(node: Node<'_>) -> Read<Placed<Quantity>> {
+    let stated = Section::new(node, &QUANTITY);
+    let note = stated.get("note").and_then(Node::as_text);
+    let value = Quantity {
+        value: stated.number("value")?,
+        unit: stated.text("unit")?.to_owned(),
+        source: stated.text("source")?.to_owned(),
+        evidence: stated.needed_word("evidence", &Evidence::ALL)?,
+        note: note.map(str::to_owned),
+    };
+    Ok(Placed {
+        value,
+        place: node.place(),
+    })
+}
+
+fn placed(node: Node<'_>) -> Placed<String> {
+    Placed {
+        value: node.as_text().unwrap_or_default().to_owned(),
+        place: node.place(),
+    }
+}
+
+fn table(node: Option<Node<'_>>) -> Vec<(crate::config::Name<'_>, Node<'_>)> {
+    node.and_then(Node::as_table).unwrap_or_default()
+}

@@ -1,0 +1,189 @@
+//! The keys of a chip's files.
+
+use serde_json::{Map, Value as Json, json};
+
+use super::super::{Clock, Evidence, Figure, HostKind, Kind as Primitive};
+use crate::config::{File, Key, Kind, Range, Table, schema};
+
+const SEE: &str = "see isa/README.md or the shipped files for what can stand here";
+
+/// `device.toml`.
+pub const DEVICE_FILE: File = File {
+    title: "a chip of amacrine: device.toml",
+    kind: Kind::Table(&DEVICE),
+    see: SEE,
+};
+
+/// `primitives.toml`.
+pub const PRIMITIVES_FILE: File = File {
+    title: "a chip of amacrine: primitives.toml",
+    kind: Kind::Table(&PRIMITIVES),
+    see: SEE,
+};
+
+pub(super) const DEVICE: Table = Table::new(&[
+    Key::required(
+        "name",
+        Kind::Text,
+        "name of the chip, as that of its folder",
+    ),
+    Key::required("title", Kind::Text, "the chip in a few words"),
+    Key::optional(
+        "extends",
+        Kind::Text,
+        "the chip that holds what is not stated here",
+    ),
+    Key::optional(
+        "registers",
+        Kind::Table(&REGISTERS),
+        "the registers of a pixel",
+    ),
+    Key::optional(
+        "figure",
+        Kind::Map(&Kind::Map(&Kind::Table(&QUANTITY))),
+        "numbers about the silicon, by section and key",
+    ),
+    Key::optional(
+        "host",
+        Kind::list(&Kind::Table(&HOST)),
+        "operations of the host",
+    ),
+]);
+
+const TEXTS: Kind = Kind::list(&Kind::Text);
+
+pub(super) const REGISTERS: Table = Table::new(&[
+    Key::optional("analogue", TEXTS, "names of the analogue ones"),
+    Key::optional(
+        "news",
+        Kind::Text,
+        "the analogue one that neighbours can reach",
+    ),
+    Key::optional("digital", TEXTS, "names of the one-bit ones"),
+    Key::optional(
+        "aliases",
+        Kind::Map(&Kind::Text),
+        "other names of one-bit ones",
+    ),
+    Key::optional(
+        "roles",
+        Kind::Table(&ROLES),
+        "one-bit ones that the hardware itself reads or writes",
+    ),
+]);
+
+pub(super) const ROLES: Table = Table::new(&[
+    Key::required(
+        "mask",
+        Kind::Text,
+        "propagation passes only where this is 1",
+    ),
+    Key::required("propagated", Kind::Text, "the one that propagation spreads"),
+    Key::required(
+        "north",
+        Kind::Text,
+        "where this is 1, the northern neighbour is read",
+    ),
+    Key::required(
+        "east",
+        Kind::Text,
+        "where this is 1, the eastern neighbour is read",
+    ),
+    Key::required(
+        "south",
+        Kind::Text,
+        "where this is 1, the southern neighbour is read",
+    ),
+    Key::required(
+        "west",
+        Kind::Text,
+        "where this is 1, the western neighbour is read",
+    ),
+]);
+
+const SOURCE: Key = Key::required("source", Kind::Text, "who says so");
+
+const EVIDENCE: Key = Key::required(
+    "evidence",
+    Kind::Choice(&Evidence::WORDS),
+    "how well it is known",
+);
+
+pub(super) const QUANTITY: Table = Table::new(&[
+    // What values make sense depends on the figure.
+    Key::required("value", Kind::Number(Range::FREE), "the number"),
+    Key::required("unit", Kind::Text, "its unit"),
+    SOURCE,
+    EVIDENCE,
+    Key::optional("note", Kind::Text, "what else is to be said about it"),
+]);
+
+const FORMS: Key = Key::required("forms", TEXTS, "how it can be written");
+
+pub(super) const HOST: Table = Table::new(&[
+    Key::required("name", Kind::Choice(HostKind::WORDS), "which operation"),
+    FORMS,
+    Key::required("meaning", Kind::Text, "what it does"),
+    Key::required("call", Kind::Table(&QUANTITY), "time of one call"),
+    Key::optional(
+        "item",
+        Kind::Table(&QUANTITY),
+        "time of each slot, sample or pixel besides",
+    ),
+]);
+
+pub(super) const PRIMITIVES: Table = Table::new(&[Key::required(
+    "primitive",
+    Kind::list(&Kind::Table(&PRIMITIVE)),
+    "the instructions, one [[primitive]] each",
+)]);
+
+pub(super) const PRIMITIVE: Table = Table::new(&[
+    Key::required("name", Kind::Choice(Primitive::WORDS), "which primitive"),
+    FORMS,
+    Key::required("equation", Kind::Text, "what it does"),
+    Key::required(
+        "words",
+        Kind::Whole { least: 1, most: 64 },
+        "instruction words",
+    ),
+    Key::required(
+        "clock",
+        Kind::Choice(&Clock::WORDS),
+        "the clock that it runs under",
+    ),
+    SOURCE,
+    EVIDENCE,
+]);
+
+/// JSON Schema of `device.toml`, each figure with its unit and its range; that of
+/// `primitives.toml` is `$defs/primitives` in it.
+#[must_use]
+pub fn json_schema() -> Json {
+    let mut sections: Map<String, Json> = Map::new();
+    for figure in Figure::ALL {
+        let (section, key) = figure.key();
+        let (range, whole) = figure.domain().range();
+        let mut value = schema::kind(&Kind::Number(range));
+        if whole {
+            schema::add(&mut value, "type", "integer");
+        }
+        let mut stated = schema::table(&QUANTITY);
+        stated["properties"]["value"] = value;
+        stated["properties"]["unit"] = json!({"const": figure.unit()});
+        schema::add(&mut stated, "description", figure.what().trim());
+        let own = sections.entry(section).or_insert_with(
+            || json!({"type": "object", "additionalProperties": false, "properties": {}}),
+        );
+        own["properties"][key] = stated;
+    }
+    let mut device = schema::file(&DEVICE_FILE);
+    device["properties"]["figure"] =
+        json!({"type": "object", "additionalProperties": false, "properties": sections});
+    schema::add(
+        &mut device,
+        "$defs",
+        json!({"primitives": schema::file(&PRIMITIVES_FILE)}),
+    );
+    device
+}
