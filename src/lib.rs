@@ -18,13 +18,13 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod bits;
-pub mod chance;
 pub mod elementary;
 pub mod guard;
 pub mod limit;
 mod lined;
 pub mod memory;
 pub mod plane;
+pub mod rng;
 pub mod save;
 pub mod source;
 pub mod unit;

@@ -102,8 +102,8 @@ fn clips() -> impl Strategy<Value = Source> {
         .prop_map(|(height, width, seed, whole, part, step)| {
             let mut state = seed;
             let mut chance = move || {
-                state = amacrine::chance::mix(state.wrapping_add(amacrine::chance::GOLDEN));
-                amacrine::chance::uniform(state)
+                state = amacrine::rng::mix(state.wrapping_add(amacrine::rng::GOLDEN));
+                amacrine::rng::uniform(state)
             };
             let mut light = Plane::from_shape_simple_fn((height, width), || 255.0 * chance());
             let mut frames = Vec::new();

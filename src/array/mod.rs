@@ -15,7 +15,6 @@ mod active;
 mod arithmetic;
 mod band;
 mod bits;
-mod chance;
 mod check;
 mod chip;
 mod cone;

@@ -1,7 +1,7 @@
 //! Multiples of a power of two: Qm.n.
 
 use super::{QuantiseError, Quantiser, Rounding, Sum, total};
-use crate::chance::{GOLDEN, mix, uniform};
+use crate::rng::Key;
 
 /// The levels, and the scale, which is 1.
 pub(super) fn quantise(
@@ -17,11 +17,7 @@ pub(super) fn quantise(
     let round = |i: usize, value: f64| match rounding {
         Rounding::Nearest => value.round_ties_even(),
         Rounding::Floor => value.floor(),
-        Rounding::Stochastic => {
-            let word =
-                mix(mix(seed.wrapping_add(GOLDEN)).wrapping_add(GOLDEN.wrapping_mul(i as u64)));
-            (value + uniform(word)).floor()
-        }
+        Rounding::Stochastic => (value + Key::new(seed).nth(i as u64).uniform()).floor(),
     };
     let values: Vec<f64> = weights.iter().map(|w| w * one).collect();
     let mut steps: Vec<f64> = values
