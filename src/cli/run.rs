@@ -60,8 +60,7 @@ pub struct Arguments {
     /// The number format of signals, weights and memory: f64, f32, f16, bf16, q8.8, …
     #[arg(long, default_value = "f64")]
     format: Format,
-    /// Write the events; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
-    #[arg(long, value_parser = Content::Events)]
+    #[arg(long, help = format!("Write the events; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
     events: Option<Output>,
     #[command(flatten)]
     readout: readout::Choice,
