@@ -3,6 +3,8 @@
 //! augmenting paths, sorted lists, dense counts, double sums, the textbook's table, dense
 //! grids), and the verb `compare` from outside.
 
+mod common;
+
 use amacrine::{
     compare::{
         Comparison, Pair, compare, counts,
@@ -826,13 +828,14 @@ mod verb {
     //! `amacrine compare` as a person or a script meets it.
 
     use super::*;
+    use crate::common;
     use amacrine::event::file;
     use assert_cmd::Command;
+    use std::path::Path;
 
     fn amacrine(arguments: &[&str]) -> Command {
-        let mut command = Command::cargo_bin("amacrine").unwrap();
-        command.arg("compare").args(arguments);
-        command
+        let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+        common::amacrine(here, &[&["compare"], arguments].concat())
     }
 
     #[test]

@@ -3,6 +3,8 @@
 //! step and on no other; both ends are the sensors that they are called, made anew; the answer
 //! does not depend on the number of threads; and the verb `waterfall` from outside.
 
+mod common;
+
 use amacrine::{
     array::{Arithmetic, Errors},
     compare::{Pair, fate::Fate, matching},
@@ -373,10 +375,7 @@ mod verb {
     const SCENE: &str = "pattern:disc?width=32&height=24&frames=8&radius=6";
 
     fn amacrine(folder: &Path, arguments: &[&str]) -> Command {
-        let mut command = Command::cargo_bin("amacrine").unwrap();
-        command.current_dir(folder).env("NO_COLOR", "1");
-        command.arg("waterfall").args(arguments);
-        command
+        crate::common::amacrine(folder, &[&["waterfall"], arguments].concat())
     }
 
     fn asked<'a>(more: &[&'a str]) -> Vec<&'a str> {
