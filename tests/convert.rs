@@ -10,7 +10,7 @@ use amacrine::{
     plane::Size,
     unit::Micros,
 };
-use common::{amacrine, good, refused_untouched};
+use common::{good, refused_untouched};
 
 struct Folder(tempfile::TempDir);
 
@@ -44,10 +44,6 @@ impl Folder {
 
     fn path(&self, name: &str) -> std::path::PathBuf {
         self.0.path().join(name)
-    }
-
-    fn convert(&self, arguments: &[&str]) -> assert_cmd::assert::Assert {
-        amacrine(self.0.path(), &[&["convert"], arguments].concat()).assert()
     }
 
     fn said(&self, arguments: &[&str]) -> String {

@@ -780,29 +780,3 @@ fn blocks_and_the_whole_are_the_same_file() {
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
-
-/// What the page about formats says is what the code does.
-#[test]
-fn the_page_has_every_format() {
-    let page = fs::read_to_string("docs/formats.md").unwrap();
-    for &format in Format::ALL {
-        let limits = format.limits();
-        let row = page
-            .lines()
-            .find(|line| line.starts_with(&format!("| `{format}` |")))
-            .unwrap_or_else(|| panic!("{format} has no row"));
-        let holds = format!(
-            "{}x{}",
-            usize::from(limits.x) + 1,
-            usize::from(limits.y) + 1
-        );
-        for part in [
-            holds,
-            format!(".{}", format.extension()),
-            format!("`{}`", format.python()),
-            if limits.channels { "kept" } else { "refused" }.to_owned(),
-        ] {
-            assert!(row.contains(&part), "{format}: `{part}` is not in `{row}`");
-        }
-    }
-}

@@ -5,14 +5,11 @@
 use std::{fmt, io, path::Path, str::FromStr};
 
 use super::{
-    FileError, aedat2, aedat3, aedat4,
+    FileError,
     chunks::Chunks,
-    csv, dat, es, evt2, evt3, evt21,
     fault::Stop,
-    hdf5, npy, npz, parquet,
     reader::Origin,
     source::{Sink, Source},
-    txt,
     writer::{Compression, Head},
 };
 
@@ -31,7 +28,7 @@ macro_rules! formats {
 
             pub(super) const fn entry(self) -> &'static Entry {
                 match self {
-                    $(Self::$format => &$file::ENTRY,)+
+                    $(Self::$format => &super::$file::ENTRY,)+
                 }
             }
         }

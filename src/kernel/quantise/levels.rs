@@ -17,7 +17,7 @@ pub static BINARY: Entry = Entry {
     numbers: "",
     parameters: Parameters::None,
     levels: "±1",
-    scale: "mean of `|w|`",
+    scale: "mean magnitude",
     quality: "the exact least-squares optimum",
     quantise: |quantiser, weights, sum, _| free(quantiser, &[1], weights, sum),
 };
@@ -45,8 +45,8 @@ pub static TERNARY_07: Entry = Entry {
     numbers: "",
     parameters: Parameters::None,
     levels: "-1, 0, 1",
-    scale: "mean of the kept `|w|`",
-    quality: "zero below 0.7 of the mean `|w|` (Li & Liu, arXiv 1605.04711)",
+    scale: "mean magnitude of those kept",
+    quality: "zero below 0.7 of the mean magnitude (Li & Liu, arXiv 1605.04711)",
     quantise: |quantiser, weights, sum, _| rule_of_07(quantiser, weights, sum),
 };
 
