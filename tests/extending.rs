@@ -17,14 +17,14 @@ fn a_chip_and_a_macro() {
         }
     }
     let text = fs::read_to_string(walk::root().join(page)).unwrap();
-    assert!(text.contains("4 words a frame, 0.20 us"));
+    assert!(text.contains("takes 4 words, 0.2 us:"));
     let asm = |more: &[&str]| {
         let command = [&["asm", "isa/quick/sum.scamp"], more].concat();
         common::json(folder.path(), &command)
     };
     let said = asm(&["--chip", "isa/quick"]);
-    assert_eq!(said["frame"]["words"], 4, "{said}");
-    assert_eq!(said["frame"]["us"], 0.2, "{said}");
+    assert_eq!(said["cost"]["program"]["words"], 4, "{said}");
+    assert_eq!(said["cost"]["program"]["array_us"], 0.2, "{said}");
     assert_eq!(said["changes"]["base"], "scamp5");
     // The macro is that of the chip.
     common::refused(folder.path(), &["asm", "isa/quick/sum.scamp"], &["add3"]);
