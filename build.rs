@@ -1,5 +1,6 @@
 //! Names the build: a hash of the sources, and the compiler. No network, no repository: sources
-//! unpacked from crates.io give the same name as a checkout.
+//! unpacked from crates.io give the same name as a checkout. And lists the chips of `isa/`, so
+//! that a new chip is a folder.
 
 use std::{
     env, fs, io,
@@ -39,7 +40,38 @@ fn main() -> io::Result<()> {
     println!("cargo::rustc-env=AMACRINE_COMPILER={compiler}");
     let target = env::var("TARGET").unwrap_or_default();
     println!("cargo::rustc-env=AMACRINE_TARGET={target}");
-    Ok(())
+    let chips = chips(&root.join("isa"))?;
+    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
+    fs::write(out.join("chips.rs"), chips)
+}
+
+/// The chips as a Rust slice: name, `device.toml`, and the other two files where there are any.
+fn chips(isa: &Path) -> io::Result<String> {
+    let mut names = Vec::new();
+    for entry in isa.read_dir()? {
+        let entry = entry?;
+        if entry.path().join("device.toml").is_file() {
+            names.push(entry.file_name().to_string_lossy().into_owned());
+        }
+    }
+    names.sort();
+    let text = |name: &str, file: &str| {
+        format!("include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/isa/{name}/{file}\"))")
+    };
+    let mut rows = String::new();
+    for name in &names {
+        let other = |file: &str| match isa.join(name).join(file).is_file() {
+            true => format!("Some({})", text(name, file)),
+            false => "None".to_owned(),
+        };
+        rows += &format!(
+            "({name:?}, {}, {}, {}),\n",
+            text(name, "device.toml"),
+            other("primitives.toml"),
+            other("macros.scamp")
+        );
+    }
+    Ok(format!("&[\n{rows}]"))
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {

@@ -8,7 +8,6 @@
 use std::time::Instant;
 
 use amacrine::{
-    chance::{GOLDEN, mix},
     compare::{
         Comparison, Pair, counts, equality, intervals, matching, null, rates,
         ruler::{Scales, scores},
@@ -17,6 +16,7 @@ use amacrine::{
     },
     event::{Event, Packet, Polarity},
     plane::Size,
+    rng::{GOLDEN, mix},
     unit::Micros,
 };
 

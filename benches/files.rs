@@ -51,7 +51,7 @@ fn main() {
         "{:<8} {:>7} {:>8} {:>8} {:>10} {:>8} {:>8}",
         "format", "bytes", "write", "read", "copy", "python", "ratio"
     );
-    for format in Format::ALL {
+    for &format in Format::ALL {
         if !wanted.is_empty() && !wanted.iter().any(|name| name == format.name()) {
             continue;
         }

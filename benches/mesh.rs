@@ -7,9 +7,9 @@
 use std::{hint::black_box, time::Instant};
 
 use amacrine::{
-    chance::{mix, uniform},
     mesh::{Between, Euler, Flow, Laterals, Mismatch, Network, Real, Sheet, Steady},
     plane::{Plane, Size},
+    rng::{mix, uniform},
 };
 
 fn scene(size: Size, seed: u64) -> Plane<f64> {

@@ -18,7 +18,6 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod bits;
-pub mod chance;
 pub mod config;
 pub mod elementary;
 pub mod guard;
@@ -26,6 +25,7 @@ pub mod limit;
 mod lined;
 pub mod memory;
 pub mod plane;
+pub mod rng;
 pub mod save;
 pub mod source;
 pub mod unit;

@@ -1,4 +1,10 @@
 //! The rig: one light, several sensors, their packets.
+//!
+//! [`play`] is the one loop over the frames of a scene; whoever shows light to anything goes
+//! through it. What is inserted between frames, left out or retimed is a scene of its own
+//! (`scene::upsample`, `scene::part`), so that the loop need not know.
+
+use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
@@ -27,6 +33,25 @@ pub enum RigError {
     },
 }
 
+/// Gives every frame of a scene to `see`, one at a time and in order, until it breaks off or the
+/// scene ends; how many it was given.
+///
+/// # Errors
+/// When the scene cannot go on, and what `see` says.
+pub fn play<E: From<SceneError>>(
+    scene: &mut dyn Scene,
+    mut see: impl FnMut(Frame) -> Result<ControlFlow<()>, E>,
+) -> Result<u64, E> {
+    let mut frames = 0;
+    while let Some(frame) = scene.next_frame()? {
+        frames += 1;
+        if see(frame)?.is_break() {
+            break;
+        }
+    }
+    Ok(frames)
+}
+
 /// Shows every frame of a scene to every sensor, all sensors at the same time; one packet for
 /// each sensor.
 ///
@@ -43,7 +68,7 @@ pub fn watch(
         .iter()
         .map(|s| Packet::new(s.size(), s.channels()))
         .collect();
-    while let Some(frame) = scene.next_frame()? {
+    play(scene, |frame| {
         sensors
             .par_iter_mut()
             .zip(&mut packets)
@@ -56,6 +81,7 @@ pub fn watch(
                     })
             })?;
         seen(&frame);
-    }
+        Ok::<_, RigError>(ControlFlow::Continue(()))
+    })?;
     Ok(packets)
 }

@@ -1,24 +1,28 @@
 //! Proves what `asm` and `disasm` show: words that read back as the same words, what a what-if
 //! chip changes, and one message for a program that cannot be read, whichever verb reads it.
 
+mod common;
+
 use std::{fs, path::Path};
 
-use assert_cmd::Command;
+use common::{amacrine, good};
 use tempfile::TempDir;
 
-fn amacrine(arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("amacrine").unwrap();
-    command.env("NO_COLOR", "1").args(arguments);
-    command
+fn here() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 fn stdout(arguments: &[&str]) -> String {
-    let output = amacrine(arguments).assert().success().get_output().clone();
-    String::from_utf8(output.stdout).unwrap()
+    good(here(), arguments)
 }
 
+/// The message as it is printed.
 fn stderr(arguments: &[&str]) -> String {
-    let output = amacrine(arguments).assert().code(2).get_output().clone();
+    let output = amacrine(here(), arguments)
+        .assert()
+        .code(2)
+        .get_output()
+        .clone();
     assert!(output.stdout.is_empty());
     String::from_utf8(output.stderr).unwrap()
 }

@@ -2,9 +2,11 @@
 //! to do, exit code 2, and leaves no file behind.
 #![cfg(feature = "cli")]
 
+mod common;
+
 use std::{fs, path::Path, process::Output};
 
-use assert_cmd::Command;
+use common::{amacrine, line};
 use ndarray::Array3;
 use ndarray_npy::write_npy;
 use tempfile::TempDir;
@@ -14,12 +16,8 @@ const SCENE: &str = "pattern:disc?width=24&height=20&frames=6&radius=6";
 /// Runs `amacrine run` in an empty folder.
 fn run(folder: &Path, scene: &str, sensor: &str, more: &[&str]) -> Output {
     let sensor = Path::new(env!("CARGO_MANIFEST_DIR")).join(sensor);
-    let mut command = Command::cargo_bin("amacrine").unwrap();
-    command.current_dir(folder).env("NO_COLOR", "1");
-    command
-        .args(["run", "--scene", scene, "--sensor"])
-        .arg(sensor);
-    command.args(more).output().unwrap()
+    let mut command = amacrine(folder, &["run", "--scene", scene, "--sensor"]);
+    command.arg(sensor).args(more).output().unwrap()
 }
 
 /// The message, on one line; nothing else was said, and nothing written.
@@ -32,19 +30,14 @@ fn refused(scene: &str, sensor: &str, more: &[&str]) -> String {
 
 #[track_caller]
 fn left_alone(said: &Output, folder: &Path, files: usize) -> String {
-    let message = String::from_utf8_lossy(&said.stderr).into_owned();
+    let message = line(&said.stderr);
     assert_eq!(said.status.code(), Some(2), "{message}");
     assert!(said.stdout.is_empty());
     assert!(!message.contains("panicked"), "{message}");
     let begun = message.matches('×').count() + message.matches("error:").count();
     assert_eq!(begun, 1, "one message: {message}");
     assert_eq!(folder.read_dir().unwrap().count(), files, "files were left");
-    // Long messages are broken at the width of the terminal.
     message
-        .replace('│', " ")
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
 }
 
 #[track_caller]

@@ -3,14 +3,18 @@
 //! augmenting paths, sorted lists, dense counts, double sums, the textbook's table, dense
 //! grids), and the verb `compare` from outside.
 
+mod common;
+
 use amacrine::{
     compare::{
-        Comparison, Pair, compare,
+        Comparison, Pair, compare, counts,
         equality::Side,
-        intervals, null, rates,
-        ruler::{Metric, Scales, measure, scores},
+        intervals, matching,
+        metric::Metric,
+        null, rates,
+        ruler::{Scales, measure, scores},
         van_rossum, victor_purpura,
-        voxel::{Bins, voxels},
+        voxel::{self, Bins, voxels},
     },
     event::{Event, Packet, Polarity},
     plane::Size,
@@ -509,7 +513,7 @@ mod scales {
         #[test]
         fn symmetric_metrics_do_not_care_who_is_judged(a in crowded(), b in crowded()) {
             for ((metric, one), (_, other)) in measured(&a, &b).into_iter().zip(measured(&b, &a)) {
-                if metric.symmetric() {
+                if metric.entry().symmetric {
                     let same = one.zip(other).map_or(one == other, |(a, b)| close(a, b));
                     prop_assert!(same, "{:?}: {:?} {:?}", metric, one, other);
                 }
@@ -528,14 +532,11 @@ mod scales {
         #[test]
         fn identical_packets_score_exactly_perfect(a in crowded()) {
             for (metric, value) in measured(&a, &a) {
-                let perfect = match metric {
-                    Metric::F1(_) | Metric::Precision(_) | Metric::Recall(_) => Some(1.0),
-                    Metric::CountPearson
-                    | Metric::RatePearson
-                    | Metric::SignedRatePearson
-                    | Metric::Events => value.and(Some(1.0)),
-                    Metric::Intervals | Metric::IntervalsBack => value.and(Some(0.0)),
-                    Metric::Bits => Some(2.0 * a.events.len() as f64),
+                let perfect = match metric.entry().key {
+                    "f1" | "precision" | "recall" => Some(1.0),
+                    "count_pearson" | "rate_pearson" | "signed_rate_pearson" | "events_ratio" => value.and(Some(1.0)),
+                    "interval_divergence" | "interval_divergence_back" => value.and(Some(0.0)),
+                    "bits_sent" => Some(2.0 * a.events.len() as f64),
                     _ => Some(0.0),
                 };
                 prop_assert_eq!(value, perfect, "{:?}", metric);
@@ -672,20 +673,23 @@ mod scales {
             let value = |metric| all.iter().find(|(m, _)| *m == metric).unwrap().1.unwrap();
             println!(
                 "| {name} | {:.3} | {:.4} | {:.3} | {:.3} | {:.3} | {:.3} | {:.3} |",
-                value(Metric::Events),
-                value(Metric::Intervals),
-                value(Metric::VanRossum(Micros(5_000))),
-                value(Metric::VictorPurpura(Micros(5_000))),
-                value(Metric::F1(Micros(1_000))),
-                value(Metric::VoxelL1),
-                value(Metric::RateL1),
+                value(counts::EVENTS.alone()),
+                value(intervals::ENTRY.alone()),
+                value(van_rossum::ENTRY.at(Micros(5_000))),
+                value(victor_purpura::ENTRY.at(Micros(5_000))),
+                value(matching::F1.at(Micros(1_000))),
+                value(voxel::L1.alone()),
+                value(rates::L1.alone()),
             );
-            assert!((value(Metric::Events) - ratio).abs() < 0.01, "{name}");
-            let got = value(Metric::Intervals);
+            assert!(
+                (value(counts::EVENTS.alone()) - ratio).abs() < 0.01,
+                "{name}"
+            );
+            let got = value(intervals::ENTRY.alone());
             assert!((got - divergence).abs() < 0.005, "{name} {got}");
-            let got = value(Metric::VanRossum(Micros(5_000)));
+            let got = value(van_rossum::ENTRY.at(Micros(5_000)));
             assert!((got - rossum).abs() < 0.02, "{name} {got}");
-            let got = value(Metric::VictorPurpura(Micros(5_000)));
+            let got = value(victor_purpura::ENTRY.at(Micros(5_000)));
             assert!((got - purpura).abs() < 0.03, "{name} {got}");
         }
     }
@@ -726,29 +730,29 @@ mod scales {
         let other = scores(&pair(&a, &b), &scales);
         let at = |metric| *other.iter().find(|s| s.metric == metric).unwrap();
         for metric in [
-            Metric::VanRossum(Micros(5_000)),
-            Metric::VictorPurpura(Micros(5_000)),
-            Metric::F1(Micros(1_000)),
+            van_rossum::ENTRY.at(Micros(5_000)),
+            victor_purpura::ENTRY.at(Micros(5_000)),
+            matching::F1.at(Micros(1_000)),
         ] {
             // Nothing in common with the reference but the rate.
             let lost = at(metric).lost().unwrap();
             assert!((0.75..1.1).contains(&lost), "{:?}", at(metric));
         }
         for blind in [
-            Metric::RateL1,
-            Metric::SignedRateL1,
-            Metric::CountL1,
-            Metric::Bits,
+            rates::L1.alone(),
+            rates::SIGNED_L1.alone(),
+            counts::L1.alone(),
+            counts::BITS.alone(),
         ] {
             assert_eq!(at(blind).redraw, at(blind).identical, "{blind:?}");
             assert_eq!(at(blind).lost(), None);
         }
         assert_eq!(
-            at(Metric::Intervals).permuted,
+            at(intervals::ENTRY.alone()).permuted,
             Some(0.0),
             "blind to wrong pixels"
         );
-        assert!(at(Metric::RateL1).permuted.unwrap() > 0.005);
+        assert!(at(rates::L1.alone()).permuted.unwrap() > 0.005);
         // The same seed draws the same streams, another one others.
         assert_eq!(other, scores(&pair(&a, &b), &scales));
         let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -767,7 +771,7 @@ mod scales {
         }
         a.events.sort_by_key(|e| e.t);
         let all = scores(&pair(&a, &a), &Scales::default());
-        let f1 = all.iter().find(|s| s.metric == Metric::F1(Micros(1)));
+        let f1 = all.iter().find(|s| s.metric == matching::F1.at(Micros(1)));
         let redraw = f1.unwrap().redraw.unwrap();
         assert!(redraw > 0.5, "{redraw}");
     }
@@ -824,13 +828,14 @@ mod verb {
     //! `amacrine compare` as a person or a script meets it.
 
     use super::*;
+    use crate::common;
     use amacrine::event::file;
     use assert_cmd::Command;
+    use std::path::Path;
 
     fn amacrine(arguments: &[&str]) -> Command {
-        let mut command = Command::cargo_bin("amacrine").unwrap();
-        command.arg("compare").args(arguments);
-        command
+        let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+        common::amacrine(here, &[&["compare"], arguments].concat())
     }
 
     #[test]

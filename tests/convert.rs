@@ -1,6 +1,8 @@
 //! The verb `convert`: formats, slices, kinds, sizes, salvage; what it says and what it
 //! refuses, with exit code 2 and nothing left behind.
 
+mod common;
+
 use std::fs;
 
 use amacrine::{
@@ -8,7 +10,7 @@ use amacrine::{
     plane::Size,
     unit::Micros,
 };
-use assert_cmd::Command;
+use common::{good, refused_untouched};
 
 struct Folder(tempfile::TempDir);
 
@@ -44,38 +46,14 @@ impl Folder {
         self.0.path().join(name)
     }
 
-    fn convert(&self, arguments: &[&str]) -> assert_cmd::assert::Assert {
-        Command::cargo_bin("amacrine")
-            .unwrap()
-            .current_dir(self.0.path())
-            .arg("convert")
-            .args(arguments)
-            .assert()
-    }
-
     fn said(&self, arguments: &[&str]) -> String {
-        let output = self
-            .convert(arguments)
-            .success()
-            .get_output()
-            .stdout
-            .clone();
-        String::from_utf8(output).unwrap()
+        good(self.0.path(), &[&["convert"], arguments].concat())
     }
 
+    #[track_caller]
     fn refused(&self, arguments: &[&str], says: &str) {
-        let before = fs::read_dir(self.0.path()).unwrap().count();
-        let output = self.convert(arguments).code(2).get_output().clone();
-        assert!(output.stdout.is_empty());
-        let said = String::from_utf8(output.stderr).unwrap();
-        // The message is wrapped to the width of the terminal.
-        let said: String = said
-            .split_whitespace()
-            .filter(|w| *w != "│")
-            .collect::<Vec<_>>()
-            .join(" ");
-        assert!(said.contains(says), "{said}");
-        assert_eq!(fs::read_dir(self.0.path()).unwrap().count(), before);
+        let all = [&["convert"], arguments].concat();
+        refused_untouched(self.0.path(), &all, &[says]);
     }
 }
 

@@ -1,10 +1,12 @@
 //! Proves that `exec --debug` stops where it is told to and shows what registers hold there:
 //! scripts on standard input, against the program's own arithmetic.
 
+mod common;
+
 use std::fs;
 
 use amacrine::plane::Plane;
-use assert_cmd::Command;
+use common::amacrine;
 use ndarray_npy::write_npy;
 use tempfile::TempDir;
 
@@ -39,12 +41,10 @@ impl Bench {
     }
 
     fn script(&self, commands: &str) -> String {
-        let mut command = Command::cargo_bin("amacrine").unwrap();
-        let output = command
-            .current_dir(self.0.path())
-            .args([
-                "exec", "p.scamp", "--set", "A=a.npy", "--frames", "3", "--debug",
-            ])
+        let exec = [
+            "exec", "p.scamp", "--set", "A=a.npy", "--frames", "3", "--debug",
+        ];
+        let output = amacrine(self.0.path(), &exec)
             .write_stdin(commands)
             .assert()
             .success()

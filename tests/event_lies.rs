@@ -17,10 +17,10 @@ use amacrine::{
 
 /// The formats that this build reads and writes.
 fn formats() -> impl Iterator<Item = Format> {
-    Format::ALL.into_iter().filter(|format| {
-        (*format != Format::Hdf5 || cfg!(feature = "hdf5"))
-            && (*format != Format::Parquet || cfg!(feature = "parquet"))
-    })
+    Format::ALL
+        .iter()
+        .copied()
+        .filter(|format| format.is_built())
 }
 
 /// Formats that have no room for a remark: how many events there should be is not known.

@@ -2,10 +2,13 @@
 //! against results worked out by hand and with plain arithmetic on planes, in several domains,
 //! and that every bad input gets its message, exit code 2, and leaves nothing behind.
 
+mod common;
+
 use std::{fs, path::Path};
 
 use amacrine::plane::Plane;
 use assert_cmd::Command;
+use common::{amacrine, good, line};
 use ndarray_npy::{read_npy, write_npy};
 use tempfile::TempDir;
 
@@ -30,13 +33,8 @@ impl Bench {
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::cargo_bin("amacrine").unwrap();
-        command
-            .current_dir(self.folder.path())
-            .env("NO_COLOR", "1")
-            .args(["exec", "p.scamp"])
-            .args(arguments);
-        command
+        let all = [&["exec", "p.scamp"], arguments].concat();
+        amacrine(self.folder.path(), &all)
     }
 
     fn run(&self, arguments: &[&str]) -> &Self {
@@ -65,12 +63,7 @@ impl Bench {
         let output = self.command(all).assert().code(2).get_output().clone();
         assert!(!self.path("out").exists() && !self.path("e.csv").exists());
         assert!(output.stdout.is_empty());
-        let text = String::from_utf8(output.stderr).unwrap();
-        // Long messages are wrapped and framed.
-        text.replace('│', " ")
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ")
+        line(&output.stderr)
     }
 }
 
@@ -274,11 +267,7 @@ fn every_shipped_program_runs() {
         for file in fs::read_dir(folder.unwrap().path()).unwrap() {
             let file = file.unwrap().path().display().to_string();
             for domain in ["exact", "q8.8", "silicon"] {
-                Command::cargo_bin("amacrine")
-                    .unwrap()
-                    .args(["exec", &file, "--domain", domain])
-                    .assert()
-                    .success();
+                good(root, &["exec", &file, "--domain", domain]);
             }
         }
     }

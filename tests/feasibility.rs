@@ -7,13 +7,15 @@
 #[path = "feasibility/browser.rs"]
 mod browser;
 
+mod common;
+
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
     path::Path,
 };
 
-use assert_cmd::Command;
+use common::{amacrine, json, refused};
 use scraper::{ElementRef, Html, Selector};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -43,37 +45,12 @@ fn folder() -> TempDir {
     folder
 }
 
-fn amacrine(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("amacrine").unwrap();
-    command.current_dir(folder).env("NO_COLOR", "1");
-    command.args(arguments);
-    command
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let said = amacrine(folder, arguments).assert().success();
-    serde_json::from_slice(&said.get_output().stdout).unwrap()
-}
-
 /// The page of a question, and its numbers.
 fn asked(folder: &Path, more: &[&str]) -> (String, Value) {
     let all = [&ASK, more, &["-o", "report.html", "--json"]].concat();
     let numbers = json(folder, &all);
     let page = fs::read_to_string(folder.join("report.html")).unwrap();
     (page, numbers)
-}
-
-#[track_caller]
-fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
-    let said = amacrine(folder, arguments).assert().code(2);
-    let message = String::from_utf8_lossy(&said.get_output().stderr).into_owned();
-    let message = message.replace('│', " ");
-    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    for word in words {
-        assert!(message.contains(word), "no {word:?} in: {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
-    assert!(!folder.join("report.html").exists(), "a page was left");
 }
 
 fn all<'a>(page: &'a Html, selector: &str) -> Vec<ElementRef<'a>> {
@@ -532,5 +509,9 @@ fn bad_input_is_one_message_and_no_page() {
     ];
     for (arguments, words) in cases {
         refused(folder.path(), &arguments, words);
+        assert!(
+            !folder.path().join("report.html").exists(),
+            "a page was left"
+        );
     }
 }

@@ -3,6 +3,8 @@
 //! is looked at beforehand is what the reference then does. Measured with the ruler, against
 //! the models themselves.
 
+mod common;
+
 use std::fmt::Write;
 
 use amacrine::{
@@ -102,8 +104,8 @@ fn clips() -> impl Strategy<Value = Source> {
         .prop_map(|(height, width, seed, whole, part, step)| {
             let mut state = seed;
             let mut chance = move || {
-                state = amacrine::chance::mix(state.wrapping_add(amacrine::chance::GOLDEN));
-                amacrine::chance::uniform(state)
+                state = amacrine::rng::mix(state.wrapping_add(amacrine::rng::GOLDEN));
+                amacrine::rng::uniform(state)
             };
             let mut light = Plane::from_shape_simple_fn((height, width), || 255.0 * chance());
             let mut frames = Vec::new();
@@ -567,12 +569,12 @@ fn the_full_model_is_the_reference() {
 }
 
 mod command {
-    use assert_cmd::Command;
+    use std::path::Path;
 
     fn amacrine(arguments: &str) -> (Option<i32>, String, String) {
-        let mut command = Command::cargo_bin("amacrine").unwrap();
-        command.current_dir(env!("CARGO_MANIFEST_DIR"));
-        let output = command.args(arguments.split_whitespace()).output().unwrap();
+        let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let words: Vec<_> = arguments.split_whitespace().collect();
+        let output = crate::common::amacrine(here, &words).output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         (
             output.status.code(),

@@ -212,3 +212,16 @@ fn only_some_rooms_touch_the_world() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// `rig::play` is the one loop over the frames of a scene.
+#[test]
+fn one_loop_shows_frames() {
+    let mut loops = Vec::new();
+    for (file, room, code) in code() {
+        let read = code.lines().filter(|line| line.contains("next_frame()"));
+        if room != "scene" && read.into_iter().any(|line| line.contains("while")) {
+            loops.push(file);
+        }
+    }
+    assert_eq!(loops, [Path::new("rig.rs")]);
+}

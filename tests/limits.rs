@@ -3,6 +3,8 @@
 //! Every limit of `amacrine::limit::TABLE` is driven through the program: at the limit it works,
 //! one beyond it is refused with exit code 2, in little time and little memory.
 
+mod common;
+
 use std::{
     fmt::Write as _,
     fs,
@@ -50,9 +52,7 @@ fn amacrine(folder: &Path, arguments: &[&str]) -> Output {
 
 /// What is told, on one line.
 fn told(output: &Output) -> String {
-    let text = String::from_utf8_lossy(&output.stderr);
-    let words = text.split_whitespace().filter(|word| *word != "│");
-    words.collect::<Vec<_>>().join(" ")
+    common::line(&output.stderr)
 }
 
 fn refused(folder: &Path, arguments: &[&str], what: &str) {

@@ -10,9 +10,9 @@ mod sensor;
 use std::f64::consts::PI;
 
 use amacrine::{
-    chance::{GOLDEN, mix, uniform},
     mesh::{Between, Euler, Flow, MOST_LAMBDA, MeshError, Sheet, Steady},
     plane::{Plane, Size},
+    rng::{GOLDEN, mix, uniform},
 };
 use proptest::prelude::*;
 

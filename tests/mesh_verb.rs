@@ -1,34 +1,26 @@
 //! The verb `mesh`: its contract (float64 planes in and out, settled to the last digits), what
 //! it refuses and how, and that nothing is left behind by a refusal.
 
+mod common;
+
 use std::{fs, path::Path};
 
 use amacrine::{
     mesh::{Between, Flow, Sheet, Steady},
     plane::{Plane, Size},
 };
-use assert_cmd::Command;
+use common::amacrine;
 use ndarray::Array3;
 use ndarray_npy::{read_npy, write_npy};
 
 fn mesh(arguments: &[&str], folder: &Path) -> std::process::Output {
-    let mut command = Command::cargo_bin("amacrine").unwrap();
-    command
-        .arg("mesh")
-        .args(arguments)
-        .current_dir(folder)
-        .env("NO_COLOR", "1");
-    command.output().unwrap()
+    let all = [&["mesh"], arguments].concat();
+    amacrine(folder, &all).output().unwrap()
 }
 
+#[track_caller]
 fn refused(arguments: &[&str], folder: &Path) -> String {
-    let out = mesh(arguments, folder);
-    assert_eq!(out.status.code(), Some(2), "{arguments:?}");
-    String::from_utf8(out.stderr)
-        .unwrap()
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
+    common::refused(folder, &[&["mesh"], arguments].concat(), &[])
 }
 
 fn scene(height: usize, width: usize) -> Plane<f64> {

@@ -10,9 +10,9 @@
 use std::{fmt::Write, fs, process::Command};
 
 use amacrine::{
-    chance::{mix, uniform},
     mesh::{Laterals, Mismatch, Network, Sheet},
     plane::{Plane, Size},
+    rng::{mix, uniform},
 };
 
 fn scene(size: Size, seed: u64) -> Plane<f64> {

@@ -4,6 +4,7 @@
 //! so.
 #![cfg(all(feature = "cli", unix))]
 
+mod common;
 mod verbs;
 
 use std::{
@@ -21,6 +22,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use common::line as text;
 use tempfile::TempDir;
 use verbs::{CASES, Case, files};
 
@@ -64,11 +66,6 @@ fn renamed(case: &Case, output: &str, name: &str) -> Option<Vec<String>> {
     let word = words.iter_mut().find(|word| *word == output)?;
     name.clone_into(word);
     Some(words)
-}
-
-fn text(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(bytes).replace('│', " ");
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn ran<S: AsRef<OsStr>>(folder: &Path, words: &[S]) -> Output {

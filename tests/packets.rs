@@ -2,7 +2,9 @@
 //! the definitions say, what is lost travels in the file, bad input gets one message.
 #![cfg(feature = "cli")]
 
-use std::{fs, path::Path, process::Output};
+mod common;
+
+use std::{fs, path::Path};
 
 use amacrine::{
     event::{
@@ -11,7 +13,7 @@ use amacrine::{
     },
     isa::{Device, HostKind},
 };
-use assert_cmd::Command;
+use common::{amacrine, good, json, refused_untouched};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -32,45 +34,9 @@ fn folder() -> TempDir {
     folder
 }
 
-fn amacrine(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::cargo_bin("amacrine").unwrap();
-    command.current_dir(folder).env("NO_COLOR", "1");
-    command.args(arguments).output().unwrap()
-}
-
-#[track_caller]
-fn good(folder: &Path, arguments: &[&str]) -> String {
-    let said = amacrine(folder, arguments);
-    let message = String::from_utf8_lossy(&said.stderr).into_owned();
-    assert!(said.status.success(), "{message}");
-    String::from_utf8(said.stdout).unwrap()
-}
-
-#[track_caller]
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let arguments = [arguments, &["--json"]].concat();
-    serde_json::from_str(&good(folder, &arguments)).unwrap()
-}
-
 #[track_caller]
 fn refused(arguments: &[&str], words: &[&str]) {
-    refused_in(folder().path(), arguments, words);
-}
-
-#[track_caller]
-fn refused_in(folder: &Path, arguments: &[&str], words: &[&str]) {
-    let files = || folder.read_dir().unwrap().count();
-    let before = files();
-    let said = amacrine(folder, arguments);
-    let message = String::from_utf8_lossy(&said.stderr).into_owned();
-    assert_eq!(said.status.code(), Some(2), "{message}");
-    assert!(said.stdout.is_empty() && !message.contains("panicked"));
-    assert_eq!(files(), before, "files were left");
-    let message = message.replace('│', " ");
-    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    for word in words {
-        assert!(message.contains(word), "no {word:?} in: {message}");
-    }
+    refused_untouched(folder().path(), arguments, words);
 }
 
 #[test]
@@ -227,7 +193,9 @@ fn run_offers_the_same_readout() {
             "--readout",
             "ideal",
         ],
-    );
+    )
+    .output()
+    .unwrap();
     assert_eq!(alone.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&alone.stderr).contains("--readout without --events"));
 }
@@ -345,7 +313,7 @@ fn sizes_are_asked_for_in_order() {
         &["compare", "bare.csv", "bare.csv", "--size", "40x30"],
     );
     assert_eq!(compared["reference"]["size"]["width"], 40);
-    refused_in(
+    refused_untouched(
         folder.path(),
         &["packets", "bare.csv", "--size", "9x9"],
         &["bare.csv", "x"],

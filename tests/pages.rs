@@ -3,9 +3,11 @@
 
 #![cfg(feature = "cli")]
 
+mod common;
+
 use std::{fs, path::Path};
 
-use assert_cmd::Command;
+use common::good;
 use tempfile::TempDir;
 
 /// A page of the repository.
@@ -26,13 +28,9 @@ fn after<'a>(page: &'a str, command: &str) -> Vec<&'a str> {
 #[track_caller]
 fn printed(folder: &TempDir, command: &str) -> String {
     let words = command.replace('"', "");
-    let mut words = words.split(' ');
-    assert_eq!(words.next(), Some("amacrine"));
-    let mut program = Command::cargo_bin("amacrine").unwrap();
-    let said = program.args(words).current_dir(folder).output().unwrap();
-    let message = String::from_utf8_lossy(&said.stderr).into_owned();
-    assert!(said.status.success(), "{message}");
-    String::from_utf8(said.stdout).unwrap()
+    let words: Vec<_> = words.split(' ').collect();
+    assert_eq!(words[0], "amacrine");
+    good(folder.path(), &words[1..])
 }
 
 /// The folder in which the commands of the pages run.

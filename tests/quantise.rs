@@ -2,10 +2,11 @@
 //! table of what each costs on the chip and loses there, and what it refuses.
 #![cfg(feature = "cli")]
 
-use std::{fs, path::Path};
+mod common;
 
-use assert_cmd::Command;
-use serde_json::Value;
+use std::fs;
+
+use common::{amacrine, json, refused};
 use tempfile::TempDir;
 
 const KERNEL: &str = "weights = [[0.0, -0.5, 0.0], [-0.5, 2.0, -0.5], [0.0, -0.5, 0.0]]\nname = \"k\"\nsource = \"test\"\n";
@@ -16,30 +17,6 @@ fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("k.toml"), KERNEL).unwrap();
     folder
-}
-
-fn amacrine(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("amacrine").unwrap();
-    command.current_dir(folder).env("NO_COLOR", "1");
-    command.args(arguments);
-    command
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let said = amacrine(folder, arguments).assert().success();
-    serde_json::from_slice(&said.get_output().stdout).unwrap()
-}
-
-#[track_caller]
-fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
-    let said = amacrine(folder, arguments).assert().code(2);
-    let message = String::from_utf8_lossy(&said.get_output().stderr).into_owned();
-    let message = message.replace('│', " ");
-    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    for word in words {
-        assert!(message.contains(word), "no {word:?} in: {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
 }
 
 /// Worked out by hand: the largest weight alone explains most; what is left is 1 of 5.

@@ -5,7 +5,6 @@
 use std::collections::VecDeque;
 
 use amacrine::{
-    chance::{GOLDEN, mix, uniform},
     event::{
         Event, Packet, Polarity,
         readout::{
@@ -13,6 +12,7 @@ use amacrine::{
         },
     },
     plane::Size,
+    rng::{GOLDEN, mix, uniform},
     unit::{Micros, Picos},
 };
 use proptest::prelude::*;

@@ -3,6 +3,8 @@
 //! read or written through a symlink; a point that is given up is a row.
 #![cfg(all(feature = "cli", unix))]
 
+mod common;
+
 use std::{
     collections::BTreeMap,
     fmt::Write as _,
@@ -13,7 +15,7 @@ use std::{
     sync::OnceLock,
 };
 
-use assert_cmd::Command;
+use common::{amacrine, json as said, refused};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -25,39 +27,9 @@ const STUDY: &str = "scene = \"pattern:disc?width=24&height=16&frames=5&radius=5
     [[side]]\nside = \"array\"\nkernel = \"csdvs-5\"\n";
 const POINTS: usize = 16;
 
-fn amacrine(at: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("amacrine").unwrap();
-    command.current_dir(at).env("NO_COLOR", "1");
-    command.args(arguments);
-    command
-}
-
-#[track_caller]
-fn said(at: &Path, arguments: &[&str]) -> Value {
-    let done = amacrine(at, arguments).arg("--json").assert().success();
-    serde_json::from_slice(&done.get_output().stdout).unwrap()
-}
-
 #[track_caller]
 fn sweep(at: &Path, folder: &str) -> Value {
     said(at, &["sweep", "study.toml", "--output", folder])
-}
-
-/// The message of a command that is refused, as one line.
-#[track_caller]
-fn refused(at: &Path, arguments: &[&str], words: &[&str]) -> String {
-    let done = amacrine(at, arguments).assert().code(2);
-    let message = String::from_utf8_lossy(&done.get_output().stderr).into_owned();
-    let message = message.replace('│', " ");
-    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    // Long paths and numbers are broken at the width of a terminal.
-    let close = message.replace(' ', "");
-    for word in words {
-        let word = word.replace(' ', "");
-        assert!(close.contains(&word), "no {word:?} in: {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
-    message
 }
 
 /// A study and its results in `out`, computed once for all tests; a copy of them.

@@ -4,6 +4,8 @@
 //! the documentation are the table of keys that the code reads by.
 #![cfg(feature = "cli")]
 
+mod common;
+
 use std::{
     collections::{HashMap, HashSet},
     fmt::Write as _,
@@ -21,7 +23,7 @@ use amacrine::study::sweep::{
     study::{METRICS, SETTINGS},
     table,
 };
-use assert_cmd::Command;
+use common::{amacrine, json, refused};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -46,30 +48,6 @@ fn folder(text: &str) -> TempDir {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("study.toml"), text).unwrap();
     folder
-}
-
-fn amacrine(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("amacrine").unwrap();
-    command.current_dir(folder).env("NO_COLOR", "1");
-    command.args(arguments);
-    command
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let said = amacrine(folder, arguments).assert().success();
-    serde_json::from_slice(&said.get_output().stdout).unwrap()
-}
-
-#[track_caller]
-fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
-    let said = amacrine(folder, arguments).assert().code(2);
-    let message = String::from_utf8_lossy(&said.get_output().stderr).into_owned();
-    let message = message.replace('│', " ");
-    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    for word in words {
-        assert!(message.contains(word), "no {word:?} in: {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
 }
 
 /// The table without the columns that differ between machines.

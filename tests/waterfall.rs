@@ -3,6 +3,8 @@
 //! step and on no other; both ends are the sensors that they are called, made anew; the answer
 //! does not depend on the number of threads; and the verb `waterfall` from outside.
 
+mod common;
+
 use amacrine::{
     array::{Arithmetic, Errors},
     compare::{Pair, fate::Fate, matching},
@@ -72,7 +74,7 @@ fn design<'a>(kernel: &'a Kernel, device: &'a Device, threshold: f64) -> Design<
 fn question(design: Design<'_>) -> Question<'_> {
     Question {
         design,
-        to: Quantiser::Ternary,
+        to: Quantiser::TERNARY,
         sum: Sum::Free,
         arithmetic: Arithmetic::Silicon { seed: 1 },
         readout: Readout::Ideal(Ideal),
@@ -117,7 +119,7 @@ fn everything(device: &Device, run: impl FnOnce(&Question<'_>)) {
         order: Order::default(),
     });
     run(&Question {
-        to: Quantiser::Whole(4),
+        to: "int-4".parse().unwrap(),
         readout,
         ..question(design(&kernel, device, 12.3))
     });
@@ -284,7 +286,7 @@ fn a_loss_that_is_put_in_lands_on_its_own_step() {
     let uneven =
         Kernel::from_rows(&[[0.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.6]].map(Vec::from))
             .unwrap();
-    let quantised = Quantiser::Ternary.quantise(&uneven, Sum::Free, 1).unwrap();
+    let quantised = Quantiser::TERNARY.quantise(&uneven, Sum::Free, 1).unwrap();
     let device = perfect(&[]);
     only(
         &question(design(&uneven, &device, 32.0 * quantised.scale)),
@@ -373,10 +375,7 @@ mod verb {
     const SCENE: &str = "pattern:disc?width=32&height=24&frames=8&radius=6";
 
     fn amacrine(folder: &Path, arguments: &[&str]) -> Command {
-        let mut command = Command::cargo_bin("amacrine").unwrap();
-        command.current_dir(folder).env("NO_COLOR", "1");
-        command.arg("waterfall").args(arguments);
-        command
+        crate::common::amacrine(folder, &[&["waterfall"], arguments].concat())
     }
 
     fn asked<'a>(more: &[&'a str]) -> Vec<&'a str> {

@@ -13,7 +13,6 @@
 
 mod arithmetic;
 mod bits;
-mod chance;
 mod check;
 mod chip;
 mod domain;

@@ -22,11 +22,11 @@
 
 use multiversion::multiversion;
 
-use super::{
-    Domain, Layout, Place, RowOps, Share,
-    chance::{Draws, hash, normal},
+use super::{Domain, Layout, Place, RowOps, Share};
+use crate::{
+    isa::{Device, Digital, Figure},
+    rng::row::{Draws, hash, normal},
 };
-use crate::isa::{Device, Digital, Figure};
 
 /// How a chip errs. Analogue values are in LSB, the ADC's steps.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -136,8 +136,8 @@ impl ScoreJson {
             redraw: score.redraw,
             permuted: score.permuted,
             lost: score.lost(),
-            symmetric: score.metric.symmetric(),
-            blind_to: score.metric.blind_to(),
+            symmetric: score.metric.entry().symmetric,
+            blind_to: score.metric.entry().blind_to,
         }
     }
 }
@@ -160,7 +160,7 @@ impl Ruler {
                     |lost| format!("{:.0} %", (100.0 * lost).round() + 0.0),
                 );
             let name = score.metric.to_string();
-            let blind = score.metric.blind_to();
+            let blind = score.metric.entry().blind_to;
             let row = format!(
                 "{name:<26}{value:>11}{identical:>11}{redraw:>11}{permuted:>11}{lost:>7}  {blind}"
             );

@@ -37,8 +37,7 @@ pub struct Arguments {
     /// The format of A, where its name and first bytes do not say it
     #[arg(long, value_name = "NAME")]
     from: Option<Format>,
-    /// The format of B, where its extension does not say it: csv txt npy npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, help = format!("The format of B, where its extension does not say it: {}", Format::names()), value_name = "NAME")]
     format: Option<Format>,
     /// How packets of aedat4 are compressed
     #[arg(long, default_value = "lz4", value_name = "lz4|zstd|none", value_parser = compression)]

@@ -8,9 +8,8 @@ use crate::{
     compile::Effort,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
-    plane::Size,
     save::save,
-    scene::{self, Frame, Scene, SceneError},
+    scene::{self, Scene, SceneError, part::Retimed},
     study::{
         feasibility::{self, Feasibility, Fit, Question, Stream},
         report,
@@ -175,11 +174,7 @@ impl Arguments {
         match (&self.scene, self.fps) {
             (Some(scene), _) => scene::open(scene, &options),
             (None, None) => scene::bundled(),
-            (None, Some(fps)) if fps.is_finite() && fps > 0.0 => Ok(Box::new(Paced {
-                scene: scene::bundled()?,
-                fps,
-            })),
-            (None, Some(fps)) => Err(SceneError::BadRate { fps }),
+            (None, Some(fps)) => Ok(Box::new(Retimed::new(scene::bundled()?, fps)?)),
         }
     }
 
@@ -225,34 +220,6 @@ fn quoted(word: &str) -> String {
         word.to_owned()
     } else {
         format!("'{}'", word.replace('\'', "'\\''"))
-    }
-}
-
-/// A scene at another frame rate.
-struct Paced {
-    scene: Box<dyn Scene>,
-    fps: f64,
-}
-
-impl Scene for Paced {
-    fn size(&self) -> Size {
-        self.scene.size()
-    }
-
-    fn fps(&self) -> f64 {
-        self.fps
-    }
-
-    fn frames(&self) -> Option<u64> {
-        self.scene.frames()
-    }
-
-    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
-        let frame = self.scene.next_frame()?;
-        Ok(frame.map(|frame| Frame {
-            seconds: frame.index as f64 / self.fps,
-            ..frame
-        }))
     }
 }
 

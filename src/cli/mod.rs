@@ -43,31 +43,9 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use self::print::{complain, say};
 use crate::{guard, memory::Budget};
 
-/// One for each verb, as `amacrine help` shows them.
-const EXAMPLES: &str = "\
-Examples:
-  amacrine
-  amacrine run --scene clip.mp4 --sensor sensors/dvs.toml --upsample 0.1 --events events.npy
-  amacrine exec programs/convolve/sobel.scamp --image frame.png --dump registers
-  amacrine asm programs/rgc/centre_surround.scamp
-  amacrine quantise rgc-5x5 --to ternary --sum zero
-  amacrine compile sobel-x --filter-only
-  amacrine waterfall rgc-5x5 --to int-5 --threshold 128 -o waterfall.svg
-  amacrine mesh solve --lambda 10 --input P.npy --output H.npy
-  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html
-  amacrine compare out/reference.npy out/silicon.npy --within 1ms
-  amacrine convert recording.raw part.aedat4 --slice 1s..2.5s
-  amacrine packets out/silicon.npy --readout arbiter
-  amacrine plan --scene clip.mp4 --sensor sensors/dvs-v2e.toml --tolerance 1% --verify
-  amacrine show out/silicon.npy -o picture.png
-  amacrine sweep studies/formats.toml --output out/formats
-  amacrine merge out/shard-0 out/shard-1 --output out/all
-  amacrine report out/formats -o front.svg
-  amacrine schema sensor -o sensor.schema.json";
-
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
-#[command(name = "amacrine", version, about, after_help = EXAMPLES)]
+#[command(name = "amacrine", version, about, after_help = examples())]
 struct Arguments {
     /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
     #[arg(long, global = true, value_name = "SIZE")]
@@ -76,46 +54,63 @@ struct Arguments {
     verb: Option<Verb>,
 }
 
-#[derive(Debug, Subcommand)]
-enum Verb {
+/// Makes the verbs from their list.
+macro_rules! verbs {
+    ($(#[$about:meta] $verb:ident => $file:ident,)+) => {
+        #[derive(Debug, Subcommand)]
+        enum Verb {
+            $(#[$about] $verb($file::Arguments),)+
+        }
+
+        fn run(arguments: Arguments) -> miette::Result<()> {
+            match arguments.verb {
+                None => Ok(()),
+                $(Some(Verb::$verb(arguments)) => $file::run(&arguments),)+
+            }
+        }
+    };
+}
+
+// The list: a file for each verb, with its `Arguments` and `run`, in the order of the help.
+verbs! {
     /// A real clip through the float reference and through a program on the array
-    Demo(demo::Arguments),
+    Demo => demo,
     /// A scene through a sensor file: events, counts, voxels
-    Run(run::Arguments),
+    Run => run,
     /// A program on the array: every register written out
-    Exec(exec::Arguments),
+    Exec => exec,
     /// Check a program: expansion, words, microseconds, registers
-    Asm(asm::Arguments),
+    Asm => asm,
     /// The instruction words of a program, as text that reads back to the same words
-    Disasm(disasm::Arguments),
+    Disasm => disasm,
     /// A kernel in few values: levels, scale, and what is lost
-    Quantise(quantise::Arguments),
+    Quantise => quantise,
     /// Kernels to a program: shift, add, halve, with the proof
-    Compile(compile::Arguments),
+    Compile => compile,
     /// Where the events of the float sensor go, step by step, on the way to the chip
-    Waterfall(waterfall::Arguments),
+    Waterfall => waterfall,
     /// The resistor mesh: solve it, step it, fit a kernel to it, draw it
-    Mesh(mesh::Arguments),
+    Mesh => mesh,
     /// Whether a kernel can run on a chip, and what is lost, as a page to forward
-    Feasibility(feasibility::Arguments),
+    Feasibility => feasibility,
     /// Compare two event files
-    Compare(compare::Arguments),
+    Compare => compare,
     /// An event file into another format
-    Convert(convert::Arguments),
+    Convert => convert,
     /// What a packet costs on a link, and what a readout makes of it
-    Packets(packets::Arguments),
+    Packets => packets,
     /// What a model may leave out of a scene, with the bound that allows it
-    Plan(plan::Arguments),
+    Plan => plan,
     /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
-    Show(show::Arguments),
+    Show => show,
     /// Many points of a study, on all cores, resumable: results as CSV and JSON lines
-    Sweep(sweep::Arguments),
+    Sweep => sweep,
     /// The folders of a sweep's shards into one
-    Merge(merge::Arguments),
+    Merge => merge,
     /// Which points of a sweep no other beats: error against time, bits or words
-    Report(report::Arguments),
+    Report => report,
     /// The keys of a kind of file as JSON Schema: sensor, kernel, study, readout, program, chip
-    Schema(schema::Arguments),
+    Schema => schema,
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -152,29 +147,16 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: Arguments) -> miette::Result<()> {
-    match arguments.verb {
-        None => Ok(()),
-        Some(Verb::Demo(arguments)) => demo::run(&arguments),
-        Some(Verb::Run(arguments)) => run::run(&arguments),
-        Some(Verb::Exec(arguments)) => exec::run(&arguments),
-        Some(Verb::Asm(arguments)) => asm::run(&arguments),
-        Some(Verb::Disasm(arguments)) => disasm::run(&arguments),
-        Some(Verb::Quantise(arguments)) => quantise::run(&arguments),
-        Some(Verb::Compile(arguments)) => compile::run(&arguments),
-        Some(Verb::Waterfall(arguments)) => waterfall::run(&arguments),
-        Some(Verb::Mesh(arguments)) => mesh::run(&arguments),
-        Some(Verb::Feasibility(arguments)) => feasibility::run(&arguments),
-        Some(Verb::Compare(arguments)) => compare::run(&arguments),
-        Some(Verb::Convert(arguments)) => convert::run(&arguments),
-        Some(Verb::Packets(arguments)) => packets::run(&arguments),
-        Some(Verb::Plan(arguments)) => plan::run(&arguments),
-        Some(Verb::Show(arguments)) => show::run(&arguments),
-        Some(Verb::Sweep(arguments)) => sweep::run(&arguments),
-        Some(Verb::Merge(arguments)) => merge::run(&arguments),
-        Some(Verb::Report(arguments)) => report::run(&arguments),
-        Some(Verb::Schema(arguments)) => schema::run(&arguments),
-    }
+/// The first example of each verb.
+fn examples() -> String {
+    let command = Verb::augment_subcommands(clap::Command::new("amacrine"));
+    let first = |verb: &clap::Command| {
+        let help = verb.get_after_help()?.to_string();
+        let at = help.find("amacrine ")?;
+        help[at..].lines().next().map(|line| format!("\n  {line}"))
+    };
+    let each: String = command.get_subcommands().filter_map(first).collect();
+    format!("Examples:\n  amacrine{each}")
 }
 
 /// The verbs, with commas between.

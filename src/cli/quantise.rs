@@ -10,7 +10,7 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{Change, Quantised, Quantiser, QuantiserNameError, Sum},
+        quantise::{self, Change, Quantised, Quantiser, QuantiserNameError, Sum},
     },
     picture::{panel, write_png},
     plane::Plane,
@@ -30,7 +30,7 @@ use super::{
 /// What `quantise` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine quantise rgc-5x5 --to ternary --sum zero\n  amacrine quantise learned.npy --to ternary,po2-3,int-5,csd-40,q3.4\n\nQuantisers: binary, ternary, ternary-0.7, ternary-split, po2-N, int-B, csd-D, qM.N with :floor or :stochastic.\nA kernel becomes scale x levels; on a chip, divide the thresholds by the scale and run the levels."
+    after_help = after_help()
 )]
 pub struct Arguments {
     /// A kernel file (.toml or .npy), or the name of a built-in
@@ -111,6 +111,14 @@ pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
             .map_or(String::new(), |help| format!("; known are {help}"));
         format!("{error}{known}")
     })
+}
+
+/// The end of its help.
+fn after_help() -> String {
+    format!(
+        "Examples:\n  amacrine quantise rgc-5x5 --to ternary --sum zero\n  amacrine quantise learned.npy --to ternary,po2-3,int-5,csd-40,q3.4\n\nQuantisers: {}.\nA kernel becomes scale x levels; on a chip, divide the thresholds by the scale and run the levels.",
+        quantise::known()
+    )
 }
 
 /// One row of the table.

@@ -1,6 +1,6 @@
 //! `amacrine run`: a scene through a sensor file.
 
-use std::{cell::RefCell, path::Path};
+use std::{cell::RefCell, ops::ControlFlow, path::Path};
 
 use miette::{WrapErr, miette};
 use serde_json::json;
@@ -17,11 +17,9 @@ use crate::{
         Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Tally, VoxelGrid,
         WhenFull,
     },
+    rig,
     save::Stack,
-    scene::{
-        Scene, open,
-        upsample::{Bound, Upsampled, Upsampling},
-    },
+    scene::{Scene, open, upsample},
     source,
     study::plan::{Effect, Plan, cost},
     unit::Micros,
@@ -60,8 +58,7 @@ pub struct Arguments {
     /// The number format of signals, weights and memory: f64, f32, f16, bf16, q8.8, …
     #[arg(long, default_value = "f64")]
     format: Format,
-    /// Write the events; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
-    #[arg(long, value_parser = Content::Events)]
+    #[arg(long, help = format!("Write the events; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
     events: Option<Output>,
     #[command(flatten)]
     readout: readout::Choice,
@@ -155,31 +152,12 @@ fn watched(
 ) -> miette::Result<()> {
     let scene = open(&arguments.scene, &budget::opening(arguments.fps))?;
     let sensor = description.clone();
-    let watched = match arguments.upsample {
-        None => arguments.format.visit(Run {
-            arguments,
-            description: sensor,
-            scene,
-        }),
-        Some(contrast) => {
-            let bound = Bound::Contrast {
-                contrast,
-                offset: 1.0,
-            };
-            let scene = Upsampled::new(
-                scene,
-                Upsampling {
-                    bound,
-                    ..Upsampling::default()
-                },
-            )?;
-            arguments.format.visit(Run {
-                arguments,
-                description: sensor,
-                scene,
-            })
-        }
-    };
+    let scene = upsample::by_contrast(scene, arguments.upsample)?;
+    let watched = arguments.format.visit(Run {
+        arguments,
+        description: sensor,
+        scene,
+    });
     let watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
     if arguments.json {
@@ -240,13 +218,13 @@ struct Watched {
 }
 
 /// The run, in whatever number format is asked for.
-struct Run<'a, S> {
+struct Run<'a> {
     arguments: &'a Arguments,
     description: Description,
-    scene: S,
+    scene: Box<dyn Scene>,
 }
 
-impl<S: Scene> Visitor for Run<'_, S> {
+impl Visitor for Run<'_> {
     type Output = miette::Result<Watched>;
 
     fn visit<N: Number>(self, number: N) -> miette::Result<Watched> {
@@ -254,11 +232,11 @@ impl<S: Scene> Visitor for Run<'_, S> {
     }
 }
 
-fn watch<N: Number, S: Scene>(
+fn watch<N: Number>(
     arguments: &Arguments,
     number: N,
     description: Description,
-    mut scene: S,
+    mut scene: Box<dyn Scene>,
 ) -> miette::Result<Watched> {
     let size = scene.size();
     let channels = description.channels.len();
@@ -266,7 +244,7 @@ fn watch<N: Number, S: Scene>(
     let limit = Limit {
         events: events(
             arguments,
-            &scene,
+            &*scene,
             Reference::<N>::bytes(&description, size),
             channels,
         )?,
@@ -297,17 +275,17 @@ fn watch<N: Number, S: Scene>(
     let mut paper = PaperMetric::default();
     let progress = Progress::new("watching", scene.frames());
 
-    let (mut frames, mut first, mut last, mut too_short) = (0, None, 0.0, 0);
+    let (mut first, mut last, mut too_short) = (None, 0.0, 0);
     let mut list = arguments
         .events
         .as_ref()
         .map(|_| EventList::new(&mut packet, limit));
-    while let Some(frame) = scene.next_frame()? {
+    let frames = rig::play(&mut scene, |frame| {
         reference.watch_into(
             &frame,
             &mut ((&mut tally, &mut list), (&mut counts, &mut grid)),
         )?;
-        if frames > 0 {
+        if first.is_some() {
             if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
                 stack.push(counts.planes().iter().cloned())?;
             }
@@ -315,14 +293,14 @@ fn watch<N: Number, S: Scene>(
                 finish_bin(grid, voxel_stack.as_mut(), &mut paper)?;
             }
         }
-        if frames > 0 && refractory.rule == RefractoryRule::Authors {
+        if first.is_some() && refractory.rule == RefractoryRule::Authors {
             too_short += u64::from(frame.seconds - last < refractory.us * 1e-6);
         }
-        frames += 1;
         first.get_or_insert(frame.seconds);
         last = frame.seconds;
         progress.tick();
-    }
+        Ok::<_, miette::Report>(ControlFlow::Continue(()))
+    })?;
     if frames == 0 {
         return Err(miette!(
             help = "give a scene with at least one frame",

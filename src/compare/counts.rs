@@ -8,8 +8,66 @@
 //!
 //! Both are blind to time.
 
-use super::{Pair, pearson::Pearson};
-use crate::event::Polarity;
+use super::{
+    Pair,
+    metric::{Entry, Scale},
+    pearson::Pearson,
+};
+use crate::event::{Polarity, address::AddressWord};
+
+/// Pearson of counts, cell by cell.
+pub static PEARSON: Entry = Entry {
+    key: "count_pearson",
+    title: "counts, Pearson",
+    scale: Scale::None,
+    study: Some(("count-pearson", "Pearson of counts, cell by cell")),
+    blind_to: "time",
+    knows_a_redraw: false,
+    symmetric: true,
+    value: |of, _| of.cells().pearson,
+};
+
+/// L1 of counts per event, cell by cell.
+pub static L1: Entry = Entry {
+    key: "count_l1",
+    title: "counts, L1",
+    scale: Scale::None,
+    study: Some(("count-l1", "L1 of counts per event, cell by cell")),
+    blind_to: "time",
+    knows_a_redraw: false,
+    symmetric: true,
+    value: |of, _| Some(of.pair.per_event(of.cells().l1 as f64 / 2.0)),
+};
+
+/// Events of the judged packet for one of the reference.
+pub static EVENTS: Entry = Entry {
+    key: "events_ratio",
+    title: "events, ratio",
+    scale: Scale::None,
+    study: None,
+    blind_to: "all but number",
+    knows_a_redraw: false,
+    symmetric: false,
+    value: |of, _| {
+        let [a, b] = of.pair.events();
+        (a > 0).then(|| b as f64 / a as f64)
+    },
+};
+
+/// Bits of the judged packet, each event one address word.
+pub static BITS: Entry = Entry {
+    key: "bits_sent",
+    title: "bits",
+    scale: Scale::None,
+    study: None,
+    blind_to: "all but number",
+    knows_a_redraw: false,
+    symmetric: false,
+    value: |of, _| {
+        let word = AddressWord::of(of.pair.size(), of.pair.channels());
+        Some(of.pair.events()[1] as f64 * f64::from(word.bits()))
+    },
+};
 
 /// Counts of one kind of cell, [reference, judged].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]

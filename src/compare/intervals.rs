@@ -10,8 +10,39 @@
 //! **Blind to wrong pixels, to delay, and to which cell said what**: a permutation of the
 //! pixels gives exactly 0. Never use it alone.
 
-use super::{Pair, pair::Times};
+use super::{
+    Pair,
+    metric::{Entry, Scale},
+    pair::Times,
+};
 use crate::elementary;
+
+/// Divergence of intervals, of the judged packet from the reference, in nats.
+pub static ENTRY: Entry = Entry {
+    key: "interval_divergence",
+    title: "interval divergence",
+    scale: Scale::None,
+    study: Some((
+        "intervals",
+        "divergence of the intervals between a cell's events, in nats",
+    )),
+    blind_to: "wrong pixels, delay",
+    knows_a_redraw: false,
+    symmetric: false,
+    value: |of, _| of.intervals().map(|d| d.forward),
+};
+
+/// The same the other way round.
+pub static BACK: Entry = Entry {
+    key: "interval_divergence_back",
+    title: "  the other way",
+    scale: Scale::None,
+    study: None,
+    blind_to: "wrong pixels, delay",
+    knows_a_redraw: false,
+    symmetric: false,
+    value: |of, _| of.intervals().map(|d| d.back),
+};
 
 /// Bins: four for each power of two that 64 bits hold, the first four being 0 to 3.
 const BINS: usize = 4 * 63;

@@ -25,8 +25,60 @@
 
 use rayon::slice::ParallelSliceMut;
 
-use super::{Pair, pair::Times};
+use super::{
+    Pair,
+    metric::{Entry, Scale},
+    pair::Times,
+};
 use crate::unit::Micros;
+
+/// Harmonic mean of precision and recall, within a window.
+pub static F1: Entry = Entry {
+    key: "f1",
+    title: "F1 within",
+    scale: Scale::Window,
+    study: Some((
+        "f1",
+        "harmonic mean of precision and recall, for each window",
+    )),
+    blind_to: "",
+    knows_a_redraw: true,
+    symmetric: true,
+    value: |of, within| {
+        let [a, b] = of.pair.events();
+        Some(share(2 * of.matched(within), a + b))
+    },
+};
+
+/// Matched share of the judged events, within a window.
+pub static PRECISION: Entry = Entry {
+    key: "precision",
+    title: "precision within",
+    scale: Scale::Window,
+    study: Some((
+        "precision",
+        "matched share of the point's events, for each window",
+    )),
+    blind_to: "",
+    knows_a_redraw: true,
+    symmetric: false,
+    value: |of, within| Some(share(of.matched(within), of.pair.events()[1])),
+};
+
+/// Matched share of the reference's events, within a window.
+pub static RECALL: Entry = Entry {
+    key: "recall",
+    title: "recall within",
+    scale: Scale::Window,
+    study: Some((
+        "recall",
+        "matched share of the reference's events, for each window",
+    )),
+    blind_to: "",
+    knows_a_redraw: true,
+    symmetric: false,
+    value: |of, within| Some(share(of.matched(within), of.pair.events()[0])),
+};
 
 /// What was matched.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,7 +5,8 @@
 //! the wrong sign is never half right. Streams are compared as multisets: the order of events
 //! at one time carries nothing.
 //!
-//! A metric is a file here, with its definition, and a function of a [`Pair`]. No single
+//! A metric is a file here, with its definition, a function of a [`Pair`], and a line of the
+//! list in [`metric`]. No single
 //! number will do: event rates are blind to wrong pixels, and counts are blind to delay.
 //! [`compare`] gives the plain ones, [`ruler::scores`] every metric, each with its value for
 //! the identical packet, for a redraw and for a permutation of the reference.
@@ -27,6 +28,7 @@ pub mod equality;
 pub mod fate;
 pub mod intervals;
 pub mod matching;
+pub mod metric;
 pub mod null;
 mod pair;
 mod pearson;

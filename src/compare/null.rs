@@ -20,9 +20,9 @@ use rayon::{
 
 use super::{
     Cell, Pair,
-    pair::{Key, time},
+    pair::{self, time},
 };
-use crate::chance::{GOLDEN, mix};
+use crate::rng::{GOLDEN, Hash, mix};
 
 /// Reasons of chance.
 const REDRAW: u64 = 0x7265_6472_6177;
@@ -32,18 +32,18 @@ const PERMUTE: u64 = 0x7065_726D_7574_6521;
 #[must_use]
 pub fn redraw(pair: &Pair, seed: u64) -> Pair {
     let all = pair.reference();
-    let root = mix(mix(seed.wrapping_add(GOLDEN)) ^ REDRAW);
+    let root = Hash::new(seed).with_mixed(REDRAW);
     let cells: Vec<_> = pair.reference_cells().collect();
-    let drawn: Vec<Vec<Key>> = cells
+    let drawn: Vec<Vec<pair::Key>> = cells
         .into_par_iter()
         .map(|(cell, own)| {
-            let place = mix(root ^ mix(cell.word().wrapping_add(GOLDEN)));
+            let place = root.with_mixed(Hash::new(cell.word()).bits());
             let others = all.len() - own.len();
             let first = all.get(own.start).map_or(0, |key| time(*key));
             let last = all.get(own.end - 1).map_or(0, |key| time(*key));
-            let mut times: Vec<Key> = (0..own.len() as u64)
+            let mut times: Vec<pair::Key> = (0..own.len() as u64)
                 .map(|k| {
-                    let word = mix(place.wrapping_add(GOLDEN.wrapping_mul(k)));
+                    let word = place.nth(k).bits();
                     let t = if others == 0 {
                         first + below(word, u128::from(last - first) + 1)
                     } else {
@@ -106,7 +106,7 @@ impl Shuffle {
             width,
             pixels,
             half: bits.div_ceil(2),
-            root: mix(mix(seed.wrapping_add(GOLDEN)) ^ PERMUTE),
+            root: Hash::new(seed).with_mixed(PERMUTE).bits(),
         }
     }
 
@@ -125,7 +125,8 @@ impl Shuffle {
         let (mut left, mut right) = (number >> self.half, number & mask);
         let mut round = 1;
         while round <= 4 {
-            let word = mix(self.root.wrapping_add(GOLDEN.wrapping_mul(round)) ^ mix(right));
+            let key = Hash::raw(self.root.wrapping_add(GOLDEN.wrapping_mul(round)));
+            let word = key.with_mixed(mix(right)).bits();
             (left, right) = (right, left ^ word & mask);
             round += 1;
         }

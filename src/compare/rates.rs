@@ -7,7 +7,59 @@
 //! Blind to time altogether; the unsigned map is blind to sign, the signed one to ON and OFF
 //! in equal numbers.
 
-use super::{Pair, pearson::Pearson};
+use super::{
+    Pair,
+    metric::{Entry, Scale},
+    pearson::Pearson,
+};
+
+/// Pearson of the map of ON + OFF.
+pub static PEARSON: Entry = Entry {
+    key: "rate_pearson",
+    title: "rate map, Pearson",
+    scale: Scale::None,
+    study: Some(("rate-pearson", "Pearson of the map of ON + OFF")),
+    blind_to: "time, sign",
+    knows_a_redraw: false,
+    symmetric: true,
+    value: |of, _| of.rates().unsigned.pearson,
+};
+
+/// L1 of the map of ON + OFF, per event.
+pub static L1: Entry = Entry {
+    key: "rate_l1",
+    title: "rate map, L1",
+    scale: Scale::None,
+    study: Some(("rate-l1", "L1 of the map of ON + OFF, per event")),
+    blind_to: "time, sign",
+    knows_a_redraw: false,
+    symmetric: true,
+    value: |of, _| Some(of.rates().unsigned.l1),
+};
+
+/// Pearson of the map of ON - OFF.
+pub static SIGNED_PEARSON: Entry = Entry {
+    key: "signed_rate_pearson",
+    title: "signed map, Pearson",
+    scale: Scale::None,
+    study: None,
+    blind_to: "time, ON with OFF",
+    knows_a_redraw: false,
+    symmetric: true,
+    value: |of, _| of.rates().signed.pearson,
+};
+
+/// L1 of the map of ON - OFF, per event.
+pub static SIGNED_L1: Entry = Entry {
+    key: "signed_rate_l1",
+    title: "signed map, L1",
+    scale: Scale::None,
+    study: None,
+    blind_to: "time, ON with OFF",
+    knows_a_redraw: false,
+    symmetric: true,
+    value: |of, _| Some(of.rates().signed.l1),
+};
 
 /// How two maps differ.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

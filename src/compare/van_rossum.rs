@@ -14,8 +14,26 @@
 //! events of one time, `k` reference events more than judged ones, add `k^2/2 + k m`.
 //! Events that both have at one time cancel exactly.
 
-use super::Pair;
+use super::{
+    Pair,
+    metric::{Entry, Scale},
+};
 use crate::{elementary, unit::Micros};
+
+/// Van Rossum's distance per event, at a time constant.
+pub static ENTRY: Entry = Entry {
+    key: "van_rossum",
+    title: "van Rossum,",
+    scale: Scale::TimeConstant,
+    study: Some((
+        "van-rossum",
+        "van Rossum's distance per event, for each time constant",
+    )),
+    blind_to: "",
+    knows_a_redraw: true,
+    symmetric: true,
+    value: |of, tau| Some(distance(of.pair, tau)),
+};
 
 /// The distance at the time constant `tau`, per event; 0 for identical packets.
 #[must_use]

@@ -28,8 +28,26 @@
 
 use std::collections::VecDeque;
 
-use super::Pair;
+use super::{
+    Pair,
+    metric::{Entry, Scale},
+};
 use crate::unit::Micros;
+
+/// Victor and Purpura's distance per event, at the shift that costs 1.
+pub static ENTRY: Entry = Entry {
+    key: "victor_purpura",
+    title: "Victor-Purpura,",
+    scale: Scale::Shift,
+    study: Some((
+        "victor-purpura",
+        "Victor and Purpura's distance per event, for each shift that costs 1",
+    )),
+    blind_to: "",
+    knows_a_redraw: true,
+    symmetric: true,
+    value: |of, h| Some(distance(of.pair, h)),
+};
 
 /// The distance when a shift by `h` costs as much as an event added, per event; 0 for
 /// identical packets, at most 2.

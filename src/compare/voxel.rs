@@ -13,8 +13,50 @@
 //! Blind to shifts far below a bin and to ON and OFF that come together (the second to the
 //! former alone). Sums are whole numbers, so identical packets give exactly 0.
 
-use super::Pair;
+use super::{
+    Pair,
+    metric::{Entry, Scale},
+};
 use crate::{event::Polarity, unit::Micros};
+
+/// L1 of voxel grids per event, ON less OFF.
+pub static L1: Entry = Entry {
+    key: "voxel_l1",
+    title: "voxel L1",
+    scale: Scale::None,
+    study: Some((
+        "voxel-l1",
+        "L1 of voxel grids of 8 bins per event, ON less OFF",
+    )),
+    blind_to: "ON with OFF in one bin",
+    knows_a_redraw: true,
+    symmetric: true,
+    value: |of, _| Some(of.voxels().l1),
+};
+
+/// L1 of voxel grids per event, ON and OFF apart.
+pub static L1_SIGNS_APART: Entry = Entry {
+    key: "voxel_l1_signs_apart",
+    title: "voxel L1, signs apart",
+    scale: Scale::None,
+    study: None,
+    blind_to: "",
+    knows_a_redraw: true,
+    symmetric: true,
+    value: |of, _| Some(of.voxels().l1_signs_apart),
+};
+
+/// Root of the mean square of voxels, in events.
+pub static RMSE: Entry = Entry {
+    key: "voxel_rmse",
+    title: "voxel RMSE, events",
+    scale: Scale::None,
+    study: Some(("voxel-rmse", "root of the mean square of voxels, in events")),
+    blind_to: "ON with OFF in one bin",
+    knows_a_redraw: true,
+    symmetric: true,
+    value: |of, _| Some(of.voxels().rmse),
+};
 
 /// Bins over a stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -12,6 +12,7 @@ use super::{
     separable::{Factor, after, factors},
     walk::walks,
 };
+use crate::rng::{GOLDEN, Hash};
 
 /// Goals, and what may be used for them.
 #[derive(Clone, Debug)]
@@ -366,14 +367,10 @@ const FACTORED: u64 = 4;
 const TASTES: u64 = 4;
 
 fn taste(seed: u64, width: usize, i: u64) -> Taste {
-    let mut state = seed ^ (width as u64) << 32 ^ i.wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    let mut next = move || {
-        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = state;
-        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ z >> 31) >> 40) as f32 / (1u64 << 24) as f32
-    };
+    let key = Hash::raw(seed ^ (width as u64) << 32 ^ i.wrapping_mul(GOLDEN));
+    let mut draws = (1..).map(|n| key.nth(n).bits());
+    // 24 bits: what an `f32` holds.
+    let mut next = || (draws.next().unwrap_or_default() >> 40) as f32 / (1u64 << 24) as f32;
     Taste {
         width,
         digit: 0.3 + next(),

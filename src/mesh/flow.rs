@@ -22,8 +22,8 @@ use multiversion::multiversion;
 use super::{
     MeshError, Real, Sheet,
     cosine::Cosine,
-    draw::{Why, normal},
     eigenvalues, range,
+    reason::{Reason, normal},
 };
 use crate::{
     elementary,
@@ -137,7 +137,7 @@ impl<T: Real> Flow<T> {
         self.noise = Some(noise);
         let size = Size::of(&self.surround);
         for (place, (state, norm)) in self.state.iter_mut().zip(norms(size)).enumerate() {
-            let drawn = sigma * norm * normal(seed, Why::Thermal, place, 0);
+            let drawn = sigma * norm * normal(seed, Reason::Thermal, place, 0);
             *state = *state + T::of(drawn);
         }
         self.show();
@@ -194,7 +194,7 @@ impl<T: Real> Flow<T> {
             for (place, ((state, left), norm)) in each.enumerate() {
                 let left = left.double();
                 let fresh = ((1.0 - left) * (1.0 + left)).sqrt();
-                let drawn = normal(noise.seed, Why::Thermal, place, noise.step);
+                let drawn = normal(noise.seed, Reason::Thermal, place, noise.step);
                 *state = *state + T::of(noise.sigma * norm * fresh * drawn);
             }
         }

@@ -40,12 +40,12 @@
 
 pub mod circuit;
 mod cosine;
-mod draw;
 mod euler;
 mod fit;
 mod flow;
 mod krylov;
 mod network;
+mod reason;
 mod steady;
 
 use std::sync::Arc;

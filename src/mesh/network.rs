@@ -16,9 +16,8 @@
 //! Newton steps go there. Both say how far they may be off, and give no answer if that is too far.
 
 use super::{
-    MeshError, Sheet, Steady,
-    draw::{Why, normal},
-    range,
+    MeshError, Sheet, Steady, range,
+    reason::{Reason, normal},
 };
 use crate::{
     elementary,
@@ -164,14 +163,22 @@ impl Network {
     #[must_use]
     pub fn with_mismatch(mut self, mismatch: Mismatch, seed: u64) -> Self {
         let kinds = [
-            (&mut self.transverse, Why::Transverse, mismatch.transverse),
-            (&mut self.down, Why::LateralDown, mismatch.lateral),
-            (&mut self.across, Why::LateralAcross, mismatch.lateral),
-            (&mut self.capacitance, Why::Capacitor, mismatch.capacitance),
+            (
+                &mut self.transverse,
+                Reason::Transverse,
+                mismatch.transverse,
+            ),
+            (&mut self.down, Reason::LateralDown, mismatch.lateral),
+            (&mut self.across, Reason::LateralAcross, mismatch.lateral),
+            (
+                &mut self.capacitance,
+                Reason::Capacitor,
+                mismatch.capacitance,
+            ),
         ];
-        for (parts, why, sigma) in kinds {
+        for (parts, reason, sigma) in kinds {
             for (place, part) in parts.iter_mut().enumerate() {
-                *part *= elementary::exp(sigma * normal(seed, why, place, 0));
+                *part *= elementary::exp(sigma * normal(seed, reason, place, 0));
             }
         }
         self
@@ -460,7 +467,7 @@ impl Network {
     pub fn noise(&self, kt: f64, seed: u64, moment: u64) -> Plane<f64> {
         let parts = self.capacitance.iter().enumerate();
         let drawn: Vec<f64> = parts
-            .map(|(i, c)| (kt / c).sqrt() * normal(seed, Why::Thermal, i, moment))
+            .map(|(i, c)| (kt / c).sqrt() * normal(seed, Reason::Thermal, i, moment))
             .collect();
         self.plane(&drawn)
     }

@@ -62,19 +62,40 @@ impl FixedFormat {
     }
 }
 
+/// The floats by name; fixed point is `qM.N`. A second name of a format stands after its own.
+const NAMES: &[(&str, Format)] = &[
+    ("f64", Format::F64),
+    ("exact", Format::F64),
+    ("f32", Format::F32),
+    ("f16", Format::F16),
+    ("bf16", Format::Bf16),
+];
+
+/// How all names are written, with commas between.
+fn known() -> String {
+    let mut all = Vec::new();
+    for alike in NAMES.chunk_by(|(_, a), (_, b)| a == b) {
+        let mut names = alike.iter().rev().map(|(name, _)| *name);
+        let first = names.next().unwrap_or_default();
+        let others: String = names.map(|name| format!(" ({name})")).collect();
+        all.push(format!("{first}{others}"));
+    }
+    all.join(", ")
+}
+
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::F64 => f.write_str("f64"),
-            Self::F32 => f.write_str("f32"),
-            Self::F16 => f.write_str("f16"),
-            Self::Bf16 => f.write_str("bf16"),
             Self::Fixed(q) => {
                 write!(f, "q{}.{}", q.integer(), q.fraction)?;
                 match q.overflow {
                     Overflow::Saturate => Ok(()),
                     Overflow::Wrap => f.write_str("-wrap"),
                 }
+            }
+            float => {
+                let name = NAMES.iter().find(|(_, format)| format == float);
+                f.write_str(name.map_or("", |(name, _)| name))
             }
         }
     }
@@ -86,7 +107,8 @@ pub enum FormatError {
     /// Not a name.
     #[error("unknown number format `{name}`")]
     #[diagnostic(help(
-        "known are exact (f64), f32, f16, bf16, and qM.N for fixed point, for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps instead of saturating"
+        "known are {}, and qM.N for fixed point, for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps instead of saturating",
+        known()
     ))]
     Unknown {
         /// What was given.
@@ -109,13 +131,8 @@ impl FromStr for Format {
     type Err = FormatError;
 
     fn from_str(name: &str) -> Result<Self, FormatError> {
-        match name {
-            "f64" | "exact" => Ok(Self::F64),
-            "f32" => Ok(Self::F32),
-            "f16" => Ok(Self::F16),
-            "bf16" => Ok(Self::Bf16),
-            _ => fixed(name),
-        }
+        let float = NAMES.iter().find(|(known, _)| *known == name);
+        float.map_or_else(|| fixed(name), |(_, format)| Ok(*format))
     }
 }
 

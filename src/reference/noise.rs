@@ -42,7 +42,7 @@ use ndarray::ArrayView1;
 
 use super::{
     description::{Description, MemoryRule, RefractoryRule, Threshold},
-    hash::{Place, Why},
+    reason::{Place, Reason},
     train::Train,
 };
 
@@ -212,7 +212,7 @@ impl Noise {
     /// How far the memory of a cell falls in a second, in the unit of its threshold.
     pub(super) fn leak(&self, place: Place, threshold: f64) -> f64 {
         let spread = if self.leak_spread > 0.0 {
-            elementary::pow(10f64, self.leak_spread * place.normal(Why::LeakRate, 0))
+            elementary::pow(10f64, self.leak_spread * place.normal(Reason::LeakRate, 0))
         } else {
             1.0
         };
@@ -221,7 +221,7 @@ impl Noise {
 
     /// How much of a threshold a cell has leaked before its first frame.
     pub(super) fn leaked(place: Place) -> f64 {
-        place.uniform(Why::LeakPhase, 0)
+        place.uniform(Reason::LeakPhase, 0)
     }
 
     /// The share of shot noise that is left in this light, 0 to 1; linear up to light 255.
@@ -232,7 +232,7 @@ impl Noise {
 
     /// Moves a train by the cell's jitter, reflected so that it stays within the pair.
     pub(super) fn jitter(&self, train: Train, place: Place, pair: u64, dt: f64) -> Train {
-        let shift = self.jitter_us * 1e-6 / dt * place.normal(Why::Jitter, pair);
+        let shift = self.jitter_us * 1e-6 / dt * place.normal(Reason::Jitter, pair);
         let room = 1.0 - (train.last() - train.first);
         let first = if room > 0.0 {
             let folded = (train.first + shift).rem_euclid(2.0 * room);
@@ -326,12 +326,13 @@ impl<R: Real> Thresholds<R> {
                 y,
                 x,
             };
-            let draw =
-                |why, value: f64| (value + mean.sigma * place.normal(why, 0)).max(value / 20.0);
+            let draw = |reason, value: f64| {
+                (value + mean.sigma * place.normal(reason, 0)).max(value / 20.0)
+            };
             if mean.sigma > 0.0 {
                 (
-                    R::of(draw(Why::ThresholdOn, mean.on)),
-                    R::of(draw(Why::ThresholdOff, mean.off)),
+                    R::of(draw(Reason::ThresholdOn, mean.on)),
+                    R::of(draw(Reason::ThresholdOff, mean.off)),
                 )
             } else {
                 (R::of(mean.on), R::of(mean.off))

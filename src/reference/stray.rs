@@ -3,8 +3,8 @@
 use crate::{elementary, event::Polarity};
 
 use super::{
-    hash::{Draws, Place, Why},
     noise::Noise,
+    reason::{Draws, Place, Reason},
 };
 
 /// The strays between two frames.
@@ -44,7 +44,7 @@ impl<'a> Strays<'a> {
             pair,
             shot: Mean::new(noise.shot_hz * dt),
             hot: Mean::new(noise.hot_hz * dt),
-            wait: Draws::new(seed, Why::StrayWait),
+            wait: Draws::new(seed, Reason::StrayWait),
         }
     }
 
@@ -62,7 +62,7 @@ impl<'a> Strays<'a> {
     #[inline]
     fn is_hot(&self, place: Place) -> bool {
         let share = self.noise.hot_fraction;
-        share > 0.0 && place.uniform(Why::HotPixel, 0) < share
+        share > 0.0 && place.uniform(Reason::HotPixel, 0) < share
     }
 
     /// The strays of a cell, in order of time: 0 at the earlier frame, 1 at the later.
@@ -81,13 +81,13 @@ impl<'a> Strays<'a> {
             if hot {
                 return Some((u, Polarity::On));
             }
-            let sign = if place.uniform_at(Why::StraySign, pair, turn) < 0.5 {
+            let sign = if place.uniform_at(Reason::StraySign, pair, turn) < 0.5 {
                 Polarity::On
             } else {
                 Polarity::Off
             };
             let kept = noise.shot_at_white >= 1.0
-                || place.uniform_at(Why::StrayKept, pair, turn) < noise.shot_share(light());
+                || place.uniform_at(Reason::StrayKept, pair, turn) < noise.shot_share(light());
             kept.then_some((u, sign))
         })
     }

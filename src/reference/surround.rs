@@ -13,11 +13,11 @@
 
 use super::signal::Light;
 use crate::{
-    chance::{GOLDEN, mix},
     config::{Fault, Key, Kind, Node, Place, Range, Read, Section, Table},
     mesh::{Between, Euler, Flow, MeshError, Sheet, Steady},
     number::Number,
     plane::{Plane, Size},
+    rng::Hash,
     sensor::SensorError,
 };
 
@@ -279,9 +279,7 @@ impl Sheets {
         let passed = self.before.replace(seconds).map(|before| seconds - before);
         for (channel, running) in self.channels.iter_mut().enumerate() {
             let Some(running) = running else { continue };
-            let seed = mix(self
-                .seed
-                .wrapping_add(GOLDEN.wrapping_mul(channel as u64 + 1)));
+            let seed = Hash::raw(self.seed).nth(channel as u64 + 1).bits();
             let seen = running.see(&self.signal, passed, seed);
             seen.map_err(|e| SensorError::Stopped {
                 sensor: self.name.clone(),
@@ -336,7 +334,7 @@ impl Running {
                 }
                 let mut flow = Flow::settled(sheet, tau, signal)?;
                 if noise > 0.0 {
-                    flow = flow.with_noise(noise, mix(seed ^ n as u64));
+                    flow = flow.with_noise(noise, Hash::raw(seed).with_mixed(n as u64).bits());
                 }
                 Ok(Moved::Exact(Box::new(flow)))
             };

@@ -32,6 +32,7 @@ mod rate;
 mod still;
 mod y4m;
 
+pub mod part;
 pub mod pattern;
 pub mod upsample;
 

@@ -83,6 +83,29 @@ struct Between {
     steps: u32,
 }
 
+/// A scene with frames inserted where its light changes by more than this contrast, in ln units;
+/// as it is without one.
+///
+/// # Errors
+/// When the contrast is not a finite number above 0.
+pub fn by_contrast<'a>(
+    scene: impl Scene + 'a,
+    contrast: Option<f64>,
+) -> Result<Box<dyn Scene + 'a>, SceneError> {
+    let Some(contrast) = contrast else {
+        return Ok(Box::new(scene));
+    };
+    let bound = Bound::Contrast {
+        contrast,
+        offset: 1.0,
+    };
+    let how = Upsampling {
+        bound,
+        ..Upsampling::default()
+    };
+    Ok(Box::new(Upsampled::new(scene, how)?))
+}
+
 impl<S: Scene> Upsampled<S> {
     /// Upsamples `source`.
     ///

@@ -21,7 +21,7 @@
 //!     effort: Effort { states: 2_000 },
 //!     seed: 0,
 //! };
-//! let quantised = float.quantise(Quantiser::Ternary, Sum::Free)?;
+//! let quantised = float.quantise(Quantiser::TERNARY, Sum::Free)?;
 //! let program = float.in_levels(&quantised).compile("ternary")?;
 //! let size = Size::new(24, 32);
 //! let reference = float.reference(size, MemoryRule::FilteredSnap, Format::F64)?;

@@ -1,8 +1,8 @@
 //! Numbers by chance, and planes and frames of them.
 
 use amacrine::{
-    chance::{GOLDEN, mix, uniform},
     plane::{Plane, Size},
+    rng::{GOLDEN, mix, uniform},
     scene::Frame,
 };
 

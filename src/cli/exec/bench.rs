@@ -12,7 +12,7 @@ use super::{
         strip,
     },
     Arguments, Assignment, Bench, Light, Moment, Set, Switch, finite,
-    light::size,
+    light::{Lasting, size},
 };
 use crate::{
     array::{Arithmetic, Array, RunError, Schedule, Settings},
@@ -20,9 +20,9 @@ use crate::{
     isa::{Device, Figure},
     limit::THREADS,
     memory::Need,
-    plane::Plane,
     program::{Expansion, Program},
-    scene::{Frame, Scene},
+    rig,
+    scene::Scene,
     unit::Micros,
 };
 
@@ -135,55 +135,36 @@ impl<'a> Bench<'a> {
         chip: &mut dyn Array,
         mut run: impl FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>>,
     ) -> miette::Result<(Packet, u64)> {
-        let mut light = Light::open(self.arguments, &self.opened.program)?;
+        let light = Light::open(self.arguments, &self.opened.program)?;
         let Expansion { code, bare, .. } = &self.opened.expansion;
+        let mut light = Lasting::new(light, self.size, if *bare { 1 } else { 2 });
         let mut packet = Packet::new(chip.size(), chip.channels());
         let growth = Growth::beside(&self.need());
-        let mut seen: Option<Frame> = None;
-        let mut frames = 0;
-        while light.frames.is_none_or(|asked| frames < asked) {
-            let next = match &mut light.scene {
-                Some(scene) => scene.next_frame()?,
-                None => None,
-            };
-            let before = seen.as_ref().map(|frame| frame.seconds);
-            let frame = match (next, seen.take()) {
-                (Some(frame), _) => frame,
-                // A still picture, or the dark, is there as long as it is asked for.
-                (None, before) => {
-                    let enough = light.frames.unwrap_or(if *bare { 1 } else { 2 });
-                    if frames >= enough {
-                        break;
-                    }
-                    Frame {
-                        index: frames,
-                        seconds: frames as f64 / light.fps,
-                        light: before.map_or_else(|| Plane::zeros(self.size.shape()), |f| f.light),
-                    }
-                }
-            };
+        let mut before: Option<f64> = None;
+        let mut index = 0;
+        let frames = rig::play(&mut light, |frame| {
             let t = Micros::from_seconds(frame.seconds);
             chip.begin_frame();
             chip.expose(&frame.light)?;
-            match before {
+            match before.replace(frame.seconds) {
                 Some(before) => chip.wait(frame.seconds - before),
                 None => packet.span.0 = t,
             }
             packet.span.1 = t;
-            let is_init = !*bare && frames == 0;
+            let is_init = !*bare && index == 0;
             let moment = Moment {
-                index: frames,
+                index,
                 t,
                 steps: if is_init { &code.init } else { &code.frame },
                 is_init,
             };
-            frames += 1;
-            if run(chip, &moment, &mut packet)?.is_break() {
-                break;
+            index += 1;
+            let flow = run(chip, &moment, &mut packet)?;
+            if flow.is_continue() {
+                growth.check(&packet, &self.opened.program.file)?;
             }
-            growth.check(&packet, &self.opened.program.file)?;
-            seen = Some(frame);
-        }
+            Ok::<_, miette::Report>(flow)
+        })?;
         Ok((packet, frames))
     }
 }

@@ -16,7 +16,7 @@ use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
     program::Program,
-    scene::{ASSUMED_FPS, Scene, open},
+    scene::{ASSUMED_FPS, Frame, Scene, SceneError, open},
     source,
 };
 
@@ -100,6 +100,71 @@ impl Light {
             frames,
             fps: asked.unwrap_or(found),
         })
+    }
+}
+
+/// The light as a scene. What ends, a still picture or the dark, is there as long as it is asked
+/// for; the dark has the size of the array.
+pub(super) struct Lasting {
+    light: Light,
+    size: Size,
+    /// Frames in all, where the scene has fewer.
+    enough: u64,
+    given: u64,
+    /// The light that goes on when the scene ends, kept only if it may end too soon.
+    last: Option<Plane<f64>>,
+}
+
+impl Lasting {
+    /// At least so many frames, unless others are asked for.
+    pub(super) fn new(light: Light, size: Size, least: u64) -> Self {
+        Self {
+            size,
+            enough: light.frames.unwrap_or(least),
+            light,
+            given: 0,
+            last: None,
+        }
+    }
+}
+
+impl Scene for Lasting {
+    fn size(&self) -> Size {
+        self.size
+    }
+
+    fn fps(&self) -> f64 {
+        self.light.fps
+    }
+
+    fn frames(&self) -> Option<u64> {
+        self.light.frames
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        if self.light.frames.is_some_and(|asked| self.given >= asked) {
+            return Ok(None);
+        }
+        let scene = self.light.scene.as_mut();
+        let too_short = scene
+            .as_ref()
+            .is_none_or(|scene| scene.frames().is_none_or(|all| all < self.enough));
+        let next = scene.map_or(Ok(None), |scene| scene.next_frame())?;
+        let index = self.given;
+        let frame = match next {
+            Some(frame) => frame,
+            None if index >= self.enough => return Ok(None),
+            None => Frame {
+                index,
+                seconds: index as f64 / self.light.fps,
+                light: { self.last.take() }.unwrap_or_else(|| Plane::zeros(self.size.shape())),
+            },
+        };
+        self.given += 1;
+        if too_short && self.given < self.enough {
+            self.last = Some(frame.light.clone());
+        }
+        Ok(Some(frame))
     }
 }
 

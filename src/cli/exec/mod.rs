@@ -78,8 +78,7 @@ pub struct Arguments {
     /// On how many threads at most
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
-    /// Write the events that were read out; the extension names the format (csv npy txt npz evt2 evt2.1 evt3 dat aedat2 aedat3 aedat4 es hdf5 parquet)
-    #[arg(long, value_parser = Content::Events)]
+    #[arg(long, help = format!("Write the events that were read out; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
     events: Option<Output>,
     /// Write every register into this folder, as .npy and .png
     #[arg(long, value_parser = Content::Folder)]

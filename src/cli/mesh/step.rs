@@ -1,6 +1,6 @@
 //! `amacrine mesh step`: the surround of a scene over time.
 
-use std::io;
+use std::{io, ops::ControlFlow};
 
 use miette::{WrapErr, miette};
 use ndarray::Array3;
@@ -14,11 +14,13 @@ use crate::{
         files::{Named, Output},
         say,
     },
+    memory::Need,
     mesh::{Between, Euler, Flow, MeshError, Sheet},
     photoreceptor::Response,
     plane::{Plane, Size},
+    rig,
     save::save,
-    scene::{Frame, Scene, open},
+    scene::{Frame, Scene, open, part::First},
     unit::Micros,
 };
 
@@ -116,19 +118,17 @@ const PLANES: u128 = 14;
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
     let options = budget::opening(arguments.fps);
-    let mut scene = open(&arguments.scene, &options)?;
+    let scene = open(&arguments.scene, &options)?;
     let size = scene.size();
     let layers = asked(arguments, &*scene);
-    check(&*scene, layers.unwrap_or(0))?;
+    let need = budget::of_scene(&*scene);
+    check(need.clone(), size, layers.unwrap_or(0))?;
+    let mut scene = First::new(scene, arguments.frames.map_or(u64::MAX, u64::from));
     let mut sheet_now: Option<(f64, Moved)> = None;
     let mut written: Vec<f64> = Vec::new();
-    let mut frames = 0;
-    while arguments.frames.is_none_or(|most| frames < most as usize) {
-        let Some(frame) = scene.next_frame()? else {
-            break;
-        };
+    let frames = rig::play(&mut scene, |frame| {
         if layers.is_none() {
-            check(&*scene, frame.index + 1)?;
+            check(need.clone(), size, frame.index + 1)?;
         }
         let in_frame = || format!("frame {} of {}", frame.index, arguments.scene);
         let signal = signal(arguments.response, &frame).wrap_err_with(in_frame)?;
@@ -144,9 +144,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             Show::Difference => written.extend(&(&signal - moved.surround())),
         }
         sheet_now = Some((frame.seconds, moved));
-        frames += 1;
-    }
-    let shape = (frames, size.height, size.width);
+        Ok::<_, miette::Report>(ControlFlow::Continue(()))
+    })?;
+    let shape = (frames as usize, size.height, size.width);
     let stack = Array3::from_shape_vec(shape, written).map_err(|e| miette!("{e}"))?;
     save(&arguments.output, |out| {
         let written = stack.write_npy(out);
@@ -170,15 +170,12 @@ fn asked(arguments: &Arguments, scene: &dyn Scene) -> Option<u64> {
 }
 
 /// Refuses more frames than there is room for: they are written all at once.
-fn check(scene: &dyn Scene, layers: u64) -> miette::Result<()> {
-    let size = scene.size();
+fn check(scene: Need, size: Size, layers: u64) -> miette::Result<()> {
     let pixels = size.pixels() as u128;
-    let need = budget::of_scene(scene)
-        .and("the sheet", PLANES * 8 * pixels)
-        .and(
-            format!("{layers} frames to write"),
-            8 * pixels * u128::from(layers),
-        );
+    let need = scene.and("the sheet", PLANES * 8 * pixels).and(
+        format!("{layers} frames to write"),
+        8 * pixels * u128::from(layers),
+    );
     let what = format!("a sheet of {size} over time");
     budget::check(&need, &what, "take fewer --frames or a smaller scene")
 }

@@ -17,11 +17,38 @@ use super::{
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
+    format::{Entry, Limits, Sign, Streams},
     header::{Header, complete},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
 use crate::{event::Event, unit::Micros};
+
+/// What a file begins with.
+const MAGIC: &[u8] = b"#!AER-DAT2.0";
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "aedat2",
+    extension: "aedat",
+    // Nine bits of row, ten of column; readers take the time as 32 bits with a sign.
+    limits: Limits {
+        x: (1 << 10) - 1,
+        y: (1 << 9) - 1,
+        t: i32::MAX as u64,
+        channels: false,
+        ..Limits::WIDE
+    },
+    readers: "dv, tonic (mirrored, as jAER shows it)",
+    module: "dv",
+    python: "[(e.timestamp, e.x, e.y, e.polarity) for e in dv.LegacyAedatFile(path)]",
+    sign: Sign::Bytes(MAGIC),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
+    }),
+    ..Entry::PLAIN
+};
 
 /// Frames and motion.
 const OTHER: u32 = 1 << 31;
@@ -38,7 +65,7 @@ pub(super) struct Aedat2 {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Aedat2>, Stop> {
-    super::aedat3::magic(&mut chunks, b"#!AER-DAT2.0", Format::Aedat2)?;
+    super::aedat3::magic(&mut chunks, MAGIC, Format::Aedat2)?;
     let header = Header::read(&mut chunks, Format::Aedat2, b'#', "")?;
     Ok(Stream::new(chunks, Aedat2::default(), header.about))
 }

@@ -14,11 +14,37 @@ use super::{
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
+    format::{Entry, Limits, Sign, Streams},
     header::{Header, complete},
     source::{BLOCK, Out, Sink, Source},
     writer::Head,
 };
 use crate::{event::Event, plane::Size, unit::Micros};
+
+/// What a file begins with.
+const MAGIC: &[u8] = b"#!AER-DAT3.1";
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "aedat3",
+    extension: "aedat",
+    limits: Limits {
+        x: (1 << 15) - 1,
+        y: (1 << 15) - 1,
+        t: (1 << 62) - 1,
+        channels: false,
+        ..Limits::WIDE
+    },
+    readers: "dv",
+    module: "dv",
+    python: "[(e.timestamp, e.x, e.y, e.polarity) for e in dv.LegacyAedatFile(path)]",
+    sign: Sign::Bytes(MAGIC),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
+    }),
+    ..Entry::PLAIN
+};
 
 /// Packets of pixels' events.
 const POLARITY: u16 = 1;
@@ -65,7 +91,7 @@ pub(super) struct Reading {
 
 /// Reads the events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
-    magic(&mut chunks, b"#!AER-DAT3.1", Format::Aedat3)?;
+    magic(&mut chunks, MAGIC, Format::Aedat3)?;
     let header = Header::read(&mut chunks, Format::Aedat3, b'#', "!END-HEADER")?;
     // As this writes it: `Source 1: amacrine 346x260`.
     let source = header.get("source").unwrap_or_default();

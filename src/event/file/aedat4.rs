@@ -20,6 +20,7 @@ use super::{
     evt2::polarity,
     fault::Stop,
     flat::{Builder, Table, identifier},
+    format::{Entry, Limits, Sign, Streams},
     gate::Raw,
     header::complete,
     packets::{self, Row},
@@ -27,6 +28,27 @@ use super::{
     writer::{Compression, Head},
 };
 use crate::{event::Event, plane::Size};
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "aedat4",
+    extension: "aedat4",
+    limits: Limits {
+        x: i16::MAX.unsigned_abs(),
+        y: i16::MAX.unsigned_abs(),
+        channels: false,
+        ..Limits::WIDE
+    },
+    readers: "aedat, dv, dv_processing, faery, eventcv",
+    module: "aedat",
+    python: "[p['events'] for p in aedat.Decoder(path) if 'events' in p]",
+    sign: Sign::Bytes(b"#!AER-DAT4.0"),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, compression| Ok(Box::new(sink(head, compression))),
+    }),
+    ..Entry::PLAIN
+};
 
 const MAGIC: &[u8] = b"#!AER-DAT4.0\r\n";
 

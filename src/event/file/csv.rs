@@ -14,11 +14,29 @@ use super::{
     about::About,
     chunks::Chunks,
     fault::Stop,
+    format::{Entry, Limits, Sign, Streams},
     gate::Raw,
     line::{Line, Rows, Text, decimal, integer, shown},
     source::{Out, Sink},
 };
 use crate::event::Event;
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "csv",
+    extension: "csv",
+    limits: Limits::WIDE,
+    readers: "pandas, numpy, Python's csv",
+    module: "pandas",
+    python: "pandas.read_csv(path)",
+    sign: Sign::Nothing,
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks))),
+        sink: |head, _| Ok(Box::new(sink(head.channels > 1))),
+    }),
+    rewinds: false,
+    ..Entry::PLAIN
+};
 
 /// Writes the events, with a column of channels or without.
 pub(super) const fn sink(channels: bool) -> Writing {

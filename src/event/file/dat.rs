@@ -14,11 +14,35 @@ use super::{
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
+    format::{Entry, Limits, Sign, Streams},
     header::{Header, complete},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
 use crate::{event::Event, unit::Micros};
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "dat",
+    extension: "dat",
+    limits: Limits {
+        x: (1 << 14) - 1,
+        y: (1 << 14) - 1,
+        t: u32::MAX as u64,
+        channels: false,
+        ..Limits::WIDE
+    },
+    readers: "faery, expelliarmus, eventcv",
+    module: "faery",
+    python: "faery.events_stream_from_file(path).to_array()",
+    sign: Sign::Line(|words| matches!(words, ["data", "file", "containing", ..])),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
+    }),
+    few_bits_of_size: true,
+    ..Entry::PLAIN
+};
 
 #[derive(Clone, Debug)]
 pub(super) struct Dat {

@@ -14,10 +14,36 @@ use super::{
     chunks::Chunks,
     evt2::polarity,
     fault::Stop,
+    format::{Entry, Limits, Sign, Streams},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
 use crate::{event::Event, plane::Size, unit::Micros};
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "es",
+    extension: "es",
+    // Silence costs a byte each 127 us: an hour 28 megabytes.
+    limits: Limits {
+        x: u16::MAX - 1,
+        y: u16::MAX - 1,
+        silence: u32::MAX as u64,
+        channels: false,
+        ..Limits::WIDE
+    },
+    readers: "event_stream, faery (rows from the bottom)",
+    module: "event_stream",
+    python: "list(event_stream.Decoder(path))",
+    sign: Sign::Bytes(MAGIC),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
+    }),
+    rewinds: false,
+    few_bits_of_size: true,
+    ..Entry::PLAIN
+};
 
 const MAGIC: &[u8; 12] = b"Event Stream";
 

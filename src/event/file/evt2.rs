@@ -14,6 +14,7 @@ use super::{
     about::About,
     chunks::Chunks,
     fault::Stop,
+    format::{Entry, Limits, Sign, Streams},
     header::{Header, complete, prophesee},
     source::{Out, Sink, Stream, Words},
     writer::Head,
@@ -21,6 +22,33 @@ use super::{
 use crate::{
     event::{Event, Polarity},
     unit::Micros,
+};
+
+/// Eleven bits for an address; every turn of the clock that passes is written out, so the time
+/// is held to a few megabytes of turns.
+pub(super) const LIMITS: Limits = Limits {
+    x: (1 << 11) - 1,
+    y: (1 << 11) - 1,
+    t: (1 << 44) - 1,
+    channels: false,
+    ..Limits::WIDE
+};
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "evt2",
+    extension: "raw",
+    limits: LIMITS,
+    readers: "faery, expelliarmus, evlib, eventcv",
+    module: "faery",
+    python: "faery.events_stream_from_file(path).to_array()",
+    sign: Sign::Line(|words| matches!(words, ["evt", "2.0" | "2", ..] | ["format", "evt2", ..])),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
+    }),
+    few_bits_of_size: true,
+    ..Entry::PLAIN
 };
 
 /// Low bits of the time that an event carries itself.

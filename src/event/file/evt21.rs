@@ -13,13 +13,32 @@ use super::{
     Fault, Format,
     about::About,
     chunks::Chunks,
-    evt2::{Clock, LOW, opened, polarity},
+    evt2::{Clock, LIMITS, LOW, opened, polarity},
     fault::Stop,
+    format::{Entry, Sign, Streams},
     header::{complete, prophesee},
     source::{Out, Sink, Stream, Words},
     writer::Head,
 };
 use crate::event::Event;
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "evt2.1",
+    extension: "raw",
+    limits: LIMITS,
+    readers: "evlib",
+    module: "evlib",
+    python: "evlib.load_events(path).collect()",
+    sign: Sign::Line(|words| matches!(words, ["evt", "2.1", ..] | ["format", "evt21", ..])),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
+    }),
+    also: &["evt21"],
+    few_bits_of_size: true,
+    ..Entry::PLAIN
+};
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Evt21 {

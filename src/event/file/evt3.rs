@@ -14,9 +14,10 @@ use super::{
     Fault, Format,
     about::About,
     chunks::Chunks,
-    evt2::{opened, polarity},
+    evt2::{LIMITS, opened, polarity},
     evt21::together,
     fault::Stop,
+    format::{Entry, Sign, Streams},
     header::{complete, prophesee},
     source::{Out, Sink, Stream, Words},
     writer::Head,
@@ -24,6 +25,23 @@ use super::{
 use crate::{
     event::{Event, Polarity},
     unit::Micros,
+};
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "evt3",
+    extension: "raw",
+    limits: LIMITS,
+    readers: "faery, evlib, eventcv",
+    module: "faery",
+    python: "faery.events_stream_from_file(path).to_array()",
+    sign: Sign::Line(|words| matches!(words, ["evt", "3.0" | "3", ..] | ["format", "evt3", ..])),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
+    }),
+    few_bits_of_size: true,
+    ..Entry::PLAIN
 };
 
 /// Bits of either part of the time.

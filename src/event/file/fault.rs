@@ -86,7 +86,10 @@ pub enum FileError {
 
 /// ".csv .txt …".
 fn known() -> String {
-    Format::ALL.map(|f| format!(".{}", f.name())).join(" ")
+    let dotted: Vec<_> = { Format::ALL.iter() }
+        .map(|format| format!(".{}", format.name()))
+        .collect();
+    dotted.join(" ")
 }
 
 /// A place in an event file.

@@ -1,40 +1,137 @@
-//! The formats: their names, their limits, who opens them.
+//! The list of formats: their names, their limits, who reads and writes them.
+//!
+//! A new format is a file beside this one, with its [`Entry`], and a line of the list.
 
-use std::{fmt, path::Path, str::FromStr};
+use std::{fmt, io, path::Path, str::FromStr};
 
-use super::FileError;
+use super::{
+    FileError,
+    chunks::Chunks,
+    fault::Stop,
+    reader::Origin,
+    source::{Sink, Source},
+    writer::{Compression, Head},
+};
 
-/// A kind of event file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Format {
+/// Makes [`Format`] from its list: the variants, [`Format::ALL`] and the entry of each.
+macro_rules! formats {
+    ($(#[doc = $about:literal] $format:ident => $file:ident,)+) => {
+        /// A kind of event file.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Format {
+            $(#[doc = $about] $format,)+
+        }
+
+        impl Format {
+            /// All of them, in the order in which helps and pages list them.
+            pub const ALL: &'static [Self] = &[$(Self::$format),+];
+
+            pub(super) const fn entry(self) -> &'static Entry {
+                match self {
+                    $(Self::$format => &super::$file::ENTRY,)+
+                }
+            }
+        }
+    };
+}
+
+// The list. What is said of a format stands in its file.
+formats! {
     /// Comma-separated text.
-    Csv,
+    Csv => csv,
     /// Text with seconds, one event a line.
-    Txt,
+    Txt => txt,
     /// numpy's structured array.
-    Npy,
+    Npy => npy,
     /// numpy's archive of arrays.
-    Npz,
+    Npz => npz,
     /// Prophesee EVT 2.0: 32-bit words.
-    Evt2,
+    Evt2 => evt2,
     /// Prophesee EVT 2.1: 64-bit words, 32 pixels of a row at a time.
-    Evt21,
+    Evt21 => evt21,
     /// Prophesee EVT 3.0: 16-bit words with a state.
-    Evt3,
+    Evt3 => evt3,
     /// Prophesee DAT: 64-bit records.
-    Dat,
+    Dat => dat,
     /// jAER's AEDAT 2.0: 64-bit records, big-endian.
-    Aedat2,
+    Aedat2 => aedat2,
     /// cAER's AEDAT 3.1: packets of 64-bit records.
-    Aedat3,
+    Aedat3 => aedat3,
     /// DV's AEDAT 4.0: compressed packets.
-    Aedat4,
+    Aedat4 => aedat4,
     /// Event Stream: five bytes an event.
-    Es,
+    Es => es,
     /// HDF5 as in the DSEC data set; needs the feature `hdf5`.
-    Hdf5,
+    Hdf5 => hdf5,
     /// Parquet; needs the feature `parquet`.
-    Parquet,
+    Parquet => parquet,
+}
+
+/// What there is to say of a format, and who reads and writes it: one in each format's file.
+pub(super) struct Entry {
+    /// What `--format` calls it; also an extension that its files may have.
+    pub name: &'static str,
+    /// The extension that its files usually have, without the dot.
+    pub extension: &'static str,
+    /// Other extensions that say this format.
+    pub also: &'static [&'static str],
+    /// What it can hold.
+    pub limits: Limits,
+    /// Who reads it, for people.
+    pub readers: &'static str,
+    /// What Python imports to open it.
+    pub module: &'static str,
+    /// The expression of Python that opens the file at `path`.
+    pub python: &'static str,
+    /// What a file of several possible formats is known by.
+    pub sign: Sign,
+    /// Readers and writers, unless this build has none.
+    pub streams: Option<Streams>,
+    /// A writer goes back to the start, where the file says how many events it has.
+    pub rewinds: bool,
+    /// The sensor's size is written as a number of few bits.
+    pub few_bits_of_size: bool,
+    /// Silence is counted from the first event on, not from time 0.
+    pub clock_from_first: bool,
+}
+
+impl Entry {
+    /// What most formats have in common.
+    pub const PLAIN: Self = Self {
+        name: "",
+        extension: "",
+        also: &[],
+        limits: Limits::WIDE,
+        readers: "",
+        module: "",
+        python: "",
+        sign: Sign::Nothing,
+        streams: None,
+        rewinds: true,
+        few_bits_of_size: false,
+        clock_from_first: false,
+    };
+}
+
+/// What the start of a file says of its format.
+#[derive(Clone, Copy)]
+pub(super) enum Sign {
+    /// Nothing.
+    Nothing,
+    /// It begins with these bytes.
+    Bytes(&'static [u8]),
+    /// A line of its header, which is of lines that begin with `%`, has these words, in lower
+    /// case.
+    Line(fn(&[&str]) -> bool),
+}
+
+/// How events come from a file and go into one.
+#[derive(Clone, Copy)]
+pub(super) struct Streams {
+    /// Reads what stands before the events; the chunks are those of the origin.
+    pub source: fn(&Origin, Chunks) -> Result<Box<dyn Source>, Stop>,
+    /// Begins to write; the error is that of temporary files.
+    pub sink: fn(&Head, Compression) -> io::Result<Box<dyn Sink>>,
 }
 
 /// What a format can hold.
@@ -52,165 +149,65 @@ pub struct Limits {
     pub channels: bool,
 }
 
-impl Format {
-    /// All of them.
-    pub const ALL: [Self; 14] = [
-        Self::Csv,
-        Self::Txt,
-        Self::Npy,
-        Self::Npz,
-        Self::Evt2,
-        Self::Evt21,
-        Self::Evt3,
-        Self::Dat,
-        Self::Aedat2,
-        Self::Aedat3,
-        Self::Aedat4,
-        Self::Es,
-        Self::Hdf5,
-        Self::Parquet,
-    ];
+impl Limits {
+    /// Those of events themselves.
+    pub(super) const WIDE: Self = Self {
+        x: u16::MAX,
+        y: u16::MAX,
+        t: i64::MAX.unsigned_abs(),
+        silence: u64::MAX,
+        channels: true,
+    };
+}
 
+impl Format {
     /// What `--format` calls it.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Csv => "csv",
-            Self::Txt => "txt",
-            Self::Npy => "npy",
-            Self::Npz => "npz",
-            Self::Evt2 => "evt2",
-            Self::Evt21 => "evt2.1",
-            Self::Evt3 => "evt3",
-            Self::Dat => "dat",
-            Self::Aedat2 => "aedat2",
-            Self::Aedat3 => "aedat3",
-            Self::Aedat4 => "aedat4",
-            Self::Es => "es",
-            Self::Hdf5 => "hdf5",
-            Self::Parquet => "parquet",
-        }
+        self.entry().name
     }
 
     /// The extension that its files usually have, without the dot.
     #[must_use]
     pub const fn extension(self) -> &'static str {
-        match self {
-            Self::Evt2 | Self::Evt21 | Self::Evt3 => "raw",
-            Self::Aedat2 | Self::Aedat3 => "aedat",
-            Self::Hdf5 => "h5",
-            _ => self.name(),
-        }
+        self.entry().extension
     }
 
     /// What it can hold.
     #[must_use]
     pub const fn limits(self) -> Limits {
-        let wide = Limits {
-            x: u16::MAX,
-            y: u16::MAX,
-            t: i64::MAX.unsigned_abs(),
-            silence: u64::MAX,
-            channels: true,
-        };
-        // Eleven bits for an address; every turn of the clock that passes is written out, so
-        // the time is held to a few megabytes of turns.
-        let prophesee = Limits {
-            x: (1 << 11) - 1,
-            y: (1 << 11) - 1,
-            t: (1 << 44) - 1,
-            channels: false,
-            ..wide
-        };
-        match self {
-            Self::Csv | Self::Npz | Self::Parquet => wide,
-            // Its index has a number for each millisecond.
-            Self::Hdf5 => Limits {
-                silence: u32::MAX as u64,
-                ..wide
-            },
-            Self::Txt => Limits {
-                channels: false,
-                ..wide
-            },
-            Self::Npy => Limits {
-                x: i16::MAX.unsigned_abs(),
-                y: i16::MAX.unsigned_abs(),
-                ..wide
-            },
-            Self::Evt2 | Self::Evt21 | Self::Evt3 => prophesee,
-            Self::Dat => Limits {
-                x: (1 << 14) - 1,
-                y: (1 << 14) - 1,
-                t: u32::MAX as u64,
-                channels: false,
-                ..wide
-            },
-            // Nine bits of row, ten of column; readers take the time as 32 bits with a sign.
-            Self::Aedat2 => Limits {
-                x: (1 << 10) - 1,
-                y: (1 << 9) - 1,
-                t: i32::MAX as u64,
-                channels: false,
-                ..wide
-            },
-            Self::Aedat3 => Limits {
-                x: (1 << 15) - 1,
-                y: (1 << 15) - 1,
-                t: (1 << 62) - 1,
-                channels: false,
-                ..wide
-            },
-            Self::Aedat4 => Limits {
-                x: i16::MAX.unsigned_abs(),
-                y: i16::MAX.unsigned_abs(),
-                channels: false,
-                ..wide
-            },
-            // Silence costs a byte each 127 us: an hour 28 megabytes.
-            Self::Es => Limits {
-                x: u16::MAX - 1,
-                y: u16::MAX - 1,
-                silence: u32::MAX as u64,
-                channels: false,
-                ..wide
-            },
-        }
+        self.entry().limits
+    }
+
+    /// Which of the field's programs read it, for people.
+    #[must_use]
+    pub const fn readers(self) -> &'static str {
+        self.entry().readers
+    }
+
+    /// Whether this build reads and writes it: some are features of the crate.
+    #[must_use]
+    pub const fn is_built(self) -> bool {
+        self.entry().streams.is_some()
     }
 
     /// The line of Python that opens a file of this format, `path` being its path.
     #[must_use]
     pub const fn python(self) -> &'static str {
-        match self {
-            Self::Csv => "pandas.read_csv(path)",
-            Self::Txt => "numpy.loadtxt(path)",
-            Self::Npy | Self::Npz => "numpy.load(path)",
-            Self::Evt2 | Self::Evt3 | Self::Dat => "faery.events_stream_from_file(path).to_array()",
-            Self::Evt21 => "evlib.load_events(path).collect()",
-            Self::Aedat2 | Self::Aedat3 => {
-                "[(e.timestamp, e.x, e.y, e.polarity) for e in dv.LegacyAedatFile(path)]"
-            }
-            Self::Aedat4 => "[p['events'] for p in aedat.Decoder(path) if 'events' in p]",
-            Self::Es => "list(event_stream.Decoder(path))",
-            Self::Hdf5 => "h5py.File(path)['events']",
-            Self::Parquet => "pyarrow.parquet.read_table(path)",
-        }
+        self.entry().python
     }
 
     /// What [`Format::python`] needs to import.
     #[must_use]
     pub const fn module(self) -> &'static str {
-        match self {
-            Self::Csv => "pandas",
-            Self::Txt | Self::Npy | Self::Npz => "numpy",
-            Self::Evt2 | Self::Evt3 | Self::Dat => "faery",
-            Self::Evt21 => "evlib",
-            Self::Aedat2 | Self::Aedat3 => "dv",
-            Self::Aedat4 => "aedat",
-            Self::Es => "event_stream",
-            Self::Hdf5 => "h5py",
-            Self::Parquet => "pyarrow.parquet",
-        }
+        self.entry().module
+    }
+
+    /// The names of all, with a space between, as helps list them.
+    #[must_use]
+    pub fn names() -> String {
+        let names: Vec<_> = Self::ALL.iter().map(|format| format.name()).collect();
+        names.join(" ")
     }
 
     /// The whole line of Python that opens this file.
@@ -250,15 +247,16 @@ impl Format {
     /// All formats whose files have this extension.
     fn by_extension(extension: &str) -> Vec<Self> {
         let extension = extension.to_ascii_lowercase();
-        let fits = |f: &Self| {
-            let other = match f {
-                Self::Evt21 => "evt21",
-                Self::Hdf5 => "hdf",
-                _ => f.name(),
-            };
-            [f.name(), f.extension(), other].contains(&extension.as_str())
+        let fits = |format: &Self| {
+            let Entry {
+                name,
+                extension: usual,
+                also,
+                ..
+            } = format.entry();
+            [name, usual].contains(&&&*extension) || also.contains(&&*extension)
         };
-        Self::ALL.into_iter().filter(fits).collect()
+        Self::ALL.iter().copied().filter(fits).collect()
     }
 
     /// The format of a file to be read: by its extension where that says enough, else by its
@@ -298,41 +296,31 @@ fn names(formats: &[Format]) -> String {
 
 /// The format that says so in its first bytes.
 fn sniff(start: &[u8]) -> Option<Format> {
-    let binary = [
-        (&b"\x93NUMPY"[..], Format::Npy),
-        (b"PK\x03\x04", Format::Npz),
-        (b"Event Stream", Format::Es),
-        (b"\x89HDF\r\n\x1a\n", Format::Hdf5),
-        (b"PAR1", Format::Parquet),
-        (b"#!AER-DAT2.0", Format::Aedat2),
-        (b"#!AER-DAT3.1", Format::Aedat3),
-        (b"#!AER-DAT4.0", Format::Aedat4),
-    ];
-    let known = binary
-        .into_iter()
-        .find(|(magic, _)| start.starts_with(magic));
-    if let Some((_, format)) = known {
+    let mut all = Format::ALL.iter().copied();
+    let begins = |format: &Format| match format.entry().sign {
+        Sign::Bytes(magic) => start.starts_with(magic),
+        Sign::Nothing | Sign::Line(_) => false,
+    };
+    if let Some(format) = all.find(begins) {
         return Some(format);
     }
-    let header = start
+    let mut header = start
         .split(|b| *b == b'\n')
         .take_while(|line| line.starts_with(b"%"))
         .map(|line| String::from_utf8_lossy(line).to_ascii_lowercase());
-    for line in header {
+    // The first line that says a format decides.
+    header.find_map(|line| {
         let words: Vec<_> = line
             .trim_start_matches('%')
             .split([' ', ';', '\r'])
             .filter(|word| !word.is_empty())
             .collect();
-        match words[..] {
-            ["evt", "2.0" | "2", ..] | ["format", "evt2", ..] => return Some(Format::Evt2),
-            ["evt", "2.1", ..] | ["format", "evt21", ..] => return Some(Format::Evt21),
-            ["evt", "3.0" | "3", ..] | ["format", "evt3", ..] => return Some(Format::Evt3),
-            ["data", "file", "containing", ..] => return Some(Format::Dat),
-            _ => (),
-        }
-    }
-    None
+        let says = |format: &Format| match format.entry().sign {
+            Sign::Line(says) => says(&words),
+            Sign::Nothing | Sign::Bytes(_) => false,
+        };
+        Format::ALL.iter().copied().find(says)
+    })
 }
 
 impl fmt::Display for Format {
@@ -343,7 +331,10 @@ impl fmt::Display for Format {
 
 /// A name that is no format's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("`{name}` is no format of event files; known are {}", names(&Format::ALL))]
+#[error(
+    "`{name}` is no format of event files; known are {}",
+    names(Format::ALL)
+)]
 #[diagnostic(help("`docs/formats.md` says what each can hold and who reads it"))]
 pub struct FormatError {
     /// What was given.
@@ -354,7 +345,7 @@ impl FromStr for Format {
     type Err = FormatError;
 
     fn from_str(name: &str) -> Result<Self, FormatError> {
-        let found = Self::ALL.into_iter().find(|f| f.name() == name);
+        let found = Self::ALL.iter().copied().find(|f| f.name() == name);
         found.ok_or_else(|| FormatError { name: name.into() })
     }
 }
@@ -365,7 +356,7 @@ mod tests {
 
     #[test]
     fn every_name_reads_back_and_is_an_extension() {
-        for format in Format::ALL {
+        for &format in Format::ALL {
             assert_eq!(format.name().parse(), Ok(format));
             let path = format!("a.{}", format.name());
             assert_eq!(Format::of(Path::new(&path)).unwrap(), format, "{path}");

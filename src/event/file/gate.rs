@@ -88,7 +88,7 @@ impl Gate {
             within_reach(size)?;
             let (width, height) = (limits.x as usize + 1, limits.y as usize + 1);
             // Only what an address must reach counts where the format does not keep the size.
-            if keeps_size(format) && (size.width > width || size.height > height) {
+            if format.entry().few_bits_of_size && (size.width > width || size.height > height) {
                 let most = Size { height, width };
                 return Err(Fault::Large { size, most, format });
             }
@@ -163,7 +163,11 @@ impl Gate {
     fn before(&self, events: &[Event]) -> u64 {
         match events.first() {
             // Its clock starts with the first event, and not at 0.
-            Some(e) if self.events == 0 && self.format == Some(Format::Hdf5) => e.t.0,
+            Some(e)
+                if self.events == 0 && self.format.is_some_and(|f| f.entry().clock_from_first) =>
+            {
+                e.t.0
+            }
             _ => self.last.0,
         }
     }
@@ -207,14 +211,6 @@ pub fn hold_kinds(about: Option<&About>, column: bool) -> Result<(), Fault> {
         }),
         _ => Ok(()),
     }
-}
-
-/// Whether the size of the sensor goes into a file of this format as a number of few bits.
-const fn keeps_size(format: Format) -> bool {
-    matches!(
-        format,
-        Format::Evt2 | Format::Evt21 | Format::Evt3 | Format::Dat | Format::Es
-    )
 }
 
 /// Files hold time in 64 bits with a sign.

@@ -17,11 +17,32 @@ use super::{
     about::{About, BLANK},
     chunks::Chunks,
     fault::Stop,
+    format::{Entry, Limits, Sign, Streams},
     gate::{Raw, hold_kinds},
     source::{BLOCK, Out, Sink, Source},
     writer::Head,
 };
 use crate::event::Event;
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "npy",
+    extension: "npy",
+    limits: Limits {
+        x: i16::MAX.unsigned_abs(),
+        y: i16::MAX.unsigned_abs(),
+        ..Limits::WIDE
+    },
+    readers: "numpy, tonic",
+    module: "numpy",
+    python: "numpy.load(path)",
+    sign: Sign::Bytes(MAGIC),
+    streams: Some(Streams {
+        source: |_, chunks| Ok(Box::new(source(chunks)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
+    }),
+    ..Entry::PLAIN
+};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 

@@ -19,6 +19,7 @@ use super::{
     about::About,
     chunks::Chunks,
     fault::Stop,
+    format::{Entry, Limits, Sign, Streams},
     gate::{Raw, hold_kinds},
     npy::{self, Column},
     reader::Origin,
@@ -26,6 +27,22 @@ use super::{
     writer::Head,
 };
 use crate::event::Event;
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "npz",
+    extension: "npz",
+    limits: Limits::WIDE,
+    readers: "numpy, eventcv",
+    module: "numpy",
+    python: "numpy.load(path)",
+    sign: Sign::Bytes(b"PK\x03\x04"),
+    streams: Some(Streams {
+        source: |origin, _| source(origin),
+        sink: |head, _| Ok(Box::new(sink(head)?)),
+    }),
+    ..Entry::PLAIN
+};
 
 /// The columns as they are written.
 const COLUMNS: [(&str, &str); 5] = [

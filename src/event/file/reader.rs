@@ -8,8 +8,7 @@ use std::{
 };
 
 use super::{
-    FileError, Format, about::About, aedat2, aedat3, aedat4, chunks::Chunks, csv, dat, es, evt2,
-    evt3, evt21, fault::Stop, gate::Gate, npy, npz, source::Source, txt,
+    FileError, Format, about::About, chunks::Chunks, fault::Stop, gate::Gate, source::Source,
 };
 use crate::{event::Event, plane::Size};
 
@@ -113,31 +112,12 @@ impl Reader {
             let start = chunks.ahead(4096).map_err(|e| at_fault(e.into()))?;
             Format::of_content(path, start)?
         };
-        let source: Result<Box<dyn Source>, Stop> = match format {
-            Format::Csv => Ok(Box::new(csv::source(chunks))),
-            Format::Txt => Ok(Box::new(txt::source(chunks))),
-            Format::Npy => boxed(npy::source(chunks)),
-            Format::Npz => npz::source(origin),
-            Format::Evt2 => boxed(evt2::source(chunks)),
-            Format::Evt21 => boxed(evt21::source(chunks)),
-            Format::Evt3 => boxed(evt3::source(chunks)),
-            Format::Dat => boxed(dat::source(chunks)),
-            Format::Aedat2 => boxed(aedat2::source(chunks)),
-            Format::Aedat3 => boxed(aedat3::source(chunks)),
-            Format::Aedat4 => boxed(aedat4::source(chunks)),
-            Format::Es => boxed(es::source(chunks)),
-            #[cfg(feature = "hdf5")]
-            Format::Hdf5 => boxed(super::hdf5::source(origin)),
-            #[cfg(feature = "parquet")]
-            Format::Parquet => boxed(super::parquet::source(origin)),
-            #[allow(unreachable_patterns, reason = "unless both features are left out")]
-            Format::Hdf5 | Format::Parquet => {
-                let path = path.to_owned();
-                return Err(FileError::NotBuilt { path, format });
-            }
+        let Some(streams) = format.entry().streams else {
+            let path = path.to_owned();
+            return Err(FileError::NotBuilt { path, format });
         };
         let mut reader = Self {
-            source: source.map_err(at_fault)?,
+            source: (streams.source)(origin, chunks).map_err(at_fault)?,
             path: path.to_owned(),
             format,
             size: how.size,
@@ -236,10 +216,6 @@ impl Reader {
         }
         Ok(!events.is_empty())
     }
-}
-
-fn boxed<S: Source + 'static>(source: Result<S, Stop>) -> Result<Box<dyn Source>, Stop> {
-    source.map(|source| Box::new(source) as Box<dyn Source>)
 }
 
 /// What stopped a reader, with the name of the file.

@@ -2,10 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{
-    Fault, FileError, Format, about::About, aedat2, aedat3, aedat4, csv, dat, es, evt2, evt3,
-    evt21, gate::Gate, npy, npz, source::Sink, txt,
-};
+use super::{Fault, FileError, Format, about::About, gate::Gate, source::Sink};
 use crate::{
     event::{Dropped, Event, Packet},
     plane::Size,
@@ -98,39 +95,19 @@ impl Writer {
     ) -> Result<Self, FileError> {
         let gate =
             Gate::writing(format, head.about()).map_err(|fault| unwritable(path, 0, fault))?;
-        let several = head.channels > 1;
-        let mut sink: Box<dyn Sink> = match format {
-            Format::Csv => Box::new(csv::sink(several)),
-            Format::Txt => Box::new(txt::sink()),
-            Format::Npy => Box::new(npy::sink(head)),
-            Format::Npz => Box::new(npz::sink(head).map_err(|cause| FileError::Unreadable {
-                path: std::env::temp_dir(),
-                cause,
-            })?),
-            Format::Evt2 => Box::new(evt2::sink(head)),
-            Format::Evt21 => Box::new(evt21::sink(head)),
-            Format::Evt3 => Box::new(evt3::sink(head)),
-            Format::Dat => Box::new(dat::sink(head)),
-            Format::Aedat2 => Box::new(aedat2::sink(head)),
-            Format::Aedat3 => Box::new(aedat3::sink(head)),
-            Format::Aedat4 => Box::new(aedat4::sink(head, compression)),
-            Format::Es => Box::new(es::sink(head)),
-            #[cfg(feature = "hdf5")]
-            Format::Hdf5 => Box::new(super::hdf5::sink(head)),
-            #[cfg(feature = "parquet")]
-            Format::Parquet => Box::new(super::parquet::sink(head)),
-            #[allow(unreachable_patterns, reason = "unless both features are left out")]
-            Format::Hdf5 | Format::Parquet => {
-                let path = path.to_owned();
-                return Err(FileError::NotBuilt { path, format });
-            }
+        let entry = format.entry();
+        let Some(streams) = entry.streams else {
+            let path = path.to_owned();
+            return Err(FileError::NotBuilt { path, format });
         };
-        // Only these never go back to their start, where the others say how many events they have.
-        let mut draft = match format {
-            Format::Csv | Format::Txt | Format::Es | Format::Hdf5 | Format::Parquet => {
-                Draft::stream(path)?
-            }
-            _ => Draft::create(path)?,
+        let mut sink = (streams.sink)(head, compression).map_err(|cause| {
+            let path = std::env::temp_dir();
+            FileError::Unreadable { path, cause }
+        })?;
+        let mut draft = if entry.rewinds {
+            Draft::create(path)?
+        } else {
+            Draft::stream(path)?
         };
         let started = sink.start(&mut draft);
         started.map_err(|cause| draft.failed(cause))?;

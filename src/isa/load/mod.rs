@@ -64,20 +64,8 @@ type Shipped = (
     Option<&'static str>,
 );
 
-const SHIPPED: &[Shipped] = &[
-    (
-        "scamp5",
-        include_str!("../../../isa/scamp5/device.toml"),
-        Some(include_str!("../../../isa/scamp5/primitives.toml")),
-        Some(include_str!("../../../isa/scamp5/macros.scamp")),
-    ),
-    (
-        "scamp5-wide",
-        include_str!("../../../isa/scamp5-wide/device.toml"),
-        None,
-        None,
-    ),
-];
+// Every folder of `isa/` that has a `device.toml`, in order of names: `build.rs` lists them.
+const SHIPPED: &[Shipped] = include!(concat!(env!("OUT_DIR"), "/chips.rs"));
 
 /// `a` extends `b` extends `c` …, at most.
 const CHAIN: usize = 8;

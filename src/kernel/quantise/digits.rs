@@ -5,15 +5,26 @@
 //! weight the nearest number of 0, 1, 2 … digits is looked up; dynamic programming over
 //! the weights then finds how the budget is best shared out.
 
-use super::{FINEST, QuantiseError, Quantiser, Sum, affordable};
+use super::{Entry, FINEST, Parameters, QuantiseError, Quantiser, Sum, affordable};
 use crate::{
     elementary,
     limit::{QUANTISER_STEPS, QUANTISER_TABLE},
     number::signed_digits,
 };
 
+/// `csd-D`: D digits that are not 0, in the whole kernel.
+pub static ENTRY: Entry = Entry {
+    form: "csd-D",
+    numbers: "1 or more digits in the whole kernel",
+    parameters: Parameters::One(1, 100_000),
+    levels: "D signed powers of two in the whole kernel",
+    scale: "a power of two",
+    quality: "the exact optimum for that scale and 8 bits",
+    quantise: |quantiser, weights, sum, _| quantise(quantiser, weights, quantiser.numbers[0], sum),
+};
+
 /// The levels, whole numbers of [`FINEST`] bits, and the scale.
-pub(super) fn quantise(
+fn quantise(
     quantiser: Quantiser,
     weights: &[f64],
     budget: u32,

@@ -1,10 +1,40 @@
 //! Multiples of a power of two: Qm.n.
 
-use super::{QuantiseError, Quantiser, Rounding, Sum, total};
-use crate::chance::{GOLDEN, mix, uniform};
+use super::{Entry, Parameters, QuantiseError, Quantiser, Rounding, Sum, list::whole, total};
+use crate::rng::Hash;
+
+/// `qM.N`: M bits before the point, sign included, and N after it.
+pub static ENTRY: Entry = Entry {
+    form: "qM.N",
+    numbers: "1 to 24 bits before the point and 0 to 24 after it; :floor or :stochastic may follow",
+    parameters: Parameters::Fixed,
+    levels: "multiples of 2^-N of M + N bits",
+    scale: "1",
+    quality: "half a step; `:floor` below one step, `:stochastic` below one, unbiased",
+    quantise: |quantiser, weights, sum, seed| {
+        let [whole, fraction] = quantiser.numbers;
+        let how = (whole, fraction, quantiser.rounding);
+        quantise(quantiser, weights, how, sum, seed)
+    },
+};
+
+/// The numbers of a name, and its rounding.
+pub(super) fn numbers(text: &str) -> Result<([u32; 2], Rounding), String> {
+    let (format, rounding) = text.split_once(':').unwrap_or((text, "nearest"));
+    let (before, after) = format
+        .split_once('.')
+        .ok_or_else(|| "a Q format is written as q3.4".to_owned())?;
+    let rounding = match rounding {
+        "nearest" => Rounding::Nearest,
+        "floor" => Rounding::Floor,
+        "stochastic" => Rounding::Stochastic,
+        other => return Err(format!("`{other}` is no rounding")),
+    };
+    Ok(([whole(before, 1, 24)?, whole(after, 0, 24)?], rounding))
+}
 
 /// The levels, and the scale, which is 1.
-pub(super) fn quantise(
+fn quantise(
     quantiser: Quantiser,
     weights: &[f64],
     (whole, fraction, rounding): (u32, u32, Rounding),
@@ -17,11 +47,7 @@ pub(super) fn quantise(
     let round = |i: usize, value: f64| match rounding {
         Rounding::Nearest => value.round_ties_even(),
         Rounding::Floor => value.floor(),
-        Rounding::Stochastic => {
-            let word =
-                mix(mix(seed.wrapping_add(GOLDEN)).wrapping_add(GOLDEN.wrapping_mul(i as u64)));
-            (value + uniform(word)).floor()
-        }
+        Rounding::Stochastic => (value + Hash::new(seed).nth(i as u64).uniform()).floor(),
     };
     let values: Vec<f64> = weights.iter().map(|w| w * one).collect();
     let mut steps: Vec<f64> = values

@@ -5,21 +5,98 @@
 //! grows from 0, a weight changes its level where it lies in the middle of two; between these
 //! places nothing changes, so looking once between each finds the best of all.
 
-use super::{QuantiseError, Quantiser, Sum, affordable, best_scale, total};
+use super::{Entry, Parameters, QuantiseError, Quantiser, Sum, affordable, best_scale, total};
 use crate::limit::{QUANTISER_STEPS, QUANTISER_TABLE};
 
 /// The level of each weight, and the scale.
 type Chosen = (Vec<f64>, f64);
 
-/// The levels that are not negative, in order; each stands for its negative as well.
-fn magnitudes(quantiser: Quantiser) -> Vec<i64> {
-    match quantiser {
-        Quantiser::Binary => vec![1],
-        Quantiser::PowersOfTwo(n) => std::iter::once(0).chain((0..n).map(|e| 1 << e)).collect(),
-        Quantiser::Whole(bits) => (0..1 << (bits - 1)).collect(),
-        _ => vec![0, 1],
-    }
-}
+/// `binary`
+pub static BINARY: Entry = Entry {
+    form: "binary",
+    numbers: "",
+    parameters: Parameters::None,
+    levels: "±1",
+    scale: "mean magnitude",
+    quality: "the exact least-squares optimum",
+    quantise: |quantiser, weights, sum, _| free(quantiser, &[1], weights, sum),
+};
+
+/// `ternary`
+pub static TERNARY: Entry = Entry {
+    form: "ternary",
+    numbers: "",
+    parameters: Parameters::None,
+    levels: "-1, 0, 1",
+    scale: "free",
+    quality: "the exact least-squares optimum, by sorting",
+    quantise: |quantiser, weights, sum, _| {
+        if sum == Sum::Zero {
+            Ok(balanced(weights))
+        } else {
+            free(quantiser, &[0, 1], weights, sum)
+        }
+    },
+};
+
+/// `ternary-0.7`
+pub static TERNARY_07: Entry = Entry {
+    form: "ternary-0.7",
+    numbers: "",
+    parameters: Parameters::None,
+    levels: "-1, 0, 1",
+    scale: "mean magnitude of those kept",
+    quality: "zero below 0.7 of the mean magnitude (Li & Liu, arXiv 1605.04711)",
+    quantise: |quantiser, weights, sum, _| rule_of_07(quantiser, weights, sum),
+};
+
+/// `ternary-split`
+pub static TERNARY_SPLIT: Entry = Entry {
+    form: "ternary-split",
+    numbers: "",
+    parameters: Parameters::None,
+    levels: "-r, 0, 1",
+    scale: "free",
+    quality: "the exact optimum with a scale for each sign (r is their ratio)",
+    quantise: |_, weights, sum, _| {
+        if sum == Sum::Free {
+            Ok(split(weights))
+        } else {
+            Err(QuantiseError::SplitSum)
+        }
+    },
+};
+
+/// `po2-N`: N exponents.
+pub static POWERS_OF_TWO: Entry = Entry {
+    form: "po2-N",
+    numbers: "1 to 8 exponents",
+    parameters: Parameters::One(1, 8),
+    levels: "0, ±1, ±2 … ±2^(N-1)",
+    scale: "free",
+    quality: "the exact least-squares optimum",
+    quantise: |quantiser, weights, sum, _| {
+        let exponents = 0..quantiser.numbers[0];
+        let powers = exponents.map(|e| 1 << e);
+        let magnitudes: Vec<i64> = std::iter::once(0).chain(powers).collect();
+        free(quantiser, &magnitudes, weights, sum)
+    },
+};
+
+/// `int-B`: B bits, sign included.
+pub static WHOLE: Entry = Entry {
+    form: "int-B",
+    numbers: "2 to 12 bits",
+    parameters: Parameters::One(2, 12),
+    levels: "whole numbers of B bits, symmetric",
+    scale: "free",
+    quality: "the exact least-squares optimum",
+    quantise: |quantiser, weights, sum, _| {
+        let bits = quantiser.numbers[0];
+        let magnitudes: Vec<i64> = (0..1 << (bits - 1)).collect();
+        free(quantiser, &magnitudes, weights, sum)
+    },
+};
 
 /// The nearest level.
 fn nearest(magnitudes: &[i64], value: f64) -> f64 {
@@ -39,13 +116,14 @@ fn nearest(magnitudes: &[i64], value: f64) -> f64 {
     }
 }
 
-/// The best levels and scale of all.
-pub(super) fn free(
+/// The best levels and scale of all; the magnitudes are the levels that are not negative, in
+/// order, and each stands for its negative as well.
+fn free(
     quantiser: Quantiser,
+    magnitudes: &[i64],
     weights: &[f64],
     sum: Sum,
 ) -> Result<Chosen, QuantiseError> {
-    let magnitudes = magnitudes(quantiser);
     // Between each two changes all weights are looked up.
     let size = weights.len() as f64;
     let steps = size * size * (magnitudes.len() - 1) as f64;
@@ -77,7 +155,7 @@ pub(super) fn free(
     for scale in between.chain([last]) {
         let levels: Vec<f64> = weights
             .iter()
-            .map(|w| nearest(&magnitudes, w / scale))
+            .map(|w| nearest(magnitudes, w / scale))
             .collect();
         if levels.iter().all(|level| *level == 0.0) {
             continue;
@@ -90,15 +168,11 @@ pub(super) fn free(
     }
     // The kernel is not all 0, so the smallest scale leaves a level.
     let (_, (levels, scale)) = best.ok_or(QuantiseError::Nothing)?;
-    with_sum(quantiser, &magnitudes, weights, (levels, scale), sum)
+    with_sum(quantiser, magnitudes, weights, (levels, scale), sum)
 }
 
 /// Zero below 0.7 of the mean magnitude.
-pub(super) fn rule_of_07(
-    quantiser: Quantiser,
-    weights: &[f64],
-    sum: Sum,
-) -> Result<Chosen, QuantiseError> {
+fn rule_of_07(quantiser: Quantiser, weights: &[f64], sum: Sum) -> Result<Chosen, QuantiseError> {
     let mean = weights.iter().map(|w| w.abs()).sum::<f64>() / weights.len() as f64;
     let kept = |w: &f64| {
         if w.abs() > 0.7 * mean {
@@ -116,7 +190,7 @@ pub(super) fn rule_of_07(
 ///
 /// Whatever the number k, the best levels are +1 at the k largest weights and -1 at the k
 /// smallest, and then what is won is `(sum of those - sum of these)² / 2k`.
-pub(super) fn balanced(weights: &[f64]) -> Chosen {
+fn balanced(weights: &[f64]) -> Chosen {
     let mut order: Vec<usize> = (0..weights.len()).collect();
     order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
     let (mut best, mut apart) = ((0.0, 0), 0.0);
@@ -142,7 +216,7 @@ pub(super) fn balanced(weights: &[f64]) -> Chosen {
 
 /// A scale for each sign: each side is a kernel of its own, whose best number of weights is
 /// found by sorting.
-pub(super) fn split(weights: &[f64]) -> Chosen {
+fn split(weights: &[f64]) -> Chosen {
     let side = |sign: f64| {
         let mut own: Vec<f64> = weights
             .iter()
@@ -188,7 +262,9 @@ fn with_sum(
     if sum == Sum::Free {
         return Ok((levels, scale));
     }
-    if !matches!(quantiser, Quantiser::Whole(_)) {
+    // Of consecutive whole numbers a few steps to the next ones settle the sum.
+    let consecutive = quantiser.entry.form == WHOLE.form;
+    if !consecutive {
         // Each weight can lead to each sum.
         let (size, most) = (
             weights.len() as f64,
@@ -217,7 +293,7 @@ fn with_sum(
             Sum::Zero | Sum::Free => 0,
         };
         let most = magnitudes[magnitudes.len() - 1] as f64;
-        let next = if let Quantiser::Whole(_) = quantiser {
+        let next = if consecutive {
             let near = |value: &f64| value.round().clamp(-most, most);
             let mut steps: Vec<f64> = scaled.iter().map(near).collect();
             total::settle(&scaled, &mut steps, (-most, most), asked as f64).map(|()| steps)

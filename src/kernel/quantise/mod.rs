@@ -4,16 +4,7 @@
 //! scale `s`. Comparing `s l * u` with a threshold `θ` is comparing `l * u` with `θ / s`, so
 //! the scale costs nothing on a chip.
 //!
-//! | quantiser | levels | scale | how good |
-//! |---|---|---|---|
-//! | `binary` | ±1 | mean of `\|w\|` | the exact least-squares optimum |
-//! | `ternary` | -1, 0, 1 | free | the exact least-squares optimum, by sorting |
-//! | `ternary-0.7` | -1, 0, 1 | mean of the kept `\|w\|` | zero below 0.7 of the mean `\|w\|` (Li & Liu, arXiv 1605.04711) |
-//! | `ternary-split` | -r, 0, 1 | free | the exact optimum with a scale for each sign (r is their ratio) |
-//! | `po2-N` | 0, ±1, ±2 … ±2^(N-1) | free | the exact least-squares optimum |
-//! | `int-B` | whole numbers of B bits, symmetric | free | the exact least-squares optimum |
-//! | `csd-D` | D signed powers of two in the whole kernel | a power of two | the exact optimum for that scale and [`FINEST`] bits |
-//! | `qM.N` | multiples of 2^-N of M + N bits | 1 | half a step; `:floor` below one step, `:stochastic` below one, unbiased |
+//! [`ENTRIES`] is the list of quantisers; `docs/guides/from-kernel-to-chip.md` shows it.
 //!
 //! With [`Sum::Zero`] or [`Sum::Kept`] the levels are the nearest, at their scale, among those
 //! whose sum is what was asked; for `ternary` and a sum of 0 the scale is the best as well, and
@@ -23,11 +14,11 @@
 mod digits;
 mod fixed;
 mod levels;
-mod name;
+mod list;
 mod response;
 mod total;
 
-pub use name::QuantiserNameError;
+pub use list::{ENTRIES, Entry, Parameters, Quantiser, QuantiserNameError, known};
 pub use response::Change;
 
 use super::{Kernel, KernelError};
@@ -35,27 +26,6 @@ use crate::{elementary, plane::Plane};
 
 /// Bits of the levels of `csd-D`, without their sign.
 pub const FINEST: u32 = 8;
-
-/// How a kernel is brought to few values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantiser {
-    /// `binary`
-    Binary,
-    /// `ternary`
-    Ternary,
-    /// `ternary-0.7`
-    Ternary07,
-    /// `ternary-split`
-    TernarySplit,
-    /// `po2-N`: N exponents.
-    PowersOfTwo(u32),
-    /// `int-B`: B bits, sign included.
-    Whole(u32),
-    /// `csd-D`: D digits that are not 0, in the whole kernel.
-    Digits(u32),
-    /// `qM.N`: M bits before the point, sign included, and N after it.
-    Fixed(u32, u32, Rounding),
-}
 
 /// To which multiple a weight is brought.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -171,19 +141,7 @@ impl Quantiser {
         } else {
             sum
         };
-        let (levels, scale) = match self {
-            Self::Fixed(whole, fraction, rounding) => {
-                fixed::quantise(self, &weights, (whole, fraction, rounding), sum, seed)?
-            }
-            Self::Digits(budget) => digits::quantise(self, &weights, budget, sum)?,
-            Self::TernarySplit if sum == Sum::Free => levels::split(&weights),
-            Self::TernarySplit => return Err(QuantiseError::SplitSum),
-            Self::Ternary07 => levels::rule_of_07(self, &weights, sum)?,
-            Self::Ternary if sum == Sum::Zero => levels::balanced(&weights),
-            Self::Binary | Self::Ternary | Self::PowersOfTwo(_) | Self::Whole(_) => {
-                levels::free(self, &weights, sum)?
-            }
-        };
+        let (levels, scale) = (self.entry.quantise)(self, &weights, sum, seed)?;
         if levels.iter().all(|level| *level == 0.0) {
             return Err(QuantiseError::Vanished {
                 quantiser: self,

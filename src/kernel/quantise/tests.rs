@@ -57,7 +57,7 @@ proptest! {
     fn balanced_ternary_is_the_best_of_the_balanced(kernel in kernels()) {
         let weights = kernel.weights();
         prop_assume!(weights.iter().any(|w| *w != weights[[0, 0]]));
-        let best = Quantiser::Ternary.quantise(&kernel, Sum::Zero, 0).unwrap();
+        let best = Quantiser::TERNARY.quantise(&kernel, Sum::Zero, 0).unwrap();
         prop_assert_eq!(best.levels.sum(), 0.0);
         let least = least_error(&kernel, &[-1.0, 0.0, 1.0], Some(0.0));
         prop_assert!((best.relative_error(&kernel) - least).abs() < 1e-9);
@@ -149,7 +149,7 @@ proptest! {
     /// More digits are never worse, and the budget is kept.
     #[test]
     fn digits_are_within_the_budget(kernel in kernels(), budget in 1u32..40) {
-        let quantise = |budget| Quantiser::Digits(budget).quantise(&kernel, Sum::Free, 0);
+        let quantise = |budget| format!("csd-{budget}").parse::<Quantiser>().unwrap().quantise(&kernel, Sum::Free, 0);
         let Ok(quantised) = quantise(budget) else { return Ok(()) };
         let used: u32 = quantised.levels.weights().iter().map(|l| signed_digits(*l as i64)).sum();
         prop_assert!(used <= budget);
@@ -240,11 +240,11 @@ fn names_are_read_as_they_are_written() {
 fn what_cannot_be_is_refused() {
     let dark = kernel(&[0.0; 9]);
     assert_eq!(
-        Quantiser::Ternary.quantise(&dark, Sum::Free, 0),
+        Quantiser::TERNARY.quantise(&dark, Sum::Free, 0),
         Err(QuantiseError::Nothing)
     );
     let bright = kernel(&[0.1; 9]);
-    let odd = Quantiser::Binary
+    let odd = Quantiser::BINARY
         .quantise(&bright, Sum::Zero, 0)
         .unwrap_err();
     assert_eq!(
@@ -257,7 +257,7 @@ fn what_cannot_be_is_refused() {
         Err(QuantiseError::Vanished { .. })
     ));
     assert!(
-        Quantiser::TernarySplit
+        Quantiser::TERNARY_SPLIT
             .quantise(&bright, Sum::Zero, 0)
             .is_err()
     );
@@ -267,7 +267,7 @@ fn what_cannot_be_is_refused() {
 #[test]
 fn the_response_changes_by_the_error() {
     let kernel = Kernel::builtin("rgc-5x5").unwrap();
-    let quantised = Quantiser::Ternary.quantise(&kernel, Sum::Zero, 0).unwrap();
+    let quantised = Quantiser::TERNARY.quantise(&kernel, Sum::Zero, 0).unwrap();
     let change = Change::between(&kernel, &quantised.kernel());
     assert!((change.rms - quantised.relative_error(&kernel)).abs() < 1e-9);
     assert!(change.largest > 0.0 && change.uniform.1.abs() < 1e-12);

@@ -8,9 +8,9 @@ use super::{
     super::{
         description::{MemoryRule, PolarityRule},
         drive::{Made, log_temporal},
-        hash::Place,
         memory::{Memory, Stepped},
         noise::Noise,
+        reason::Place,
         signal::Padded,
         surround::{self, Sheets},
     },

@@ -4,7 +4,7 @@ use crate::{number::Number, sensor::SensorError};
 
 use super::{
     super::{
-        hash::Place,
+        reason::Place,
         refractory::awake,
         stray::Strays,
         train::{BandSink, Pair, Train},

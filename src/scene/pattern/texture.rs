@@ -1,9 +1,6 @@
 //! Textures without figures: a picture, or blobs from a hash.
 
-use crate::{
-    chance::{self, GOLDEN},
-    plane::Plane,
-};
+use crate::{plane::Plane, rng::Hash};
 
 /// Light everywhere on the plane.
 #[derive(Debug)]
@@ -96,10 +93,9 @@ fn cubic(x: f64, y: f64, value: impl Fn(i64, i64) -> f64) -> f64 {
     sum.clamp(least, most)
 }
 
-/// A number from 0 to 1 that depends on nothing but its arguments (`SplitMix64`'s mixing).
+/// A number from 0 to 1 that depends on nothing but its arguments.
 fn hash(seed: u64, x: i64, y: i64) -> f64 {
-    let mix = |word: u64| chance::mix(word.wrapping_add(GOLDEN));
-    chance::uniform(mix(mix(mix(seed) ^ x as u64) ^ y as u64))
+    Hash::new(seed).with(x as u64).with(y as u64).uniform()
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ impl Question<'_> {
             return few(to);
         }
         let mut all = self.candidates.iter().map(|to| few(*to));
-        let first = all.next().unwrap_or_else(|| few(Quantiser::Ternary));
+        let first = all.next().unwrap_or_else(|| few(Quantiser::TERNARY));
         first.or_else(|error| all.find_map(Result::ok).ok_or(error))
     }
 

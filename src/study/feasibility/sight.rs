@@ -1,10 +1,13 @@
 //! What there is to look at: the busiest frame, and the events in it.
 
+use std::ops::ControlFlow;
+
 use super::FeasibilityError;
 use crate::{
     event::{Event, Packet},
     plane::Plane,
-    scene::Scene,
+    rig,
+    scene::{Scene, SceneError},
     unit::Micros,
 };
 
@@ -39,12 +42,15 @@ impl Sight {
             }
         }
         let mut light = Plane::zeros((0, 0));
-        while let Some(frame) = scene.next_frame()? {
+        rig::play(scene, |frame| {
             light = frame.light;
-            if Micros::from_seconds(frame.seconds) >= at {
-                break;
-            }
-        }
+            let reached = Micros::from_seconds(frame.seconds) >= at;
+            Ok::<_, SceneError>(if reached {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            })
+        })?;
         let then = |packet: &Packet| {
             let events = packet.events.iter().filter(|event| event.t == at);
             events.copied().collect()

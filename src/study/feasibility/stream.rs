@@ -2,8 +2,9 @@
 
 use crate::{
     compare::{
-        Pair,
-        ruler::{self, Metric, Scales},
+        Pair, matching,
+        metric::Metric,
+        ruler::{self, Scales},
     },
     event::{
         Packet, Polarity,
@@ -129,10 +130,10 @@ impl Judged {
             )
         };
         Ok(Self {
-            precision: scored(Metric::Precision(window.within)),
-            recall: scored(Metric::Recall(window.within)),
-            f1: scored(Metric::F1(window.within)),
-            f1_a_frame_apart: scored(Metric::F1(window.frame)),
+            precision: scored(matching::PRECISION.at(window.within)),
+            recall: scored(matching::RECALL.at(window.within)),
+            f1: scored(matching::F1.at(window.within)),
+            f1_a_frame_apart: scored(matching::F1.at(window.frame)),
         })
     }
 }

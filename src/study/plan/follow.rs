@@ -5,11 +5,14 @@
 //! them is written down here a second time, event by event, and `tests/fidelity.rs` holds it to
 //! the reference's own events.
 
+use std::ops::ControlFlow;
+
 use rayon::prelude::*;
 
 use crate::{
     plane::Plane,
     reference::{Description, MemoryRule, Noise, PolarityRule, Reference, Refractory, Tally},
+    rig,
     scene::Scene,
 };
 
@@ -85,7 +88,7 @@ pub fn follow(
     let mut rows: Vec<Row> = Vec::new();
     let mut followed = Followed::new();
     let (mut start, mut last) = (0.0, 0.0);
-    while let Some(frame) = scene.next_frame()? {
+    rig::play(scene, |frame| {
         probe.watch_into(&frame, &mut nothing)?;
         let drives: Vec<Plane<f64>> = (0..channels).filter_map(|c| probe.memory(c)).collect();
         if rows.is_empty() {
@@ -108,7 +111,8 @@ pub fn follow(
             last = frame.seconds;
         }
         seen();
-    }
+        Ok::<_, PlanError>(ControlFlow::Continue(()))
+    })?;
     followed.changes = vec![Change::default(); models.len()];
     for row in &rows {
         row.add_to(&mut followed);

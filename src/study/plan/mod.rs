@@ -37,10 +37,7 @@ use crate::{
     event::readout::Readout,
     number::Format,
     reference::Description,
-    scene::{
-        Scene, SceneError,
-        upsample::{self, Upsampled, Upsampling},
-    },
+    scene::{Scene, SceneError, upsample},
     sensor::SensorError,
     unit::Micros,
 };
@@ -153,7 +150,7 @@ impl Bounds {
             && !present.jitter;
         let mut scene = || -> Result<Box<dyn Scene>, SceneError> {
             match question.upsample {
-                Some(contrast) if !upsampled => inserted(open()?, contrast),
+                Some(contrast) if !upsampled => upsample::by_contrast(open()?, Some(contrast)),
                 _ => open(),
             }
         };
@@ -248,18 +245,4 @@ pub fn plan(
         bound,
         seconds: [seconds, cheapest],
     })
-}
-
-/// The scene with frames inserted where its light changes by more than this contrast, in ln
-/// units.
-pub(crate) fn inserted(scene: Box<dyn Scene>, contrast: f64) -> Result<Box<dyn Scene>, SceneError> {
-    let bound = upsample::Bound::Contrast {
-        contrast,
-        offset: 1.0,
-    };
-    let how = Upsampling {
-        bound,
-        ..Upsampling::default()
-    };
-    Ok(Box::new(Upsampled::new(scene, how)?))
 }

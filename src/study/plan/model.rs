@@ -1,6 +1,6 @@
 //! Model: the full one or a plainer one, run; and what lies between two.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use ndarray::s;
 
@@ -10,12 +10,13 @@ use crate::{
     number::{Format, Number, Visitor},
     plane::Size,
     reference::{Description, Limit, Reference},
-    scene::{Frame, Scene, SceneError},
+    rig,
+    scene::{Frame, Scene, SceneError, upsample},
     sensor::Sensor,
     unit::Micros,
 };
 
-use super::{Choice, Effect, Open, Plan, PlanError, Question, cost, inserted};
+use super::{Choice, Effect, Open, Plan, PlanError, Question, cost};
 
 /// Rows and columns.
 pub type Window = (Range<usize>, Range<usize>);
@@ -92,9 +93,7 @@ impl Model {
     /// When the scene or the sensor cannot go on.
     pub fn run(self, open: &mut Open<'_>, seen: impl FnMut()) -> Result<Packet, PlanError> {
         let mut scene = open()?;
-        if let Some(contrast) = self.contrast {
-            scene = inserted(scene, contrast)?;
-        }
+        scene = upsample::by_contrast(scene, self.contrast)?;
         let whole = scene.size();
         let readout = self.readout;
         let window = self.window.clone();
@@ -139,10 +138,11 @@ impl<F: FnMut()> Visitor for Watch<F> {
         let sensor = Reference::with_number(number, description, size, seed)?;
         let mut sensor = sensor.with_limit(self.model.limit);
         let mut packet = Packet::new(size, sensor.channels());
-        while let Some(frame) = self.scene.next_frame()? {
+        rig::play(&mut self.scene, |frame| {
             sensor.watch(&frame, &mut packet)?;
             (self.seen)();
-        }
+            Ok::<_, PlanError>(ControlFlow::Continue(()))
+        })?;
         Ok(packet)
     }
 }

@@ -1,11 +1,12 @@
 //! Survey: what a scene is like, from one look at its light.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use crate::{
     elementary,
     plane::{Plane, Size},
     reference::Description,
+    rig,
     scene::{Frame, Scene},
     sensor::SensorError,
 };
@@ -108,7 +109,7 @@ impl Light {
             upsampled: 0.0,
         };
         let mut sums = Sums::default();
-        while let Some(frame) = scene.next_frame()? {
+        rig::play(scene, |frame| {
             let now = Seen::of(frame, description)?;
             light.note(&now, &mut sums);
             if let Some(before) = &sums.before.take() {
@@ -119,7 +120,8 @@ impl Light {
             }
             sums.before = Some(now);
             seen();
-        }
+            Ok::<_, PlanError>(ControlFlow::Continue(()))
+        })?;
         if light.frames == 0 {
             return Err(PlanError::NoFrames);
         }

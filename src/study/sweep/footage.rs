@@ -1,14 +1,16 @@
 //! Scenes that many points watch: read once, held in memory while they are small enough.
 
-use std::{fmt::Write as _, path::Path, sync::Arc};
+use std::{fmt::Write as _, ops::ControlFlow, path::Path, sync::Arc};
 
 use sha2::{Digest, Sha256};
 
 use crate::{
     plane::Size,
+    rig,
     scene::{
-        Frame, OpenOptions, Scene, SceneError, bundled, open,
-        upsample::{Bound, Upsampled, Upsampling},
+        Frame, OpenOptions, SceneError, bundled, open,
+        part::{First, Retimed},
+        upsample,
     },
 };
 
@@ -109,7 +111,7 @@ fn play<E: From<SceneError>>(
         bundled()?
     } else if spec == "bundled" {
         // Only its times are others.
-        Box::new(Retimed(bundled()?, wanted.fps.unwrap_or(1.0)))
+        Box::new(Retimed::new(bundled()?, wanted.fps.unwrap_or(1.0))?)
     } else {
         open(
             spec,
@@ -119,83 +121,12 @@ fn play<E: From<SceneError>>(
             },
         )?
     };
-    let read = Source {
-        scene,
-        left: wanted.frames.unwrap_or(u64::MAX),
-    };
-    let Some(contrast) = wanted.upsample else {
-        let mut read = read;
-        while let Some(frame) = read.next_frame()? {
-            see(frame)?;
-        }
-        return Ok(());
-    };
-    let bound = Bound::Contrast {
-        contrast,
-        offset: 1.0,
-    };
-    let how = Upsampling {
-        bound,
-        ..Upsampling::default()
-    };
-    let mut upsampled = Upsampled::new(read, how)?;
-    while let Some(frame) = upsampled.next_frame()? {
-        see(frame)?;
-    }
+    let read = First::new(scene, wanted.frames.unwrap_or(u64::MAX));
+    let mut scene = upsample::by_contrast(read, wanted.upsample)?;
+    rig::play(&mut scene, |frame| {
+        see(frame).map(|()| ControlFlow::Continue(()))
+    })?;
     Ok(())
-}
-
-/// The first frames of a scene.
-struct Source {
-    scene: Box<dyn Scene>,
-    left: u64,
-}
-
-impl Scene for Source {
-    fn size(&self) -> Size {
-        self.scene.size()
-    }
-
-    fn fps(&self) -> f64 {
-        self.scene.fps()
-    }
-
-    fn frames(&self) -> Option<u64> {
-        self.scene.frames().map(|frames| frames.min(self.left))
-    }
-
-    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
-        if self.left == 0 {
-            return Ok(None);
-        }
-        self.left -= 1;
-        self.scene.next_frame()
-    }
-}
-
-/// A scene at another rate.
-struct Retimed(Box<dyn Scene>, f64);
-
-impl Scene for Retimed {
-    fn size(&self) -> Size {
-        self.0.size()
-    }
-
-    fn fps(&self) -> f64 {
-        self.1
-    }
-
-    fn frames(&self) -> Option<u64> {
-        self.0.frames()
-    }
-
-    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
-        let frame = self.0.next_frame()?;
-        Ok(frame.map(|frame| Frame {
-            seconds: frame.index as f64 / self.1,
-            ..frame
-        }))
-    }
 }
 
 /// Bytes as text.

@@ -13,15 +13,16 @@ use super::{
     table::{self, Row},
 };
 use crate::{
-    compare::{
-        Pair, counts, intervals, matching, rates, ruler::Metric, van_rossum, victor_purpura, voxel,
-    },
+    compare::{Pair, matching, metric::Measured, voxel::Bins},
     event::{Packet, Polarity, address},
     plane::Size,
     reference::Reference,
     scene::SceneError,
     sensor::{Sensor, SensorError},
 };
+
+/// Bins of the voxel grids.
+const BINS: usize = 8;
 
 /// A point as a row, before anything has come of it.
 pub(super) fn described(plan: &Plan, entry: &Entry) -> Row {
@@ -98,8 +99,9 @@ fn run(
     put("reference_events", json!(truth.events.len()));
     let first = settings.within.first().copied().unwrap_or_default();
     put("error", json!(1.0 - matching::matches(&pair, first).f1()));
+    let measured = Measured::new(&pair, Bins::over(&pair, BINS));
     for metric in table::metrics(settings) {
-        put(&metric.key(), json!(value(metric, &pair)));
+        put(&metric.key(), json!(metric.value(&measured)));
     }
     put("seconds_per_frame", json!(seconds / frames));
     put("frames_per_s", json!(frames / seconds));
@@ -157,28 +159,4 @@ fn ideal(settings: &Settings, entry: &Entry, limits: Limits<'_>) -> Result<Packe
         Refusal::Cannot(why) => Refusal::Cannot(format!("the f64 sensor: {why}")),
         Refusal::GivenUp(why) => Refusal::GivenUp(format!("the f64 sensor: {why}")),
     })
-}
-
-/// One metric; none where it has no value.
-fn value(metric: Metric, pair: &Pair) -> Option<f64> {
-    let bins = || voxel::voxels(pair, voxel::Bins::over(pair, 8));
-    match metric {
-        Metric::F1(within) => Some(matching::matches(pair, within).f1()),
-        Metric::Precision(within) => Some(matching::matches(pair, within).precision()),
-        Metric::Recall(within) => Some(matching::matches(pair, within).recall()),
-        Metric::VanRossum(tau) => Some(van_rossum::distance(pair, tau)),
-        Metric::VictorPurpura(shift) => Some(victor_purpura::distance(pair, shift)),
-        Metric::VoxelL1 => Some(bins().l1),
-        Metric::VoxelL1SignsApart => Some(bins().l1_signs_apart),
-        Metric::VoxelRmse => Some(bins().rmse),
-        Metric::CountPearson => counts::cells(pair).pearson,
-        Metric::CountL1 => Some(pair.per_event(counts::cells(pair).l1 as f64 / 2.0)),
-        Metric::RatePearson => rates::rates(pair).unsigned.pearson,
-        Metric::RateL1 => Some(rates::rates(pair).unsigned.l1),
-        Metric::SignedRatePearson => rates::rates(pair).signed.pearson,
-        Metric::SignedRateL1 => Some(rates::rates(pair).signed.l1),
-        Metric::Intervals => intervals::divergence(pair).map(|d| d.forward),
-        Metric::IntervalsBack => intervals::divergence(pair).map(|d| d.back),
-        Metric::Events | Metric::Bits => None,
-    }
 }

@@ -5,7 +5,7 @@
 //! evenly: of the first 2^k, each of 2^k equal parts of any axis has exactly one.
 
 use super::{grid::Axes, grid::MOST_POINTS, point::Point};
-use crate::chance::{GOLDEN, mix, uniform};
+use crate::rng::{GOLDEN, Hash};
 
 /// How points are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,11 +45,12 @@ impl Sample {
     pub fn part(&self, point: u64, dimension: usize) -> f64 {
         match self.method {
             Method::Random => {
-                let place = mix(self.seed ^ GOLDEN.wrapping_mul(dimension as u64 + 1));
-                uniform(mix(place ^ GOLDEN.wrapping_mul(point + 1)))
+                let spread = |n: u64| GOLDEN.wrapping_mul(n + 1);
+                let key = Hash::raw(self.seed).with_mixed(spread(dimension as u64));
+                key.with_mixed(spread(point)).uniform()
             }
             Method::Sobol => {
-                let seed = mix(self.seed.wrapping_add(GOLDEN)) as u32;
+                let seed = Hash::new(self.seed).bits() as u32;
                 f64::from(sobol_burley::sample(point as u32, dimension as u32, seed))
             }
         }

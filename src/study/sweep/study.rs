@@ -6,6 +6,7 @@ use super::{
     read::SEE,
     sample::{Method, Sample},
 };
+pub use crate::compare::metric::IN_STUDIES as METRICS;
 use crate::{
     compile::Effort,
     config::{
@@ -61,43 +62,6 @@ impl Settings {
         ])
     }
 }
-
-/// The metrics of a study, and what each is.
-pub const METRICS: [(&str, &str); 12] = [
-    (
-        "f1",
-        "harmonic mean of precision and recall, for each window",
-    ),
-    (
-        "precision",
-        "matched share of the point's events, for each window",
-    ),
-    (
-        "recall",
-        "matched share of the reference's events, for each window",
-    ),
-    ("count-l1", "L1 of counts per event, cell by cell"),
-    ("count-pearson", "Pearson of counts, cell by cell"),
-    (
-        "van-rossum",
-        "van Rossum's distance per event, for each time constant",
-    ),
-    (
-        "victor-purpura",
-        "Victor and Purpura's distance per event, for each shift that costs 1",
-    ),
-    (
-        "voxel-l1",
-        "L1 of voxel grids of 8 bins per event, ON less OFF",
-    ),
-    ("voxel-rmse", "root of the mean square of voxels, in events"),
-    ("rate-l1", "L1 of the map of ON + OFF, per event"),
-    ("rate-pearson", "Pearson of the map of ON + OFF"),
-    (
-        "intervals",
-        "divergence of the intervals between a cell's events, in nats",
-    ),
-];
 
 /// Metrics that are measured when none are named: the cheap ones.
 const USUAL: [&str; 5] = ["f1", "precision", "recall", "count-l1", "van-rossum"];

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value as Json};
 
 use super::study::Settings;
-use crate::{compare::ruler::Metric, unit::Micros};
+use crate::compare::metric::{Entry, Metric, Scale};
 
 /// A row: a value for each column that has one.
 pub type Row = Map<String, Json>;
@@ -197,24 +197,19 @@ pub fn names(settings: &Settings) -> Vec<String> {
 /// The metrics of a study, each at its scales.
 #[must_use]
 pub fn metrics(settings: &Settings) -> Vec<Metric> {
-    let at = |times: &[Micros], metric: fn(Micros) -> Metric| -> Vec<Metric> {
-        times.iter().map(|time| metric(*time)).collect()
-    };
-    let one = |name: &str| match name {
-        "f1" => at(&settings.within, Metric::F1),
-        "precision" => at(&settings.within, Metric::Precision),
-        "recall" => at(&settings.within, Metric::Recall),
-        "van-rossum" => at(&settings.van_rossum, Metric::VanRossum),
-        "victor-purpura" => at(&settings.victor_purpura, Metric::VictorPurpura),
-        "count-l1" => vec![Metric::CountL1],
-        "count-pearson" => vec![Metric::CountPearson],
-        "voxel-l1" => vec![Metric::VoxelL1],
-        "voxel-rmse" => vec![Metric::VoxelRmse],
-        "rate-l1" => vec![Metric::RateL1],
-        "rate-pearson" => vec![Metric::RatePearson],
-        _ => vec![Metric::Intervals],
-    };
-    settings.metrics.iter().flat_map(|name| one(name)).collect()
+    let named = settings
+        .metrics
+        .iter()
+        .filter_map(|name| Entry::in_studies(name));
+    let each = named.flat_map(|entry| {
+        entry.metrics(match entry.scale {
+            Scale::Window => &settings.within,
+            Scale::TimeConstant => &settings.van_rossum,
+            Scale::Shift => &settings.victor_purpura,
+            Scale::None => &[],
+        })
+    });
+    each.collect()
 }
 
 /// Whether a column may differ between machines.

@@ -1,12 +1,4 @@
-//! HDF5 laid out as the DSEC data set (Gehrig et al. 2021): `h5py.File(path)['events']`.
-//!
-//! `events/{t,x,y,p}` (and `channel`), `t_offset`, and `ms_to_idx`, the first event at or
-//! after each millisecond. `t` counts from `t_offset`, the whole millisecond of the first
-//! event, so `t + t_offset` is absolute. t is `<i8`, where DSEC has 32 bits without a sign;
-//! columns are deflated in chunks. Size, channels, time watched and drops are an attribute.
-//! Read with integers of any width; what is compressed by other filters (blosc) is refused.
-//! While a file is written it waits as a temporary file. Source:
-//! <https://dsec.ifi.uzh.ch/data-format/>.
+//! The events of such a file, read and written.
 
 use std::{
     io::{self, Seek, SeekFrom},
@@ -17,7 +9,7 @@ use hdf5_pure::{
     AttrValue, Dataset, Error, File, FileAccessProperties, FileBuilder, MaxExtent, SyncPolicy,
 };
 
-use super::{
+use super::super::{
     Fault, Format, Place,
     about::About,
     fault::Stop,

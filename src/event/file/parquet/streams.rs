@@ -1,10 +1,4 @@
-//! Parquet, a column each for t, x, y, p (and channel): `pyarrow.parquet.read_table(path)`.
-//!
-//! t is a 64-bit integer, x and y 16 and p and channel 8 bits without a sign; a million
-//! events a row group, pages compressed by Zstandard. Size, channels, time watched and drops
-//! are a key of the file, `amacrine`. Read with columns of 32 or 64 bits or booleans, in any
-//! order, beside others; a row group at a time. While a file is written it waits as a
-//! temporary file. Source: <https://parquet.apache.org/docs/file-format/>.
+//! The events of such a file, read and written.
 
 use std::{
     fs::File,
@@ -30,7 +24,7 @@ use parquet::{
     schema::parser::parse_message_type,
 };
 
-use super::{
+use super::super::{
     Fault, Format, Place,
     about::About,
     fault::Stop,

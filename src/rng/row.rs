@@ -1,22 +1,25 @@
-//! Chance as a hash of the place, so that no order of work can change it.
+//! Random numbers for the array: nearly normal, in `f32`, and a row of pixels at a time.
+//!
+//! Silicon draws a number for every pixel of every store, so a row is drawn in 32 bits, without a
+//! branch: that runs in wide vectors, which a [`Hash`] for each pixel does not.
 
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use crate::chance::{GOLDEN, mix};
+use super::Hash;
 
 /// A word from a seed, a kind of event, a register, a step and a pixel.
 #[inline]
-pub(super) const fn hash(seed: u64, kind: u64, register: u8, step: u64, pixel: u64) -> u64 {
-    let word = mix(seed.wrapping_add(GOLDEN.wrapping_mul(1 + kind)));
-    let word = mix(word ^ (register as u64) << 56 ^ step);
-    mix(word.wrapping_add(pixel.wrapping_mul(GOLDEN)))
+pub(crate) const fn hash(seed: u64, kind: u64, register: u8, step: u64, pixel: u64) -> u64 {
+    let reason = Hash::raw(seed).nth(1 + kind);
+    let place = reason.with_mixed((register as u64) << 56 ^ step);
+    place.nth(pixel).bits()
 }
 
 /// Nearly normal, mean 0 and variance 1: the sum of the eight bytes of a random word, so never
 /// beyond 4.9.
 #[inline]
-pub(super) fn normal(word: u64) -> f32 {
+pub(crate) fn normal(word: u64) -> f32 {
     // Bytes in pairs, then in fours: no loop.
     let pairs = (word & 0x00FF_00FF_00FF_00FF) + (word >> 8 & 0x00FF_00FF_00FF_00FF);
     let sum = pairs.wrapping_mul(0x0001_0001_0001_0001) >> 48;
@@ -31,7 +34,7 @@ pub(super) fn normal(word: u64) -> f32 {
 /// `lowbias32` (C. Wellons, public domain); the second half of the key comes in between, so
 /// that two words whose first halves lie close do not repeat each other a few pixels on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Draws {
+pub(crate) struct Draws {
     first: u32,
     second: u32,
 }
@@ -39,7 +42,7 @@ pub(super) struct Draws {
 impl Draws {
     /// From what [`hash`] takes, the pixel excepted.
     #[inline]
-    pub(super) const fn new(seed: u64, kind: u64, register: u8, step: u64) -> Self {
+    pub(crate) const fn new(seed: u64, kind: u64, register: u8, step: u64) -> Self {
         let key = hash(seed, kind, register, step, 0);
         Self {
             first: key as u32,
@@ -53,7 +56,7 @@ impl Draws {
     /// In three loops: the chain of operations in each is so short that the processor works on
     /// more pixels at once, and their constants stay in its registers.
     #[inline(always)]
-    pub(super) fn draw(self, first: u32, halves: &mut [u32]) {
+    pub(crate) fn draw(self, first: u32, halves: &mut [u32]) {
         let mut pixel = first.wrapping_add(self.first);
         for half in &mut *halves {
             *half = (pixel ^ pixel >> 16).wrapping_mul(0x7FEB_352D);
@@ -74,7 +77,7 @@ impl Draws {
 
     /// The value of a pixel.
     #[inline(always)]
-    pub(super) fn normal(halves: u32) -> f32 {
+    pub(crate) fn normal(halves: u32) -> f32 {
         let sum = (halves & 0xFFFF) + (halves >> 16);
         (sum as i32 as f32 - 1020.0) * (1.0 / 209.022_33)
     }
@@ -146,7 +149,7 @@ mod tests {
     #[test]
     fn the_sum_of_bytes_is_the_sum_of_bytes() {
         for i in 0..1000 {
-            let word = mix(i);
+            let word = Hash::raw(i).nth(1).bits();
             let slow: f32 = word.to_le_bytes().iter().map(|b| f32::from(*b)).sum();
             assert_eq!(normal(word), (slow - 1020.0) * (1.0 / 209.022_33));
         }

@@ -1,13 +1,10 @@
-//! Chance as a hash of where and why it is drawn, so that the order of work cannot change it.
+//! What the float model draws random numbers for, and for which cell.
 
-use crate::{
-    chance::{self, GOLDEN, mix},
-    elementary,
-};
+use crate::rng::{self, Hash};
 
 /// Why a number is drawn: no two reasons share their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Why {
+pub(super) enum Reason {
     ThresholdOn = 1,
     ThresholdOff = 2,
     LeakRate = 3,
@@ -30,30 +27,31 @@ pub(super) struct Place {
 
 impl Place {
     /// A uniform number in [0, 1); `step` is the pair, or whatever else comes again.
-    pub(super) fn uniform(self, why: Why, step: u64) -> f64 {
-        self.uniform_at(why, step, 0)
+    pub(super) fn uniform(self, reason: Reason, step: u64) -> f64 {
+        self.uniform_at(reason, step, 0)
     }
 
     /// The same for the `turn`-th number of a step.
-    pub(super) fn uniform_at(self, why: Why, step: u64, turn: u64) -> f64 {
-        Draws::new(self.seed, why).uniform_at(self, step, turn)
+    pub(super) fn uniform_at(self, reason: Reason, step: u64, turn: u64) -> f64 {
+        Draws::new(self.seed, reason).uniform_at(self, step, turn)
     }
 
-    /// A standard normal number (Box & Muller, 1958).
-    pub(super) fn normal(self, why: Why, step: u64) -> f64 {
-        let radius = 1.0 - self.uniform(why, 2 * step);
-        let angle = self.uniform(why, 2 * step + 1);
-        (-2.0 * elementary::ln(radius)).sqrt() * elementary::cos(std::f64::consts::TAU * angle)
+    /// A standard normal number.
+    pub(super) fn normal(self, reason: Reason, step: u64) -> f64 {
+        rng::normal(
+            self.uniform(reason, 2 * step),
+            self.uniform(reason, 2 * step + 1),
+        )
     }
 }
 
 /// All numbers of one reason: what they have in common is mixed once.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Draws(u64);
+pub(super) struct Draws(Hash);
 
 impl Draws {
-    pub(super) fn new(seed: u64, why: Why) -> Self {
-        Self(next(mix(seed.wrapping_add(GOLDEN)), why as u64))
+    pub(super) fn new(seed: u64, reason: Reason) -> Self {
+        Self(Hash::new(seed).with(reason as u64))
     }
 
     /// As [`Place::uniform_at`], of a place with the same seed.
@@ -61,15 +59,9 @@ impl Draws {
     pub(super) fn uniform_at(self, place: Place, step: u64, turn: u64) -> f64 {
         let Place { channel, y, x, .. } = place;
         let cell = ((channel as u64) << 48) | ((y as u64) << 24) | x as u64;
-        let h = next(next(self.0, cell), step ^ turn.rotate_left(32));
-        chance::uniform(h)
+        let key = self.0.with(cell).with(step ^ turn.rotate_left(32));
+        key.uniform()
     }
-}
-
-/// Mixes in one more word.
-#[inline]
-fn next(h: u64, word: u64) -> u64 {
-    mix((h ^ word).wrapping_add(GOLDEN))
 }
 
 #[cfg(test)]
@@ -102,19 +94,19 @@ mod tests {
             );
         };
         near(
-            mean(|p, s| p.uniform(Why::Jitter, s)),
+            mean(|p, s| p.uniform(Reason::Jitter, s)),
             0.5,
             (1f64 / 12.0).sqrt(),
         );
-        near(mean(|p, s| p.normal(Why::Jitter, s)), 0.0, 1.0);
+        near(mean(|p, s| p.normal(Reason::Jitter, s)), 0.0, 1.0);
         near(
-            mean(|p, s| p.normal(Why::Jitter, s).powi(2)),
+            mean(|p, s| p.normal(Reason::Jitter, s).powi(2)),
             1.0,
             2f64.sqrt(),
         );
         // Neighbours, steps, reasons and seeds are not alike.
         let product = |p: Place, q: Place| {
-            (p.uniform(Why::Jitter, 0) - 0.5) * (q.uniform(Why::Jitter, 0) - 0.5)
+            (p.uniform(Reason::Jitter, 0) - 0.5) * (q.uniform(Reason::Jitter, 0) - 0.5)
         };
         let apart = |a: f64, b: f64| (a - 0.5) * (b - 0.5);
         near(
@@ -127,13 +119,14 @@ mod tests {
             0.0,
             1.0 / 12.0,
         );
-        let drawn = |p: Place, why, step, turn| p.uniform_at(why, step, turn);
-        for (why, step, turn) in [
-            (Why::Jitter, 1, 0),
-            (Why::Jitter, 0, 1),
-            (Why::StraySign, 0, 0),
+        let drawn = |p: Place, reason, step, turn| p.uniform_at(reason, step, turn);
+        for (reason, step, turn) in [
+            (Reason::Jitter, 1, 0),
+            (Reason::Jitter, 0, 1),
+            (Reason::StraySign, 0, 0),
         ] {
-            let both = |p: Place, _| apart(drawn(p, Why::Jitter, 0, 0), drawn(p, why, step, turn));
+            let both =
+                |p: Place, _| apart(drawn(p, Reason::Jitter, 0, 0), drawn(p, reason, step, turn));
             near(mean(both), 0.0, 1.0 / 12.0);
         }
     }

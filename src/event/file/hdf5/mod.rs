@@ -1,0 +1,43 @@
+//! HDF5 laid out as the DSEC data set (Gehrig et al. 2021): `h5py.File(path)['events']`.
+//!
+//! `events/{t,x,y,p}` (and `channel`), `t_offset`, and `ms_to_idx`, the first event at or
+//! after each millisecond. `t` counts from `t_offset`, the whole millisecond of the first
+//! event, so `t + t_offset` is absolute. t is `<i8`, where DSEC has 32 bits without a sign;
+//! columns are deflated in chunks. Size, channels, time watched and drops are an attribute.
+//! Read with integers of any width; what is compressed by other filters (blosc) is refused.
+//! While a file is written it waits as a temporary file. Source:
+//! <https://dsec.ifi.uzh.ch/data-format/>.
+
+#[cfg(feature = "hdf5")]
+mod streams;
+
+use super::format::{Entry, Limits, Sign, Streams};
+
+#[cfg(feature = "hdf5")]
+const STREAMS: Option<Streams> = Some(Streams {
+    source: |origin, _| Ok(Box::new(streams::source(origin)?)),
+    sink: |head, _| Ok(Box::new(streams::sink(head))),
+});
+
+#[cfg(not(feature = "hdf5"))]
+const STREAMS: Option<Streams> = None;
+
+/// What the list of formats says of it.
+pub(super) const ENTRY: Entry = Entry {
+    name: "hdf5",
+    extension: "h5",
+    // Its index has a number for each millisecond.
+    limits: Limits {
+        silence: u32::MAX as u64,
+        ..Limits::WIDE
+    },
+    readers: "h5py, evlib, eventcv",
+    module: "h5py",
+    python: "h5py.File(path)['events']",
+    sign: Sign::Bytes(b"\x89HDF\r\n\x1a\n"),
+    streams: STREAMS,
+    also: &["hdf"],
+    rewinds: false,
+    clock_from_first: true,
+    ..Entry::PLAIN
+};

@@ -1,0 +1,90 @@
+//! Scenes made of another scene: its first frames, or its frames at another rate.
+
+use super::{Frame, Scene, SceneError};
+use crate::plane::Size;
+
+/// The first frames of a scene.
+#[derive(Debug)]
+pub struct First<S> {
+    source: S,
+    left: u64,
+}
+
+impl<S: Scene> First<S> {
+    /// At most so many.
+    pub const fn new(source: S, frames: u64) -> Self {
+        Self {
+            source,
+            left: frames,
+        }
+    }
+}
+
+impl<S: Scene> Scene for First<S> {
+    fn size(&self) -> Size {
+        self.source.size()
+    }
+
+    fn fps(&self) -> f64 {
+        self.source.fps()
+    }
+
+    fn fps_is_assumed(&self) -> bool {
+        self.source.fps_is_assumed()
+    }
+
+    fn frames(&self) -> Option<u64> {
+        self.source.frames().map(|frames| frames.min(self.left))
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        if self.left == 0 {
+            return Ok(None);
+        }
+        self.left -= 1;
+        self.source.next_frame()
+    }
+}
+
+/// A scene whose frames come at another rate.
+#[derive(Debug)]
+pub struct Retimed<S> {
+    source: S,
+    fps: f64,
+}
+
+impl<S: Scene> Retimed<S> {
+    /// So many frames a second.
+    ///
+    /// # Errors
+    /// When the rate is not a finite number above 0.
+    pub fn new(source: S, fps: f64) -> Result<Self, SceneError> {
+        if fps.is_finite() && fps > 0.0 {
+            Ok(Self { source, fps })
+        } else {
+            Err(SceneError::BadRate { fps })
+        }
+    }
+}
+
+impl<S: Scene> Scene for Retimed<S> {
+    fn size(&self) -> Size {
+        self.source.size()
+    }
+
+    fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    fn frames(&self) -> Option<u64> {
+        self.source.frames()
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let frame = self.source.next_frame()?;
+        Ok(frame.map(|frame| Frame {
+            seconds: frame.index as f64 / self.fps,
+            ..frame
+        }))
+    }
+}
