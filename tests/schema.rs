@@ -77,7 +77,10 @@ fn every_shipped_file_is_valid() {
     all_valid(&sweep::schema::json_schema(), texts("studies", ".toml"));
     let chip = isa::keys::json_schema();
     all_valid(&chip, texts("isa", "device.toml"));
-    all_valid(&chip["$defs"]["primitives"], texts("isa", "primitives.toml"));
+    all_valid(
+        &chip["$defs"]["primitives"],
+        texts("isa", "primitives.toml"),
+    );
     let program = program::json_schema();
     let parts = |mark: &'static str| {
         let programs = texts("programs", ".scamp").into_iter();
