@@ -1,8 +1,8 @@
 //! Values against the description of their keys.
 
 use super::{
-    Absent, Fault, Key, Kind, Node, Place, Read, Section, Table, document::Name, enough,
-    kind::listed, suggestion_or,
+    Absent, Fault, Kind, Node, Place, Read, Section, Table, document::Name, enough, kind::listed,
+    suggestion_or,
 };
 
 /// A value being checked: all that is wrong with it goes into `faults`.
@@ -68,6 +68,9 @@ impl Check<'_> {
                     self.wrong(beyond, message, format!("give {many}"));
                     return;
                 }
+                // The place of a table says which of the list it is.
+                let tables = matches!(of, Kind::Table(_) | Kind::Cases { .. });
+                let path = if tables { "" } else { path };
                 for item in list {
                     if enough(&self.faults) {
                         return;
@@ -136,7 +139,7 @@ impl Check<'_> {
                 return;
             }
             if let Some(key) = table.key(name.text) {
-                self.value(&key.kind, *value, &inner(path, key), key.what);
+                self.value(&key.kind, *value, &join(path, key.name), key.what);
             } else {
                 let fault = unknown_key(*name, table.names(), self.see);
                 self.faults.push(fault);
@@ -215,20 +218,6 @@ fn give(kind: &Kind, what: &str) -> String {
     }
 }
 
-/// The entries of a list of tables are named alone: their place says which it is.
-fn inner(path: &str, key: &Key) -> String {
-    if matches!(
-        key.kind,
-        Kind::List {
-            of: Kind::Table(_) | Kind::Cases { .. },
-            ..
-        }
-    ) {
-        return String::new();
-    }
-    join(path, key.name)
-}
-
 fn join(path: &str, key: &str) -> String {
     if path.is_empty() {
         key.to_owned()
@@ -272,7 +261,7 @@ pub fn unknown_key(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{File, Range};
+    use super::super::{File, Key, Range};
     use super::*;
 
     const INNER: Table = Table {
