@@ -194,28 +194,26 @@ impl Response {
         let curves = Section::new(node, &CURVES);
         let round =
             |section: &Section<'_>| Ok(section.word("round", &[false, true])? == Some(true));
-        if let Some(linear) = curves.get("linear") {
-            if let Some(white) = linear.as_number() {
-                return Ok(Self::new(Curve::Linear { white }));
-            }
-            let linear = Section::new(linear, &LINEAR);
+        if let Some(white) = curves.maybe_number("linear") {
+            return Ok(Self::new(Curve::Linear { white }));
+        }
+        if let Some(linear) = curves.table("linear") {
             let white = linear.number("white")?;
             return Ok(Self {
                 curve: Curve::Linear { white },
                 round_f32: round(&linear)?,
             });
         }
-        if let Some(log) = curves.get("log") {
-            let log = Section::new(log, &LOG);
+        if let Some(log) = curves.table("log") {
             let (white, offset) = (log.number("white")?, log.number("offset")?);
             return Ok(Self {
                 curve: Curve::Log { white, offset },
                 round_f32: round(&log)?,
             });
         }
-        Ok(Self::new(match curves.get("lin-log") {
-            Some(knee) => Curve::LinLog {
-                knee: Section::new(knee, &LIN_LOG).number("knee")?,
+        Ok(Self::new(match curves.table("lin-log") {
+            Some(lin_log) => Curve::LinLog {
+                knee: lin_log.number("knee")?,
             },
             None => Curve::Identity,
         }))

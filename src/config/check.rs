@@ -1,8 +1,8 @@
 //! Values against the description of their keys.
 
 use super::{
-    Absent, Fault, Key, Kind, Node, Place, Read, Section, Table, document::Name, enough,
-    kind::listed, suggestion_or,
+    Absent, Fault, Kind, Node, Place, Read, Section, Table, document::Name, enough, kind::listed,
+    suggestion_or,
 };
 
 /// A value being checked: all that is wrong with it goes into `faults`.
@@ -23,11 +23,10 @@ impl Check<'_> {
         let place = node.place();
         let text = node.as_text();
         match (kind, text) {
-            (Kind::Text, Some(_)) => {}
             (Kind::Name, Some("")) => {
                 self.wrong(place, format!("`{path}` is empty"), give(kind, what));
             }
-            (Kind::Name, Some(_)) => {}
+            (Kind::Text | Kind::Name, Some(_)) => {}
             (Kind::Choice(words), Some(word)) => {
                 if let Err(fault) = choice(word, words, place, self.see) {
                     self.faults.push(fault);
@@ -69,6 +68,9 @@ impl Check<'_> {
                     self.wrong(beyond, message, format!("give {many}"));
                     return;
                 }
+                // The place of a table says which of the list it is.
+                let tables = matches!(of, Kind::Table(_) | Kind::Cases { .. });
+                let path = if tables { "" } else { path };
                 for item in list {
                     if enough(&self.faults) {
                         return;
@@ -136,13 +138,12 @@ impl Check<'_> {
             if enough(&self.faults) {
                 return;
             }
-            match table.key(name.text) {
-                Some(key) => self.value(&key.kind, *value, &inner(path, key), key.what),
-                None => {
-                    let fault = unknown_key(*name, table.names(), self.see);
-                    self.faults.push(fault);
-                    unknown = true;
-                }
+            if let Some(key) = table.key(name.text) {
+                self.value(&key.kind, *value, &join(path, key.name), key.what);
+            } else {
+                let fault = unknown_key(*name, table.names(), self.see);
+                self.faults.push(fault);
+                unknown = true;
             }
         }
         // What is missing is most likely what was misspelled.
@@ -217,20 +218,6 @@ fn give(kind: &Kind, what: &str) -> String {
     }
 }
 
-/// The entries of a list of tables are named alone: their place says which it is.
-fn inner(path: &str, key: &Key) -> String {
-    if matches!(
-        key.kind,
-        Kind::List {
-            of: Kind::Table(_) | Kind::Cases { .. },
-            ..
-        }
-    ) {
-        return String::new();
-    }
-    join(path, key.name)
-}
-
 fn join(path: &str, key: &str) -> String {
     if path.is_empty() {
         key.to_owned()
@@ -270,4 +257,92 @@ pub fn unknown_key(
     );
     let help = suggestion_or(name.text, known, see);
     Fault::error(name.place, message, "not known here").help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{File, Key, Range};
+    use super::*;
+
+    const INNER: Table = Table {
+        one_of: &["one", "other"],
+        keys: &[
+            Key::optional("one", Kind::Flag, "a flag").example("one = true"),
+            Key::optional("other", Kind::Number(Range::POSITIVE), "a number"),
+        ],
+    };
+
+    const FILE: File = File {
+        title: "a test",
+        kind: Kind::Table(&Table::new(&[
+            Key::required("kind", Kind::Choice(&["round", "square"]), "its shape"),
+            Key::with_default("size", Kind::Whole { least: 1, most: 9 }, "3", "its size"),
+            Key::optional("inner", Kind::Table(&INNER), "what is inside"),
+            Key::optional(
+                "way",
+                Kind::Either {
+                    ways: &[Kind::Number(Range::POSITIVE), Kind::Table(&INNER)],
+                    expected: "a number or a table",
+                },
+                "a way",
+            ),
+        ])),
+        see: "look it up",
+    };
+
+    /// Line, column, message and help of all that is wrong.
+    fn said(text: &str) -> Vec<String> {
+        let wrong = FILE.read("t", text, |_| Ok(())).unwrap_err();
+        let line = |it: &super::super::Located| {
+            format!("{it} | {}", it.fault.help.as_deref().unwrap_or(""))
+        };
+        wrong.faults.iter().map(line).collect()
+    }
+
+    #[test]
+    fn every_fault_has_its_place_and_its_help() {
+        assert!(FILE.read("t", "kind = \"round\"", |_| Ok(())).is_ok());
+        for (text, want) in [
+            ("", "t:1:1: missing key `kind` | add it: its shape"),
+            (
+                "knd = 1",
+                "t:1:1: unknown key `knd`, expected one of `kind`, `size`, `inner`, `way` | did you mean `kind`?",
+            ),
+            (
+                "kind = \"circle\"",
+                "t:1:8: unknown value `circle`, expected `round` or `square` | look it up",
+            ),
+            (
+                "kind = \"round\"\nsize = 12",
+                "t:2:8: `size` is 12 | give a whole number from 1 to 9: its size",
+            ),
+            (
+                "kind = \"round\"\nsize = \"12\"",
+                "t:2:8: `size` takes a whole number from 1 to 9, this is a text | look it up",
+            ),
+            (
+                "kind = \"round\"\ninner = {}",
+                "t:2:9: missing key `one`, `other` | add one of them, such as one = true",
+            ),
+            (
+                "kind = \"round\"\ninner = { one = true, other = 1 }",
+                "t:2:9: only one of `one`, `other` can be given | leave the others out",
+            ),
+            (
+                "kind = \"round\"\nway = { other = -1 }",
+                "t:2:17: `way.other` is -1 | give a number above 0: a number",
+            ),
+            (
+                "kind = \"round\"\nway = []",
+                "t:2:7: `way` takes a number or a table | look it up",
+            ),
+            (
+                "kind = ",
+                "t:1:8: not TOML: string values must be quoted, expected literal string | write key = value; words go in quotes, as in name = \"word\"",
+            ),
+        ] {
+            assert_eq!(said(text), [want], "{text}");
+        }
+        assert_eq!(said("kind = 3\nsize = 0").len(), 2, "all at once");
+    }
 }

@@ -1,6 +1,6 @@
 //! A table that was checked: typed values by the names of their keys.
 
-use super::{Absent, Fault, Key, Kind, Node, Place, Read, Table, choice};
+use super::{Absent, Fault, Key, Kind, Name, Node, Place, Read, Table, choice};
 
 /// A table of a document, and what its keys are.
 #[derive(Clone, Copy, Debug)]
@@ -128,6 +128,63 @@ impl<'a> Section<'a> {
         let node = self.need(key)?;
         node.as_whole()
             .ok_or_else(|| other(key, node, "a whole number"))
+    }
+
+    /// The text of a key that may be left out.
+    #[must_use]
+    pub fn maybe_text(&self, key: &str) -> Option<String> {
+        self.get(key)?.as_text().map(str::to_owned)
+    }
+
+    /// The number of a key that may be left out.
+    #[must_use]
+    pub fn maybe_number(&self, key: &str) -> Option<f64> {
+        self.get(key)?.as_number()
+    }
+
+    /// The whole number of a key that may be left out.
+    #[must_use]
+    pub fn maybe_whole(&self, key: &str) -> Option<u64> {
+        self.get(key)?.as_whole()
+    }
+
+    /// The table of a key, if it has one; its keys are those that the key describes.
+    #[must_use]
+    pub fn table(&self, key: &str) -> Option<Section<'a>> {
+        let node = self.get(key)?;
+        let table = match &self.table.key(key)?.kind {
+            Kind::Table(table) => Some(*table),
+            Kind::Either { ways, .. } => ways.iter().find_map(|way| match way {
+                Kind::Table(table) => Some(*table),
+                _ => None,
+            }),
+            _ => None,
+        };
+        node.as_table()?;
+        Some(Self::new(node, table?))
+    }
+
+    /// The tables of a key's list; none when it is left out.
+    #[must_use]
+    pub fn tables(&self, key: &str) -> Vec<Section<'a>> {
+        let of = self.table.key(key).map(|key| &key.kind);
+        let Some(Kind::List {
+            of: Kind::Table(table),
+            ..
+        }) = of
+        else {
+            return Vec::new();
+        };
+        let list = self.list(key).into_iter();
+        list.map(|node| Self::new(node, table)).collect()
+    }
+
+    /// The names that the writer has chosen in a key's table, and what they have; none when it
+    /// is left out.
+    #[must_use]
+    pub fn entries(&self, key: &str) -> Vec<(Name<'a>, Node<'a>)> {
+        let table = self.get(key).and_then(Node::as_table);
+        table.unwrap_or_default()
     }
 
     /// The flag of a key; `false` when it is left out.

@@ -17,7 +17,7 @@ use ndarray_npy::{ViewElement, ViewNpyError, ViewNpyExt};
 
 use super::{Kernel, KernelError};
 use crate::{
-    config::{Fault, Faults, File, Key, Kind, Node, Range, Read, Section, Table},
+    config::{Fault, Faults, File, Key, Kind, Range, Read, Section, Table},
     elementary,
     limit::KERNEL_SIDE,
     plane::Plane,
@@ -108,16 +108,6 @@ struct Gaussian {
     gain: f64,
 }
 
-impl Gaussian {
-    fn read(node: Node<'_>) -> Read<Self> {
-        let written = Section::new(node, &GAUSSIAN);
-        Ok(Self {
-            sigma: written.number("sigma")?,
-            gain: written.number("gain")?,
-        })
-    }
-}
-
 impl KernelFileError {
     /// What is wrong, with the file that it is wrong with.
     #[must_use]
@@ -144,13 +134,17 @@ impl Kernel {
                 let rows = rows.as_rows().unwrap_or_default();
                 return Self::from_rows(&rows).map_err(|e| wrong("weights", e.to_string()));
             }
-            if let Some(side) = file.get("centre-surround").and_then(Node::as_whole) {
+            if let Some(side) = file.maybe_whole("centre-surround") {
                 let side = usize::try_from(side).unwrap_or(usize::MAX);
                 let made = Self::centre_surround(side);
                 return made.map_err(|e| wrong("centre-surround", e.to_string()));
             }
-            let parts = file.list("gaussians").into_iter().map(Gaussian::read);
-            let parts = parts.collect::<Read<Vec<_>>>()?;
+            let part = |part: &Section<'_>| {
+                let (sigma, gain) = (part.number("sigma")?, part.number("gain")?);
+                Ok(Gaussian { sigma, gain })
+            };
+            let parts = file.tables("gaussians");
+            let parts = parts.iter().map(part).collect::<Read<Vec<_>>>()?;
             sum_of_gaussians(&parts).map_err(|e| wrong("gaussians", e.to_string()))
         })?;
         Ok(kernel)
@@ -341,7 +335,7 @@ mod tests {
         assert_eq!(said(""), format!("k.toml:1:1: missing key {ways}"));
         let both = said("weights = [[1]]\ncentre-surround = 3");
         assert_eq!(both, format!("k.toml:1:1: only one of {ways} can be given"));
-        assert!(said("dog = 3").contains("things are wrong"));
+        assert!(said("dog = 3").starts_with("k.toml:1:1: unknown key `dog`"));
         let sigma = said("gaussians = [{ sigma = 30, gain = 1 }]");
         assert_eq!(sigma, "k.toml:1:24: `sigma` is 30");
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::{
-    config::{Fault, File, Key, Kind, Node, Place, Range, Read, Section, Table, schema},
+    config::{Fault, File, Key, Kind, Name, Node, Place, Range, Read, Section, Table, schema},
     kernel,
 };
 
@@ -279,50 +279,44 @@ impl Settings {
 
     fn stated(root: Node<'_>) -> Read<Self> {
         let top = Section::new(root, &SETTINGS);
-        let text = |key: &str| Some(top.get(key)?.as_text()?.to_owned());
-        let number = |key: &str| top.get(key)?.as_number();
-        let whole = |key: &str| top.get(key)?.as_whole();
-        let size: Vec<u64> = top
+        let size: Vec<_> = top
             .list("size")
             .into_iter()
             .filter_map(Node::as_whole)
             .collect();
-        let constants = top
-            .get("const")
-            .and_then(Node::as_table)
-            .unwrap_or_default();
-        let constants = constants.into_iter();
+        let constants = top.entries("const").into_iter();
         Ok(Self {
-            title: text("title"),
-            chip: text("chip"),
-            image: text("image"),
-            fps: number("fps"),
-            frames: whole("frames"),
+            title: top.maybe_text("title"),
+            chip: top.maybe_text("chip"),
+            image: top.maybe_text("image"),
+            fps: top.maybe_number("fps"),
+            frames: top.maybe_whole("frames"),
             size: match size.as_slice() {
                 [height, width] => Some((*height as usize, *width as usize)),
                 _ => None,
             },
-            domain: text("domain"),
+            domain: top.maybe_text("domain"),
             clip: top.get("clip").and_then(Node::as_flag),
-            edge: number("edge"),
-            channels: whole("channels").map(|n| n as u8),
+            edge: top.maybe_number("edge"),
+            channels: top.maybe_whole("channels").map(|n| n as u8),
             constants: constants
                 .filter_map(|(name, value)| Some((name.text.to_owned(), value.as_number()?)))
                 .collect(),
-            computes: top.get("computes").map(Computes::stated).transpose()?,
+            computes: top
+                .table("computes")
+                .map(|it| Computes::stated(&it))
+                .transpose()?,
         })
     }
 }
 
 impl Computes {
-    fn stated(node: Node<'_>) -> Read<Self> {
-        let computes = Section::new(node, &COMPUTES);
-        let text = |key: &str| Some(computes.get(key)?.as_text()?.to_owned());
+    fn stated(computes: &Section<'_>) -> Read<Self> {
         Ok(Self {
             kernel: computes.need("kernel")?.as_rows().unwrap_or_default(),
             scale: computes.number("scale")?,
-            threshold: text("threshold"),
-            register: text("register"),
+            threshold: computes.maybe_text("threshold"),
+            register: computes.maybe_text("register"),
         })
     }
 }
@@ -334,35 +328,25 @@ impl Expectation {
     }
 
     fn stated(root: Node<'_>) -> Read<Self> {
-        let whole = |node: Node<'_>, key: &str| node.get(key).and_then(Node::as_whole);
-        let number = |node: Node<'_>, key: &str| node.get(key).and_then(Node::as_number);
-        let words = |node: Node<'_>| {
-            Some(ExpectedWords {
-                init: whole(node, "init")?,
-                frame: whole(node, "frame")?,
-            })
+        let top = Section::new(root, &EXPECTATION);
+        let words = |it: Section<'_>| {
+            let (init, frame) = (it.whole("init")?, it.whole("frame")?);
+            Ok(ExpectedWords { init, frame })
         };
-        let events = |node: Node<'_>| {
-            Some(ExpectedEvents {
-                on: whole(node, "on")?,
-                off: whole(node, "off")?,
-            })
+        let events = |it: Section<'_>| {
+            let (on, off) = (it.whole("on")?, it.whole("off")?);
+            Ok(ExpectedEvents { on, off })
         };
-        let summary = |node: Node<'_>| {
-            Some(Summary {
-                min: number(node, "min")?,
-                max: number(node, "max")?,
-                sum: number(node, "sum")?,
-            })
+        let summary = |(name, node): (Name<'_>, Node<'_>)| {
+            let it = Section::new(node, &SUMMARY);
+            let (min, max, sum) = (it.number("min")?, it.number("max")?, it.number("sum")?);
+            Ok((name.text.to_owned(), Summary { min, max, sum }))
         };
-        let registers = root.get("registers").and_then(Node::as_table);
-        let registers = registers.unwrap_or_default().into_iter();
+        let registers = top.entries("registers").into_iter();
         Ok(Self {
-            words: root.get("words").and_then(words),
-            events: root.get("events").and_then(events),
-            registers: registers
-                .filter_map(|(name, node)| Some((name.text.to_owned(), summary(node)?)))
-                .collect(),
+            words: top.table("words").map(words).transpose()?,
+            events: top.table("events").map(events).transpose()?,
+            registers: registers.map(summary).collect::<Read<_>>()?,
         })
     }
 }

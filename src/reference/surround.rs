@@ -152,12 +152,10 @@ impl Surrounds {
                     return Err(fault(given.place(), message, advice));
                 }
             }
-            let sheet = |node| {
-                let sheet = Section::new(node, &SHEET);
-                Surround::read(&sheet, sheet.number("gain")?, gain, rule)
-            };
-            let sheets = mesh.list("sheets").into_iter();
-            sheets.map(sheet).collect::<Read<_>>()?
+            let sheets = mesh.tables("sheets").into_iter();
+            sheets
+                .map(|sheet| Surround::read(&sheet, sheet.number("gain")?, gain, rule))
+                .collect::<Read<_>>()?
         };
         let centre = mesh.number("centre")?;
         Ok(Self {
@@ -171,7 +169,7 @@ impl Surrounds {
 impl Surround {
     fn read(section: &Section<'_>, own: f64, gain: f64, rule: SheetRule) -> Read<Self> {
         let lambda = section.number("lambda")?;
-        let down = section.get("lambda-y").and_then(Node::as_number);
+        let down = section.maybe_number("lambda-y");
         let sheet = Sheet::anisotropic(down.unwrap_or(lambda), lambda).map_err(|e| {
             let advice =
                 "give a number of pixels, 0 or more: λ² is transverse over lateral resistance";

@@ -2,7 +2,7 @@
 
 use super::{
     super::{Clock, Evidence, HostKind, Kind, Quantity},
-    keys::{self, DEVICE, HOST, PRIMITIVE, PRIMITIVES, QUANTITY, REGISTERS, ROLES},
+    keys::{self, DEVICE, PRIMITIVES, QUANTITY},
 };
 use crate::config::{Faults, Node, Place, Read, Section};
 
@@ -67,26 +67,26 @@ pub(super) fn device(name: &str, text: &str) -> Result<DeviceFile, Faults> {
     keys::DEVICE_FILE.read(name, text, |root| {
         let top = Section::new(root, &DEVICE);
         let mut figures = Vec::new();
-        for (section, node) in table(top.get("figure")) {
-            for (key, node) in table(Some(node)) {
+        for (section, node) in top.entries("figure") {
+            for (key, node) in node.as_table().unwrap_or_default() {
                 let name = Placed {
                     value: key.text.to_owned(),
                     place: key.place,
                 };
-                figures.push((section.text.to_owned(), name, quantity(node)?));
+                let stated = quantity(&Section::new(node, &QUANTITY))?;
+                figures.push((section.text.to_owned(), name, stated));
             }
         }
         Ok(DeviceFile {
             name: placed(top.need("name")?),
             title: top.text("title")?.to_owned(),
             extends: top.get("extends").map(placed),
-            registers: top.get("registers").map(registers).transpose()?,
+            registers: top
+                .table("registers")
+                .map(|it| registers(&it))
+                .transpose()?,
             figures,
-            host: top
-                .list("host")
-                .into_iter()
-                .map(host)
-                .collect::<Read<_>>()?,
+            host: top.tables("host").iter().map(host).collect::<Read<_>>()?,
         })
     })
 }
@@ -94,13 +94,12 @@ pub(super) fn device(name: &str, text: &str) -> Result<DeviceFile, Faults> {
 /// The text of `primitives.toml`; `name` is told in messages.
 pub(super) fn primitives(name: &str, text: &str) -> Result<Vec<RowFile>, Faults> {
     keys::PRIMITIVES_FILE.read(name, text, |root| {
-        let rows = Section::new(root, &PRIMITIVES).list("primitive");
-        rows.into_iter().map(row).collect()
+        let rows = Section::new(root, &PRIMITIVES).tables("primitive");
+        rows.iter().map(row).collect()
     })
 }
 
-fn row(node: Node<'_>) -> Read<RowFile> {
-    let row = Section::new(node, &PRIMITIVE);
+fn row(row: &Section<'_>) -> Read<RowFile> {
     Ok(RowFile {
         kind: row.needed_word("name", Kind::ALL)?,
         forms: row.list("forms").into_iter().map(placed).collect(),
@@ -112,25 +111,23 @@ fn row(node: Node<'_>) -> Read<RowFile> {
     })
 }
 
-fn host(node: Node<'_>) -> Read<HostFile> {
-    let row = Section::new(node, &HOST);
+fn host(row: &Section<'_>) -> Read<HostFile> {
     Ok(HostFile {
         kind: row.needed_word("name", HostKind::ALL)?,
         forms: row.list("forms").into_iter().map(placed).collect(),
         meaning: row.text("meaning")?.to_owned(),
-        call: quantity(row.need("call")?)?,
-        item: row.get("item").map(quantity).transpose()?,
+        call: quantity(&Section::new(row.need("call")?, &QUANTITY))?,
+        item: row.table("item").map(|it| quantity(&it)).transpose()?,
     })
 }
 
-fn registers(node: Node<'_>) -> Read<RegistersFile> {
-    let part = Section::new(node, &REGISTERS);
+fn registers(part: &Section<'_>) -> Read<RegistersFile> {
     let names = |key: &str| {
         let list = part.get(key)?.as_list()?;
         Some(list.into_iter().map(placed).collect())
     };
-    let mut aliases: Vec<_> = table(part.get("aliases"))
-        .into_iter()
+    let aliases = part.entries("aliases").into_iter();
+    let mut aliases: Vec<_> = aliases
         .map(|(alias, name)| (alias.text.to_owned(), placed(name)))
         .collect();
     aliases.sort_by(|a, b| a.0.cmp(&b.0));
@@ -139,12 +136,11 @@ fn registers(node: Node<'_>) -> Read<RegistersFile> {
         news: part.get("news").map(placed),
         digital: names("digital"),
         aliases,
-        roles: part.get("roles").map(roles).transpose()?,
+        roles: part.table("roles").map(|it| roles(&it)).transpose()?,
     })
 }
 
-fn roles(node: Node<'_>) -> Read<RolesFile> {
-    let roles = Section::new(node, &ROLES);
+fn roles(roles: &Section<'_>) -> Read<RolesFile> {
     let role = |key: &str| roles.need(key).map(placed);
     Ok(RolesFile {
         mask: role("mask")?,
@@ -153,19 +149,17 @@ fn roles(node: Node<'_>) -> Read<RolesFile> {
     })
 }
 
-fn quantity(node: Node<'_>) -> Read<Placed<Quantity>> {
-    let stated = Section::new(node, &QUANTITY);
-    let note = stated.get("note").and_then(Node::as_text);
+fn quantity(stated: &Section<'_>) -> Read<Placed<Quantity>> {
     let value = Quantity {
         value: stated.number("value")?,
         unit: stated.text("unit")?.to_owned(),
         source: stated.text("source")?.to_owned(),
         evidence: stated.needed_word("evidence", &Evidence::ALL)?,
-        note: note.map(str::to_owned),
+        note: stated.maybe_text("note"),
     };
     Ok(Placed {
         value,
-        place: node.place(),
+        place: stated.place(),
     })
 }
 
@@ -174,8 +168,4 @@ fn placed(node: Node<'_>) -> Placed<String> {
         value: node.as_text().unwrap_or_default().to_owned(),
         place: node.place(),
     }
-}
-
-fn table(node: Option<Node<'_>>) -> Vec<(crate::config::Name<'_>, Node<'_>)> {
-    node.and_then(Node::as_table).unwrap_or_default()
 }

@@ -52,7 +52,7 @@ pub(super) const DEVICE: Table = Table::new(&[
 
 const TEXTS: Kind = Kind::list(&Kind::Text);
 
-pub(super) const REGISTERS: Table = Table::new(&[
+const REGISTERS: Table = Table::new(&[
     Key::optional("analogue", TEXTS, "names of the analogue ones"),
     Key::optional(
         "news",
@@ -72,7 +72,7 @@ pub(super) const REGISTERS: Table = Table::new(&[
     ),
 ]);
 
-pub(super) const ROLES: Table = Table::new(&[
+const ROLES: Table = Table::new(&[
     Key::required(
         "mask",
         Kind::Text,
@@ -120,7 +120,7 @@ pub(super) const QUANTITY: Table = Table::new(&[
 
 const FORMS: Key = Key::required("forms", TEXTS, "how it can be written");
 
-pub(super) const HOST: Table = Table::new(&[
+const HOST: Table = Table::new(&[
     Key::required("name", Kind::Choice(HostKind::WORDS), "which operation"),
     FORMS,
     Key::required("meaning", Kind::Text, "what it does"),
@@ -138,7 +138,7 @@ pub(super) const PRIMITIVES: Table = Table::new(&[Key::required(
     "the instructions, one [[primitive]] each",
 )]);
 
-pub(super) const PRIMITIVE: Table = Table::new(&[
+const PRIMITIVE: Table = Table::new(&[
     Key::required("name", Kind::Choice(Primitive::WORDS), "which primitive"),
     FORMS,
     Key::required("equation", Kind::Text, "what it does"),

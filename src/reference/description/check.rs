@@ -11,7 +11,7 @@ use super::{
     super::{noise::Noise, surround::Surrounds},
     Border, Channel, Description, MemoryRule, PolarityRule, ReadFile, Refractory, RefractoryRule,
     Threshold,
-    keys::{CHANNEL, REFRACTORY, SENSOR, THRESHOLD},
+    keys::{REFRACTORY, SENSOR, THRESHOLD},
 };
 
 /// A sensor file being read.
@@ -36,12 +36,12 @@ impl Reader<'_> {
             Some(noise) => Noise::read(noise, memory, refractory.rule)?,
             None => Noise::NONE,
         };
-        let channels = written.list("channel").into_iter();
-        let channels = channels.map(|channel| self.channel(memory, channel));
+        let channels = written.tables("channel").into_iter();
+        let channels = channels.map(|channel| self.channel(memory, &channel));
         let border = written.word("border", &[Border::Replicate, Border::Zero])?;
-        let name = written.get("name").and_then(Node::as_text);
+        let name = written.maybe_text("name");
         Ok(Description {
-            name: name.unwrap_or_else(|| stem(self.file)).to_owned(),
+            name: name.unwrap_or_else(|| stem(self.file).to_owned()),
             response: Response::read(written.need("response")?)?,
             memory,
             polarity,
@@ -52,8 +52,7 @@ impl Reader<'_> {
         })
     }
 
-    fn channel(&self, memory: MemoryRule, node: Node<'_>) -> Read<Channel> {
-        let written = Section::new(node, &CHANNEL);
+    fn channel(&self, memory: MemoryRule, written: &Section<'_>) -> Read<Channel> {
         let four = written.get("pattern").is_some();
         let log_temporal = written.flag("log-temporal");
         let gain = written.number("gain")?;
@@ -95,9 +94,8 @@ impl Reader<'_> {
             .iter()
             .map(|kernel| super::kernels::scaled(kernel, gain, kernel_place))
             .collect::<Read<_>>()?;
-        let name = written.get("name").and_then(Node::as_text);
         Ok(Channel {
-            name: name.map(str::to_owned),
+            name: written.maybe_text("name"),
             kernels,
             surrounds,
             thresholds,

@@ -111,7 +111,7 @@ pub const THRESHOLD: Table = Table::new(&[
     ),
 ]);
 
-pub(super) const CHANNEL: Table = Table {
+const CHANNEL: Table = Table {
     one_of: &["kernel", "mesh"],
     keys: &[
         Key::optional("name", Kind::Text, "what this kind of cell is called"),

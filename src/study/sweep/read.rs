@@ -151,7 +151,7 @@ fn ramp(key: &Key, node: Node<'_>) -> Read<Ramp> {
     let parts = Section::new(node, &RAMP);
     let (from, to) = (parts.number("from")?, parts.number("to")?);
     let log = parts.flag("log");
-    let mut steps = parts.get("steps").and_then(Node::as_whole);
+    let mut steps = parts.maybe_whole("steps");
     let is_whole = matches!(key.kind, Kind::Whole { .. });
     let wrong = |what: String, help: &str| Err(Fault::error(place, what, "here").help(help));
     for end in [from, to] {

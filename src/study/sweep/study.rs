@@ -331,10 +331,9 @@ fn settings_of(written: &Section<'_>) -> Read<Settings> {
 }
 
 fn sample_of(settings: &Section<'_>) -> Read<Option<Sample>> {
-    let Some(node) = settings.get("sample") else {
+    let Some(sample) = settings.table("sample") else {
         return Ok(None);
     };
-    let sample = Section::new(node, &SAMPLE);
     let method = sample.word("method", &[Method::Random, Method::Sobol])?;
     let method = method.unwrap_or(Method::Random);
     let points = sample.whole("points")?;
