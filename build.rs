@@ -58,19 +58,17 @@ fn chips(isa: &Path) -> io::Result<String> {
     let text = |name: &str, file: &str| {
         format!("include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/isa/{name}/{file}\"))")
     };
-    let mut rows = String::new();
-    for name in &names {
-        let other = |file: &str| match isa.join(name).join(file).is_file() {
-            true => format!("Some({})", text(name, file)),
-            false => "None".to_owned(),
+    let row = |name: &String| {
+        let other = |file: &str| {
+            let there = isa.join(name).join(file).is_file();
+            there.then(|| text(name, file))
         };
-        rows += &format!(
-            "({name:?}, {}, {}, {}),\n",
-            text(name, "device.toml"),
-            other("primitives.toml"),
-            other("macros.scamp")
-        );
-    }
+        let other = |file| other(file).map_or("None".to_owned(), |text| format!("Some({text})"));
+        let device = text(name, "device.toml");
+        let (words, macros) = (other("primitives.toml"), other("macros.scamp"));
+        format!("({name:?}, {device}, {words}, {macros}),\n")
+    };
+    let rows: String = names.iter().map(row).collect();
     Ok(format!("&[\n{rows}]"))
 }
 

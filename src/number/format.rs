@@ -73,14 +73,13 @@ const NAMES: &[(&str, Format)] = &[
 
 /// How all names are written, with commas between.
 fn known() -> String {
-    let mut all = Vec::new();
-    for alike in NAMES.chunk_by(|(_, a), (_, b)| a == b) {
-        let mut names = alike.iter().rev().map(|(name, _)| *name);
-        let first = names.next().unwrap_or_default();
-        let others: String = names.map(|name| format!(" ({name})")).collect();
-        all.push(format!("{first}{others}"));
-    }
-    all.join(", ")
+    let alike = NAMES.chunk_by(|(_, a), (_, b)| a == b);
+    let each = alike.map(|names| match names {
+        [(own, _), (other, _), ..] => format!("{other} ({own})"),
+        [(own, _)] => (*own).to_owned(),
+        [] => String::new(),
+    });
+    each.collect::<Vec<_>>().join(", ")
 }
 
 impl fmt::Display for Format {

@@ -149,7 +149,10 @@ impl Scene for Lasting {
         let too_short = scene
             .as_ref()
             .is_none_or(|scene| scene.frames().is_none_or(|all| all < self.enough));
-        let next = scene.map_or(Ok(None), |scene| scene.next_frame())?;
+        let next = match scene {
+            Some(scene) => scene.next_frame()?,
+            None => None,
+        };
         let index = self.given;
         let frame = match next {
             Some(frame) => frame,

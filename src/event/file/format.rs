@@ -125,11 +125,14 @@ pub(super) enum Sign {
     Line(fn(&[&str]) -> bool),
 }
 
+/// A file whose header was read, or what is wrong with it.
+type Opened = Result<Box<dyn Source>, Stop>;
+
 /// How events come from a file and go into one.
 #[derive(Clone, Copy)]
 pub(super) struct Streams {
     /// Reads what stands before the events; the chunks are those of the origin.
-    pub source: fn(&Origin, Chunks) -> Result<Box<dyn Source>, Stop>,
+    pub source: fn(&Origin, Chunks) -> Opened,
     /// Begins to write; the error is that of temporary files.
     pub sink: fn(&Head, Compression) -> io::Result<Box<dyn Sink>>,
 }

@@ -5,11 +5,10 @@
 //! grows from 0, a weight changes its level where it lies in the middle of two; between these
 //! places nothing changes, so looking once between each finds the best of all.
 
-use super::{Entry, Parameters, QuantiseError, Quantiser, Sum, affordable, best_scale, total};
+use super::{
+    Chosen, Entry, Parameters, QuantiseError, Quantiser, Sum, affordable, best_scale, total,
+};
 use crate::limit::{QUANTISER_STEPS, QUANTISER_TABLE};
-
-/// The level of each weight, and the scale.
-type Chosen = (Vec<f64>, f64);
 
 /// `binary`
 pub static BINARY: Entry = Entry {

@@ -18,6 +18,9 @@ pub const ENTRIES: &[&Entry] = &[
     &fixed::ENTRY,
 ];
 
+/// The level of each weight, and the scale.
+pub type Chosen = (Vec<f64>, f64);
+
 /// What there is to say of a quantiser, and how it works: one or more in each quantiser's file.
 #[derive(Debug)]
 pub struct Entry {
@@ -35,7 +38,7 @@ pub struct Entry {
     pub quality: &'static str,
     /// The levels of weights that are not all 0, and the scale; the seed is that of stochastic
     /// rounding.
-    pub quantise: fn(Quantiser, &[f64], Sum, u64) -> Result<(Vec<f64>, f64), QuantiseError>,
+    pub quantise: fn(Quantiser, &[f64], Sum, u64) -> Result<Chosen, QuantiseError>,
 }
 
 impl Entry {

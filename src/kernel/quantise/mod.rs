@@ -18,7 +18,7 @@ mod list;
 mod response;
 mod total;
 
-pub use list::{ENTRIES, Entry, Parameters, Quantiser, QuantiserNameError, known};
+pub use list::{Chosen, ENTRIES, Entry, Parameters, Quantiser, QuantiserNameError, known};
 pub use response::Change;
 
 use super::{Kernel, KernelError};
