@@ -74,7 +74,7 @@ fn written_out(body: &[Step], all: &mut Vec<Step>) {
 }
 
 /// What can be seen of a chip after three frames.
-type Seen = (Vec<Plane<f64>>, Vec<Plane<bool>>, String, Ledger);
+type Seen = (Vec<Plane<f64>>, Vec<Plane<bool>>, Vec<String>, Ledger);
 
 fn ran(domain: &str, frame: Vec<Step>, size: Size, schedule: Schedule) -> Seen {
     let arithmetic: Arithmetic = domain.parse().expect("a domain");
@@ -88,14 +88,14 @@ fn ran(domain: &str, frame: Vec<Step>, size: Size, schedule: Schedule) -> Seen {
         .expect("a legal program");
     chip.set_schedule(schedule, 2);
     let mut packet = Packet::new(size, 1);
-    let mut readings = String::new();
+    let mut readings = Vec::new();
     for frame in 0..3 {
         let light = Plane::from_shape_fn(size.shape(), |(y, x)| {
             ((7 * y + 13 * x + 29 * frame) % 255) as f64
         });
         chip.expose(&light).expect("its size");
         chip.run_frame(Micros(0), &mut packet).expect("numbers");
-        readings += &format!("{:?}", chip.readings());
+        readings.push(format!("{:?}", chip.readings()));
     }
     // A loop launches its kernel each time.
     let ledger = Ledger {

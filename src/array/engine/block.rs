@@ -31,9 +31,9 @@ impl Block {
     }
 
     /// One more word.
-    pub(super) fn push(&mut self, word: &Primitive, line: u32) {
+    pub(super) fn push(&mut self, primitive: &Primitive, line: u32) {
         self.words.push(Word {
-            word: word.clone(),
+            primitive: primitive.clone(),
             step: self.words.len() as u64,
             input: 1 + self.inputs.len(),
             line,
@@ -47,7 +47,7 @@ impl Block {
         }
         let mut instructions = Vec::with_capacity(self.words.len());
         for word in &self.words {
-            let operands = layout.operands(&word.word);
+            let operands = layout.operands(&word.primitive);
             let copied = operands.copied();
             instructions.extend(copied.map(Instruction::Copy));
             self.copied.extend(copied);

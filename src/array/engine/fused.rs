@@ -79,7 +79,7 @@ fn columns_of<D: RowOps>(
     columns(domain, &mut view, bus_inputs, store, false, rows, room);
 }
 
-/// With `N` bus_inputs, besides the cell itself.
+/// With `N` bus inputs, besides the cell itself.
 #[inline(always)]
 fn interior<D: RowOps, const N: usize>(
     domain: &D,

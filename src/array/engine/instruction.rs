@@ -5,7 +5,7 @@ use crate::isa::{Cell, Primitive, operands::Unit};
 /// A word of a block.
 #[derive(Clone, Debug)]
 pub(in crate::array) struct Word {
-    pub(in crate::array) word: Primitive,
+    pub(in crate::array) primitive: Primitive,
     /// Its number in the block.
     pub(in crate::array) step: u64,
     /// Which of the inputs of [`Constants`](super::constants::Constants) the global input holds.

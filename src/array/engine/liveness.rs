@@ -77,7 +77,7 @@ pub(super) fn known(
     layout: &Layout,
 ) -> Vec<Known> {
     let operands = instructions.iter().map(|instruction| match instruction {
-        Instruction::Word { word, .. } => Some(layout.operands(&word.word)),
+        Instruction::Word { word, .. } => Some(layout.operands(&word.primitive)),
         Instruction::Copy(_) => None,
     });
     let operands: Vec<_> = operands.collect();

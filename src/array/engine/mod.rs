@@ -136,7 +136,7 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
             let input = &self.constants.inputs[word.input][0];
             let step = self.constants.first + word.step;
             let (domain, settings) = (semantics.domain, semantics.settings);
-            let ran = semantics::execute(domain, settings, state, &word.word, input, step);
+            let ran = semantics::execute(domain, settings, state, &word.primitive, input, step);
             ran.map_err(|undecided| (word.line, undecided))?;
         }
         Ok(())

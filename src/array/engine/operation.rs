@@ -73,7 +73,7 @@ impl Border {
 /// A register that stores its share of the bus.
 #[derive(Clone, Debug)]
 pub(super) struct Store {
-    /// Of the bus_inputs of all operations.
+    /// Of the bus inputs of all operations.
     pub(super) bus_inputs: Range<usize>,
     pub(super) register: Analog,
     pub(super) share: Share,
@@ -246,7 +246,7 @@ pub(super) struct Operations {
 impl Operations {
     /// One more word.
     pub(super) fn word(&mut self, word: &Word, copied: bool, layout: &Layout, known: Known) {
-        match &word.word {
+        match &word.primitive {
             Primitive::Bus { targets, sources } => {
                 let bus_inputs = self.bus_inputs(sources, word, copied, layout);
                 self.bus(targets, &bus_inputs, word.step, layout, known);
@@ -309,7 +309,7 @@ impl Operations {
     /// A word that is executed as it is.
     fn other(&mut self, word: &Word) {
         self.operations.push(Operation::Word {
-            word: Box::new(word.word.clone()),
+            word: Box::new(word.primitive.clone()),
             step: word.step,
         });
     }

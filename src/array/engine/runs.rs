@@ -16,7 +16,7 @@ const WORDS: usize = 8;
 /// Cells that are stored under a mask together.
 pub(super) const RUN: usize = 64 * WORDS;
 
-/// Cells that a store needs room for: a run, or a piece of a column and of those on its bus_inputs.
+/// Cells that a store needs room for: a run, or a piece of a column and of those on its bus inputs.
 pub(super) const ROOM: usize = RUN;
 
 /// Cells under a mask, run by run.

@@ -42,7 +42,7 @@ pub(super) fn sign_bits<D: RowOps>(
     }
 }
 
-/// With `N` bus_inputs; whether the domain has an answer.
+/// With `N` bus inputs; whether the domain has an answer.
 #[inline(always)]
 fn sign_bits_n<D: RowOps, const N: usize>(
     domain: &D,

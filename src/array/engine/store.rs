@@ -106,7 +106,7 @@ fn columns_of<D: RowOps>(
     view.put(store.register, cells);
 }
 
-/// With `N` bus_inputs.
+/// With `N` bus inputs.
 #[inline(always)]
 fn interior<D: RowOps, const N: usize>(
     domain: &D,
@@ -218,7 +218,7 @@ fn all<D: RowOps>(
     }
 }
 
-/// One cell; any number of bus_inputs, driven from on the array or from off it.
+/// One cell; any number of bus inputs, driven from on the array or from off it.
 #[allow(clippy::too_many_arguments)]
 fn one<D: RowOps>(
     domain: &D,

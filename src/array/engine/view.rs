@@ -104,7 +104,7 @@ impl<'a, C> View<'_, 'a, C> {
         }
     }
 
-    /// Where each bus_input begins, that leads to the cells of a plane from `at` on; those lie
+    /// Where each bus input begins, that leads to the cells of a plane from `at` on; those lie
     /// `beside` the pixels whose bus they get.
     #[inline(always)]
     pub(super) fn starts<const N: usize>(
@@ -121,7 +121,7 @@ impl<'a, C> View<'_, 'a, C> {
         starts
     }
 
-    /// Where the bus_inputs of the buses of one row lead, which may lie off the array.
+    /// Where the bus inputs of the buses of one row lead, which may lie off the array.
     #[inline(always)]
     pub(super) fn beyond<const N: usize>(
         &self,
@@ -143,7 +143,7 @@ impl<'a, C> View<'_, 'a, C> {
         bus_inputs
     }
 
-    /// What comes along each bus_input: `n` cells, at most a [`PIECE`], so many after its start.
+    /// What comes along each bus input: `n` cells, at most a [`PIECE`], so many after its start.
     #[inline(always)]
     pub(super) fn sources<const N: usize>(
         &self,
@@ -175,7 +175,7 @@ impl<'a, C> View<'_, 'a, C> {
         y >= height || x >= width || self.flags(y, 1)[x / 64] >> (x % 64) & 1 == 1
     }
 
-    /// What a bus_input leads to from the bus of a pixel, which may lie off the array.
+    /// What a bus input leads to from the bus of a pixel, which may lie off the array.
     #[inline]
     fn at(&self, bus_input: BusInput, y: usize, x: usize) -> &C {
         let Size { height, width } = self.size;
@@ -229,8 +229,8 @@ impl<C: Clone> View<'_, '_, C> {
         }
     }
 
-    /// What a bus_input leads to from the buses of one column, which may lie off the array; its rows
-    /// and those where the bus_input leads do not.
+    /// What a bus input leads to from the buses of one column, which may lie off the array; its rows
+    /// and those where the bus input leads do not.
     #[inline(always)]
     pub(super) fn column(&self, bus_input: BusInput, y: usize, x: usize, cells: &mut [C]) {
         let width = self.size.width;
