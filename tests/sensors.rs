@@ -286,10 +286,9 @@ fn the_authors_files_give_the_authors_counts() {
 /// What a message about an unknown key lists.
 fn keys_expected(text: &str) -> Vec<String> {
     let error = Description::parse("keys.toml", text, &|_| unreachable!()).unwrap_err();
-    let unknown = error.faults.iter().map(|located| &located.fault.message);
-    let (_, listed) = unknown
-        .filter_map(|message| message.split_once("expected"))
-        .next()
+    let mut messages = error.faults.iter().map(|located| &located.fault.message);
+    let (_, listed) = messages
+        .find_map(|message| message.split_once("expected"))
         .unwrap();
     listed
         .split('`')

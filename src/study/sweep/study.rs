@@ -109,7 +109,7 @@ const ABOVE: Kind = Kind::Spelled(&Spelling {
     holds: |text| text.parse().is_ok_and(|time: Micros| time.0 > 0),
 });
 
-const TIME: &str = r"^[0-9]+\.?[0-9]*\s*(us|µs|ms|s)$";
+const TIME: &str = r"^\s*[0-9]+\.?[0-9]*\s*(us|µs|ms|s)$";
 
 const fn several(of: &'static Kind) -> Kind {
     Kind::List {
