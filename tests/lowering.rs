@@ -28,7 +28,11 @@ fn item() -> impl Strategy<Value = Action> {
         2 => Just(Source::In),
         1 => Just(Source::Pix),
     ];
-    let sources = prop::collection::vec(source, 1..3);
+    // A cell is on a bus once.
+    let sources = prop::collection::vec(source, 1..3).prop_map(|mut sources: Vec<Source>| {
+        sources.dedup();
+        sources
+    });
     prop_oneof![
         8 => ((0u8..6), sources.clone()).prop_map(|(target, sources)| Action::Word(Primitive::Bus {
             targets: vec![Target::Register(Analog(target))],

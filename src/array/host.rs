@@ -45,8 +45,7 @@ pub enum Readings {
     Any(bool),
 }
 
-/// Executes an operation of the host, event readout and inputs excepted; the reading, where it is
-/// one.
+/// Executes an operation of the host, event readout excepted; the reading, where it is one.
 pub(super) fn execute<D: Domain>(
     domain: &D,
     converters: &Converters,
@@ -55,6 +54,10 @@ pub(super) fn execute<D: Domain>(
 ) -> Option<Readings> {
     let size = state.layout.size;
     match host {
+        Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. } => {
+            let before = || state.input.clone();
+            state.input = input(domain, converters, host).unwrap_or_else(before);
+        }
         Host::Load { target, area } => {
             let bits = covered(*area, size);
             propagate::write(state, *target, &bits);
