@@ -82,7 +82,7 @@ const NOISE: Key = Key::with_default(
 );
 
 /// The words of [`SheetRule`], in its order.
-pub const RULE: Kind = Kind::Choice(&["ramp", "step", "v2e"]);
+pub const RULES: &[&str] = &["ramp", "step", "v2e"];
 
 /// The keys of a channel's `mesh`.
 pub const MESH: Table = Table {
@@ -114,7 +114,12 @@ pub const MESH: Table = Table {
             "several sheets in place of one",
         )
         .example("sheets = [{ gain = -1, lambda = 10 }]"),
-        Key::with_default("rule", RULE, "\"ramp\"", "how the sheets are moved on"),
+        Key::with_default(
+            "rule",
+            Kind::Choice(RULES),
+            "\"ramp\"",
+            "how the sheets are moved on",
+        ),
     ],
 };
 

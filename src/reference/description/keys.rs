@@ -8,6 +8,8 @@ use crate::{
 
 use super::super::{noise::Noise, surround};
 
+pub use surround::RULES;
+
 /// Kinds of cells that a pixel may have, as many as the paper's largest sensor.
 const MOST_CHANNELS: usize = 16;
 
@@ -19,18 +21,18 @@ pub const FILE: File = File {
 };
 
 /// What an event does to the memory.
-pub const MEMORY: Kind = Kind::Choice(&[
+pub const MEMORY: &[&str] = &[
     "raw-snap",
     "filtered-snap",
     "filtered-step",
     "authors-pixel-step",
-]);
+];
 
 /// Where an event's sign comes from.
-pub const POLARITY: Kind = Kind::Choice(&["filtered", "pixel"]);
+pub const POLARITY: &[&str] = &["filtered", "pixel"];
 
 /// What the kernel reads off the array.
-pub const BORDER: Kind = Kind::Choice(&["replicate", "zero"]);
+pub const BORDER: &[&str] = &["replicate", "zero"];
 
 pub(super) const SENSOR: Table = Table::new(&[
     Key::optional(
@@ -41,17 +43,21 @@ pub(super) const SENSOR: Table = Table::new(&[
     Key::optional("source", Kind::Text, "where it came from, for people"),
     Key::required("response", Response::KIND, "from light to signal")
         .example("response = { linear = 255 }"),
-    Key::required("memory", MEMORY, "what an event does to the memory")
-        .example("memory = \"filtered-step\""),
+    Key::required(
+        "memory",
+        Kind::Choice(MEMORY),
+        "what an event does to the memory",
+    )
+    .example("memory = \"filtered-step\""),
     Key::with_default(
         "polarity",
-        POLARITY,
+        Kind::Choice(POLARITY),
         "\"filtered\"",
         "where an event's sign comes from",
     ),
     Key::with_default(
         "border",
-        BORDER,
+        Kind::Choice(BORDER),
         "\"replicate\"",
         "what the kernel reads off the array",
     ),

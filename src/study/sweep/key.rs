@@ -241,7 +241,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "border",
         sides: REFERENCE,
-        kind: Kind::Choice(&["zero", "replicate"]),
+        kind: Kind::Choice(keys::BORDER),
         default: Absent::Is("\"zero\""),
         what: "what the kernel reads off the array; the array itself reads zero",
     },
@@ -255,7 +255,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "polarity",
         sides: FLOAT,
-        kind: Kind::Choice(&["filtered", "pixel"]),
+        kind: Kind::Choice(keys::POLARITY),
         default: Absent::Is("\"filtered\""),
         what: "where the sign of an event comes from, as in a sensor file",
     },
@@ -283,7 +283,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "solver",
         sides: MESH,
-        kind: Kind::Choice(&["ramp", "step", "v2e"]),
+        kind: Kind::Choice(keys::RULES),
         default: Absent::Is("\"ramp\""),
         what: "how the mesh is moved on: the `rule` of a sensor file's `mesh`",
     },
