@@ -4,9 +4,8 @@ use crate::{
     config::{File, Key, Kind, Range, Table},
     kernel,
     photoreceptor::Response,
+    reference::{noise::Noise, surround},
 };
-
-use super::super::{noise::Noise, surround};
 
 /// Kinds of cells that a pixel may have, as many as the paper's largest sensor.
 const MOST_CHANNELS: usize = 16;
