@@ -83,7 +83,7 @@ fn the_sensors_of_the_worked_sweep() {
     let report = "amacrine report out/formats -o front.svg";
     printed(&folder, sweep);
     let said = printed(&folder, report);
-    assert_eq!(sensors(&said).len(), 24);
+    assert_eq!(sensors(&said).len(), 18);
     assert_eq!(sensors(&said), sensors(&page));
 }
 

@@ -10,10 +10,13 @@
 
 use super::{
     Pair,
-    metric::{Entry, Scale},
+    entry::{Entry, Measured, Scale},
     pearson::Pearson,
 };
-use crate::event::{Polarity, address::AddressWord};
+use crate::{
+    event::{Polarity, address::AddressWord},
+    unit::Micros,
+};
 
 /// Pearson of counts, cell by cell.
 pub static PEARSON: Entry = Entry {
@@ -68,6 +71,14 @@ pub static BITS: Entry = Entry {
         Some(of.pair.events()[1] as f64 * f64::from(word.bits()))
     },
 };
+
+impl Measured<'_> {
+    /// How the counts of cells differ.
+    #[must_use]
+    pub fn cells(&self) -> Cells {
+        self.shared(Micros(0), || cells(self.pair))
+    }
+}
 
 /// Counts of one kind of cell, [reference, judged].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]

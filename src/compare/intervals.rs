@@ -12,10 +12,10 @@
 
 use super::{
     Pair,
-    metric::{Entry, Scale},
+    entry::{Entry, Measured, Scale},
     pair::Times,
 };
-use crate::elementary;
+use crate::{elementary, unit::Micros};
 
 /// Divergence of intervals, of the judged packet from the reference, in nats.
 pub static ENTRY: Entry = Entry {
@@ -43,6 +43,14 @@ pub static BACK: Entry = Entry {
     symmetric: false,
     value: |of, _| of.intervals().map(|d| d.back),
 };
+
+impl Measured<'_> {
+    /// How the intervals differ; none when either packet has no interval.
+    #[must_use]
+    pub fn intervals(&self) -> Option<Divergence> {
+        self.shared(Micros(0), || divergence(self.pair))
+    }
+}
 
 /// Bins: four for each power of two that 64 bits hold, the first four being 0 to 3.
 const BINS: usize = 4 * 63;

@@ -27,7 +27,7 @@ use rayon::slice::ParallelSliceMut;
 
 use super::{
     Pair,
-    metric::{Entry, Scale},
+    entry::{Entry, Measured, Scale},
     pair::Times,
 };
 use crate::unit::Micros;
@@ -79,6 +79,19 @@ pub static RECALL: Entry = Entry {
     symmetric: false,
     value: |of, within| Some(share(of.matched(within), of.pair.events()[0])),
 };
+
+/// How many events match within a window, kept while a pair is measured.
+#[derive(Clone, Copy)]
+struct Matched(u64);
+
+impl Measured<'_> {
+    /// How many events match within a window.
+    #[must_use]
+    pub fn matched(&self, within: Micros) -> u64 {
+        self.shared(within, || Matched(matched(self.pair, within)))
+            .0
+    }
+}
 
 /// What was matched.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,21 +3,11 @@
 //! A new metric is a file beside this one, with its [`Entry`], and a line of [`ENTRIES`]. From
 //! the list come the tables and JSON of `compare`, what studies may ask for, and the pages.
 
-use std::{
-    cell::{OnceCell, RefCell},
-    collections::BTreeMap,
-    fmt,
-};
+use std::fmt;
 
-use super::{
-    Pair,
-    counts::{self, Cells},
-    intervals::{self, Divergence},
-    matching,
-    rates::{self, Rates},
-    van_rossum, victor_purpura,
-    voxel::{self, Bins, Voxels},
-};
+pub use super::entry::{Entry, Measured, Scale};
+
+use super::{counts, intervals, matching, rates, van_rossum, victor_purpura, voxel};
 use crate::unit::Micros;
 
 /// All metrics, in the order in which they are shown. Those of one scale stand together.
@@ -41,40 +31,6 @@ pub const ENTRIES: &[&Entry] = &[
     &counts::EVENTS,
     &counts::BITS,
 ];
-
-/// What a metric is measured at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    /// Nothing, or bins that all metrics share.
-    None,
-    /// A window of matches.
-    Window,
-    /// A time constant of van Rossum's distance.
-    TimeConstant,
-    /// A shift that costs as much as an event added, in Victor and Purpura's distance.
-    Shift,
-}
-
-/// What there is to say of a metric, and how it is measured: one or more in each metric's file.
-#[derive(Debug)]
-pub struct Entry {
-    /// Name in files, before the scale: letters, digits and `_`.
-    pub key: &'static str,
-    /// Name in tables, before the scale.
-    pub title: &'static str,
-    /// What it is measured at.
-    pub scale: Scale,
-    /// Its name in studies and what it is there, where they may ask for it.
-    pub study: Option<(&'static str, &'static str)>,
-    /// What it cannot see; empty when it sees where, when and which sign.
-    pub blind_to: &'static str,
-    /// A redraw of the reference scores worse than the reference, by more than chance.
-    pub knows_a_redraw: bool,
-    /// Its value is the same with the two packets exchanged.
-    pub symmetric: bool,
-    /// Its value at a scale, 0 where it has none; none where there is no value.
-    pub value: fn(&Measured<'_>, Micros) -> Option<f64>,
-}
 
 impl Entry {
     /// The metric at each scale, or alone where it has none.
@@ -181,68 +137,5 @@ impl fmt::Display for Short {
             us if us > 0 && us.is_multiple_of(1_000) => write!(f, "{}ms", us / 1_000),
             us => write!(f, "{us}us"),
         }
-    }
-}
-
-/// A pair that is being measured: what several metrics share is worked out once, when the first
-/// asks for it.
-#[derive(Debug)]
-pub struct Measured<'a> {
-    /// The pair.
-    pub pair: &'a Pair,
-    bins: Bins,
-    matched: RefCell<BTreeMap<Micros, u64>>,
-    voxels: OnceCell<Voxels>,
-    cells: OnceCell<Cells>,
-    rates: OnceCell<Rates>,
-    intervals: OnceCell<Option<Divergence>>,
-}
-
-impl<'a> Measured<'a> {
-    /// Of a pair, its voxels in these bins.
-    #[must_use]
-    pub fn new(pair: &'a Pair, bins: Bins) -> Self {
-        Self {
-            pair,
-            bins,
-            matched: RefCell::default(),
-            voxels: OnceCell::new(),
-            cells: OnceCell::new(),
-            rates: OnceCell::new(),
-            intervals: OnceCell::new(),
-        }
-    }
-
-    /// How many events match within a window.
-    #[must_use]
-    pub fn matched(&self, within: Micros) -> u64 {
-        let mut known = self.matched.borrow_mut();
-        *known
-            .entry(within)
-            .or_insert_with(|| matching::matched(self.pair, within))
-    }
-
-    /// How the voxel grids differ.
-    #[must_use]
-    pub fn voxels(&self) -> &Voxels {
-        { &self.voxels }.get_or_init(|| voxel::voxels(self.pair, self.bins))
-    }
-
-    /// How the counts of cells differ.
-    #[must_use]
-    pub fn cells(&self) -> &Cells {
-        self.cells.get_or_init(|| counts::cells(self.pair))
-    }
-
-    /// How the rate maps differ.
-    #[must_use]
-    pub fn rates(&self) -> &Rates {
-        self.rates.get_or_init(|| rates::rates(self.pair))
-    }
-
-    /// How the intervals differ; none when either packet has no interval.
-    #[must_use]
-    pub fn intervals(&self) -> Option<Divergence> {
-        *{ &self.intervals }.get_or_init(|| intervals::divergence(self.pair))
     }
 }

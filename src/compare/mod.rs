@@ -23,7 +23,9 @@
 //! | rate maps, Pearson, L1 per event | [`rates`] | 1, 0 | near 0, at most 1 |
 //! | divergence of intervals | [`intervals`] | 0 | no bound |
 
+mod bins;
 pub mod counts;
+mod entry;
 pub mod equality;
 pub mod fate;
 pub mod intervals;

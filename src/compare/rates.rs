@@ -9,9 +9,10 @@
 
 use super::{
     Pair,
-    metric::{Entry, Scale},
+    entry::{Entry, Measured, Scale},
     pearson::Pearson,
 };
+use crate::unit::Micros;
 
 /// Pearson of the map of ON + OFF.
 pub static PEARSON: Entry = Entry {
@@ -60,6 +61,14 @@ pub static SIGNED_L1: Entry = Entry {
     symmetric: true,
     value: |of, _| Some(of.rates().signed.l1),
 };
+
+impl Measured<'_> {
+    /// How the rate maps differ.
+    #[must_use]
+    pub fn rates(&self) -> Rates {
+        self.shared(Micros(0), || rates(self.pair))
+    }
+}
 
 /// How two maps differ.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

@@ -16,7 +16,7 @@
 
 use super::{
     Pair,
-    metric::{Entry, Scale},
+    entry::{Entry, Scale},
 };
 use crate::{elementary, unit::Micros};
 

@@ -30,7 +30,7 @@ use std::collections::VecDeque;
 
 use super::{
     Pair,
-    metric::{Entry, Scale},
+    entry::{Entry, Scale},
 };
 use crate::unit::Micros;
 

@@ -13,9 +13,11 @@
 //! Blind to shifts far below a bin and to ON and OFF that come together (the second to the
 //! former alone). Sums are whole numbers, so identical packets give exactly 0.
 
+pub use super::bins::Bins;
+
 use super::{
     Pair,
-    metric::{Entry, Scale},
+    entry::{Entry, Measured, Scale},
 };
 use crate::{event::Polarity, unit::Micros};
 
@@ -58,44 +60,11 @@ pub static RMSE: Entry = Entry {
     value: |of, _| Some(of.voxels().rmse),
 };
 
-/// Bins over a stretch of time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Bins {
-    /// Centre of the first bin.
-    pub first: Micros,
-    /// Centre of the last bin.
-    pub last: Micros,
-    /// How many; at least 1.
-    pub bins: usize,
-}
-
-impl Bins {
-    /// Bins over all events of a pair; around zero when there is none.
+impl Measured<'_> {
+    /// How the voxel grids differ.
     #[must_use]
-    pub fn over(pair: &Pair, bins: usize) -> Self {
-        let (first, last) = pair.span().unwrap_or_default();
-        let bins = bins.max(1);
-        Self { first, last, bins }
-    }
-
-    /// The whole of an event, in the units of [`Bins::place`]; never 0.
-    const fn unit(self) -> u64 {
-        let length = self.last.0.saturating_sub(self.first.0);
-        if length == 0 { 1 } else { length }
-    }
-
-    /// The bin before `t`, and the share that goes to the one after it.
-    fn place(self, t: u64) -> (usize, i128) {
-        let (steps, unit) = (self.bins.saturating_sub(1) as u64, self.unit());
-        let since = t.saturating_sub(self.first.0).min(unit);
-        if self.last <= self.first {
-            return (0, 0);
-        }
-        if let Some(at) = since.checked_mul(steps) {
-            return ((at / unit) as usize, i128::from(at % unit));
-        }
-        let (at, unit) = (u128::from(since) * u128::from(steps), u128::from(unit));
-        ((at / unit) as usize, (at % unit) as i128)
+    pub fn voxels(&self) -> Voxels {
+        self.shared(Micros(0), || voxels(self.pair, self.bins))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Values against the description of their keys.
 
 use super::{
-    Absent, Fault, Kind, Node, Place, Read, Section, Table, document::Name, enough, kind::listed,
-    suggestion_or,
+    Absent, Fault, Kind, Node, Place, Read, Section, Table, choice, enough, kind::listed,
+    suggestion_or, unknown_key,
 };
 
 /// A value being checked: all that is wrong with it goes into `faults`.
@@ -199,6 +199,22 @@ impl Check<'_> {
     }
 }
 
+impl Kind {
+    /// A value, if this kind takes it; messages call it `name`, and say `see` where nothing
+    /// better can be said.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it.
+    pub fn check<'a>(&self, node: Node<'a>, name: &str, see: &str) -> Read<Node<'a>> {
+        let mut check = Check {
+            see,
+            faults: Vec::new(),
+        };
+        check.value(self, node, name, "");
+        check.faults.into_iter().next().map_or(Ok(node), Err)
+    }
+}
+
 /// Whether a kind takes values of this sort, right or wrong.
 fn takes(kind: &Kind, node: Node<'_>) -> bool {
     match kind {
@@ -224,39 +240,6 @@ fn join(path: &str, key: &str) -> String {
     } else {
         format!("{path}.{key}")
     }
-}
-
-/// Which of these words it is.
-///
-/// # Errors
-/// When it is none; `see` is said where no word is near.
-pub fn choice(word: &str, words: &[&str], place: Place, see: &str) -> Read<usize> {
-    words
-        .iter()
-        .position(|known| *known == word)
-        .ok_or_else(|| {
-            let message = format!(
-                "unknown value `{word}`, expected {}",
-                listed(words.iter().copied())
-            );
-            let help = suggestion_or(word, words.iter().copied(), see);
-            Fault::error(place, message, "not known here").help(help)
-        })
-}
-
-/// The fault of a key that is none of the known ones; `see` is said where none is near.
-pub fn unknown_key(
-    name: Name<'_>,
-    known: impl Iterator<Item = &'static str> + Clone,
-    see: &str,
-) -> Fault {
-    let message = format!(
-        "unknown key `{}`, expected {}",
-        name.text,
-        listed(known.clone())
-    );
-    let help = suggestion_or(name.text, known, see);
-    Fault::error(name.place, message, "not known here").help(help)
 }
 
 #[cfg(test)]

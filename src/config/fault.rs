@@ -17,6 +17,9 @@ pub enum Severity {
     Warning,
 }
 
+/// What was read, or what is wrong with it.
+pub type Read<T> = Result<T, Fault>;
+
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {

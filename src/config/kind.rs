@@ -1,6 +1,6 @@
 //! What a key takes.
 
-use super::{Node, Range, Read, Table, check::Check};
+use super::{Range, Table};
 
 /// What a key takes.
 #[derive(Clone, Copy, Debug)]
@@ -73,20 +73,6 @@ impl Kind {
             least: 0,
             most: usize::MAX,
         }
-    }
-
-    /// A value, if this kind takes it; messages call it `name`, and say `see` where nothing
-    /// better can be said.
-    ///
-    /// # Errors
-    /// The first thing that is wrong with it.
-    pub fn check<'a>(&self, node: Node<'a>, name: &str, see: &str) -> Read<Node<'a>> {
-        let mut check = Check {
-            see,
-            faults: Vec::new(),
-        };
-        check.value(self, node, name, "");
-        check.faults.into_iter().next().map_or(Ok(node), Err)
     }
 
     /// Whether it takes this text.

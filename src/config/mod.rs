@@ -24,10 +24,10 @@ mod place;
 mod range;
 pub mod schema;
 mod section;
+mod unknown;
 
-pub use check::{choice, unknown_key};
 pub use document::{Document, Name, Node};
-pub use fault::{Fault, Faults, Located, Severity, enough, thin};
+pub use fault::{Fault, Faults, Located, Read, Severity, enough, thin};
 pub use file::File;
 pub use key::{Absent, Key, Table};
 pub use kind::{Kind, Spelling};
@@ -35,6 +35,4 @@ pub use nearest::{nearest, suggestion, suggestion_or};
 pub use place::{Lines, Place, line_column};
 pub use range::Range;
 pub use section::Section;
-
-/// What was read, or what is wrong with it.
-pub type Read<T> = Result<T, Fault>;
+pub use unknown::{choice, unknown_key};

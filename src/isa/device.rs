@@ -3,24 +3,9 @@
 use std::sync::Arc;
 
 use super::{
-    Analog, Bit, Digital, Direction, Evidence, Figure, HostKind, HostRow, Kind, Macro, Operands,
-    Primitive, PrimitiveRow, Quantity, Signature, Source, Target, Value, row::neighbour_name,
+    Analog, Evidence, Figure, HostKind, HostRow, Kind, Macro, Operands, Primitive, PrimitiveRow,
+    Quantity, Registers, Signature,
 };
-
-/// A chip, read from `isa/<name>/` and checked.
-#[derive(Clone, Debug)]
-pub struct Device {
-    pub(super) name: String,
-    pub(super) title: String,
-    pub(super) registers: Registers,
-    /// In the order of [`Figure::ALL`].
-    pub(super) figures: Vec<Quantity>,
-    pub(super) primitives: Vec<PrimitiveRow>,
-    pub(super) hosts: Vec<HostRow>,
-    pub(super) macros: Vec<Macro>,
-    /// What it extends.
-    pub(super) base: Option<Arc<Device>>,
-}
 
 /// A number about the chip that makes no sense.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
@@ -42,54 +27,19 @@ impl FigureError {
     }
 }
 
-/// The registers of a pixel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Registers {
-    /// Names of the analogue ones; [`Analog`] is an index into them.
-    pub analog: Vec<String>,
-    /// The one that neighbours can reach.
-    pub news: Analog,
-    /// Names of the one-bit ones; [`Digital`] is an index into them.
-    pub digital: Vec<String>,
-    /// Other names of one-bit registers.
-    pub aliases: Vec<(String, Digital)>,
-    /// What the hardware uses some of them for.
-    pub roles: Roles,
-}
-
-/// One-bit registers that the hardware itself reads or writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Roles {
-    /// `propagated` is written, and propagation passes, only where this is 1.
-    pub mask: Digital,
-    /// The one that propagation spreads.
-    pub propagated: Digital,
-    /// Where these are 1, the neighbour in this direction is read: north, east, south, west.
-    pub enable: [Digital; 4],
-}
-
-impl Roles {
-    /// The register that enables reading from this direction.
-    #[must_use]
-    pub const fn enables(&self, direction: Direction) -> Digital {
-        let [north, east, south, west] = self.enable;
-        match direction {
-            Direction::North => north,
-            Direction::East => east,
-            Direction::South => south,
-            Direction::West => west,
-        }
-    }
-
-    /// The register that opens the links of the diffusion network to this neighbour and to the
-    /// one opposite: R1 along columns, R2 along rows.
-    #[must_use]
-    pub const fn links(&self, direction: Direction) -> Digital {
-        match direction {
-            Direction::North | Direction::South => self.enables(Direction::South),
-            Direction::East | Direction::West => self.enables(Direction::West),
-        }
-    }
+/// A chip, read from `isa/<name>/` and checked.
+#[derive(Clone, Debug)]
+pub struct Device {
+    pub(super) name: String,
+    pub(super) title: String,
+    pub(super) registers: Registers,
+    /// In the order of [`Figure::ALL`].
+    pub(super) figures: Vec<Quantity>,
+    pub(super) primitives: Vec<PrimitiveRow>,
+    pub(super) hosts: Vec<HostRow>,
+    pub(super) macros: Vec<Macro>,
+    /// What it extends.
+    pub(super) base: Option<Arc<Device>>,
 }
 
 /// One thing that a statement can be.
@@ -245,89 +195,6 @@ impl Device {
             .chain(hosts)
     }
 
-    /// What a name means on this chip.
-    #[must_use]
-    pub fn value_of(&self, name: &str) -> Option<Value> {
-        let Registers {
-            analog,
-            digital,
-            aliases,
-            ..
-        } = &self.registers;
-        if let Some(at) = analog.iter().position(|n| n == name) {
-            return Some(Value::Source(Source::Register(Analog(at as u8))));
-        }
-        if let Some(at) = digital.iter().position(|n| n == name) {
-            return Some(Value::Bit(Bit::Register(Digital(at as u8))));
-        }
-        if let Some((_, register)) = aliases.iter().find(|(alias, _)| alias == name) {
-            return Some(Value::Bit(Bit::Register(*register)));
-        }
-        FIXED_NAMES
-            .iter()
-            .find(|(fixed, _)| *fixed == name)
-            .map(|(_, value)| value())
-    }
-
-    /// All names that mean something on this chip.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        let registers = &self.registers;
-        registers
-            .analog
-            .iter()
-            .chain(&registers.digital)
-            .chain(registers.aliases.iter().map(|(alias, _)| alias))
-            .map(String::as_str)
-            .chain(FIXED_NAMES.iter().map(|(name, _)| *name))
-    }
-
-    /// Name of an analogue register.
-    #[must_use]
-    pub fn analog_name(&self, register: Analog) -> String {
-        let name = self.registers.analog.get(usize::from(register.0));
-        name.cloned()
-            .unwrap_or_else(|| format!("<analogue {}>", register.0))
-    }
-
-    /// Name of a one-bit register.
-    #[must_use]
-    pub fn digital_name(&self, register: Digital) -> String {
-        let name = self.registers.digital.get(usize::from(register.0));
-        name.cloned()
-            .unwrap_or_else(|| format!("<digital {}>", register.0))
-    }
-
-    /// Name of an analogue source.
-    #[must_use]
-    pub fn source_name(&self, source: Source) -> String {
-        match source {
-            Source::Register(register) => self.analog_name(register),
-            Source::Pix => "PIX".to_owned(),
-            Source::In => "IN".to_owned(),
-            Source::Neighbour(direction) => neighbour_name(direction).to_owned(),
-        }
-    }
-
-    /// Name of an analogue target.
-    #[must_use]
-    pub fn target_name(&self, target: Target) -> String {
-        match target {
-            Target::Register(register) => self.analog_name(register),
-            Target::Neighbour(direction) => neighbour_name(direction).to_owned(),
-        }
-    }
-
-    /// Name of a one-bit source.
-    #[must_use]
-    pub fn bit_name(&self, bit: Bit) -> String {
-        match bit {
-            Bit::Register(register) => self.digital_name(register),
-            Bit::Flag => "FLAG".to_owned(),
-            Bit::Select => "SELECT".to_owned(),
-            Bit::Rect => "RECT".to_owned(),
-        }
-    }
-
     /// How much of what is known about the chip is a guess: the figures of this evidence.
     pub fn figures_of(&self, evidence: Evidence) -> impl Iterator<Item = Figure> {
         Figure::ALL
@@ -336,25 +203,3 @@ impl Device {
             .filter(move |f| self.figure(*f).evidence == evidence)
     }
 }
-
-type FixedName = (&'static str, fn() -> Value);
-
-/// Names that mean the same on every chip.
-const FIXED_NAMES: &[FixedName] = &[
-    ("PIX", || Value::Source(Source::Pix)),
-    ("IN", || Value::Source(Source::In)),
-    ("XN", || Value::Source(Source::Neighbour(Direction::North))),
-    ("XE", || Value::Source(Source::Neighbour(Direction::East))),
-    ("XS", || Value::Source(Source::Neighbour(Direction::South))),
-    ("XW", || Value::Source(Source::Neighbour(Direction::West))),
-    ("FLAG", || Value::Bit(Bit::Flag)),
-    ("SELECT", || Value::Bit(Bit::Select)),
-    ("RECT", || Value::Bit(Bit::Rect)),
-    ("north", || Value::Directions(vec![Direction::North])),
-    ("east", || Value::Directions(vec![Direction::East])),
-    ("south", || Value::Directions(vec![Direction::South])),
-    ("west", || Value::Directions(vec![Direction::West])),
-    ("alldir", || Value::Directions(Direction::ALL.to_vec())),
-    ("true", || Value::Number(1.0)),
-    ("false", || Value::Number(0.0)),
-];

@@ -5,7 +5,7 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::{Analog, Bit, Device, Digital, Direction, Primitive, Roles, Source, Target};
+use super::{Analog, Bit, Digital, Direction, Primitive, Roles, Source, Target};
 
 /// A storage cell of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -16,18 +16,6 @@ pub enum Cell {
     Digital(Digital),
     /// The activity flag.
     Flag,
-}
-
-impl Cell {
-    /// Its name on a chip.
-    #[must_use]
-    pub fn name(self, device: &Device) -> String {
-        match self {
-            Self::Analog(register) => device.analog_name(register),
-            Self::Digital(register) => device.digital_name(register),
-            Self::Flag => "FLAG".to_owned(),
-        }
-    }
 }
 
 /// What a word can be connected to.
@@ -92,21 +80,6 @@ impl Access {
         match self.cell() {
             Some(Cell::Digital(register)) => Some(register),
             Some(Cell::Analog(_) | Cell::Flag) | None => None,
-        }
-    }
-
-    /// As the vendor writes it: `A`, `XN`, `PIX`, ….
-    #[must_use]
-    pub fn name(&self, device: &Device) -> String {
-        let beside = Direction::ALL.into_iter().find(|d| d.step() == self.offset);
-        match (self.terminal, beside) {
-            (Terminal::Cell(Cell::Analog(_)), Some(direction)) => {
-                device.source_name(Source::Neighbour(direction))
-            }
-            (Terminal::Cell(cell), _) => cell.name(device),
-            (Terminal::Pix, _) => device.source_name(Source::Pix),
-            (Terminal::In, _) => device.source_name(Source::In),
-            (Terminal::Select, _) => device.bit_name(Bit::Select),
         }
     }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::{
     cost,
     effect::FlagState,
-    expand::{Entry, Expanded, Expansion},
+    expand::{Entry, Expanded, Expansion, for_each},
 };
 use crate::{
     config::{Fault, Place},
@@ -191,15 +191,5 @@ fn store(expansion: &Expansion, device: &Device, faults: &mut Vec<Fault>) {
             )
             .help("`repeat N { … }` stores its body once; a wider chip can be tried with --chip"),
         );
-    }
-}
-
-/// Every statement, a repeated one once.
-pub fn for_each(entries: &[Entry], act: &mut impl FnMut(&Expanded)) {
-    for entry in entries {
-        match entry {
-            Entry::Statement(statement) => act(statement),
-            Entry::Repeat { body, .. } => for_each(body, act),
-        }
     }
 }

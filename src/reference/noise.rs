@@ -33,15 +33,10 @@
 use crate::{
     config::{Fault, Key, Kind, Node, Range, Read, Section, Table},
     elementary,
-    number::Real,
-    plane::{Plane, Size},
-    scene::Frame,
-    sensor::SensorError,
 };
-use ndarray::ArrayView1;
 
 use super::{
-    description::{Description, MemoryRule, RefractoryRule, Threshold},
+    description::{MemoryRule, RefractoryRule},
     reason::{Place, Reason},
     train::Train,
 };
@@ -249,121 +244,5 @@ impl Noise {
     pub fn low_pass(&self, light: f64, dt: f64) -> f64 {
         let bandwidth = self.cutoff_hz * (light.max(0.0) + 20.0) / 275.0;
         -elementary::exp_m1(-std::f64::consts::TAU * bandwidth * dt)
-    }
-}
-
-/// Photoreceptors that take their time: a first-order low-pass for each pixel, settled at the
-/// first frame.
-#[derive(Clone, Debug)]
-pub(super) struct LowPass {
-    state: Plane<f64>,
-}
-
-impl LowPass {
-    pub(super) fn new(size: Size) -> Self {
-        Self {
-            state: Plane::zeros(size.shape()),
-        }
-    }
-
-    /// Moves towards the response to `frame`, `dt` seconds after the last (infinite at first).
-    pub(super) fn see(
-        &mut self,
-        description: &Description,
-        frame: &Frame,
-        dt: f64,
-    ) -> Result<(), SensorError> {
-        for ((y, x), state) in self.state.indexed_iter_mut() {
-            let light = frame.light[[y, x]];
-            let index = frame.index;
-            let signal = description.response.apply(light);
-            let signal = signal.map_err(|cause| SensorError::Light { index, y, x, cause })?;
-            *state += description.noise.low_pass(light, dt) * (signal - *state);
-        }
-        Ok(())
-    }
-
-    /// Row `y` of the filtered signal.
-    pub(super) fn row(&self, y: usize) -> ArrayView1<'_, f64> {
-        self.state.row(y)
-    }
-}
-
-/// The thresholds of one channel: the nominal ones, and what silicon made of them.
-///
-/// A fixed pattern: each pixel keeps its own as long as the sensor lives (the released
-/// simulator draws anew for each clip). No threshold falls below a twentieth of its nominal
-/// value, the released simulator's 0.01 at its 0.2.
-#[derive(Clone, Debug)]
-pub(super) struct Thresholds<R> {
-    on: Vec<R>,
-    off: Vec<R>,
-    /// One by each.
-    inverse: (Vec<R>, Vec<R>),
-    width: usize,
-    /// How many different rows there are: 1, 2 for a 2x2 pattern, or all.
-    rows: usize,
-    pub(super) equal: bool,
-}
-
-impl<R: Real> Thresholds<R> {
-    pub(super) fn new(nominal: &[Threshold], size: Size, seed: u64, channel: usize) -> Self {
-        let mismatch = nominal.iter().any(|t| t.sigma > 0.0);
-        let rows = match nominal {
-            _ if mismatch => size.height,
-            [_] => 1,
-            _ => 2,
-        };
-        let cells = (0..rows).flat_map(|y| (0..size.width).map(move |x| (y, x)));
-        let drawn = |(y, x)| {
-            let mean = match nominal {
-                [one] => *one,
-                four => four[2 * (y % 2) + x % 2],
-            };
-            let place = Place {
-                seed,
-                channel,
-                y,
-                x,
-            };
-            let draw = |reason, value: f64| {
-                (value + mean.sigma * place.normal(reason, 0)).max(value / 20.0)
-            };
-            if mean.sigma > 0.0 {
-                (
-                    R::of(draw(Reason::ThresholdOn, mean.on)),
-                    R::of(draw(Reason::ThresholdOff, mean.off)),
-                )
-            } else {
-                (R::of(mean.on), R::of(mean.off))
-            }
-        };
-        let (on, off): (Vec<R>, Vec<R>) = cells.map(drawn).unzip();
-        let inverse = |of: &[R]| of.iter().map(|threshold| R::ONE / *threshold).collect();
-        Self {
-            equal: on == off,
-            inverse: (inverse(&on), inverse(&off)),
-            on,
-            off,
-            width: size.width,
-            rows,
-        }
-    }
-
-    /// The ON and OFF thresholds of row `y`.
-    pub(super) fn row(&self, y: usize) -> (&[R], &[R]) {
-        let row = self.place(y);
-        (&self.on[row.clone()], &self.off[row])
-    }
-
-    /// One by each of them.
-    pub(super) fn inverse(&self, y: usize) -> (&[R], &[R]) {
-        let row = self.place(y);
-        (&self.inverse.0[row.clone()], &self.inverse.1[row])
-    }
-
-    fn place(&self, y: usize) -> std::ops::Range<usize> {
-        let start = y % self.rows * self.width;
-        start..start + self.width
     }
 }

@@ -13,7 +13,7 @@ use crate::{
     sensor::SensorError,
 };
 
-use super::{MAGIC, description::Border, noise::LowPass};
+use super::{description::Border, low_pass::LowPass, rounding::TWO_52};
 
 /// Some rows of a plane, with a rim, so that a kernel can be laid on every pixel of them; row
 /// after row.
@@ -258,10 +258,10 @@ fn product<R: Real>(light: R, (long, rest): (R, R)) -> R {
 #[inline]
 fn byte(light: f64) -> (u64, u64) {
     // Added to 2^52, a whole number stands in the lowest bits, and comes back whole.
-    let sum = light + MAGIC;
+    let sum = light + TWO_52;
     (
-        sum.to_bits() ^ MAGIC.to_bits(),
-        (sum - MAGIC).to_bits() ^ light.to_bits(),
+        sum.to_bits() ^ TWO_52.to_bits(),
+        (sum - TWO_52).to_bits() ^ light.to_bits(),
     )
 }
 

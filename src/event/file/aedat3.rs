@@ -12,12 +12,12 @@ use super::{
     Fault, Format, Place,
     about::{About, BLANK},
     chunks::Chunks,
+    entry::{Entry, Limits, Sign, Streams},
     evt2::polarity,
     fault::Stop,
-    format::{Entry, Limits, Sign, Streams},
+    head::Head,
     header::{Header, complete},
     source::{BLOCK, Out, Sink, Source},
-    writer::Head,
 };
 use crate::{event::Event, plane::Size, unit::Micros};
 

@@ -17,15 +17,15 @@ use super::{
     about::{About, BLANK},
     aedat3::magic,
     chunks::Chunks,
+    entry::{Entry, Limits, Sign, Streams},
     evt2::polarity,
     fault::Stop,
     flat::{Builder, Table, identifier},
-    format::{Entry, Limits, Sign, Streams},
     gate::Raw,
+    head::{Compression, Head},
     header::complete,
     packets::{self, Row},
     source::{BLOCK, Out, Sink, Source},
-    writer::{Compression, Head},
 };
 use crate::{event::Event, plane::Size};
 

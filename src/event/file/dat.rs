@@ -12,12 +12,12 @@ use super::{
     Fault, Format,
     about::{About, BLANK},
     chunks::Chunks,
+    entry::{Entry, Limits, Sign, Streams},
     evt2::polarity,
     fault::Stop,
-    format::{Entry, Limits, Sign, Streams},
+    head::Head,
     header::{Header, complete},
     source::{Out, Sink, Stream, Words},
-    writer::Head,
 };
 use crate::{event::Event, unit::Micros};
 

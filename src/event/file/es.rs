@@ -12,11 +12,11 @@ use super::{
     Fault, Format, Place,
     about::About,
     chunks::Chunks,
+    entry::{Entry, Limits, Sign, Streams},
     evt2::polarity,
     fault::Stop,
-    format::{Entry, Limits, Sign, Streams},
+    head::Head,
     source::{Out, Sink, Stream, Words},
-    writer::Head,
 };
 use crate::{event::Event, plane::Size, unit::Micros};
 

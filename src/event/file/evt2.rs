@@ -13,11 +13,11 @@ use super::{
     Fault, Format,
     about::About,
     chunks::Chunks,
+    entry::{Entry, Limits, Sign, Streams},
     fault::Stop,
-    format::{Entry, Limits, Sign, Streams},
+    head::Head,
     header::{Header, complete, prophesee},
     source::{Out, Sink, Stream, Words},
-    writer::Head,
 };
 use crate::{
     event::{Event, Polarity},

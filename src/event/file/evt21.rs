@@ -13,12 +13,12 @@ use super::{
     Fault, Format,
     about::About,
     chunks::Chunks,
+    entry::{Entry, Sign, Streams},
     evt2::{Clock, LIMITS, LOW, opened, polarity},
     fault::Stop,
-    format::{Entry, Sign, Streams},
+    head::Head,
     header::{complete, prophesee},
     source::{Out, Sink, Stream, Words},
-    writer::Head,
 };
 use crate::event::Event;
 

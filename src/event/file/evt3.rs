@@ -14,13 +14,13 @@ use super::{
     Fault, Format,
     about::About,
     chunks::Chunks,
+    entry::{Entry, Sign, Streams},
     evt2::{LIMITS, opened, polarity},
     evt21::together,
     fault::Stop,
-    format::{Entry, Sign, Streams},
+    head::Head,
     header::{complete, prophesee},
     source::{Out, Sink, Stream, Words},
-    writer::Head,
 };
 use crate::{
     event::{Event, Polarity},

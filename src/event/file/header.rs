@@ -10,8 +10,8 @@ use super::{
     about::{About, BLANK},
     chunks::Chunks,
     fault::Stop,
+    head::Head,
     source::Out,
-    writer::Head,
 };
 use crate::plane::Size;
 

@@ -16,11 +16,11 @@ use super::{
     Fault, Place,
     about::{About, BLANK},
     chunks::Chunks,
+    entry::{Entry, Limits, Sign, Streams},
     fault::Stop,
-    format::{Entry, Limits, Sign, Streams},
     gate::{Raw, hold_kinds},
+    head::Head,
     source::{BLOCK, Out, Sink, Source},
-    writer::Head,
 };
 use crate::event::Event;
 

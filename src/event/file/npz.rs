@@ -18,13 +18,13 @@ use super::{
     Format, Place,
     about::About,
     chunks::Chunks,
+    entry::{Entry, Limits, Sign, Streams},
     fault::Stop,
-    format::{Entry, Limits, Sign, Streams},
     gate::{Raw, hold_kinds},
+    head::Head,
     npy::{self, Column},
-    reader::Origin,
+    origin::Origin,
     source::{BLOCK, Out, Sink, Source},
-    writer::Head,
 };
 use crate::event::Event;
 

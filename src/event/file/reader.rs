@@ -1,14 +1,9 @@
 //! An event file, read a block at a time.
 
-use std::{
-    fs::File,
-    io::{self, Cursor, Read, Seek},
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::{Path, PathBuf};
 
 use super::{
-    FileError, Format, about::About, chunks::Chunks, fault::Stop, gate::Gate, source::Source,
+    FileError, Format, about::About, fault::Stop, gate::Gate, origin::Origin, source::Source,
 };
 use crate::{event::Event, plane::Size};
 
@@ -19,36 +14,6 @@ pub struct Opening {
     pub format: Option<Format>,
     /// The size of its sensor, where the file does not give one.
     pub size: Option<Size>,
-}
-
-/// Where the bytes are; several readers may go through them at once.
-#[derive(Clone, Debug)]
-pub(super) enum Origin {
-    File(PathBuf),
-    Memory(Arc<[u8]>),
-}
-
-/// A place to read from and to go to and fro in.
-pub(super) trait Input: Read + Seek + Send {}
-
-impl<T: Read + Seek + Send> Input for T {}
-
-impl Origin {
-    /// From the first byte.
-    pub fn open(&self) -> io::Result<Box<dyn Input>> {
-        Ok(match self {
-            Self::File(path) => Box::new(File::open(path)?),
-            Self::Memory(bytes) => Box::new(Cursor::new(Arc::clone(bytes))),
-        })
-    }
-
-    /// From the first byte, in chunks.
-    pub fn chunks(&self) -> io::Result<Chunks> {
-        Ok(Chunks::new(match self {
-            Self::File(path) => Box::new(File::open(path)?),
-            Self::Memory(bytes) => Box::new(Cursor::new(Arc::clone(bytes))),
-        }))
-    }
 }
 
 /// An event file being read: memory does not grow with its length.

@@ -2,74 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Fault, FileError, Format, about::About, gate::Gate, source::Sink};
-use crate::{
-    event::{Dropped, Event, Packet},
-    plane::Size,
-    save::Draft,
-    unit::Micros,
+use super::{
+    Fault, FileError, Format,
+    about::About,
+    gate::Gate,
+    head::{Compression, Head},
+    source::Sink,
 };
-
-/// How the packets of an AEDAT4 file are compressed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Compression {
-    /// LZ4: every reader knows it.
-    #[default]
-    Lz4,
-    /// Zstandard: smaller; not all readers know it.
-    Zstd,
-    /// As it is.
-    None,
-}
-
-impl Compression {
-    /// Its name in `--compression`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Lz4 => "lz4",
-            Self::Zstd => "zstd",
-            Self::None => "none",
-        }
-    }
-}
-
-/// All of a packet but its events, which a file may say at its start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Head {
-    /// Size of the sensor.
-    pub size: Size,
-    /// Kinds of cells.
-    pub channels: u8,
-    /// The time watched, where it is known to be another than that of the events.
-    pub span: Option<(Micros, Micros)>,
-    /// What is missing, where that is known.
-    pub dropped: Option<Dropped>,
-}
-
-impl Head {
-    /// That of a packet.
-    #[must_use]
-    pub const fn of(packet: &Packet) -> Self {
-        Self {
-            size: packet.size,
-            channels: packet.channels,
-            span: Some(packet.span),
-            dropped: Some(packet.dropped),
-        }
-    }
-
-    /// All of it, for a file that can say all.
-    pub(super) const fn about(&self) -> About {
-        About {
-            size: Some(self.size),
-            channels: Some(self.channels),
-            span: self.span,
-            dropped: self.dropped,
-            ..About::NOTHING
-        }
-    }
-}
+use crate::{event::Event, save::Draft};
 
 /// An event file being written, whole or not at all: memory does not grow with its length.
 ///

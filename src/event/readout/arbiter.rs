@@ -28,7 +28,12 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashSet, VecDeque};
 
-use super::{ReadOut, Statistics, WhenFull, micros, picos, queue::Queue, since, statistics::Stage};
+use super::{
+    ReadOut, Statistics, WhenFull,
+    queue::Queue,
+    statistics::Stage,
+    time::{micros, picos, since},
+};
 use crate::{
     event::{Dropped, Event, Packet},
     unit::Picos,

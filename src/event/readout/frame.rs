@@ -15,7 +15,11 @@
 
 use std::collections::HashSet;
 
-use super::{ReadOut, Statistics, Window, picos, since, statistics::Stage, windows};
+use super::{
+    ReadOut, Statistics,
+    statistics::Stage,
+    time::{Window, picos, since, windows},
+};
 use crate::{
     event::{Dropped, Event, Packet},
     plane::Size,

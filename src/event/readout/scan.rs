@@ -17,7 +17,11 @@
 //! what it reads with the frame's time, as it knows which frame it reads; how long after that
 //! an event was read is its latency.
 
-use super::{ReadOut, Statistics, statistics::Stage, windows};
+use super::{
+    ReadOut, Statistics,
+    statistics::Stage,
+    time::{picos, since, windows},
+};
 use crate::{
     event::{Dropped, Event, Packet, Polarity},
     plane::{At, Size},
@@ -119,7 +123,7 @@ impl Scan {
         let scan = u128::from(self.slot.0) * u128::from(self.slots);
         let scans = 2 * u128::from(packet.channels);
         for frame in windows(packet, self.period) {
-            let start = free.max(super::picos(frame.stamp));
+            let start = free.max(picos(frame.stamp));
             let mut set: Vec<&Event> = frame.events.iter().collect();
             // The first event of a pixel sets its bit.
             set.sort_by_key(|e| (number(e), self.order.key(e)));
@@ -131,7 +135,7 @@ impl Scan {
                 dropped.no_slot += (plane.len() - slots) as u64;
                 for (e, slot) in plane.iter().take(slots).zip(1..) {
                     let read = start + number(e) * scan + slot * u128::from(self.slot.0);
-                    latencies.push(super::since(e.t, read));
+                    latencies.push(since(e.t, read));
                     let at = At {
                         y: e.y.into(),
                         x: e.x.into(),

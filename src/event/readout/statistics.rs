@@ -1,5 +1,6 @@
 //! What a readout did to a packet.
 
+use super::time::picos;
 use crate::{
     event::{Dropped, Packet},
     unit::Picos,
@@ -118,8 +119,8 @@ impl Statistics {
     ) -> Self {
         let first = packet.events.first().map(|e| e.t);
         let start = first.map_or(packet.span.0, |t| t.min(packet.span.0));
-        let end = end.max(super::picos(packet.span.1));
-        let whole = end.saturating_sub(super::picos(start));
+        let end = end.max(picos(packet.span.1));
+        let whole = end.saturating_sub(picos(start));
         for stage in &mut stages {
             stage.busy = if whole > 0 {
                 stage.time as f64 / whole as f64

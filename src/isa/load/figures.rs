@@ -7,8 +7,8 @@ use crate::limit::ALIASES;
 
 use super::{
     super::{Analog, Digital, Figure, Quantity, Registers, Roles},
-    Layer,
     file::Placed,
+    layers::Layer,
 };
 
 pub(super) fn figures(layers: &[Layer]) -> Result<Vec<Quantity>, Faults> {

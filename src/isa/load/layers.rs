@@ -2,9 +2,45 @@
 
 use std::path::Path;
 
-use super::{super::Device, CHAIN, Folder, Layer, LoadError, SHIPPED, file, unknown};
-use crate::config::{Fault, Faults, suggestion_or};
-use crate::source;
+use crate::{
+    config::{Fault, Faults, suggestion_or},
+    isa::Device,
+    source,
+};
+
+use super::{
+    error::LoadError,
+    file::{self, DeviceFile, RowFile},
+};
+
+/// The texts of one folder.
+pub(super) struct Folder {
+    pub(super) name: String,
+    pub(super) device: String,
+    pub(super) primitives: Option<String>,
+    pub(super) macros: Option<String>,
+}
+
+/// One folder, read as TOML.
+pub(super) struct Layer {
+    pub(super) folder: Folder,
+    pub(super) device: DeviceFile,
+    pub(super) primitives: Vec<RowFile>,
+}
+
+/// A shipped chip: name, `device.toml`, `primitives.toml`, `macros.scamp`.
+type Shipped = (
+    &'static str,
+    &'static str,
+    Option<&'static str>,
+    Option<&'static str>,
+);
+
+// Every folder of `isa/` that has a `device.toml`, in order of names: `build.rs` lists them.
+pub(super) const SHIPPED: &[Shipped] = include!(concat!(env!("OUT_DIR"), "/chips.rs"));
+
+/// `a` extends `b` extends `c` …, at most.
+const CHAIN: usize = 8;
 
 /// What a chip's folder holds.
 const FILES: &str = "a chip is a folder with device.toml, primitives.toml and macros.scamp; one that extends another needs device.toml alone";
@@ -107,4 +143,11 @@ pub(super) fn layer(folder: Folder) -> Result<Layer, LoadError> {
         device,
         primitives,
     })
+}
+
+pub(super) fn unknown(name: &str) -> LoadError {
+    LoadError::Unknown {
+        name: name.to_owned(),
+        shipped: Device::shipped().collect::<Vec<_>>().join(", "),
+    }
 }

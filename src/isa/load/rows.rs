@@ -10,8 +10,8 @@ use super::{
         Analog, Digital, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
         Signature, Value, macros, row, signature::Parameter,
     },
-    Layer,
     file::Placed,
+    layers::Layer,
 };
 
 /// Parses the forms of a row.

@@ -5,12 +5,15 @@
 //! weight the nearest number of 0, 1, 2 … digits is looked up; dynamic programming over
 //! the weights then finds how the budget is best shared out.
 
-use super::{Entry, FINEST, Parameters, QuantiseError, Quantiser, Sum, affordable};
+use super::{Entry, Parameters, QuantiseError, Quantiser, Sum, error::affordable};
 use crate::{
     elementary,
     limit::{QUANTISER_STEPS, QUANTISER_TABLE},
     number::signed_digits,
 };
+
+/// Bits of the levels of `csd-D`, without their sign.
+pub const FINEST: u32 = 8;
 
 /// `csd-D`: D digits that are not 0, in the whole kernel.
 pub static ENTRY: Entry = Entry {

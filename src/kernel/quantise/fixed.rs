@@ -1,6 +1,6 @@
 //! Multiples of a power of two: Qm.n.
 
-use super::{Entry, Parameters, QuantiseError, Quantiser, Rounding, Sum, list::whole, total};
+use super::{Entry, Parameters, QuantiseError, Quantiser, Rounding, Sum, entry::whole, total};
 use crate::rng::Hash;
 
 /// `qM.N`: M bits before the point, sign included, and N after it.

@@ -5,9 +5,7 @@
 //! grows from 0, a weight changes its level where it lies in the middle of two; between these
 //! places nothing changes, so looking once between each finds the best of all.
 
-use super::{
-    Chosen, Entry, Parameters, QuantiseError, Quantiser, Sum, affordable, best_scale, total,
-};
+use super::{Chosen, Entry, Parameters, QuantiseError, Quantiser, Sum, error::affordable, total};
 use crate::limit::{QUANTISER_STEPS, QUANTISER_TABLE};
 
 /// `binary`
@@ -313,4 +311,11 @@ fn with_sum(
         scale = better;
     }
     Ok((levels, scale))
+}
+
+/// The scale that brings levels nearest to the weights.
+pub(super) fn best_scale(weights: &[f64], levels: &[f64]) -> f64 {
+    let both: f64 = weights.iter().zip(levels).map(|(w, l)| w * l).sum();
+    let own: f64 = levels.iter().map(|l| l * l).sum();
+    both / own
 }

@@ -2,9 +2,13 @@
 //!
 //! A new quantiser is a file beside this one, with its [`Entry`], and a line of [`ENTRIES`].
 
-use std::{fmt, str::FromStr};
+use std::str::FromStr;
 
-use super::{QuantiseError, Rounding, Sum, digits, fixed, levels};
+use super::{
+    digits,
+    entry::{Entry, Parameters, Quantiser, Rounding, whole},
+    fixed, levels,
+};
 
 /// All quantisers, in the order in which they are listed.
 pub const ENTRIES: &[&Entry] = &[
@@ -17,72 +21,6 @@ pub const ENTRIES: &[&Entry] = &[
     &digits::ENTRY,
     &fixed::ENTRY,
 ];
-
-/// The level of each weight, and the scale.
-pub type Chosen = (Vec<f64>, f64);
-
-/// What there is to say of a quantiser, and how it works: one or more in each quantiser's file.
-#[derive(Debug)]
-pub struct Entry {
-    /// How its name is written, a capital letter for each number: `po2-N`.
-    pub form: &'static str,
-    /// What the numbers are, and what else may follow; empty without numbers.
-    pub numbers: &'static str,
-    /// What numbers a name has.
-    pub parameters: Parameters,
-    /// The levels, for people.
-    pub levels: &'static str,
-    /// The scale, for people.
-    pub scale: &'static str,
-    /// How good it is, for people.
-    pub quality: &'static str,
-    /// The levels of weights that are not all 0, and the scale; the seed is that of stochastic
-    /// rounding.
-    pub quantise: fn(Quantiser, &[f64], Sum, u64) -> Result<Chosen, QuantiseError>,
-}
-
-impl Entry {
-    /// What stands in its names before the numbers.
-    fn stem(&self) -> &'static str {
-        match self.parameters {
-            Parameters::None => self.form,
-            Parameters::One(..) | Parameters::Fixed => self
-                .form
-                .split(|c: char| c.is_ascii_uppercase())
-                .next()
-                .unwrap_or_default(),
-        }
-    }
-}
-
-/// What numbers the name of a quantiser has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parameters {
-    /// None.
-    None,
-    /// A whole number, from the first to the second.
-    One(u32, u32),
-    /// Bits before and after the point, and a rounding.
-    Fixed,
-}
-
-/// How a kernel is brought to few values: one of the list, with its numbers.
-#[derive(Clone, Copy, Debug)]
-pub struct Quantiser {
-    pub(super) entry: &'static Entry,
-    /// As many as its name has, then 0.
-    pub(super) numbers: [u32; 2],
-    pub(super) rounding: Rounding,
-}
-
-impl PartialEq for Quantiser {
-    fn eq(&self, other: &Self) -> bool {
-        (self.entry.form, self.numbers, self.rounding)
-            == (other.entry.form, other.numbers, other.rounding)
-    }
-}
-
-impl Eq for Quantiser {}
 
 impl Quantiser {
     /// `binary`
@@ -122,25 +60,6 @@ pub struct QuantiserNameError {
     pub why: String,
 }
 
-impl fmt::Display for Quantiser {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [first, second] = self.numbers;
-        f.write_str(self.entry.stem())?;
-        match self.entry.parameters {
-            Parameters::None => Ok(()),
-            Parameters::One(..) => write!(f, "{first}"),
-            Parameters::Fixed => {
-                let rounding = match self.rounding {
-                    Rounding::Nearest => "",
-                    Rounding::Floor => ":floor",
-                    Rounding::Stochastic => ":stochastic",
-                };
-                write!(f, "{first}.{second}{rounding}")
-            }
-        }
-    }
-}
-
 impl FromStr for Quantiser {
     type Err = QuantiserNameError;
 
@@ -169,15 +88,4 @@ impl FromStr for Quantiser {
             ..Self::of(entry, numbers)
         })
     }
-}
-
-/// A whole number within bounds.
-pub(super) fn whole(text: &str, least: u32, most: u32) -> Result<u32, String> {
-    let number: u32 = text
-        .parse()
-        .map_err(|_| format!("`{text}` is no whole number"))?;
-    if (least..=most).contains(&number) {
-        return Ok(number);
-    }
-    Err(format!("{number} is not within {least} to {most}"))
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::number::signed_digits;
+use crate::{kernel::Kernel, number::signed_digits};
 use proptest::prelude::*;
 
 fn kernel(weights: &[f64]) -> Kernel {

@@ -2,8 +2,11 @@
 //! stand for.
 
 mod call;
+mod expansion;
 mod rules;
 mod values;
+
+pub use self::expansion::{Entry, Expanded, Expansion, Overrides, for_each};
 
 use std::collections::BTreeMap;
 
@@ -20,74 +23,6 @@ use crate::isa::{
     text::Statement,
 };
 use crate::limit::{EXPANDED_STEPS, FRAME_STEPS, STATEMENT_WORDS};
-
-/// Constants that are set from outside, by name.
-pub type Overrides = BTreeMap<String, f64>;
-
-/// A program, expanded.
-#[derive(Clone, Debug, Default)]
-pub struct Expansion {
-    /// What runs.
-    pub code: Code,
-    /// Whether the text is bare statements: a whole program, to be run once. Its code is
-    /// `code.frame`.
-    pub bare: bool,
-    /// The statements of `init`, with what each became.
-    pub init: Vec<Entry>,
-    /// The statements of a frame, with what each became.
-    pub frame: Vec<Entry>,
-    /// The value of every constant that is a number.
-    pub constants: BTreeMap<String, f64>,
-    /// What may not be meant.
-    pub warnings: Vec<Fault>,
-}
-
-/// A statement and what it became.
-#[derive(Clone, Debug)]
-pub enum Entry {
-    /// One statement.
-    Statement(Expanded),
-    /// A block, several times.
-    Repeat {
-        /// How often.
-        times: u32,
-        /// What.
-        body: Vec<Entry>,
-        /// Line of its heading, from 1.
-        line: u32,
-    },
-}
-
-/// One statement, expanded.
-#[derive(Clone, Debug)]
-pub struct Expanded {
-    /// As it is printed.
-    pub text: String,
-    /// Its name.
-    pub name: String,
-    /// Where it stands.
-    pub place: Place,
-    /// Line, from 1.
-    pub line: u32,
-    /// What it became.
-    pub steps: Vec<Step>,
-    /// What it reads and writes.
-    pub effect: Effect,
-    /// What it gives as a result; the rest of what it writes is destroyed.
-    pub results: Vec<Cell>,
-    /// Whether it needs FLAG to be 1 everywhere.
-    pub whole_flag: bool,
-    /// Whether it was written by the host as kernels of its own, outside the program's store.
-    pub host: bool,
-}
-
-impl Expanded {
-    /// The cells that it writes and does not give as a result.
-    pub fn destroys(&self) -> impl Iterator<Item = Cell> {
-        let writes = self.effect.writes.iter().copied();
-        writes.filter(|cell| !self.results.contains(cell))
-    }
-}
 
 pub(super) fn expand(
     syntax: &Syntax,

@@ -2,21 +2,21 @@
 
 use std::ops::Range;
 
-use crate::number::{Number, Real};
-
-use super::{
-    super::{
+use crate::{
+    lined::Lined,
+    number::{Number, Real},
+    reference::{
         description::{MemoryRule, PolarityRule},
         drive::{Made, log_temporal},
         memory::{Memory, Stepped},
         noise::Noise,
         reason::Place,
+        sheets::{self, Sheets},
         signal::Padded,
-        surround::{self, Sheets},
     },
-    Cells, Plan, Scratch,
 };
-use crate::lined::Lined;
+
+use super::{Cells, Plan, Scratch};
 
 impl<N: Number> Cells<N> {
     pub(super) fn settle(
@@ -33,7 +33,7 @@ impl<N: Number> Cells<N> {
         let mut pixels = Vec::with_capacity(cells);
         for y in rows.clone() {
             let Scratch { drive, parts, .. } = scratch;
-            surround::row(number, sheets, (channel, y), drive, |drive| {
+            sheets::row(number, sheets, (channel, y), drive, |drive| {
                 plan.weights[channel].row(number, signal, y, drive, parts);
             });
             if description.channels[channel].log_temporal {

@@ -1,16 +1,17 @@
 //! What noise makes cells fire besides what the scene does.
 
-use crate::{number::Number, sensor::SensorError};
-
-use super::{
-    super::{
+use crate::{
+    number::Number,
+    reference::{
         reason::Place,
         refractory::awake,
         stray::Strays,
         train::{BandSink, Pair, Train},
     },
-    Band, Plan, Scratch,
+    sensor::SensorError,
 };
+
+use super::{Band, Plan, Scratch};
 
 impl<N: Number> Band<N> {
     /// Tells of what noise makes the cells of a row fire, besides what the scene did: a row

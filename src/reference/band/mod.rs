@@ -14,16 +14,16 @@ use crate::{
 };
 
 use super::{
-    Report,
     description::{PolarityRule, RefractoryRule},
     drive::{Made, Parts, log_temporal},
     fire,
     memory::{self, Memory},
     reason::Place,
     refractory,
+    report::Report,
+    sheets::{self, Sheets},
     signal::{Light, Padded},
     step::Seen,
-    surround::{self, Sheets},
     train::{BandSink, TrainRow},
 };
 
@@ -225,7 +225,7 @@ impl<N: Number> Band<N> {
         (trains.channel, trains.y) = (channel, y);
 
         let weights = &plan.weights[channel];
-        surround::row(number, sheets, (channel, y), drive, |drive| match state {
+        sheets::row(number, sheets, (channel, y), drive, |drive| match state {
             Memory::RawSnap { .. } => weights.row(number, &pixels[channel], y, drive, parts),
             Memory::PixelStep(_) => weights.row(number, signal, y, drive, parts),
             Memory::FilteredSnap { .. } | Memory::FilteredStep(_) => {

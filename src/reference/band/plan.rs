@@ -1,14 +1,16 @@
 //! What all bands of a sensor share, and what they see.
 
-use crate::{number::Number, plane::Size};
-
-use super::super::{
-    description::Description,
-    drive::Weights,
-    noise::Thresholds,
-    signal::{Light, Padded},
-    surround::Sheets,
-    train::Pair,
+use crate::{
+    number::Number,
+    plane::Size,
+    reference::{
+        description::Description,
+        drive::Weights,
+        sheets::Sheets,
+        signal::{Light, Padded},
+        thresholds::Thresholds,
+        train::Pair,
+    },
 };
 
 /// What all bands of a sensor share.

@@ -1,18 +1,33 @@
 //! What is written in a sensor file, checked and built.
 
 use crate::{
-    config::{Fault, Node, Place, Read, Section},
+    config::{Fault, Faults, Node, Place, Read, Section},
     kernel::Kernel,
     photoreceptor::Response,
     plane::Plane,
+    reference::{noise::Noise, surround::Surrounds},
 };
 
 use super::{
-    super::{noise::Noise, surround::Surrounds},
-    Border, Channel, Description, MemoryRule, PolarityRule, ReadFile, Refractory, RefractoryRule,
-    Threshold,
-    keys::{REFRACTORY, SENSOR, THRESHOLD},
+    channel::{Channel, Threshold},
+    kernels::scaled,
+    keys::{FILE, REFRACTORY, SENSOR, THRESHOLD},
+    rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
+    sensor::Description,
 };
+
+/// Reads a file that a sensor file names; the path is as written there.
+pub type ReadFile<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
+
+impl Description {
+    /// Reads the text of a sensor file called `file`; `read` opens the kernel files it names.
+    ///
+    /// # Errors
+    /// What is wrong, each with its line and column.
+    pub fn parse(file: &str, text: &str, read: &ReadFile<'_>) -> Result<Self, Faults> {
+        FILE.read(file, text, |root| Reader { file, read }.sensor(root))
+    }
+}
 
 /// A sensor file being read.
 pub(super) struct Reader<'a> {
@@ -92,7 +107,7 @@ impl Reader<'_> {
             self.memory_kernel(memory, written.get("memory-kernel"), gain, written.place())?;
         let kernels = kernels
             .iter()
-            .map(|kernel| super::kernels::scaled(kernel, gain, kernel_place))
+            .map(|kernel| scaled(kernel, gain, kernel_place))
             .collect::<Read<_>>()?;
         Ok(Channel {
             name: written.maybe_text("name"),

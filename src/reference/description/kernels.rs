@@ -8,8 +8,8 @@ use crate::{
 };
 
 use super::{
-    MemoryRule,
     check::{Reader, wrong},
+    rules::MemoryRule,
 };
 
 impl Reader<'_> {

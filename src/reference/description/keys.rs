@@ -4,9 +4,8 @@ use crate::{
     config::{File, Key, Kind, Range, Table},
     kernel,
     photoreceptor::Response,
+    reference::{noise::Noise, surround},
 };
-
-use super::super::{noise::Noise, surround};
 
 pub use surround::RULES;
 

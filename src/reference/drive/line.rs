@@ -4,7 +4,7 @@ use multiversion::multiversion;
 
 use crate::number::Number;
 
-use super::is_wide;
+use super::width::is_wide;
 
 /// A row of weights, and the rows of the kernel that it is: one, or all that are equal.
 #[derive(Clone, Debug)]

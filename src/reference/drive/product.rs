@@ -2,9 +2,9 @@
 
 use multiversion::multiversion;
 
-use crate::number::Number;
+use crate::{number::Number, reference::signal::BLOCK};
 
-use super::{BLOCK, is_wide};
+use super::width::is_wide;
 
 /// The weights of a kernel that has few different ones.
 #[derive(Clone, Debug)]
@@ -15,10 +15,12 @@ pub(super) struct Shared<H> {
     pub(super) places: Vec<Place>,
 }
 
+/// Where in a kernel which of the different weights stands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    /// Number of the weight.
+    /// Index into [`Shared::weights`].
     pub(super) weight: usize,
+    /// Row and column of the kernel, from 0 on.
     pub(super) row: usize,
     pub(super) column: usize,
 }

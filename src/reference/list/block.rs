@@ -2,9 +2,9 @@
 
 use multiversion::multiversion;
 
-use crate::{bits, number::Real};
+use crate::{bits, number::Real, reference::train::TrainRow};
 
-use super::{super::train::TrainRow, clock::Clock, note::Note};
+use super::{clock::Clock, note::Note};
 
 /// Columns that are worked on at a time.
 const BLOCK: usize = 64;

@@ -1,11 +1,12 @@
 //! From places between two frames to whole microseconds.
 
-use crate::{event::Event, unit::Micros};
-
-use super::{
-    super::{MAGIC, train::Pair},
-    note::Note,
+use crate::{
+    event::Event,
+    reference::{rounding::TWO_52, train::Pair},
+    unit::Micros,
 };
+
+use super::note::Note;
 
 /// From places between two frames to microseconds.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,7 +34,7 @@ impl Clock {
         let (from, to) = (pair.from * 1e6, pair.to * 1e6);
         let start = from.floor().max(0.0);
         // Seventy years.
-        let most = MAGIC / 2.0;
+        let most = TWO_52 / 2.0;
         let duration = (to - from).clamp(0.0, most);
         let to = (to - start).clamp(0.0, most) + HAIR;
         let from = to - duration;
@@ -89,7 +90,7 @@ impl Clock {
     pub(super) fn whole(&self, since: f64) -> u64 {
         let since = if since < self.to { since } else { self.to };
         // Added to 2^52, what is next to it stands in the lowest bits.
-        (since + MAGIC).to_bits()
+        (since + TWO_52).to_bits()
     }
 
     #[inline]
@@ -133,7 +134,7 @@ mod tests {
             prop_assert!(time(place) <= time(1.0));
             prop_assert!(time(0.0).0.abs_diff(Micros::from_seconds(from).0) <= 1);
             // What notes say.
-            prop_assert_eq!(clock.whole(clock.since(place)) - MAGIC.to_bits(), clock.at(place));
+            prop_assert_eq!(clock.whole(clock.since(place)) - TWO_52.to_bits(), clock.at(place));
         }
 
         #[test]

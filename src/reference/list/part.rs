@@ -1,9 +1,8 @@
 //! What one band of rows has said in a pair of frames.
 
-use crate::{event::Event, number::Real};
+use crate::{event::Event, number::Real, reference::train::TrainRow};
 
 use super::{
-    super::train::TrainRow,
     block::{FEW, expand},
     clock::Clock,
     note::Note,

@@ -1,10 +1,9 @@
 //! From a point to a sensor that can watch: a float model in its number format, or a chip with
 //! its program.
 
-use miette::Diagnostic;
 use serde_json::json;
 
-use super::{plan::Entry, sensor, shared::Shared, study::Settings, table::Row};
+use super::{plan::Entry, refusal::Refusal, sensor, shared::Shared, study::Settings, table::Row};
 use crate::{
     array::{Arithmetic, Schedule},
     compile::{Effort, Kind, Memory, Request, SensorProgram},
@@ -19,22 +18,6 @@ use crate::{
     study::design,
     study::design::Compiled,
 };
-
-/// Why a point has no figures.
-#[derive(Clone, Debug)]
-pub(super) enum Refusal {
-    /// It cannot be, here or elsewhere.
-    Cannot(String),
-    /// It was given up: with more time or memory it may be.
-    GivenUp(String),
-}
-
-impl<E: Diagnostic> From<E> for Refusal {
-    fn from(error: E) -> Self {
-        let help = error.help().map(|help| format!(" ({help})"));
-        Self::Cannot(format!("{error}{}", help.unwrap_or_default()))
-    }
-}
 
 /// The sensor of a float point.
 pub(super) fn float(entry: &Entry, row: &mut Row) -> Result<Box<dyn Sensor + Send>, Refusal> {

@@ -1,5 +1,7 @@
 //! Where two results of one point differ.
 
+use std::{fmt, path::PathBuf};
+
 use serde_json::Value as Json;
 
 use super::table::{self, Row};
@@ -30,6 +32,35 @@ pub(super) fn differences<'a>(
 /// words for people.
 fn is_judged(name: &str) -> bool {
     !table::timed(name) && !NAMES.contains(&name) && !["reason", "index"].contains(&name)
+}
+
+/// A column of a point of which two folders say different things.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Disagreement {
+    /// The point's number.
+    pub point: usize,
+    /// Its identity.
+    pub id: String,
+    /// Which column.
+    pub column: String,
+    /// What each folder says.
+    pub values: [(PathBuf, Json); 2],
+}
+
+impl fmt::Display for Disagreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            point,
+            id,
+            column,
+            values: [(one, a), (other, b)],
+        } = self;
+        let (one, other) = (one.display(), other.display());
+        write!(
+            f,
+            "point {point} ({id}), {column}: {a} in {one}, {b} in {other}"
+        )
+    }
 }
 
 #[cfg(test)]

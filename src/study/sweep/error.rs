@@ -3,10 +3,9 @@
 use std::{io, path::PathBuf};
 
 use super::{
-    SCHEMA,
     damage::{Damage, damages, listed},
-    merge::Disagreement,
-    provenance::{NUMERICS, Provenance},
+    difference::Disagreement,
+    provenance::{NUMERICS, Provenance, SCHEMA},
 };
 use crate::save::SaveError;
 

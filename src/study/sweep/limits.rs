@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use super::build::Refusal;
+use super::refusal::Refusal;
 use crate::{event::Event, plane::Size};
 
 /// Seconds since some moment.

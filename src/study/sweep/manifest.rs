@@ -11,11 +11,10 @@ use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 
 use super::{
-    SCHEMA,
     error::{Kept, StoreError},
     footage::hex,
     grid::MOST_POINTS,
-    provenance::NUMERICS,
+    provenance::{NUMERICS, SCHEMA},
     regular::{self, Unusable},
     seal::{self, Fields},
 };

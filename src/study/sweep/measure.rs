@@ -3,10 +3,11 @@
 use serde_json::json;
 
 use super::{
-    build::{Refusal, array, float},
+    build::{array, float},
     key::Side,
     limits::{Exhausted, Limits},
     plan::{Entry, Plan},
+    refusal::Refusal,
     sensor,
     shared::Shared,
     study::Settings,

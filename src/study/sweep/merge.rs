@@ -2,11 +2,11 @@
 
 use std::{
     collections::{BTreeSet, HashMap},
-    fmt, fs,
+    fs,
     path::{Path, PathBuf},
 };
 
-use serde_json::Value as Json;
+pub use super::difference::Disagreement;
 
 use super::{
     difference::differences,
@@ -15,35 +15,6 @@ use super::{
     record::Record,
     store::{Held, Store, Tables, held},
 };
-
-/// A column of a point of which two folders say different things.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Disagreement {
-    /// The point's number.
-    pub point: usize,
-    /// Its identity.
-    pub id: String,
-    /// Which column.
-    pub column: String,
-    /// What each folder says.
-    pub values: [(PathBuf, Json); 2],
-}
-
-impl fmt::Display for Disagreement {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            point,
-            id,
-            column,
-            values: [(one, a), (other, b)],
-        } = self;
-        let (one, other) = (one.display(), other.display());
-        write!(
-            f,
-            "point {point} ({id}), {column}: {a} in {one}, {b} in {other}"
-        )
-    }
-}
 
 /// Joins folders of one study into another. A folder that is named twice counts once; a point
 /// that failed gives way to one that did not.

@@ -28,6 +28,7 @@ pub mod point;
 pub mod provenance;
 mod read;
 pub mod record;
+mod refusal;
 mod regular;
 pub mod report;
 pub mod run;
@@ -49,11 +50,8 @@ pub use limits::{Clock, Limits};
 pub use manifest::Manifest;
 pub use merge::merge;
 pub use plan::Plan;
-pub use provenance::{NUMERICS, Provenance};
+pub use provenance::{NUMERICS, Provenance, SCHEMA};
 pub use report::Report;
 pub use run::{Run, Shard};
 pub use store::Store;
 pub use study::Study;
-
-/// The version of the results: of what is measured and how. It is part of every identity.
-pub const SCHEMA: u32 = 2;

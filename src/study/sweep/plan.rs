@@ -16,13 +16,13 @@ use serde_json::{Value as Json, json};
 use sha2::{Digest, Sha256};
 
 use super::{
-    SCHEMA,
     difference::NAMES,
     footage::{Footage, Wanted, hex},
     grid::Axes,
     key::Side,
     manifest::Manifest,
     point::Point,
+    provenance::SCHEMA,
     sensor,
     study::Study,
     table,

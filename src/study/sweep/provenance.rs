@@ -7,7 +7,8 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use super::SCHEMA;
+/// The version of the results: of what is measured and how. It is part of every identity.
+pub const SCHEMA: u32 = 2;
 
 /// The version of the numerics: two builds of one version compute the same bits from the same
 /// point, on any processor. It is raised whenever a result may change.

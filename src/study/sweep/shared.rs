@@ -5,7 +5,7 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-use super::build::Refusal;
+use super::refusal::Refusal;
 use crate::{event::Packet, study::design::Compiled};
 
 /// What several points need, made once.

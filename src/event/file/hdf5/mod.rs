@@ -11,7 +11,7 @@
 #[cfg(feature = "hdf5")]
 mod streams;
 
-use super::format::{Entry, Limits, Sign, Streams};
+use super::entry::{Entry, Limits, Sign, Streams};
 
 #[cfg(feature = "hdf5")]
 const STREAMS: Option<Streams> = Some(Streams {

@@ -14,9 +14,9 @@ use super::super::{
     about::About,
     fault::Stop,
     gate::{Raw, hold_kinds},
-    reader::Origin,
+    head::Head,
+    origin::Origin,
     source::{BLOCK, Out, Sink, Source},
-    writer::Head,
 };
 use crate::{event::Event, save::Spool};
 

@@ -9,7 +9,7 @@
 #[cfg(feature = "parquet")]
 mod streams;
 
-use super::format::{Entry, Limits, Sign, Streams};
+use super::entry::{Entry, Limits, Sign, Streams};
 
 #[cfg(feature = "parquet")]
 const STREAMS: Option<Streams> = Some(Streams {

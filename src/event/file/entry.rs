@@ -1,0 +1,189 @@
+//! What is said of each format, and who reads and writes it.
+
+use std::{fmt, io, path::Path};
+
+use super::{
+    chunks::Chunks,
+    fault::Stop,
+    format::{Format, formats},
+    head::{Compression, Head},
+    origin::Origin,
+    source::{Sink, Source},
+};
+
+/// What there is to say of a format, and who reads and writes it: one in each format's file.
+pub(super) struct Entry {
+    /// What `--format` calls it; also an extension that its files may have.
+    pub name: &'static str,
+    /// The extension that its files usually have, without the dot.
+    pub extension: &'static str,
+    /// Other extensions that say this format.
+    pub also: &'static [&'static str],
+    /// What it can hold.
+    pub limits: Limits,
+    /// Who reads it, for people.
+    pub readers: &'static str,
+    /// What Python imports to open it.
+    pub module: &'static str,
+    /// The expression of Python that opens the file at `path`.
+    pub python: &'static str,
+    /// What a file of several possible formats is known by.
+    pub sign: Sign,
+    /// Readers and writers, unless this build has none.
+    pub streams: Option<Streams>,
+    /// A writer goes back to the start, where the file says how many events it has.
+    pub rewinds: bool,
+    /// The sensor's size is written as a number of few bits.
+    pub few_bits_of_size: bool,
+    /// Silence is counted from the first event on, not from time 0.
+    pub clock_from_first: bool,
+}
+
+impl Entry {
+    /// What most formats have in common.
+    pub const PLAIN: Self = Self {
+        name: "",
+        extension: "",
+        also: &[],
+        limits: Limits::WIDE,
+        readers: "",
+        module: "",
+        python: "",
+        sign: Sign::Nothing,
+        streams: None,
+        rewinds: true,
+        few_bits_of_size: false,
+        clock_from_first: false,
+    };
+}
+
+/// What the start of a file says of its format.
+#[derive(Clone, Copy)]
+pub(super) enum Sign {
+    /// Nothing.
+    Nothing,
+    /// It begins with these bytes.
+    Bytes(&'static [u8]),
+    /// A line of its header, which is of lines that begin with `%`, has these words, in lower
+    /// case.
+    Line(fn(&[&str]) -> bool),
+}
+
+/// A file whose header was read, or what is wrong with it.
+type Opened = Result<Box<dyn Source>, Stop>;
+
+/// How events come from a file and go into one.
+#[derive(Clone, Copy)]
+pub(super) struct Streams {
+    /// Reads what stands before the events; the chunks are those of the origin.
+    pub source: fn(&Origin, Chunks) -> Opened,
+    /// Begins to write; the error is that of temporary files.
+    pub sink: fn(&Head, Compression) -> io::Result<Box<dyn Sink>>,
+}
+
+/// What a format can hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Largest column.
+    pub x: u16,
+    /// Largest row.
+    pub y: u16,
+    /// Latest time, in microseconds.
+    pub t: u64,
+    /// Longest time without an event, in microseconds, from 0 on.
+    pub silence: u64,
+    /// Whether it tells kinds of cells apart.
+    pub channels: bool,
+}
+
+impl Limits {
+    /// Those of events themselves.
+    pub(super) const WIDE: Self = Self {
+        x: u16::MAX,
+        y: u16::MAX,
+        t: i64::MAX.unsigned_abs(),
+        silence: u64::MAX,
+        channels: true,
+    };
+}
+
+/// Gives each format of the list the entry of its file.
+macro_rules! entries {
+    ($(#[doc = $about:literal] $format:ident => $file:ident,)+) => {
+        impl Format {
+            pub(super) const fn entry(self) -> &'static Entry {
+                match self {
+                    $(Self::$format => &super::$file::ENTRY,)+
+                }
+            }
+        }
+    };
+}
+
+formats!(entries);
+
+impl Format {
+    /// What `--format` calls it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.entry().name
+    }
+
+    /// The extension that its files usually have, without the dot.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        self.entry().extension
+    }
+
+    /// What it can hold.
+    #[must_use]
+    pub const fn limits(self) -> Limits {
+        self.entry().limits
+    }
+
+    /// Which of the field's programs read it, for people.
+    #[must_use]
+    pub const fn readers(self) -> &'static str {
+        self.entry().readers
+    }
+
+    /// Whether this build reads and writes it: some are features of the crate.
+    #[must_use]
+    pub const fn is_built(self) -> bool {
+        self.entry().streams.is_some()
+    }
+
+    /// The line of Python that opens a file of this format, `path` being its path.
+    #[must_use]
+    pub const fn python(self) -> &'static str {
+        self.entry().python
+    }
+
+    /// What [`Format::python`] needs to import.
+    #[must_use]
+    pub const fn module(self) -> &'static str {
+        self.entry().module
+    }
+
+    /// The names of all, with a space between, as helps list them.
+    #[must_use]
+    pub fn names() -> String {
+        let names: Vec<_> = Self::ALL.iter().map(|format| format.name()).collect();
+        names.join(" ")
+    }
+
+    /// The whole line of Python that opens this file.
+    #[must_use]
+    pub fn opened_by(self, path: &Path) -> String {
+        let name = path.display().to_string();
+        let name = name.replace('\\', "\\\\").replace('\'', "\\'");
+        let line = self.python().replace("(path)", &format!("('{name}')"));
+        format!("import {}; events = {line}", self.module())
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

@@ -1,0 +1,180 @@
+//! Which format a file has: by its name, its first bytes, or what it is called.
+
+use std::{path::Path, str::FromStr};
+
+use super::{
+    entry::{Entry, Sign},
+    fault::FileError,
+    format::Format,
+};
+
+impl Format {
+    /// The format that a file to be written asks for by its extension.
+    ///
+    /// # Errors
+    /// When the extension is missing, unknown, or shared by several formats; the message
+    /// lists those that there are.
+    pub fn of(path: &Path) -> Result<Self, FileError> {
+        let (path, extension) = (path.to_owned(), extension(path));
+        match Self::by_extension(&extension)[..] {
+            [format] => Ok(format),
+            [] => Err(FileError::Extension { path, extension }),
+            ref several => Err(FileError::Ambiguous {
+                path,
+                extension,
+                names: names(several),
+            }),
+        }
+    }
+
+    /// All formats whose files may have this name; of some there are several, and of most
+    /// names none.
+    #[must_use]
+    pub fn named(path: &Path) -> Vec<Self> {
+        Self::by_extension(&extension(path))
+    }
+
+    /// All formats whose files have this extension.
+    fn by_extension(extension: &str) -> Vec<Self> {
+        let extension = extension.to_ascii_lowercase();
+        let fits = |format: &Self| {
+            let Entry {
+                name,
+                extension: usual,
+                also,
+                ..
+            } = format.entry();
+            [name, usual].contains(&&&*extension) || also.contains(&&*extension)
+        };
+        Self::ALL.iter().copied().filter(fits).collect()
+    }
+
+    /// The format of a file to be read: by its extension where that says enough, else by its
+    /// first bytes.
+    ///
+    /// # Errors
+    /// When neither tells.
+    pub fn of_content(path: &Path, start: &[u8]) -> Result<Self, FileError> {
+        let known = Self::by_extension(&extension(path));
+        match known[..] {
+            [format] => Ok(format),
+            [] => sniff(start).map_or_else(|| Self::of(path), Ok),
+            _ => sniff(start).ok_or_else(|| FileError::Unknown {
+                path: path.to_owned(),
+            }),
+        }
+    }
+}
+
+/// What follows the last dot of a name that has one.
+fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    let extension = extension.to_string_lossy().into_owned();
+    // `recording.evt2.1` ends in `.1` as far as the system is concerned.
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    if extension == "1" && name.ends_with(".evt2.1") {
+        return "evt2.1".into();
+    }
+    extension
+}
+
+/// Names, with commas between.
+fn names(formats: &[Format]) -> String {
+    let names: Vec<_> = formats.iter().map(|f| f.name()).collect();
+    names.join(", ")
+}
+
+/// The format that says so in its first bytes.
+fn sniff(start: &[u8]) -> Option<Format> {
+    let mut all = Format::ALL.iter().copied();
+    let begins = |format: &Format| match format.entry().sign {
+        Sign::Bytes(magic) => start.starts_with(magic),
+        Sign::Nothing | Sign::Line(_) => false,
+    };
+    if let Some(format) = all.find(begins) {
+        return Some(format);
+    }
+    let mut header = start
+        .split(|b| *b == b'\n')
+        .take_while(|line| line.starts_with(b"%"))
+        .map(|line| String::from_utf8_lossy(line).to_ascii_lowercase());
+    // The first line that says a format decides.
+    header.find_map(|line| {
+        let words: Vec<_> = line
+            .trim_start_matches('%')
+            .split([' ', ';', '\r'])
+            .filter(|word| !word.is_empty())
+            .collect();
+        let says = |format: &Format| match format.entry().sign {
+            Sign::Line(says) => says(&words),
+            Sign::Nothing | Sign::Bytes(_) => false,
+        };
+        Format::ALL.iter().copied().find(says)
+    })
+}
+
+/// A name that is no format's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error(
+    "`{name}` is no format of event files; known are {}",
+    names(Format::ALL)
+)]
+#[diagnostic(help("`docs/formats.md` says what each can hold and who reads it"))]
+pub struct FormatError {
+    /// What was given.
+    pub name: String,
+}
+
+impl FromStr for Format {
+    type Err = FormatError;
+
+    fn from_str(name: &str) -> Result<Self, FormatError> {
+        let found = Self::ALL.iter().copied().find(|f| f.name() == name);
+        found.ok_or_else(|| FormatError { name: name.into() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_reads_back_and_is_an_extension() {
+        for &format in Format::ALL {
+            assert_eq!(format.name().parse(), Ok(format));
+            let path = format!("a.{}", format.name());
+            assert_eq!(Format::of(Path::new(&path)).unwrap(), format, "{path}");
+        }
+        assert!("raw".parse::<Format>().is_err());
+        for (name, format) in [
+            ("a.H5", Format::Hdf5),
+            ("a.evt21", Format::Evt21),
+            ("a.hdf", Format::Hdf5),
+        ] {
+            assert_eq!(Format::of(Path::new(name)).unwrap(), format, "{name}");
+        }
+    }
+
+    #[test]
+    fn shared_extensions_are_told_apart_by_content() {
+        let told = |name: &str, start: &[u8]| Format::of_content(Path::new(name), start).ok();
+        assert_eq!(told("a.raw", b"% date x\n% evt 3.0\n"), Some(Format::Evt3));
+        assert_eq!(
+            told("a.raw", b"% format EVT21;height=1\n"),
+            Some(Format::Evt21)
+        );
+        assert_eq!(told("a.raw", b"% evt 2.0\r\n"), Some(Format::Evt2));
+        assert_eq!(told("a.aedat", b"#!AER-DAT3.1\r\n"), Some(Format::Aedat3));
+        assert_eq!(told("a", b"PAR1"), Some(Format::Parquet));
+        assert_eq!(told("a.raw", b"\x00\x01"), None);
+        assert_eq!(
+            told("a.csv", b"PAR1"),
+            Some(Format::Csv),
+            "the extension decides"
+        );
+        assert!(
+            Format::of(Path::new("a.raw")).is_err(),
+            "it does not say which"
+        );
+    }
+}

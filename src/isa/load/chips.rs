@@ -1,0 +1,60 @@
+//! Where a chip comes from: the shipped ones by name, any other from its folder.
+
+use std::{path::Path, sync::LazyLock};
+
+use crate::isa::Device;
+
+use super::{
+    assemble::assemble,
+    error::LoadError,
+    layers::{SHIPPED, disk_folder, layers, shipped_folder, unknown},
+};
+
+impl Device {
+    /// The chip itself: SCAMP-5.
+    ///
+    /// # Panics
+    /// Never: a test loads every shipped chip.
+    #[must_use]
+    pub fn scamp5() -> Self {
+        // Its files are parsed once.
+        static SCAMP5: LazyLock<Device> =
+            LazyLock::new(|| shipped("scamp5").expect("the shipped chip is checked by a test"));
+        SCAMP5.clone()
+    }
+
+    /// Names of the shipped chips.
+    pub fn shipped() -> impl Iterator<Item = &'static str> {
+        SHIPPED.iter().map(|(name, ..)| *name)
+    }
+
+    /// A shipped chip by name, or any other from its folder.
+    ///
+    /// # Errors
+    /// When there is no such chip, or its files are wrong.
+    pub fn find(name: &str) -> Result<Self, LoadError> {
+        if name == "scamp5" {
+            return Ok(Self::scamp5());
+        }
+        if SHIPPED.iter().any(|(shipped, ..)| *shipped == name) {
+            return shipped(name);
+        }
+        let folder = Path::new(name);
+        if folder.is_dir() {
+            return Self::load(folder);
+        }
+        Err(unknown(name))
+    }
+
+    /// A chip from its folder. What it `extends` is a folder beside it, or a shipped chip.
+    ///
+    /// # Errors
+    /// When its files cannot be read or are wrong.
+    pub fn load(folder: &Path) -> Result<Self, LoadError> {
+        assemble(&layers(disk_folder(folder)?, folder.parent())?)
+    }
+}
+
+fn shipped(name: &str) -> Result<Device, LoadError> {
+    assemble(&layers(shipped_folder(name)?, None)?)
+}

@@ -1,0 +1,27 @@
+//! Why a chip cannot be read.
+
+use crate::{config::Faults, source::SourceError};
+
+/// Why a chip cannot be read.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum LoadError {
+    /// No such chip.
+    #[error("there is no chip `{name}`")]
+    #[diagnostic(help(
+        "give the name of a shipped chip ({shipped}) or a folder that holds a device.toml"
+    ))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        shipped: String,
+    },
+    /// A file cannot be read.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Unreadable(#[from] SourceError),
+    /// A file says something wrong.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Wrong(#[from] Faults),
+}

@@ -1,0 +1,327 @@
+//! Checks of a chip's macros against each other, its rows and its registers.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::{
+    config::{Fault, Place, suggestion_or},
+    isa::{
+        Device, Signature, Value,
+        signature::Given,
+        text::{Argument, Expression, Statement, Term},
+    },
+    limit::{FAULTS, MACRO_DEPTH},
+};
+
+use super::{
+    calls::{may_mean, statements},
+    definition::{Item, Macro},
+};
+
+/// Checks a macro of a device against the others, its rows and its registers.
+#[must_use]
+pub fn check(device: &Device, it: &Macro) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    check_heading(device, it, &mut faults);
+    check_body(device, it, &it.body, &mut faults);
+    faults
+}
+
+/// Checks that no macro of a device comes back to itself, and that none is too deep. What is
+/// wrong comes with the number of the macro.
+#[must_use]
+pub fn check_calls(device: &Device) -> Vec<(usize, Fault)> {
+    let macros = device.macros();
+    let mut named: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (at, it) in macros.iter().enumerate() {
+        named.entry(&it.signature.name).or_default().push(at);
+    }
+    let called: Vec<BTreeSet<usize>> = macros
+        .iter()
+        .map(|it| {
+            let mut calls = Vec::new();
+            statements(&it.body, &mut calls);
+            let candidates = |call: &&Statement| {
+                let all = named.get(call.name.as_str()).into_iter().flatten();
+                let call = *call;
+                let meant: Vec<usize> = all
+                    .copied()
+                    .filter(|at| may_mean(call, &macros[*at]))
+                    .collect();
+                meant
+            };
+            calls.iter().flat_map(candidates).collect()
+        })
+        .collect();
+    // Level by level: first the macros that call none, then those that call only these, …
+    let mut settled = vec![false; macros.len()];
+    let mut open: Vec<usize> = (0..macros.len()).collect();
+    let mut faults = Vec::new();
+    for level in 1.. {
+        let (ready, rest): (Vec<usize>, Vec<usize>) = open
+            .iter()
+            .partition(|at| called[**at].iter().all(|next| settled[*next]));
+        if ready.is_empty() {
+            open = rest;
+            break;
+        }
+        for at in &ready {
+            settled[*at] = true;
+            if level > MACRO_DEPTH && faults.len() <= FAULTS {
+                let it = &macros[*at].signature;
+                let what = format!("`{}` has {level} macros inside each other", it.name);
+                faults.push((
+                    *at,
+                    Fault::error(it.place, what, format!("at most {MACRO_DEPTH}"))
+                        .help("write what it does in fewer steps"),
+                ));
+            }
+        }
+        open = rest;
+    }
+    let circles = open
+        .iter()
+        .filter_map(|at| Some((*at, circle(device, &macros[*at])?)));
+    faults.extend(circles.take(FAULTS));
+    faults
+}
+
+/// The fault of a macro that comes back to itself, if it does.
+fn circle(device: &Device, it: &Macro) -> Option<Fault> {
+    calls_itself(device, it).map(|path| {
+        let names: Vec<&str> = path.split(" calls ").collect();
+        let path = match names.as_slice() {
+            [first @ .., last] if first.len() > 8 => {
+                let left = first.len() - 8;
+                let first = first[..8].join(" calls ");
+                format!("{first} calls {left} others, and then {last}")
+            }
+            _ => path,
+        };
+        Fault::error(
+            it.signature.place,
+            format!("`{}` comes back to itself: {path}", it.signature.name),
+            "this macro would never end",
+        )
+        .help("a macro is made of primitives and of macros that are simpler")
+    })
+}
+
+fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
+    let place = it.signature.place;
+    let parameters: Vec<&str> = it
+        .signature
+        .parameters
+        .iter()
+        .map(|p| p.name.as_str())
+        .collect();
+    for (i, name) in parameters.iter().enumerate() {
+        if !name.is_empty() && parameters[..i].contains(name) {
+            faults.push(
+                Fault::error(
+                    place,
+                    format!("two parameters are called `{name}`"),
+                    "in this heading",
+                )
+                .help("give one another name"),
+            );
+        }
+        if it.signature.parameters[i].count != (1, 1) || it.signature.parameters[i].group {
+            faults.push(
+                Fault::error(
+                    place,
+                    format!("the parameter `{name}` takes several arguments"),
+                    "a parameter of a macro takes one",
+                )
+                .help("write a macro for each number of arguments"),
+            );
+        }
+        if device.value_of(name).is_some() {
+            faults.push(
+                Fault::error(
+                    place,
+                    format!("the parameter `{name}` hides a name of the chip"),
+                    "in this heading",
+                )
+                .help("give it another name"),
+            );
+        }
+    }
+    for distinct in &it.distinct {
+        for name in [&distinct.first, &distinct.second] {
+            if !parameters.contains(&name.as_str()) {
+                faults.push(
+                    Fault::error(
+                        place,
+                        format!("`{name}` is not a parameter"),
+                        "in this heading",
+                    )
+                    .help(suggestion_or(
+                        name,
+                        parameters.iter().copied(),
+                        "name a parameter of this heading",
+                    )),
+                );
+            }
+        }
+    }
+    for name in &it.gives {
+        if name != "FLAG" && device.value_of(name).is_none() {
+            faults.push(
+                Fault::error(
+                    place,
+                    format!("`{name}` is not a register"),
+                    "in this heading",
+                )
+                .help(suggestion_or(
+                    name,
+                    device.names(),
+                    "name a register of the chip, or FLAG",
+                )),
+            );
+        }
+    }
+}
+
+fn check_body(device: &Device, it: &Macro, body: &[Item], faults: &mut Vec<Fault>) {
+    for item in body {
+        match item {
+            Item::Statement(statement) => check_statement(device, it, statement, faults),
+            Item::Repeat { times, body } => {
+                check_names(device, it, times, faults);
+                check_body(device, it, body, faults);
+            }
+        }
+    }
+}
+
+fn check_statement(device: &Device, it: &Macro, statement: &Statement, faults: &mut Vec<Fault>) {
+    let callables = device.callables(&statement.name);
+    if callables.is_empty() {
+        let names = device.all_callables().map(|c| c.signature().name.as_str());
+        faults.push(
+            Fault::error(
+                statement.name_place,
+                format!("unknown statement `{}`", statement.name),
+                "in the body of a macro",
+            )
+            .help(suggestion_or(
+                &statement.name,
+                names,
+                "a body is made of primitives and of other macros",
+            )),
+        );
+        return;
+    }
+    let mut spread = false;
+    for argument in &statement.arguments {
+        let items = match argument {
+            Argument::One(one) => std::slice::from_ref(one),
+            Argument::Group { items, .. } => items,
+        };
+        for item in items {
+            check_names(device, it, item, faults);
+            // `R[dir]` may be one register or four.
+            spread |= matches!(item.term, Term::Of { ref base, .. } if base == "R");
+        }
+    }
+    let given: Vec<Given> = statement
+        .arguments
+        .iter()
+        .map(|a| Given {
+            values: match a {
+                Argument::One(_) => vec![Value::Number(0.0)],
+                Argument::Group { items, .. } => vec![Value::Number(0.0); items.len()],
+            },
+            group: matches!(a, Argument::Group { .. }),
+            place: a.place(),
+        })
+        .collect();
+    if !spread && !callables.iter().any(|c| c.signature().takes(&given)) {
+        let forms: Vec<String> = callables
+            .iter()
+            .map(|c| c.signature().to_string())
+            .collect();
+        faults.push(
+            Fault::error(
+                statement.place,
+                format!("`{}` does not take these arguments", statement.name),
+                "in the body of a macro",
+            )
+            .help(format!("its forms are {}", forms.join(", "))),
+        );
+    }
+}
+
+fn check_names(device: &Device, it: &Macro, expression: &Expression, faults: &mut Vec<Fault>) {
+    let mut need = |name: &str, place: Place| {
+        let parameters = it.signature.parameters.iter();
+        let mut names = parameters.map(|p| p.name.as_str()).chain(device.names());
+        if !names.any(|n| n == name) {
+            let parameters = it.signature.parameters.iter().map(|p| p.name.as_str());
+            faults.push(
+                Fault::error(
+                    place,
+                    format!("unknown name `{name}`"),
+                    "in the body of a macro",
+                )
+                .help(suggestion_or(
+                    name,
+                    parameters.chain(device.names()),
+                    "a body knows its parameters and the names of the chip",
+                )),
+            );
+        }
+    };
+    match &expression.term {
+        Term::Number(_) => {}
+        Term::Name(name) => need(name, expression.place),
+        Term::Negate(inner) => check_names(device, it, inner, faults),
+        Term::Binary { left, right, .. } => {
+            check_names(device, it, left, faults);
+            check_names(device, it, right, faults);
+        }
+        Term::Of {
+            base, direction, ..
+        } => {
+            need(direction, expression.place);
+            if base != "X" && base != "R" {
+                faults.push(
+                    Fault::error(
+                        expression.place,
+                        format!("unknown name `{base}[…]`"),
+                        "here",
+                    )
+                    .help("`X[dir]` is a neighbour's cell, `R[dir]` the register that enables it"),
+                );
+            }
+        }
+    }
+}
+
+/// The way by which a macro comes back to itself, if it does.
+fn calls_itself(device: &Device, it: &Macro) -> Option<String> {
+    fn follow(
+        device: &Device,
+        from: &Macro,
+        start: &Macro,
+        seen: &mut Vec<Signature>,
+    ) -> Option<String> {
+        let mut calls = Vec::new();
+        statements(&from.body, &mut calls);
+        for call in calls {
+            for next in device.macros.iter().filter(|m| may_mean(call, m)) {
+                if next.signature == start.signature {
+                    return Some(format!("{} calls {}", from.signature.name, call.name));
+                }
+                if !seen.contains(&next.signature) {
+                    seen.push(next.signature.clone());
+                    if let Some(path) = follow(device, next, start, seen) {
+                        return Some(format!("{} calls {path}", from.signature.name));
+                    }
+                }
+            }
+        }
+        None
+    }
+    follow(device, it, it, &mut Vec::new())
+}

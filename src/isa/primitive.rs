@@ -1,0 +1,91 @@
+//! What one instruction word does: the primitives of the array.
+
+use super::connection::{Analog, Bit, Digital, Source, Target};
+
+/// One instruction word of the array. There is no `_` arm on this enum anywhere: a new
+/// primitive is a row in `primitives.toml`, a variant here, and the places the compiler names.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Primitive {
+    /// Nothing for one word.
+    Nop,
+    /// Reset the photodiode.
+    ResetPix,
+    /// `each target := -(sum of sources) / (number of targets) + error`, where FLAG is 1.
+    Bus {
+        /// One to three (more on a generic bus).
+        targets: Vec<Target>,
+        /// None to four (more on a generic bus), pairwise distinct, distinct from the targets.
+        sources: Vec<Source>,
+    },
+    /// NEWS := square of the sum of the sources.
+    Square {
+        /// One or two.
+        sources: Vec<Source>,
+    },
+    /// FLAG := (sum of sources) > 0. Not masked by FLAG.
+    Where {
+        /// One to three.
+        sources: Vec<Source>,
+    },
+    /// FLAG := 1.
+    All,
+    /// Prepare the diffusion network (reads R1 and R2).
+    BlurSet,
+    /// `target := -(diffused source) + error`.
+    Blur {
+        /// Where the result goes.
+        target: Analog,
+        /// What is diffused.
+        source: Analog,
+        /// Along rows (needs R2).
+        horizontal: bool,
+        /// Along columns (needs R1).
+        vertical: bool,
+    },
+    /// Each target := 1.
+    Set {
+        /// One to four.
+        targets: Vec<Digital>,
+    },
+    /// Each target := 0.
+    Clear {
+        /// One to four.
+        targets: Vec<Digital>,
+    },
+    /// `target := OR of sources` (`MOV` is the case of one source).
+    Or {
+        /// Where the result goes.
+        target: Digital,
+        /// One to four.
+        sources: Vec<Bit>,
+    },
+    /// `target := NOR of sources` (`NOT` is the case of one source).
+    Nor {
+        /// Where the result goes.
+        target: Digital,
+        /// One to four.
+        sources: Vec<Bit>,
+    },
+    /// FLAG := OR of sources.
+    WhereBit {
+        /// One to three.
+        sources: Vec<Bit>,
+    },
+    /// `target := OR over the directions enabled in this pixel (R1 … R4) of the
+    /// neighbour's source`; off-array neighbours read `boundary`.
+    Dnews {
+        /// Where the result goes.
+        target: Digital,
+        /// What is read at the neighbours.
+        source: Bit,
+        /// What lies off the array.
+        boundary: bool,
+    },
+    /// Make R12 ready to propagate.
+    PropRead,
+    /// R12 spreads through enabled neighbours where R0 is 1, for one clock.
+    Prop {
+        /// What lies off the array.
+        boundary: bool,
+    },
+}

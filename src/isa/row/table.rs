@@ -1,0 +1,181 @@
+//! The kinds of primitives and of host operations, and their rows.
+
+use super::super::{Evidence, Primitive, Quantity, Signature};
+
+/// An enum, the list of its variants and how each is written, from one list.
+macro_rules! listed {
+    ($(#[$outer:meta])* pub enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
+        $(#[$outer])*
+        pub enum $name { $($(#[$doc])* $variant,)* }
+
+        impl $name {
+            /// All of them, in order.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
+            /// How they are written in a chip's files, in the same order.
+            pub const WORDS: &'static [&'static str] = &[$($word),*];
+        }
+    };
+}
+
+listed! {
+/// The name of a primitive in `primitives.toml`; one for every variant of [`Primitive`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// [`Primitive::Nop`]
+    Nop = "nop",
+    /// [`Primitive::ResetPix`]
+    ResetPix = "reset_pix",
+    /// [`Primitive::Bus`]
+    Bus = "bus",
+    /// [`Primitive::Square`]
+    Square = "square",
+    /// [`Primitive::Where`]
+    Where = "where",
+    /// [`Primitive::All`]
+    All = "all",
+    /// [`Primitive::BlurSet`]
+    BlurSet = "blur_set",
+    /// [`Primitive::Blur`]
+    Blur = "blur",
+    /// [`Primitive::Set`]
+    Set = "set",
+    /// [`Primitive::Clear`]
+    Clear = "clear",
+    /// [`Primitive::Or`]
+    Or = "or",
+    /// [`Primitive::Nor`]
+    Nor = "nor",
+    /// [`Primitive::WhereBit`]
+    WhereBit = "where_bit",
+    /// [`Primitive::Dnews`]
+    Dnews = "dnews",
+    /// [`Primitive::PropRead`]
+    PropRead = "prop_read",
+    /// [`Primitive::Prop`]
+    Prop = "prop",
+}
+}
+
+/// The clock that an instruction word runs under.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// Analogue words.
+    Analog,
+    /// One-bit words.
+    Digital,
+    /// One-bit words that reach the neighbours.
+    Dnews,
+    /// Propagation.
+    Prop,
+}
+
+impl Clock {
+    /// All, in the order of [`Clock::WORDS`].
+    pub const ALL: [Self; 4] = [Self::Analog, Self::Digital, Self::Dnews, Self::Prop];
+
+    /// How they are written.
+    pub const WORDS: [&str; 4] = ["analog", "digital", "dnews", "prop"];
+}
+
+/// A row of `primitives.toml`.
+#[derive(Clone, Debug)]
+pub struct PrimitiveRow {
+    /// Which primitive.
+    pub kind: Kind,
+    /// How it can be written.
+    pub forms: Vec<Signature>,
+    /// What it does.
+    pub equation: String,
+    /// Instruction words.
+    pub words: u64,
+    /// The clock that it runs under, which says how long a word takes.
+    pub clock: Clock,
+    /// Who says so.
+    pub source: String,
+    /// How well it is known.
+    pub evidence: Evidence,
+}
+
+listed! {
+/// The name of a host operation in `device.toml`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum HostKind {
+    /// `program::Host` of this name.
+    LoadIn = "load_in",
+    /// `program::Host` of this name.
+    LoadInRaw = "load_in_raw",
+    /// `program::Host` of this name.
+    LoadDac = "load_dac",
+    /// `program::Host` of this name.
+    ScanEvents = "scan_events",
+    /// `program::Host` of this name.
+    ReadAnalog = "read_analog",
+    /// `program::Host` of this name.
+    ReadPixel = "read_pixel",
+    /// `program::Host` of this name.
+    ScanAnalog = "scan_analog",
+    /// `program::Host` of this name.
+    ScanBlocks = "scan_blocks",
+    /// `program::Host` of this name.
+    ScanDigital = "scan_digital",
+    /// `program::Host` of this name.
+    ScanBoundingBox = "scan_bounding_box",
+    /// `program::Host` of this name.
+    GlobalSum = "global_sum",
+    /// `program::Host` of this name.
+    GlobalOr = "global_or",
+    /// `program::Host` of this name.
+    GlobalCount = "global_count",
+    /// `program::Host::Load`, an area of a register.
+    Load = "load",
+    /// `program::Host` of this name.
+    Select = "select",
+    /// `program::Host` of this name.
+    DrawBegin = "draw_begin",
+    /// `program::Host` of this name.
+    Draw = "draw",
+    /// `program::Host` of this name.
+    DrawEnd = "draw_end",
+}
+}
+
+/// A row of `[[host]]` in `device.toml`.
+#[derive(Clone, Debug)]
+pub struct HostRow {
+    /// Which operation.
+    pub kind: HostKind,
+    /// How it can be written.
+    pub forms: Vec<Signature>,
+    /// What it does.
+    pub meaning: String,
+    /// Time of one call.
+    pub call: Quantity,
+    /// Time of each slot, sample or pixel besides.
+    pub item: Option<Quantity>,
+}
+
+impl Primitive {
+    /// Its row.
+    #[must_use]
+    pub const fn kind(&self) -> Kind {
+        match self {
+            Self::Nop => Kind::Nop,
+            Self::ResetPix => Kind::ResetPix,
+            Self::Bus { .. } => Kind::Bus,
+            Self::Square { .. } => Kind::Square,
+            Self::Where { .. } => Kind::Where,
+            Self::All => Kind::All,
+            Self::BlurSet => Kind::BlurSet,
+            Self::Blur { .. } => Kind::Blur,
+            Self::Set { .. } => Kind::Set,
+            Self::Clear { .. } => Kind::Clear,
+            Self::Or { .. } => Kind::Or,
+            Self::Nor { .. } => Kind::Nor,
+            Self::WhereBit { .. } => Kind::WhereBit,
+            Self::Dnews { .. } => Kind::Dnews,
+            Self::PropRead => Kind::PropRead,
+            Self::Prop { .. } => Kind::Prop,
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! A quantised kernel.
+
+use super::{
+    super::Kernel,
+    entry::{Quantiser, Sum},
+    error::QuantiseError,
+};
+use crate::{elementary, plane::Plane};
+
+/// A kernel in few values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantised {
+    /// What a chip computes with.
+    pub levels: Kernel,
+    /// What they are to be multiplied by; above 0. Divide thresholds by it instead.
+    pub scale: f64,
+}
+
+impl Quantiser {
+    /// The kernel in these levels; `seed` is that of stochastic rounding.
+    ///
+    /// # Errors
+    /// When the kernel is all 0 or becomes so, or the levels cannot have the sum.
+    pub fn quantise(
+        self,
+        kernel: &Kernel,
+        sum: Sum,
+        seed: u64,
+    ) -> Result<Quantised, QuantiseError> {
+        kernel.workable()?;
+        let weights: Vec<f64> = kernel.weights().iter().copied().collect();
+        let largest = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        if largest == 0.0 {
+            return Err(QuantiseError::Nothing);
+        }
+        // What cancels in the kernel must cancel in its levels.
+        let magnitude: f64 = weights.iter().map(|w| w.abs()).sum();
+        let cancels = kernel.sum().abs() < 1e-12 * magnitude;
+        let sum = if sum == Sum::Kept && cancels {
+            Sum::Zero
+        } else {
+            sum
+        };
+        let (levels, scale) = (self.entry.quantise)(self, &weights, sum, seed)?;
+        if levels.iter().all(|level| *level == 0.0) {
+            return Err(QuantiseError::Vanished {
+                quantiser: self,
+                largest,
+            });
+        }
+        let (height, width) = kernel.weights().dim();
+        let levels = Plane::from_shape_fn((height, width), |(y, x)| levels[y * width + x]);
+        Ok(Quantised {
+            levels: Kernel { weights: levels },
+            scale,
+        })
+    }
+}
+
+impl Quantised {
+    /// The same kernel in levels of at most 1, by a power of two: where the scale is free
+    /// anyway, an array then halves on the way instead of losing the bits of its input first.
+    #[must_use]
+    pub fn within_one(mut self) -> Self {
+        let largest = self
+            .levels
+            .weights
+            .iter()
+            .fold(0.0, |most: f64, l| most.max(l.abs()));
+        if largest > 0.0 {
+            let power = 2f64.powi(elementary::log2(largest).ceil() as i32);
+            self.levels.weights /= power;
+            self.scale *= power;
+        }
+        self
+    }
+
+    /// The kernel that the levels and the scale stand for.
+    #[must_use]
+    pub fn kernel(&self) -> Kernel {
+        Kernel {
+            weights: &self.levels.weights * self.scale,
+        }
+    }
+
+    /// `|w - s l| / |w|`, root mean square: 0 is the kernel itself, 1 is nothing.
+    #[must_use]
+    pub fn relative_error(&self, kernel: &Kernel) -> f64 {
+        let weights = kernel.weights();
+        let square = |plane: &Plane<f64>| plane.iter().map(|w| w * w).sum::<f64>();
+        (square(&(self.kernel().weights() - weights)) / square(weights)).sqrt()
+    }
+}

@@ -1,0 +1,65 @@
+//! The rules that a sensor chooses from: memory, polarity, border, refractory period.
+
+/// What an event does to the memory; `docs/reference.md` has the equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MemoryRule {
+    /// The memory holds pixels; a pixel that fires stores its own signal (Eq. 2-4 of the paper).
+    RawSnap,
+    /// The memory holds the filtered signal; a cell that fires stores it.
+    FilteredSnap,
+    /// The memory holds the filtered signal; each event moves it by one threshold.
+    FilteredStep,
+    /// The released simulator's old rule: the memory holds pixels, and is moved by thresholds
+    /// of the filtered difference. Only to agree with the released code.
+    AuthorsPixelStep,
+}
+
+impl MemoryRule {
+    /// All, in the order of their words in [`MEMORY`](super::keys::MEMORY).
+    pub const ALL: [Self; 4] = [
+        Self::RawSnap,
+        Self::FilteredSnap,
+        Self::FilteredStep,
+        Self::AuthorsPixelStep,
+    ];
+}
+
+/// Where an event's sign comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PolarityRule {
+    /// The sign of the filtered difference (the released code).
+    #[default]
+    Filtered,
+    /// The sign of the pixel's own change since it last fired (Eq. 3 of the paper). A cell
+    /// whose own pixel has not changed has no sign and emits nothing.
+    Pixel,
+}
+
+/// What the kernel reads off the array.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Border {
+    /// The nearest pixel of the array.
+    #[default]
+    Replicate,
+    /// Zero, after the response.
+    Zero,
+}
+
+/// How long a cell is silent after an event; `docs/reference.md` has the equations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refractory {
+    /// How long a cell is silent after an event, in microseconds; 0 for not at all.
+    pub us: f64,
+    /// How the silence works.
+    pub rule: RefractoryRule,
+}
+
+/// How the silence after an event works.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RefractoryRule {
+    /// A real dead time: crossings in it are lost, and the memory moves through them.
+    #[default]
+    DeadTime,
+    /// The supplement's `α_r` and `β_r`, as in the released simulator.
+    Authors,
+}

@@ -1,0 +1,276 @@
+//! The list of events as a sink: bands note their events, and a pair's notes are then sorted.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::{
+    event::Packet,
+    number::Real,
+    reference::train::{BandSink, Pair, Sink, TrainRow},
+    sensor::SensorError,
+};
+
+use super::{
+    buffers::{Buffers, ENOUGH},
+    clock::Clock,
+    limit::{Limit, WhenFull},
+    part::Part,
+};
+
+/// Appends trains to a packet as single events.
+///
+/// A pair of frames whose events do not all fit is an error, or is dropped whole: which
+/// events are missing must not depend on how the work was shared out.
+///
+/// Each band of rows notes its events as it is told of them, 8 bytes each. Notes are sorted by
+/// counting, which keeps what happens in the same microsecond in the order in which it was told:
+/// all at once, or where there are many by several threads, each those of its own bands, and
+/// then merged.
+#[derive(Debug)]
+pub struct EventList<'a> {
+    packet: &'a mut Packet,
+    limit: Limit,
+    clock: Clock,
+    buffers: Buffers,
+}
+
+/// The part of a list that one band of rows is told to.
+#[derive(Debug)]
+pub struct ListBand<'a>(&'a mut Part);
+
+impl<'a> EventList<'a> {
+    /// A list that goes on where the packet ends. It may be told of many pairs, and then
+    /// makes their events in the same buffers.
+    pub fn new(packet: &'a mut Packet, limit: Limit) -> Self {
+        Self::with_buffers(packet, limit, Buffers::default())
+    }
+
+    /// The same, in buffers that were used before.
+    pub(in crate::reference) fn with_buffers(
+        packet: &'a mut Packet,
+        limit: Limit,
+        buffers: Buffers,
+    ) -> Self {
+        Self {
+            packet,
+            limit,
+            clock: Clock::default(),
+            buffers,
+        }
+    }
+
+    pub(in crate::reference) fn into_buffers(self) -> Buffers {
+        self.buffers
+    }
+
+    fn room(&self) -> u64 {
+        self.limit.events.saturating_sub(self.packet.events.len()) as u64
+    }
+
+    /// Appends the events of all parts in order.
+    fn sort(&mut self) {
+        let (clock, events) = (self.clock, &mut self.packet.events);
+        if clock.is_long() {
+            let start = events.len();
+            for part in &mut self.buffers.parts {
+                events.append(&mut part.events);
+            }
+            events[start..].sort_by_key(|event| event.t);
+            return;
+        }
+        let notes = self.buffers.sorted(clock.microseconds());
+        if rayon::current_num_threads() == 1 || notes.len() < ENOUGH {
+            clock.tell(notes, events);
+        } else {
+            let notes = notes.par_iter().with_min_len(ENOUGH);
+            events.par_extend(notes.map(|note| clock.event(*note)));
+        }
+    }
+}
+
+impl Sink for EventList<'_> {
+    type Band<'b>
+        = ListBand<'b>
+    where
+        Self: 'b;
+
+    fn wants_times(&self) -> bool {
+        true
+    }
+
+    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
+        self.clock = Clock::of(pair);
+        let room = self.room();
+        let parts = &mut self.buffers.parts;
+        parts.resize_with(bands.len(), Part::default);
+        for part in &mut *parts {
+            part.begin(self.clock, room);
+        }
+        parts.iter_mut().map(ListBand).collect()
+    }
+
+    fn end(&mut self) -> Result<(), SensorError> {
+        let parts = self.buffers.parts.iter();
+        let total: u64 = parts.map(|part| part.total).sum();
+        if total > self.room() {
+            return match self.limit.when_full {
+                WhenFull::Stop => Err(SensorError::ListFull {
+                    limit: self.limit.events,
+                }),
+                WhenFull::Drop => {
+                    self.packet.dropped.over_limit += total;
+                    Ok(())
+                }
+            };
+        }
+        self.sort();
+        Ok(())
+    }
+}
+
+impl BandSink for ListBand<'_> {
+    fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
+        self.0.take(row);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        event::{Event, Polarity},
+        plane::Size,
+        unit::Micros,
+    };
+    use proptest::prelude::*;
+
+    fn told(
+        rows: &[Vec<i8>],
+        pair: Pair,
+        limit: Limit,
+        packet: &mut Packet,
+    ) -> Result<(), SensorError> {
+        let mut list = EventList::new(packet, limit);
+        let bands: Vec<_> = (0..rows.len()).map(|y| y..y + 1).collect();
+        for (y, (mut band, counts)) in list.begin(pair, &bands).into_iter().zip(rows).enumerate() {
+            let width = counts.len();
+            band.row(&TrainRow::<f64> {
+                channel: 0,
+                y,
+                counts: counts.iter().map(|c| i32::from(*c)).collect(),
+                first: (0..width).map(|x| (x * 7 % 10) as f64 / 20.0).collect(),
+                spacing: vec![1.0 / 256.0; width],
+            })?;
+        }
+        list.end()
+    }
+
+    /// The slow twin: every event by itself, put into order by comparison.
+    fn one_by_one(rows: &[TrainRow<f64>], pair: Pair) -> Vec<Event> {
+        let mut events = Vec::new();
+        for row in rows {
+            for (x, train) in row.trains() {
+                for i in 0..train.count {
+                    events.push(Event {
+                        t: Micros::from_seconds(pair.from + train.at(i) * pair.duration()),
+                        x: x as u16,
+                        y: row.y as u16,
+                        polarity: train.polarity,
+                        channel: row.channel as u8,
+                    });
+                }
+            }
+        }
+        events.sort_by_key(|e| (e.t, e.y, e.channel, e.x));
+        events
+    }
+
+    proptest! {
+        /// Several channels, rows that are told again, trains that end after the pair, short
+        /// pairs and long, few events and many, so many that threads share them, one thread and
+        /// two.
+        #[test]
+        fn events_are_in_order(
+            counts in proptest::collection::vec(proptest::collection::vec(-9i32..10, 70), 12),
+            width in proptest::sample::select(vec![7, 70]),
+            often in proptest::sample::select(vec![0, 1, 1, 30]),
+            again: bool,
+            channels in 1usize..4,
+            index in 0u32..1000,
+            duration in proptest::sample::select(vec![1e-6, 7e-4, 1.0 / 240.0, 3.0, 1e5]),
+        ) {
+            // Each row is told by each channel in turn, and the last channel may tell it again.
+            let told = channels + usize::from(again);
+            let rows: Vec<TrainRow<f64>> = counts.iter().enumerate().map(|(n, counts)| {
+                let keep = |x: usize| often.max(i32::from((n + x).is_multiple_of(5)));
+                TrainRow {
+                    channel: (n % told).min(channels - 1),
+                    y: n / told,
+                    counts: counts[..width].iter().enumerate().map(|(x, count)| count * keep(x)).collect(),
+                    first: (0..width).map(|x| (x * 7 % 10 + n) as f64 / 25.0).collect(),
+                    spacing: vec![1.0 / 37.0 / f64::from(often.max(1)); width],
+                }
+            }).collect();
+            let pair = Pair { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };
+            let slow = one_by_one(&rows, pair);
+            for threads in [1, 2, 5] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let mut packet = Packet::new(Size::new(12, width), 1);
+                let bands: Vec<_> = (0..12).map(|y| y..y + 1).collect();
+                let told_twice = pool.install(|| {
+                    let mut list = EventList::new(&mut packet, Limit::default());
+                    for _ in 0..2 {
+                        let mut parts = list.begin(pair, &bands);
+                        for row in &rows {
+                            parts[row.y].row(row).unwrap();
+                        }
+                        drop(parts);
+                        list.end().unwrap();
+                    }
+                    packet.events.len()
+                });
+                prop_assert_eq!(told_twice, 2 * slow.len());
+                for fast in packet.events.chunks(slow.len().max(1)) {
+                    prop_assert!(fast.is_sorted_by_key(|e| (e.t, e.y, e.channel)));
+                    if !again {
+                        prop_assert!(fast.is_sorted_by_key(|e| (e.t, e.y, e.channel, e.x)));
+                    }
+                    // Halves of a microsecond may be rounded either way, and the order with them.
+                    let by_cell = |events: &[Event]| {
+                        let mut events = events.to_vec();
+                        events.sort_by_key(|e| (e.y, e.x, e.channel, e.polarity, e.t));
+                        events
+                    };
+                    for (fast, slow) in by_cell(fast).iter().zip(by_cell(&slow)) {
+                        prop_assert!(fast.t.0.abs_diff(slow.t.0) <= 1);
+                        prop_assert_eq!(Event { t: slow.t, ..*fast }, slow);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_pair_that_does_not_fit_stops_or_is_dropped_whole() {
+        let pair = Pair {
+            index: 0,
+            from: 0.0,
+            to: 0.001,
+        };
+        let rows = vec![vec![3, -2], vec![0, 4]];
+        let limit = |when_full| Limit {
+            events: 8,
+            when_full,
+        };
+        let mut packet = Packet::new(Size::new(2, 2), 1);
+        let full = told(&rows, pair, limit(WhenFull::Stop), &mut packet);
+        assert!(matches!(full, Err(SensorError::ListFull { limit: 8 })));
+        told(&rows, pair, limit(WhenFull::Drop), &mut packet).unwrap();
+        assert_eq!((packet.events.len(), packet.dropped.over_limit), (0, 9));
+        told(&[vec![1, -1]], pair, limit(WhenFull::Drop), &mut packet).unwrap();
+        assert_eq!(packet.events.len(), 2);
+        assert_eq!(packet.events[1].polarity, Polarity::Off);
+    }
+}

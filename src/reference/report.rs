@@ -1,0 +1,15 @@
+//! What a run of the float model counts.
+
+/// What a run noticed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Report {
+    /// Events made.
+    pub events: u64,
+    /// Crossings lost to the refractory period.
+    pub lost_to_refractory: u64,
+    /// Events of `raw-snap` cells that fired again though nothing they see had changed: on a
+    /// still scene they go on for ever.
+    pub livelocked: u64,
+    /// Cells that fired without a sign of their own (`polarity = "pixel"`), and emitted nothing.
+    pub without_sign: u64,
+}

@@ -1,0 +1,472 @@
+//! The sensor as a whole: what it holds, and how it watches a frame.
+
+use std::{convert::Infallible, ops::Range};
+
+use rayon::prelude::*;
+
+use crate::{
+    event::Packet,
+    kernel::Kernel,
+    limit::ARRAY_SIDE,
+    number::{F64, Number, Real},
+    plane::{Plane, Size},
+    scene::Frame,
+    sensor::{Sensor, SensorError, check_time},
+    unit::Micros,
+};
+
+use super::{
+    band::{Band, Plan, Sight},
+    description::{Description, MemoryRule},
+    list::{Buffers, EventList, Limit},
+    low_pass::LowPass,
+    report::Report,
+    sheets::Sheets,
+    signal::{Light, Padded, Photoreceptors},
+    train::{Pair, Sink},
+};
+
+/// Below so many pixels, sharing out the work costs more than it gives.
+const SMALL: usize = 1 << 13;
+
+/// Rows of a band: small enough that a band's scratch stays in cache, large enough to be
+/// worth sharing out. The events do not depend on it.
+const BAND_ROWS: usize = 32;
+
+/// The float model of one sensor, in one number format.
+#[derive(Clone, Debug)]
+pub struct Reference<N: Number = F64> {
+    plan: Plan<N>,
+    size: Size,
+    limit: Limit,
+    photoreceptors: Photoreceptors<N>,
+    low_pass: Option<LowPass>,
+    sheets: Option<Sheets>,
+    /// Rows and columns that the kernels reach.
+    reach: (usize, usize),
+    /// For each channel a pixel memory, or the signal's distance from it; none otherwise.
+    pixels: Vec<Padded<N::Held>>,
+    cut: Vec<Range<usize>>,
+    bands: Vec<Band<N>>,
+    /// What [`Sensor::watch`] makes its lists in.
+    buffers: Buffers,
+    /// Times of the first frame and of the last, in seconds.
+    seen: Option<(f64, f64)>,
+    pairs: u64,
+}
+
+impl Reference<F64> {
+    /// A sensor of `size` as `description` says, in double precision; `seed` chooses its
+    /// mismatch and noise.
+    ///
+    /// # Errors
+    /// When the size is empty, or larger than event addresses.
+    pub fn new(description: Description, size: Size, seed: u64) -> Result<Self, SensorError> {
+        Self::with_number(F64, description, size, seed)
+    }
+}
+
+impl<N: Number> Reference<N> {
+    /// A sensor whose signals, weights and memory are held in this number format.
+    ///
+    /// # Errors
+    /// As [`Reference::new`].
+    pub fn with_number(
+        number: N,
+        description: Description,
+        size: Size,
+        seed: u64,
+    ) -> Result<Self, SensorError> {
+        let rows = if size.pixels() < SMALL {
+            size.height
+        } else {
+            BAND_ROWS
+        };
+        Self::in_bands(number, description, size, seed, rows)
+    }
+
+    /// The same, in bands of so many rows.
+    fn in_bands(
+        number: N,
+        description: Description,
+        size: Size,
+        seed: u64,
+        rows: usize,
+    ) -> Result<Self, SensorError> {
+        let addresses = 1..=ARRAY_SIDE;
+        if !addresses.contains(&size.width) || !addresses.contains(&size.height) {
+            return Err(SensorError::Addresses { size });
+        }
+        let reach = description
+            .channels
+            .iter()
+            .flat_map(|channel| channel.kernels.iter().chain(&channel.memory_kernel))
+            .map(Kernel::reach)
+            .fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+        let held_pixels = matches!(
+            description.memory,
+            MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
+        );
+        Ok(Self {
+            size,
+            limit: Limit::default(),
+            photoreceptors: Photoreceptors::new(number, description.response),
+            low_pass: (description.noise.cutoff_hz > 0.0).then(|| LowPass::new(size)),
+            sheets: Sheets::new(
+                &description.name,
+                description.channels.iter().map(|c| c.surrounds.as_ref()),
+                size,
+                seed,
+            ),
+            pixels: if held_pixels {
+                let whole = Padded::new(size, 0..size.height, reach, N::ZERO);
+                vec![whole; description.channels.len()]
+            } else {
+                Vec::new()
+            },
+            reach,
+            cut: bands(size.height, rows.max(1)),
+            bands: Vec::new(),
+            buffers: Buffers::default(),
+            seen: None,
+            pairs: 0,
+            plan: Plan::new(number, description, size, seed),
+        })
+    }
+
+    /// Sets the bound on event lists that [`Sensor::watch`] keeps.
+    #[must_use]
+    pub const fn with_limit(mut self, limit: Limit) -> Self {
+        self.limit = limit;
+        self
+    }
+
+    /// What this sensor is.
+    #[must_use]
+    pub const fn description(&self) -> &Description {
+        &self.plan.description
+    }
+
+    /// What the run so far noticed.
+    #[must_use]
+    pub fn report(&self) -> Report {
+        let mut all = Report::default();
+        for Band { report, .. } in &self.bands {
+            all.events += report.events;
+            all.lost_to_refractory += report.lost_to_refractory;
+            all.livelocked += report.livelocked;
+            all.without_sign += report.without_sign;
+        }
+        all
+    }
+
+    /// The memory of a channel, `[y, x]`, in the unit of the drive (or of the signal, for
+    /// pixel memories); `None` before the first frame, or for a channel that is not there.
+    #[must_use]
+    pub fn memory(&self, channel: usize) -> Option<Plane<f64>> {
+        if channel >= self.plan.weights.len() || self.bands.is_empty() {
+            return None;
+        }
+        let mut plane = Plane::zeros(self.size.shape());
+        let mut held = vec![N::ZERO; self.size.width];
+        for band in &self.bands {
+            for y in band.rows.clone() {
+                band.memory_row(&self.plan, channel, y, &mut held);
+                for (to, held) in plane.row_mut(y).iter_mut().zip(&held) {
+                    *to = self.plan.number.value(*held);
+                }
+            }
+        }
+        Some(plane)
+    }
+
+    /// The ON and OFF thresholds of every cell of a channel, `[y, x]`, mismatch included, in the
+    /// unit of the drive; `None` for a channel that is not there.
+    #[must_use]
+    pub fn thresholds(&self, channel: usize) -> Option<[Plane<f64>; 2]> {
+        let thresholds = self.plan.thresholds.get(channel)?;
+        let shape = self.size.shape();
+        Some([
+            Plane::from_shape_fn(shape, |(y, x)| thresholds.row(y).0[x].to_f64()),
+            Plane::from_shape_fn(shape, |(y, x)| thresholds.row(y).1[x].to_f64()),
+        ])
+    }
+
+    /// How far the memory of every cell of a channel falls in a second, `[y, x]`, in the unit of
+    /// the drive; `None` before the first frame, or for a channel that is not there.
+    #[must_use]
+    pub fn leak(&self, channel: usize) -> Option<Plane<f64>> {
+        if channel >= self.plan.weights.len() || self.bands.is_empty() {
+            return None;
+        }
+        let mut plane = Plane::zeros(self.size.shape());
+        for band in &self.bands {
+            for y in band.rows.clone() {
+                for (to, leak) in plane.row_mut(y).iter_mut().zip(band.leak_row(channel, y)) {
+                    *to = leak.to_f64();
+                }
+            }
+        }
+        Some(plane)
+    }
+
+    /// Watches one frame and tells `sink` of the trains since the frame before.
+    ///
+    /// The first frame sets the memory; the sink hears nothing of it.
+    ///
+    /// # Errors
+    /// When the frame has another size, is not later than the last, holds light that the
+    /// response is not defined for, or the sink or the memory cannot take more.
+    pub fn watch_into<S: Sink>(&mut self, frame: &Frame, sink: &mut S) -> Result<(), SensorError> {
+        let (index, seconds) = (frame.index, frame.seconds);
+        let got = Size::of(&frame.light);
+        if got != self.size {
+            return Err(SensorError::Size {
+                index,
+                got,
+                want: self.size,
+            });
+        }
+        check_time(frame, self.seen.map(|(_, last)| last))?;
+        if let Some(low_pass) = &mut self.low_pass {
+            let dt = self.seen.map_or(f64::INFINITY, |(_, last)| seconds - last);
+            low_pass.see(&self.plan.description, frame, dt)?;
+        }
+        if let Some(sheets) = &mut self.sheets {
+            let light = Light {
+                photoreceptors: &self.photoreceptors,
+                frame,
+                low_pass: self.low_pass.as_ref(),
+            };
+            sheets.see(&self.plan.number, light)?;
+        }
+        let Some((start, from)) = self.seen else {
+            self.seen = Some((seconds, seconds));
+            return self.settle(frame);
+        };
+        self.seen = Some((start, seconds));
+        let pair = Pair {
+            index: self.pairs,
+            from,
+            to: seconds,
+        };
+        self.pairs += 1;
+        self.advance(frame, pair, seconds - start, sink)
+    }
+
+    /// The first frame.
+    fn settle(&mut self, frame: &Frame) -> Result<(), SensorError> {
+        let Self {
+            plan, size, reach, ..
+        } = self;
+        let light = Light {
+            photoreceptors: &self.photoreceptors,
+            frame,
+            low_pass: self.low_pass.as_ref(),
+        };
+        let settle = |rows: &Range<usize>| {
+            let signal = Padded::new(*size, rows.clone(), *reach, N::ZERO);
+            Band::settle(plan, signal, rows.clone(), light, self.sheets.as_ref())
+        };
+        let bands: Result<_, _> = self.cut.par_iter().map(settle).collect();
+        self.bands = bands.map_err(|error| first_fault(light, *size).unwrap_or(error))?;
+        Ok(())
+    }
+
+    fn advance<S: Sink>(
+        &mut self,
+        frame: &Frame,
+        pair: Pair,
+        elapsed: f64,
+        sink: &mut S,
+    ) -> Result<(), SensorError> {
+        let light = Light {
+            photoreceptors: &self.photoreceptors,
+            frame,
+            low_pass: self.low_pass.as_ref(),
+        };
+        let (plan, bands) = (&self.plan, &mut self.bands);
+        let fault = |error| first_fault(light, self.size).unwrap_or(error);
+        let holds_pixels = !self.pixels.is_empty();
+        if holds_pixels {
+            // Kernels read the pixel memory of cells beyond their band.
+            let see = |band: &mut Band<N>| band.see(plan, light);
+            bands.par_iter_mut().try_for_each(see).map_err(fault)?;
+            lay_out_pixels(plan, bands, &mut self.pixels);
+        }
+        let sight = Sight {
+            light: (!holds_pixels).then_some(light),
+            pixels: &self.pixels,
+            sheets: self.sheets.as_ref(),
+            pair,
+            elapsed,
+            times: sink.wants_times(),
+        };
+        let mut parts = sink.begin(pair, &self.cut);
+        let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| band.advance(plan, sight, part);
+        let advanced = if bands.len() == 1 || rayon::current_num_threads() == 1 {
+            bands.iter_mut().zip(&mut parts).try_for_each(one)
+        } else {
+            bands.par_iter_mut().zip(&mut parts).try_for_each(one)
+        };
+        drop(parts);
+        advanced.map_err(fault)?;
+        sink.end()
+    }
+}
+
+/// Lays out pixel memories (or the distances from them) as planes that kernels can read.
+fn lay_out_pixels<N: Number>(plan: &Plan<N>, bands: &[Band<N>], pixels: &mut [Padded<N::Held>]) {
+    for (channel, pixels) in pixels.iter_mut().enumerate() {
+        for band in bands {
+            for y in band.rows.clone() {
+                let row = |row: &mut [N::Held]| {
+                    band.memory_row(plan, channel, y, row);
+                    if plan.description.memory == MemoryRule::RawSnap {
+                        for (held, now) in row.iter_mut().zip(band.signal.inner(y)) {
+                            *held = plan.number.sub(*now, *held);
+                        }
+                    }
+                    Ok::<(), Infallible>(())
+                };
+                let Ok(()) = pixels.fill(y, plan.description.border, N::ZERO, row);
+            }
+        }
+    }
+}
+
+/// The first light, row by row, that the response is not defined for: whichever band met one
+/// first.
+fn first_fault<N: Number>(light: Light<'_, N>, size: Size) -> Option<SensorError> {
+    let mut row = vec![N::ZERO; size.width];
+    (0..size.height).find_map(|y| light.row(y, &mut row).err())
+}
+
+/// The rows of each band.
+fn bands(height: usize, rows: usize) -> Vec<Range<usize>> {
+    (0..height)
+        .step_by(rows)
+        .map(|top| top..(top + rows).min(height))
+        .collect()
+}
+
+impl<N: Number> Sensor for Reference<N> {
+    fn name(&self) -> &str {
+        &self.plan.description.name
+    }
+
+    fn size(&self) -> Size {
+        self.size
+    }
+
+    fn channels(&self) -> u8 {
+        self.plan.weights.len() as u8
+    }
+
+    fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        if self.seen.is_none() {
+            packet.span.0 = Micros::from_seconds(frame.seconds);
+        }
+        let buffers = std::mem::take(&mut self.buffers);
+        let mut list = EventList::with_buffers(packet, self.limit, buffers);
+        let watched = self.watch_into(frame, &mut list);
+        self.buffers = list.into_buffers();
+        watched?;
+        packet.span.1 = Micros::from_seconds(frame.seconds);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::{Counts, VoxelGrid};
+    use proptest::prelude::*;
+
+    fn sensors() -> impl Strategy<Value = String> {
+        let memory = proptest::sample::select(vec![
+            "memory = \"filtered-step\"",
+            "memory = \"filtered-step\"\nrefractory = { us = 700 }",
+            "memory = \"filtered-step\"\nrefractory = { us = 300, rule = \"authors\" }",
+            "memory = \"filtered-snap\"\npolarity = \"pixel\"\nrefractory = { us = 1500 }",
+            "memory = \"raw-snap\"",
+        ]);
+        let noise = proptest::sample::select(vec![
+            "",
+            "noise = { shot-hz = 200, jitter-us = 100 }",
+            "noise = { hot-fraction = 0.1, hot-hz = 900, cutoff-hz = 300 }",
+        ]);
+        let channels = proptest::sample::subsequence(
+            vec![
+                "kernel = \"csdvs-5\"\nthreshold = { on = 0.02, off = 0.03 }",
+                "kernel = \"laplacian\"\nthreshold = { on = 0.05, off = 0.05, sigma = 0.01 }",
+                "pattern = \"2x2\"\nkernel = [\"dvs\", \"sobel-x\", \"csdvs-3\", \"sobel-y\"]\nthreshold = [{ on = 0.1, off = 0.1 }, { on = 0.2, off = 0.1 }, { on = 0.05, off = 0.1 }, { on = 0.1, off = 0.3 }]",
+            ],
+            1..=3,
+        );
+        (memory, noise, channels).prop_map(|(memory, noise, channels)| {
+            let channels: Vec<_> = channels
+                .iter()
+                .map(|c| format!("[[channel]]\n{c}\n"))
+                .collect();
+            format!(
+                "response = {{ linear = 255 }}\n{memory}\n{noise}\n{}",
+                channels.concat()
+            )
+        })
+    }
+
+    /// Everything that a run says.
+    fn watch(text: &str, frames: &[Frame], threads: usize, rows: usize) -> (Packet, Vec<u8>) {
+        let description = Description::parse("test.toml", text, &|_| unreachable!()).unwrap();
+        let size = Size::of(&frames[0].light);
+        let channels = description.channels.len();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let mut reference = Reference::in_bands(F64, description, size, 5, rows).unwrap();
+            let mut packet = Packet::new(size, channels as u8);
+            let mut counts = Counts::new(size, channels);
+            let mut grid = VoxelGrid::new(size, channels);
+            let mut said = Vec::new();
+            for frame in frames {
+                let mut list = EventList::new(&mut packet, Limit::default());
+                let mut sinks = (&mut list, (&mut counts, &mut grid));
+                reference.watch_into(frame, &mut sinks).unwrap();
+                for (plane, voxels) in counts.planes().iter().zip(grid.earlier()) {
+                    said.extend(plane.iter().flat_map(|count| count.to_le_bytes()));
+                    said.extend(voxels.iter().flat_map(|voxel| voxel.to_le_bytes()));
+                }
+                grid.advance();
+            }
+            said.extend(format!("{:?}", reference.report()).bytes());
+            (packet, said)
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        /// Bit by bit.
+        #[test]
+        fn nothing_depends_on_bands_and_threads(
+            text in sensors(),
+            (height, width) in (1usize..40, 1usize..150),
+            rows in 1usize..17,
+            seed in 0u64..1000,
+        ) {
+            let frames: Vec<_> = (0..4u64).map(|n| Frame {
+                index: n,
+                seconds: n as f64 * 0.004 + 1.0,
+                light: Plane::from_shape_fn((height, width), |(y, x)| {
+                    let mixed = (seed ^ n << 40 ^ (y as u64) << 20 ^ x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                    ((mixed >> 40) % 256) as f64
+                }),
+            }).collect();
+            let one = watch(&text, &frames, 1, height);
+            for (threads, rows) in [(1, rows), (2, rows), (5, 1)] {
+                let other = watch(&text, &frames, threads, rows);
+                prop_assert_eq!(&one.0, &other.0);
+                prop_assert!(one.1 == other.1);
+            }
+        }
+    }
+}
