@@ -20,8 +20,8 @@ use super::{
     tiles::Tiles,
 };
 use crate::{
+    aligned::Aligned,
     isa::{Analog, Digital, Primitive},
-    lined::Lined,
     plane::Size,
     program::Cell,
 };
@@ -38,7 +38,7 @@ pub(super) enum Item<'a, C> {
 /// What the host saw.
 #[derive(Clone, Debug)]
 enum Look<C> {
-    Analog(Analog, Lined<C>),
+    Analog(Analog, Aligned<C>),
     Bits(Digital, BitPlane),
 }
 
@@ -215,7 +215,7 @@ impl<C: Clone + PartialEq + Send + Sync> Active<C> {
             self.looks.push(match cell {
                 Cell::Analog(register) => {
                     let nothing = patch.copy.edge.clone();
-                    let cells = Lined::new(k, nothing, self.size.pixels());
+                    let cells = Aligned::new(k, nothing, self.size.pixels());
                     Some(Look::Analog(register, cells))
                 }
                 Cell::Digital(register) => Some(Look::Bits(register, BitPlane::zeros(self.size))),

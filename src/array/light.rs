@@ -10,7 +10,7 @@ use super::{
     tiles::{TILE, Tiles},
     window::Window,
 };
-use crate::{lined::Lined, plane::Size};
+use crate::{aligned::Aligned, plane::Size};
 
 /// What fell on the photodiodes last, and what they hold of it.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ pub(super) struct Light<C> {
     size: Size,
     /// None before the first exposure.
     fell: Vec<f64>,
-    cells: Lined<C>,
+    cells: Aligned<C>,
     /// Whether no frame has seen it.
     unseen: bool,
 }
@@ -28,7 +28,7 @@ impl<C: Clone> Light<C> {
         Self {
             size,
             fell: Vec::new(),
-            cells: Lined::default(),
+            cells: Aligned::default(),
             unseen: false,
         }
     }
@@ -66,7 +66,7 @@ impl<C: Clone> Light<C> {
             gain, reset_level, ..
         } = *settings;
         let level = domain.hold(reset_level);
-        self.cells = Lined::new(0, level, light.len());
+        self.cells = Aligned::new(0, level, light.len());
         rows::expose(domain, reset_level, gain, light, &mut self.cells);
         tiles.mark_all();
     }

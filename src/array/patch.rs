@@ -9,8 +9,8 @@ use super::{
     window::Window,
 };
 use crate::{
+    aligned::Aligned,
     isa::{Analog, Digital},
-    lined::Lined,
     plane::Size,
     program::Cell,
 };
@@ -210,9 +210,9 @@ impl<C: Clone> Patch<C> {
         };
         let cells = |k: u8| {
             if used.contains(&Cell::Analog(Analog(k))) {
-                Lined::new(k.into(), state.edge.clone(), size.pixels())
+                Aligned::new(k.into(), state.edge.clone(), size.pixels())
             } else {
-                Lined::default()
+                Aligned::default()
             }
         };
         let bits = |k: u8| {
@@ -225,7 +225,7 @@ impl<C: Clone> Patch<C> {
         State {
             layout,
             analog: (0..layout.analog).map(cells).collect(),
-            pix: Lined::new(layout.analog.into(), state.edge.clone(), size.pixels()),
+            pix: Aligned::new(layout.analog.into(), state.edge.clone(), size.pixels()),
             input: state.input.clone(),
             edge: state.edge.clone(),
             digital: (0..layout.digital).map(bits).collect(),

@@ -40,7 +40,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use self::print::{complain, say};
-use crate::{guard, memory::Budget};
+use crate::{catch_panic, memory::Budget};
 
 /// One for each verb, as `amacrine help` shows them.
 const EXAMPLES: &str = "\
@@ -122,7 +122,7 @@ enum Verb {
 pub fn main() -> ExitCode {
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        if !guard::is_guarded() {
+        if !catch_panic::is_catching() {
             hook(panic);
         }
     }));

@@ -17,8 +17,8 @@
 
 use super::{
     MeshError, Sheet, Steady,
-    draw::{Why, normal},
-    range,
+    random::{Reason, normal},
+    signal::checked_range,
 };
 use crate::{
     elementary,
@@ -151,7 +151,7 @@ impl Network {
     ///
     /// # Errors
     /// When the size is empty.
-    pub fn of(sheet: Sheet, size: Size) -> Result<Self, MeshError> {
+    pub fn uniform(sheet: Sheet, size: Size) -> Result<Self, MeshError> {
         let (lambda_y, lambda_x) = sheet.lambdas();
         let Size { height, width } = size;
         let one = Plane::ones(size.shape());
@@ -164,14 +164,22 @@ impl Network {
     #[must_use]
     pub fn with_mismatch(mut self, mismatch: Mismatch, seed: u64) -> Self {
         let kinds = [
-            (&mut self.transverse, Why::Transverse, mismatch.transverse),
-            (&mut self.down, Why::LateralDown, mismatch.lateral),
-            (&mut self.across, Why::LateralAcross, mismatch.lateral),
-            (&mut self.capacitance, Why::Capacitor, mismatch.capacitance),
+            (
+                &mut self.transverse,
+                Reason::Transverse,
+                mismatch.transverse,
+            ),
+            (&mut self.down, Reason::LateralDown, mismatch.lateral),
+            (&mut self.across, Reason::LateralAcross, mismatch.lateral),
+            (
+                &mut self.capacitance,
+                Reason::Capacitor,
+                mismatch.capacitance,
+            ),
         ];
-        for (parts, why, sigma) in kinds {
+        for (parts, reason, sigma) in kinds {
             for (place, part) in parts.iter_mut().enumerate() {
-                *part *= elementary::exp(sigma * normal(seed, why, place, 0));
+                *part *= elementary::exp(sigma * normal(seed, reason, place, 0));
             }
         }
         self
@@ -239,7 +247,7 @@ impl Network {
         if got != want {
             return Err(MeshError::Size { got, want });
         }
-        range(plane)?;
+        checked_range(plane)?;
         Ok(plane.iter().copied().collect())
     }
 
@@ -269,7 +277,7 @@ impl Network {
     /// right to 1e-10 of the signal's range.
     pub fn settle(&self, signal: &Plane<f64>) -> Result<Settled, MeshError> {
         let values = self.values(signal)?;
-        let (low, high) = range(signal)?;
+        let (low, high) = checked_range(signal)?;
         let mut settled = if self.is_linear() {
             self.linear(&values, high - low)?
         } else {
@@ -286,7 +294,7 @@ impl Network {
     }
 
     fn linear(&self, signal: &[f64], span: f64) -> Result<Settled, MeshError> {
-        let mut nearest = Nearest::of(self.size, &self.transverse, &self.down, &self.across)?;
+        let mut nearest = Nearest::new(self.size, &self.transverse, &self.down, &self.across)?;
         let weighed: Vec<f64> = signal
             .iter()
             .zip(&self.transverse)
@@ -327,7 +335,7 @@ impl Network {
         for newton in 1..=MOST_NEWTON {
             let slopes = self.slopes(&surround);
             let (down, across) = &slopes;
-            let mut nearest = Nearest::of(self.size, &self.transverse, down, across)?;
+            let mut nearest = Nearest::new(self.size, &self.transverse, down, across)?;
             let left = self.at_nodes(signal, &surround);
             let (change, steps) = self.gradients(&mut nearest, Some(&slopes), &left, 1e-12)?;
             iterations += steps;
@@ -441,7 +449,7 @@ impl Network {
 
     /// The change that takes up `currents` in a linear network, to all digits.
     pub(super) fn taken_up(&self, currents: &[f64]) -> Result<Vec<f64>, MeshError> {
-        let mut nearest = Nearest::of(self.size, &self.transverse, &self.down, &self.across)?;
+        let mut nearest = Nearest::new(self.size, &self.transverse, &self.down, &self.across)?;
         let mut sum = vec![0.0; currents.len()];
         for _ in 0..3 {
             let pushed = self.pushed(&self.down, &self.across, &sum);
@@ -460,7 +468,7 @@ impl Network {
     pub fn noise(&self, kt: f64, seed: u64, moment: u64) -> Plane<f64> {
         let parts = self.capacitance.iter().enumerate();
         let drawn: Vec<f64> = parts
-            .map(|(i, c)| (kt / c).sqrt() * normal(seed, Why::Thermal, i, moment))
+            .map(|(i, c)| (kt / c).sqrt() * normal(seed, Reason::Thermal, i, moment))
             .collect();
         self.plane(&drawn)
     }
@@ -535,7 +543,7 @@ struct Nearest {
 }
 
 impl Nearest {
-    fn of(size: Size, own: &[f64], down: &[f64], across: &[f64]) -> Result<Self, MeshError> {
+    fn new(size: Size, own: &[f64], down: &[f64], across: &[f64]) -> Result<Self, MeshError> {
         let middle = |values: &[f64]| {
             let logs = values
                 .iter()

@@ -280,11 +280,11 @@ impl<R: Real> Thresholds<R> {
                 |why, value: f64| (value + mean.sigma * place.normal(why, 0)).max(value / 20.0);
             if mean.sigma > 0.0 {
                 (
-                    R::of(draw(Why::ThresholdOn, mean.on)),
-                    R::of(draw(Why::ThresholdOff, mean.off)),
+                    R::from_f64(draw(Why::ThresholdOn, mean.on)),
+                    R::from_f64(draw(Why::ThresholdOff, mean.off)),
                 )
             } else {
-                (R::of(mean.on), R::of(mean.off))
+                (R::from_f64(mean.on), R::from_f64(mean.off))
             }
         };
         let (on, off): (Vec<R>, Vec<R>) = cells.map(drawn).unzip();

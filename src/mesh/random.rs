@@ -1,13 +1,13 @@
-//! Chance for sheets: a hash of why and where, so that the order of work cannot change it.
+//! Random numbers for sheets: a hash of reason and place, so that the order of work cannot change it.
 
 use crate::{
     chance::{GOLDEN, mix, uniform},
     elementary,
 };
 
-/// Why a number is drawn: no two reasons share their numbers.
+/// Reason a number is drawn: no two reasons share their numbers.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Why {
+pub(super) enum Reason {
     LateralDown = 1,
     LateralAcross = 2,
     Transverse = 3,
@@ -16,9 +16,9 @@ pub(super) enum Why {
 }
 
 /// A standard normal number for node (or mode) number `place` at `step` (Box & Muller, 1958).
-pub(super) fn normal(seed: u64, why: Why, place: usize, step: u64) -> f64 {
+pub(super) fn normal(seed: u64, reason: Reason, place: usize, step: u64) -> f64 {
     let mut h = mix(seed.wrapping_add(GOLDEN));
-    for part in [why as u64, place as u64, step] {
+    for part in [reason as u64, place as u64, step] {
         h = mix((h ^ part).wrapping_add(GOLDEN));
     }
     let radius = 1.0 - uniform(h);
