@@ -9,7 +9,7 @@ use super::{
 use crate::{
     event::{Dropped, Event, Packet},
     plane::Size,
-    save::Draft,
+    save::AtomicFile,
     unit::Micros,
 };
 
@@ -79,7 +79,7 @@ impl Head {
 /// Nothing is at the path before [`Writer::finish`].
 pub struct Writer {
     path: PathBuf,
-    draft: Draft,
+    draft: AtomicFile,
     sink: Box<dyn Sink>,
     gate: Gate,
     about: About,
@@ -128,9 +128,9 @@ impl Writer {
         // Only these never go back to their start, where the others say how many events they have.
         let mut draft = match format {
             Format::Csv | Format::Txt | Format::Es | Format::Hdf5 | Format::Parquet => {
-                Draft::stream(path)?
+                AtomicFile::stream(path)?
             }
-            _ => Draft::create(path)?,
+            _ => AtomicFile::create(path)?,
         };
         let started = sink.start(&mut draft);
         started.map_err(|cause| draft.failed(cause))?;

@@ -56,7 +56,7 @@ fn said(pale: &RgbImage, events: &[Event], who: &str, caption: &str) -> Markup {
 }
 
 fn difference(sight: &Sight, chip: &[Event]) -> Markup {
-    let difference = Difference::of(&sight.float, chip);
+    let difference = Difference::new(&sight.float, chip);
     let Difference {
         matched,
         missing,
