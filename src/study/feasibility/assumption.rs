@@ -1,6 +1,6 @@
 //! What is taken as given.
 
-use super::{Question, Watched};
+use super::{Question, SceneSummary};
 use crate::isa::Evidence;
 
 /// Something that was taken as given.
@@ -14,7 +14,7 @@ pub struct Assumption {
 
 impl Assumption {
     /// All of a question.
-    pub(super) fn all(question: &Question<'_>, scene: &Watched) -> Vec<Self> {
+    pub(super) fn all(question: &Question<'_>, scene: &SceneSummary) -> Vec<Self> {
         let mut all = Vec::new();
         let mut assume = |evidence, what: String| all.push(Self { what, evidence });
         assume(
