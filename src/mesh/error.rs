@@ -44,7 +44,7 @@ pub enum MeshError {
     #[error("the signal is {got}, the sheet is {want}")]
     #[diagnostic(help("give one signal for each node of the sheet"))]
     Size {
-        /// Its size.
+        /// The size of the signal.
         got: Size,
         /// The sheet's size.
         want: Size,

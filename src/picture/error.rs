@@ -15,7 +15,7 @@ pub enum PictureError {
     Size {
         /// What does not fit.
         what: &'static str,
-        /// Its size.
+        /// The size of what does not fit.
         got: Size,
         /// Size of the reference's sensor.
         want: Size,

@@ -8,7 +8,7 @@ use crate::limit::SAMPLES;
 pub(super) struct Sample {
     /// First byte in the file.
     pub offset: u64,
-    /// Bytes.
+    /// Length in bytes.
     pub size: u64,
     /// When it is shown, in units of the track.
     pub shown: i64,

@@ -33,7 +33,7 @@ pub struct Feasibility {
     pub threshold: f64,
     /// What was watched.
     pub scene: SceneSummary,
-    /// The chip.
+    /// The chip on which the program is to run.
     pub chip: ChipSummary,
     /// The kernel in the few values that the chip computes with.
     pub chosen: Chosen,

@@ -6,7 +6,7 @@ use crate::isa::Evidence;
 /// Something that was taken as given.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Assumption {
-    /// What.
+    /// The assumption, as a sentence.
     pub what: String,
     /// How well it is known.
     pub evidence: Evidence,

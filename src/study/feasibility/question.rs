@@ -26,7 +26,7 @@ pub struct Question<'a> {
     pub candidates: &'a [Quantiser],
     /// What quantised kernels must sum to.
     pub sum: Sum,
-    /// The chip.
+    /// The chip on which the program is to run.
     pub device: &'a Device,
     /// How long each frame is exposed, where that is known.
     pub exposure: Option<Micros>,

@@ -62,7 +62,7 @@ pub(super) struct Parts<'a> {
     pub exposure: Option<Micros>,
     /// Frames a second that were asked for.
     pub fps: f64,
-    /// The chip.
+    /// The chip on which the program is to run.
     pub device: &'a Device,
 }
 

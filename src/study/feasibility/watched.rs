@@ -7,9 +7,9 @@ use crate::{event::Packet, plane::Size, scene::Scene, unit::Micros};
 pub struct SceneSummary {
     /// What it is called.
     pub name: String,
-    /// Columns.
+    /// Width of the frames, in pixels.
     pub width: usize,
-    /// Rows.
+    /// Height of the frames, in pixels.
     pub height: usize,
     /// Frames that were watched.
     pub frames: u64,
