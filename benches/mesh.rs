@@ -7,7 +7,7 @@
 use std::{hint::black_box, time::Instant};
 
 use amacrine::{
-    mesh::{Between, Euler, Flow, Laterals, Mismatch, Network, Real, Sheet, Steady},
+    mesh::{Between, Euler, Float, Flow, Laterals, Mismatch, Network, Sheet, Steady},
     plane::{Plane, Size},
     rng::{mix, uniform},
 };
@@ -37,9 +37,9 @@ struct Row {
     flow: f64,
 }
 
-fn measured<T: Real>(size: Size, budget: f64) -> Row {
+fn measured<T: Float>(size: Size, budget: f64) -> Row {
     let sheet = Sheet::new(10.0).unwrap();
-    let held = |seed| scene(size, seed).mapv(T::of);
+    let held = |seed| scene(size, seed).mapv(T::nearest);
     let (a, b) = (held(1), held(2));
     let mut steady = Steady::<T>::new(sheet, size).unwrap();
     let mut surround = a.clone();
@@ -108,7 +108,7 @@ fn unequal_parts(budget: f64) {
             transverse: 0.2,
             capacitance: 0.2,
         };
-        let network = Network::of(Sheet::new(lambda).unwrap(), size).unwrap();
+        let network = Network::uniform(Sheet::new(lambda).unwrap(), size).unwrap();
         let network = network.with_mismatch(mismatch, 1);
         let mut steps = 0;
         let ms = best(budget, || {
@@ -186,7 +186,7 @@ fn rms(a: &Plane<f64>, b: &Plane<f64>) -> f64 {
 
 fn change(lambda: f64, mismatch: Mismatch) -> f64 {
     let signal = checkerboard();
-    let nominal = Network::of(Sheet::new(lambda).unwrap(), Size::of(&signal)).unwrap();
+    let nominal = Network::uniform(Sheet::new(lambda).unwrap(), Size::of(&signal)).unwrap();
     let want = nominal.settle(&signal).unwrap().surround;
     let squares = (0..8).map(|seed| {
         let chip = nominal.clone().with_mismatch(mismatch, seed);
@@ -197,7 +197,7 @@ fn change(lambda: f64, mismatch: Mismatch) -> f64 {
 
 fn bent(lambda: f64, scale: f64) -> f64 {
     let signal = checkerboard();
-    let nominal = Network::of(Sheet::new(lambda).unwrap(), Size::of(&signal)).unwrap();
+    let nominal = Network::uniform(Sheet::new(lambda).unwrap(), Size::of(&signal)).unwrap();
     let want = nominal.settle(&signal).unwrap().surround;
     let bent = nominal
         .with_laterals(Laterals::Saturating { scale })

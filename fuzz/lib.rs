@@ -12,14 +12,13 @@ use std::{
 
 use amacrine::{
     array::{Array, Chip, Exact, Settings},
-    compare,
+    catch_panic, compare,
     event::{
         Packet,
         codec::{Arrival, Coded, Coding, Layout},
         file::{self, Compression, Format, Opening, Reader},
         readout,
     },
-    guard,
     isa::Device,
     kernel::Kernel,
     plane::{Plane, Size},
@@ -95,7 +94,7 @@ pub fn spare_what_is_guarded() {
     ONCE.call_once(|| {
         let hook = panic::take_hook();
         panic::set_hook(Box::new(move |panic| {
-            if !guard::is_guarded() {
+            if !catch_panic::is_catching() {
                 hook(panic);
             }
         }));

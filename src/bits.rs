@@ -1,11 +1,11 @@
-//! Sixty-four bits in a word, and as bytes, which loops in vectors can make.
+//! Bits packed from bytes into words of 64, in loops that compile to vector instructions.
 
 // What is not inlined into such a loop is not compiled for its vectors.
 #![allow(clippy::inline_always)]
 
 use wide::u8x16;
 
-/// The lowest bit of each byte; none has others.
+/// Packs bytes that are 0 or 1 into the bits of a word, the first into the lowest.
 #[inline(always)]
 #[must_use]
 pub fn packed(bytes: &[u8; 64]) -> u64 {

@@ -17,12 +17,12 @@
 #![warn(clippy::disallowed_methods)]
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+mod aligned;
 pub mod bits;
+pub mod catch_panic;
 pub mod config;
 pub mod elementary;
-pub mod guard;
 pub mod limit;
-mod lined;
 pub mod memory;
 pub mod plane;
 pub mod rng;

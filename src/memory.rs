@@ -29,37 +29,37 @@ impl fmt::Display for Bytes {
 /// How many bytes a run may hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// So many.
+    /// The limit, in bytes.
     pub bytes: u64,
-    /// Who says so.
-    pub by: By,
+    /// Where the limit comes from.
+    pub by: Origin,
 }
 
-/// Who says how many bytes there are.
+/// Where the limit of a [`Budget`] comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum By {
+pub enum Origin {
     /// The user.
     Asked,
     /// Three quarters of what the machine has, or its group of processes may take.
     Machine,
-    /// Nobody: three quarters of [4 GiB](Budget::of_machine).
+    /// Nobody: three quarters of [4 GiB](Budget::from_machine).
     Assumed,
 }
 
 impl Budget {
-    /// So many bytes, because somebody says so.
+    /// A limit that the user gave.
     #[must_use]
     pub const fn asked(bytes: u64) -> Self {
         Self {
             bytes,
-            by: By::Asked,
+            by: Origin::Asked,
         }
     }
 
     /// Three quarters of what the machine has, or of what this process's control group may take
     /// where that is less; of 4 GiB where the system says neither.
     #[must_use]
-    pub fn of_machine() -> Self {
+    pub fn from_machine() -> Self {
         let read = |path: &str| fs::read_to_string(Path::new(path)).ok();
         let machine = read("/proc/meminfo").and_then(|text| total(&text));
         let groups = read("/proc/self/cgroup").unwrap_or_default();
@@ -68,8 +68,8 @@ impl Budget {
             .filter_map(|path| read(path)?.trim().parse().ok())
             .min();
         let (bytes, by) = match machine.into_iter().chain(group).min() {
-            Some(bytes) => (bytes, By::Machine),
-            None => (ASSUMED, By::Assumed),
+            Some(bytes) => (bytes, Origin::Machine),
+            None => (ASSUMED, Origin::Assumed),
         };
         let bytes = bytes - bytes / 4;
         Self { bytes, by }
@@ -159,13 +159,13 @@ impl Need {
     /// What every process holds: its code, its stacks, buffers of files.
     pub const PROCESS: u128 = 24 << 20;
 
-    /// Of what nothing is known yet but the process itself.
+    /// The need of the process itself, to which parts are added.
     #[must_use]
     pub fn new() -> Self {
         Self::default().and("the program itself", Self::PROCESS)
     }
 
-    /// And so many bytes for this part.
+    /// Adds a part of `bytes`.
     #[must_use]
     pub fn and(mut self, part: impl Into<String>, bytes: u128) -> Self {
         if bytes > 0 {
@@ -240,9 +240,9 @@ pub struct TooMuch {
 fn allowed(budget: Budget) -> String {
     let bytes = Bytes(budget.bytes.into());
     match budget.by {
-        By::Asked => format!("--max-memory allows {bytes}"),
-        By::Machine => format!("three quarters of this machine's memory are {bytes}"),
-        By::Assumed => format!("{bytes} are allowed where the system does not say what it has"),
+        Origin::Asked => format!("--max-memory allows {bytes}"),
+        Origin::Machine => format!("three quarters of this machine's memory are {bytes}"),
+        Origin::Assumed => format!("{bytes} are allowed where the system does not say what it has"),
     }
 }
 
@@ -297,7 +297,7 @@ mod tests {
         let files = limits("0::/a.slice/b.scope\n");
         assert!(files.contains(&"/sys/fs/cgroup/a.slice/memory.max".to_owned()));
         assert!(files.contains(&"/sys/fs/cgroup/a.slice/b.scope/memory.max".to_owned()));
-        assert!(Budget::of_machine().bytes > 1 << 26);
+        assert!(Budget::from_machine().bytes > 1 << 26);
     }
 
     #[test]

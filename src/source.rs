@@ -1,4 +1,4 @@
-//! The one door through which texts and small files of numbers are read.
+//! The one place where texts and small files of numbers are read.
 //!
 //! A file is read up to its limit and one byte further: one that never ends, a device or a pipe,
 //! is refused there. Pipes and `/dev/stdin` are read like files.
@@ -17,20 +17,20 @@ use crate::limit::{LINE_BYTES, NESTING, NUMBERS_BYTES, TEXT_BYTES};
 #[error("cannot read {}: {cause}", path.display())]
 #[diagnostic(help("{help}"))]
 pub struct SourceError {
-    /// Which.
+    /// The file.
     pub path: PathBuf,
     /// What is wrong with it.
     pub cause: Cause,
-    /// What to do.
+    /// What the user can do about it.
     pub help: String,
 }
 
 /// What is wrong with a file.
 #[derive(Debug)]
 pub enum Cause {
-    /// What the system said.
+    /// An error of the system.
     System(io::Error),
-    /// A folder.
+    /// It is a folder.
     Folder,
     /// It goes on beyond the limit.
     Long {
@@ -41,16 +41,16 @@ pub enum Cause {
     },
     /// A line goes on beyond the limit.
     Line {
-        /// From 1.
+        /// Number of the line, from 1.
         line: usize,
         /// Bytes of the line.
         bytes: usize,
     },
     /// Not text.
     NotText {
-        /// From 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// From 1, in characters.
+        /// Column of the byte, from 1, in characters.
         column: usize,
         /// The first byte that is no text.
         byte: u8,

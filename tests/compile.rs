@@ -6,7 +6,8 @@
 use amacrine::{
     array::{Arithmetic, Chip, Exact, Input, Settings, range, taps},
     compile::{
-        CompileError, Effort, Filter, Kind, Memory, Request, SensorProgram, Steps, snake_words,
+        BitMemory, CellKind, CompileError, DriveMemory, Effort, Filter, Request, SensorProgram,
+        naive_cost,
     },
     event::{Packet, Polarity},
     isa::{Analog, Device},
@@ -72,7 +73,7 @@ fn compiled(kernels: &[Kernel], states: u64) -> usize {
     for (kernel, found) in kernels.iter().zip(read_back(&filter, &request)) {
         assert_eq!(kernel.weights(), found);
     }
-    assert!(filter.words.len() as u64 <= snake_words(kernels).unwrap());
+    assert!(filter.words.len() as u64 <= naive_cost(kernels).unwrap());
     filter.words.len()
 }
 
@@ -114,7 +115,7 @@ fn words_do_not_grow() {
         let words = compiled(&kernels, 300_000);
         println!(
             "{name:<20}{words:>4} words, snake {}",
-            snake_words(&kernels).unwrap()
+            naive_cost(&kernels).unwrap()
         );
         assert!(words <= most, "{name}: {words} words, {most} were reached");
     }
@@ -215,7 +216,7 @@ fn what_holds_works_as_silicon() {
         let to: Quantiser = to.parse().unwrap();
         let quantised = to.quantise(&weights, Sum::Zero, 0).unwrap().within_one();
         let threshold = 256.0 / quantised.scale;
-        let kinds = [Kind {
+        let kinds = [CellKind {
             kernel: quantised.levels.clone(),
             on: threshold,
             off: threshold,
@@ -223,7 +224,7 @@ fn what_holds_works_as_silicon() {
         let kernels = [quantised.levels];
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = Effort { states: 20_000 };
-        let sensor = SensorProgram::new(&kinds, Memory::Analogue, "holds", &request).unwrap();
+        let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "holds", &request).unwrap();
         assert!(sensor.filter.holds, "{to}");
         let program = Program::parse("holds", &sensor.text).unwrap();
         let code = program.expand(&device, &Overrides::default()).unwrap().code;
@@ -275,7 +276,7 @@ fn what_cannot_be_is_said() {
         }
     ));
     let kinds = vec![
-        Kind {
+        CellKind {
             kernel: outer(&[1.0], &[1.0], 1.0),
             on: 1.0,
             off: 1.0
@@ -284,7 +285,7 @@ fn what_cannot_be_is_said() {
     ];
     let ones = [outer(&[1.0], &[1.0], 1.0)];
     let request = Request::new(&ones, &device).unwrap();
-    let error = SensorProgram::new(&kinds, Memory::Analogue, "three", &request).unwrap_err();
+    let error = SensorProgram::new(&kinds, DriveMemory::Analogue, "three", &request).unwrap_err();
     assert!(error.to_string().ends_with("2 too few"), "{error}");
 }
 
@@ -355,7 +356,7 @@ proptest! {
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = Effort { states: 0 };
         let filter = request.filter().unwrap();
-        prop_assert!(filter.words.len() as u64 <= snake_words(&kernels).unwrap());
+        prop_assert!(filter.words.len() as u64 <= naive_cost(&kernels).unwrap());
     }
 
     #[test]
@@ -376,8 +377,8 @@ proptest! {
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = Effort { states: 3000 };
         let light = f64::from(threshold) / 4.0;
-        let kinds = [Kind { kernel: kernel.clone(), on: light, off: light }];
-        let sensor = SensorProgram::new(&kinds, Memory::Analogue, "random", &request).unwrap();
+        let kinds = [CellKind { kernel: kernel.clone(), on: light, off: light }];
+        let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "random", &request).unwrap();
         prop_assert!(sensor.filter.border);
         let program = Program::parse("sensor", &sensor.text).unwrap();
         let code = program.expand(&device, &Overrides::default()).unwrap().code;
@@ -398,7 +399,11 @@ proptest! {
 }
 
 /// A memory in bits, pixel by pixel: the range in equal steps, each its middle.
-fn in_bits(drives: &[Plane<f64>], steps: &Steps, threshold: f64) -> Vec<(u64, usize, usize, bool)> {
+fn in_bits(
+    drives: &[Plane<f64>],
+    steps: &BitMemory,
+    threshold: f64,
+) -> Vec<(u64, usize, usize, bool)> {
     let most = 2f64.powi(steps.registers.len() as i32) - 1.0;
     let middle = |drive: f64| {
         let code = ((drive - steps.low) / steps.step).ceil() - 1.0;
@@ -424,8 +429,8 @@ fn a_memory_in_bits_is_its_twin() {
     let weights = outer(&[1.0, 2.0, 1.0], &[-1.0, 0.0, 1.0], 0.25);
     let clip = clip(3);
     for (count, bits) in [(1, 1), (1, 4), (1, 8), (2, 3), (3, 2)] {
-        let kinds: Vec<Kind> = (0..count)
-            .map(|i| Kind {
+        let kinds: Vec<CellKind> = (0..count)
+            .map(|i| CellKind {
                 kernel: if i == 1 {
                     outer(&[1.0], &[0.5], 1.0)
                 } else {
@@ -438,7 +443,7 @@ fn a_memory_in_bits_is_its_twin() {
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = Effort { states: 2000 };
-        let sensor = SensorProgram::new(&kinds, Memory::Bits(bits), "bits", &request).unwrap();
+        let sensor = SensorProgram::new(&kinds, DriveMemory::Bits(bits), "bits", &request).unwrap();
         assert!(sensor.filter.border);
         let program = Program::parse("bits", &sensor.text).unwrap();
         let code = program.expand(&device, &Overrides::default()).unwrap().code;

@@ -6,11 +6,11 @@
 use std::{fs, ops::Range, panic, path::Path};
 
 use amacrine::{
+    catch_panic,
     event::{
         Dropped, Event, Packet, Polarity,
         file::{self, Compression, FileError, Format, Opening, Reader},
     },
-    guard,
     plane::Size,
     unit::Micros,
 };
@@ -200,7 +200,7 @@ fn a_changed_number_is_noticed_or_changes_nothing() {
     // What a guard answers is no news.
     let hook = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
-        if !guard::is_guarded() {
+        if !catch_panic::is_catching() {
             hook(panic);
         }
     }));

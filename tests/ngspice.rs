@@ -28,7 +28,7 @@ fn chip(side: usize, seed: u64) -> Network {
         capacitance: 0.1,
     };
     let size = Size::new(side, side);
-    let network = Network::of(Sheet::new(2.0).unwrap(), size).unwrap();
+    let network = Network::uniform(Sheet::new(2.0).unwrap(), size).unwrap();
     network.with_mismatch(mismatch, seed)
 }
 

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use amacrine::{
     array::{Chip, Exact, Settings},
-    compile::{Effort, Kind, Memory, Request, SensorProgram},
+    compile::{CellKind, DriveMemory, Effort, Request, SensorProgram},
     isa::Device,
     kernel::Kernel,
     plane::Size,
@@ -107,11 +107,11 @@ proptest! {
     #[test]
     fn compiled_kernels_agree(kernel in kernels(&[1, 3], -2..=2, 1), clip in clips(Size::new(8, 7), 2..=4)) {
         let device = Device::scamp5();
-        let kinds = [Kind { kernel: kernel.clone(), on: 30.0, off: 30.0 }];
+        let kinds = [CellKind { kernel: kernel.clone(), on: 30.0, off: 30.0 }];
         let kernels = [kernel.clone()];
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = Effort { states: 500 };
-        let program = SensorProgram::new(&kinds, Memory::Analogue, "any", &request).unwrap();
+        let program = SensorProgram::new(&kinds, DriveMemory::Analogue, "any", &request).unwrap();
         prop_assume!(program.filter.border);
         let program = Program::parse("any", &program.text).unwrap();
         let agreed = agree(&program, &float(&kernel, 30.0), &clip, &Tolerance::default());

@@ -303,7 +303,7 @@ fn run<N: Number, M: model::MemoryRule>(
             let strays = drawn.strays[index as usize].iter();
             for (_, stray) in strays.filter(|stray| stray.0 == at) {
                 if cell.hears(stray.first, own.as_ref(), pair) {
-                    let first = N::Real::of(stray.first).to_f64();
+                    let first = N::Real::from_f64(stray.first).to_f64();
                     trains.push((at, Train { first, ..*stray }));
                 }
             }
@@ -353,7 +353,7 @@ fn judge<N: Number>(
         for (at, on) in on.indexed_iter() {
             // Where nothing is drawn, it is what is written.
             let nominal = nominal(channel, at);
-            let held = |theta| N::Real::of(theta).to_f64();
+            let held = |theta| N::Real::from_f64(theta).to_f64();
             if nominal.sigma == 0.0 {
                 prop_assert_eq!([*on, off[at]], [held(nominal.on), held(nominal.off)]);
             }

@@ -118,10 +118,10 @@ fn a_kernel_is_read_in_fractions() {
     );
     let taps = taps.unwrap();
     let input = Input::Register(Analog(0));
-    let half = Dyadic::of(0.5).unwrap();
+    let half = Dyadic::from_f64(0.5).unwrap();
     let expected = [
         ((input, 0, -1), half),
-        ((input, 0, 1), Dyadic::of(-0.5).unwrap()),
+        ((input, 0, 1), Dyadic::from_f64(-0.5).unwrap()),
     ];
     assert_eq!(taps.taps, expected.into());
     assert_eq!(half.to_string(), "1/2");

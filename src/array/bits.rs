@@ -6,8 +6,8 @@
 use multiversion::multiversion;
 
 use crate::{
+    aligned::Aligned,
     isa::Direction,
-    lined::Lined,
     plane::{Plane, Size},
 };
 
@@ -16,7 +16,7 @@ use crate::{
 pub struct BitPlane {
     size: Size,
     stride: usize,
-    words: Lined<u64>,
+    words: Aligned<u64>,
 }
 
 impl BitPlane {
@@ -32,7 +32,7 @@ impl BitPlane {
         Self {
             size,
             stride,
-            words: Lined::new(k, 0, stride * size.height),
+            words: Aligned::new(k, 0, stride * size.height),
         }
     }
 

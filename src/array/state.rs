@@ -2,8 +2,8 @@
 
 use super::{BitPlane, Domain, Layout};
 use crate::{
+    aligned::Aligned,
     isa::{Analog, Bit, Digital},
-    lined::Lined,
     plane::Plane,
 };
 
@@ -13,9 +13,9 @@ pub struct State<C> {
     /// Size and registers.
     pub layout: Layout,
     /// Analogue registers, each row by row.
-    pub(super) analog: Vec<Lined<C>>,
+    pub(super) analog: Vec<Aligned<C>>,
     /// The photodiodes, row by row.
-    pub(super) pix: Lined<C>,
+    pub(super) pix: Aligned<C>,
     /// The global input (DAC).
     pub(super) input: C,
     /// What lies off the array.
@@ -30,7 +30,7 @@ impl<C: Clone> State<C> {
     /// As switched on: every register 0, FLAG 1 everywhere.
     pub fn new<D: Domain<Cell = C>>(domain: &D, layout: Layout, edge: f64) -> Self {
         let zero = domain.hold(0.0);
-        let plane = |k: u8| Lined::new(k.into(), zero.clone(), layout.size.pixels());
+        let plane = |k: u8| Aligned::new(k.into(), zero.clone(), layout.size.pixels());
         Self {
             layout,
             analog: (0..layout.analog).map(plane).collect(),
@@ -109,7 +109,7 @@ impl<C: Clone> State<C> {
         words.copy_from_slice(BitPlane::from_plane(bits).words());
     }
 
-    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Lined<C> {
+    pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Aligned<C> {
         &mut self.analog[usize::from(register.0)]
     }
 

@@ -22,12 +22,12 @@ const SHORTEST: usize = 1000;
 
 /// Sets what all verbs may hold: what was asked for, else what the machine has.
 pub fn allow(asked: Option<Budget>) {
-    let _ = BUDGET.set(asked.unwrap_or_else(Budget::of_machine));
+    let _ = BUDGET.set(asked.unwrap_or_else(Budget::from_machine));
 }
 
 /// What may be held.
 pub fn budget() -> Budget {
-    *BUDGET.get_or_init(Budget::of_machine)
+    *BUDGET.get_or_init(Budget::from_machine)
 }
 
 /// Refuses what would hold more than may be held; `help` says what would make it less.

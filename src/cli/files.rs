@@ -28,7 +28,7 @@ use crate::{
         file::{self, Compression, FileError, Format},
     },
     picture::{Drawing, raster, write_png, write_svg},
-    save::{self, Kind, SaveError},
+    save::{self, OutputKind, SaveError},
     source,
 };
 
@@ -164,11 +164,11 @@ impl Output {
     }
 
     /// What it is, where it is not a folder to be filled.
-    fn kind(&self) -> miette::Result<Kind> {
-        let kind = save::kind(&self.path);
+    fn kind(&self) -> miette::Result<OutputKind> {
+        let kind = save::output_kind(&self.path);
         let slash = self.path.as_os_str().as_encoded_bytes().ends_with(b"/");
         match kind {
-            Ok(Kind::File { .. }) if slash => Err(io::ErrorKind::IsADirectory.into()),
+            Ok(OutputKind::File { .. }) if slash => Err(io::ErrorKind::IsADirectory.into()),
             kind => kind,
         }
         .map_err(|cause| self.cannot(cause).into())
@@ -181,7 +181,7 @@ impl Output {
 
     /// Whether it is written through, so that its name need not say what is in it.
     pub(super) fn is_node(&self) -> bool {
-        !matches!(save::kind(&self.path), Ok(Kind::File { .. }))
+        !matches!(save::output_kind(&self.path), Ok(OutputKind::File { .. }))
     }
 
     /// The ending that says what is written, in small letters.
@@ -224,7 +224,7 @@ impl Output {
     }
 
     /// Refuses a name that says something else than what will be in it.
-    fn check_ending(&self, kind: &Kind) -> miette::Result<()> {
+    fn check_ending(&self, kind: &OutputKind) -> miette::Result<()> {
         if self.content == Content::Events {
             self.format()?;
         }
@@ -233,7 +233,7 @@ impl Output {
         let fits = endings
             .iter()
             .any(|ending| own.eq_ignore_ascii_case(ending));
-        if fits || endings.is_empty() || !matches!(kind, Kind::File { .. }) {
+        if fits || endings.is_empty() || !matches!(kind, OutputKind::File { .. }) {
             return Ok(());
         }
         let known: Vec<_> = endings.iter().map(|e| format!(".{e}")).collect();
@@ -280,13 +280,13 @@ impl Id {
             path: path.to_owned(),
             cause,
         };
-        Ok(match save::kind(path).map_err(cannot)? {
-            Kind::Stdout => Self::Stdout,
-            Kind::Node => match fs::metadata(path) {
+        Ok(match save::output_kind(path).map_err(cannot)? {
+            OutputKind::Stdout => Self::Stdout,
+            OutputKind::Node => match fs::metadata(path) {
                 Ok(found) if !is_character_device(&found) => Self::of_metadata(&found, path),
                 _ => Self::Shared,
             },
-            Kind::File { target } => match fs::metadata(&target) {
+            OutputKind::File { target } => match fs::metadata(&target) {
                 Ok(found) => Self::of_metadata(&found, &target),
                 Err(_) => Self::New(whole(&target).map_err(cannot)?),
             },
@@ -490,7 +490,7 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<(
                 files.write(&output.path)?;
             }
         }
-        if output.kind()? == Kind::Stdout {
+        if output.kind()? == OutputKind::Stdout {
             if json {
                 return Err(miette!(
                     help = "give the output a file, or leave --json out",

@@ -41,7 +41,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use self::print::{complain, say};
-use crate::{guard, memory::Budget};
+use crate::{catch_panic, memory::Budget};
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
@@ -121,7 +121,7 @@ verbs! {
 pub fn main() -> ExitCode {
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        if !guard::is_guarded() {
+        if !catch_panic::is_catching() {
             hook(panic);
         }
     }));

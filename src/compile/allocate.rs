@@ -1,11 +1,20 @@
-//! Registers for values.
+//! Register allocation: values whose live ranges meet get different registers. A search with
+//! backtracking, since some values are bound to a register from the start.
 
 use super::plan::{Plan, Store, Value, Word};
-use crate::isa::{Analog, Primitive, Source, Target};
+use crate::isa::{Analog, Device, Primitive, Source, Target};
 
-/// The registers that a filter may use.
+/// The analogue registers but NEWS.
+pub(super) fn ordinary_registers(device: &Device) -> Vec<Analog> {
+    let count = device.registers().analog.len() as u8;
+    let all = (0..count).map(Analog);
+    all.filter(|register| *register != device.news()).collect()
+}
+
+/// The register file of a filter: the registers that it may use.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Room {
+pub(super) struct RegisterFile {
+    /// The register that neighbours can read.
     pub(super) news: Analog,
     /// Where the input begins.
     pub(super) input: Analog,
@@ -23,23 +32,24 @@ pub(super) struct Allocated {
     pub(super) live: Vec<Vec<(Analog, Value)>>,
 }
 
-/// Tries at most, before it is given up.
+/// Steps of the search before it gives up.
 const TRIES: u32 = 20_000;
 
 /// Finds registers; `None` when there are too few.
-pub(super) fn allocate(plan: &Plan, room: &Room) -> Option<Allocated> {
-    let pinned: Vec<Option<Analog>> = room.into.iter().copied().map(Some).collect();
-    place(plan, room, &pinned).or_else(|| {
+pub(super) fn allocate(plan: &Plan, file: &RegisterFile) -> Option<Allocated> {
+    let pinned: Vec<Option<Analog>> = file.into.iter().copied().map(Some).collect();
+    assign_all(plan, file, &pinned).or_else(|| {
         // The goal over the input elsewhere, and brought there last.
-        let over = room.into.iter().position(|r| *r == room.input)?;
+        let over = file.into.iter().position(|r| *r == file.input)?;
         let mut pinned = pinned;
         pinned[over] = None;
-        place(plan, room, &pinned)
+        assign_all(plan, file, &pinned)
     })
 }
 
+/// The words over which a value must be held.
 #[derive(Clone, Copy, Debug)]
-struct Span {
+struct LiveRange {
     /// The word that stores it; the input is there before all.
     born: isize,
     /// The last word that reads it.
@@ -47,60 +57,82 @@ struct Span {
     pinned: Option<Analog>,
 }
 
-#[expect(
-    clippy::too_many_lines,
-    reason = "spans, registers and words, in this order"
-)]
-fn place(plan: &Plan, room: &Room, pinned: &[Option<Analog>]) -> Option<Allocated> {
-    let end = plan.words.len() as isize;
-    let mut spans = vec![Span {
-        born: -1,
-        read: -1,
-        pinned: Some(room.input),
-    }];
-    // Values that nobody reads: the other half, where NEWS cannot take it.
-    let mut spare: Vec<Option<usize>> = Vec::new();
-    let mut of_value = vec![0];
-    for (i, word) in plan.words.iter().enumerate() {
-        let now = i as isize;
-        for value in &word.values {
-            let span = *of_value.get(*value)?;
-            spans[span].read = now;
-        }
-        if let Store::Register | Store::Both(_) = word.store {
-            of_value.push(spans.len());
-            spans.push(Span {
+/// The live ranges of a plan.
+struct LiveRanges {
+    ranges: Vec<LiveRange>,
+    /// The range of each value.
+    of_value: Vec<usize>,
+    /// For each word the range of the half that nobody reads, where NEWS cannot take it.
+    spare: Vec<Option<usize>>,
+}
+
+impl LiveRanges {
+    /// From the word that stores a value to the last that reads it; the input lives from before all words.
+    fn new(plan: &Plan, input: Analog) -> Option<Self> {
+        let mut ranges = vec![LiveRange {
+            born: -1,
+            read: -1,
+            pinned: Some(input),
+        }];
+        let mut spare: Vec<Option<usize>> = Vec::new();
+        let mut of_value = vec![0];
+        for (i, word) in plan.words.iter().enumerate() {
+            let now = i as isize;
+            for value in &word.values {
+                let range = *of_value.get(*value)?;
+                ranges[range].read = now;
+            }
+            let stored = LiveRange {
                 born: now,
                 read: now,
                 pinned: None,
-            });
+            };
+            if let Store::Register | Store::Both(_) = word.store {
+                of_value.push(ranges.len());
+                ranges.push(stored);
+            }
+            let needs = word.halved && !takes_half(plan, i);
+            spare.push(needs.then_some(ranges.len()));
+            if needs {
+                ranges.push(stored);
+            }
         }
-        let needs = word.halved && !takes_half(plan, i);
-        spare.push(needs.then_some(spans.len()));
-        if needs {
-            spans.push(Span {
-                born: now,
-                read: now,
-                pinned: None,
-            });
-        }
+        Some(Self {
+            ranges,
+            of_value,
+            spare,
+        })
     }
+}
+
+/// Registers for all values, the goals in those of `pinned`; a goal without one is copied to its
+/// place last.
+fn assign_all(plan: &Plan, file: &RegisterFile, pinned: &[Option<Analog>]) -> Option<Allocated> {
+    let LiveRanges {
+        mut ranges,
+        of_value,
+        spare,
+    } = LiveRanges::new(plan, file.input)?;
+    let end = plan.words.len() as isize;
+    // Goals live to the end, in the registers they are wanted in. One that cannot be there all
+    // the time is copied there last.
     let mut last = Vec::new();
     for (goal, (value, pin)) in plan.goals.iter().zip(pinned).enumerate() {
-        let span = *of_value.get(*value)?;
+        let range = *of_value.get(*value)?;
         let taken = plan.goals[..goal].contains(value);
-        spans[span].read = end;
-        let own = spans[span].pinned;
+        ranges[range].read = end;
+        let own = ranges[range].pinned;
         if own.is_some() && own != *pin || pin.is_none() || taken {
-            last.push((span, *room.into.get(goal)?));
+            last.push((range, *file.into.get(goal)?));
         } else {
-            spans[span].pinned = *pin;
+            ranges[range].pinned = *pin;
         }
     }
     let mut tries = TRIES;
-    let mut registers = vec![None; spans.len()];
-    assign(&spans, &mut registers, 0, room, &mut tries)?.then_some(())?;
+    let mut registers = vec![None; ranges.len()];
+    assign(&ranges, &mut registers, 0, file, &mut tries)?.then_some(())?;
     let registers: Vec<Analog> = registers.into_iter().collect::<Option<_>>()?;
+    // The words again, with registers in place of values.
     let mut out = Allocated {
         words: Vec::new(),
         live: Vec::new(),
@@ -113,16 +145,16 @@ fn place(plan: &Plan, room: &Room, pinned: &[Option<Analog>]) -> Option<Allocate
             targets.push(Target::Register(registers[*of_value.get(stored)?]));
         }
         if let Store::News(to) | Store::Both(to) = word.store {
-            targets.push(to.map_or(Target::Register(room.news), Target::Neighbour));
+            targets.push(to.map_or(Target::Register(file.news), Target::Neighbour));
         }
         if word.halved {
-            let other = spare[i].map_or(room.news, |span| registers[span]);
+            let other = spare[i].map_or(file.news, |range| registers[range]);
             targets.push(Target::Register(other));
         }
         let views = word
             .views
             .iter()
-            .map(|view| view.map_or(Source::Register(room.news), Source::Neighbour));
+            .map(|view| view.map_or(Source::Register(file.news), Source::Neighbour));
         let values = word
             .values
             .iter()
@@ -132,16 +164,16 @@ fn place(plan: &Plan, room: &Room, pinned: &[Option<Analog>]) -> Option<Allocate
             sources: views.chain(values).collect(),
         });
         out.live
-            .push(live(&spans, &registers, &of_value, i as isize));
+            .push(live(&ranges, &registers, &of_value, i as isize));
     }
     // A goal that is elsewhere: none of these targets is needed as a source any more.
-    for (span, to) in &last {
-        if registers[*span] == *to {
+    for (range, to) in &last {
+        if registers[*range] == *to {
             continue;
         }
         let conflict = last
             .iter()
-            .any(|(other, _)| registers[*other] == *to && other != span);
+            .any(|(other, _)| registers[*other] == *to && other != range);
         if conflict {
             return None;
         }
@@ -149,9 +181,9 @@ fn place(plan: &Plan, room: &Room, pinned: &[Option<Analog>]) -> Option<Allocate
             targets: vec![Target::Register(target)],
             sources: vec![Source::Register(source)],
         };
-        out.words.push(bus(room.news, registers[*span]));
-        out.words.push(bus(*to, room.news));
-        let held = live(&spans, &registers, &of_value, end);
+        out.words.push(bus(file.news, registers[*range]));
+        out.words.push(bus(*to, file.news));
+        let held = live(&ranges, &registers, &of_value, end);
         out.live.extend([held.clone(), held]);
     }
     Some(out)
@@ -175,60 +207,61 @@ fn takes_half(plan: &Plan, at: usize) -> bool {
     true
 }
 
+/// The registers that hold a value while word `now` runs, and which.
 fn live(
-    spans: &[Span],
+    ranges: &[LiveRange],
     registers: &[Analog],
     of_value: &[usize],
     now: isize,
 ) -> Vec<(Analog, Value)> {
-    let held = of_value.iter().enumerate().filter(|(_, span)| {
-        let span = spans[**span];
-        span.born <= now && (now < span.read || span.born == now)
+    let held = of_value.iter().enumerate().filter(|(_, range)| {
+        let range = ranges[**range];
+        range.born <= now && (now < range.read || range.born == now)
     });
     let mut held: Vec<_> = held
-        .map(|(value, span)| (registers[*span], value))
+        .map(|(value, range)| (registers[*range], value))
         .collect();
     held.sort_unstable();
     held
 }
 
-/// Whether two values cannot share a register: a word must not store where it reads.
-fn meet(a: Span, b: Span) -> bool {
+/// Whether two live ranges interfere, so that their values cannot share a register: a word must not store where it reads.
+fn interfere(a: LiveRange, b: LiveRange) -> bool {
     a.born <= b.read && b.born <= a.read
 }
 
-/// One span after the other; `None` when tried too often.
+/// One range after the other; `None` when tried too often.
 fn assign(
-    spans: &[Span],
+    ranges: &[LiveRange],
     registers: &mut Vec<Option<Analog>>,
     at: usize,
-    room: &Room,
+    file: &RegisterFile,
     tries: &mut u32,
 ) -> Option<bool> {
-    let Some(span) = spans.get(at) else {
+    let Some(range) = ranges.get(at) else {
         return Some(true);
     };
     *tries = tries.checked_sub(1)?;
     let taken = |register: Analog, registers: &[Option<Analog>]| {
-        spans
+        ranges
             .iter()
             .zip(registers)
             .enumerate()
             .any(|(i, (other, own))| {
                 let held = own.or(other.pinned);
-                i != at && held == Some(register) && meet(*span, *other)
+                i != at && held == Some(register) && interfere(*range, *other)
             })
     };
-    let choices: Vec<Analog> = match span.pinned {
+    let choices: Vec<Analog> = match range.pinned {
         Some(register) => vec![register],
-        None => room.all.clone(),
+        None => file.all.clone(),
     };
     for register in choices {
         if taken(register, registers) {
             continue;
         }
         registers[at] = Some(register);
-        if assign(spans, registers, at + 1, room, tries)? {
+        if assign(ranges, registers, at + 1, file, tries)? {
             return Some(true);
         }
         registers[at] = None;

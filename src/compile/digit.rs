@@ -1,6 +1,7 @@
-//! The signed digits of a kernel's weights, in groups that a walk takes in together.
+//! The signed digits (non-adjacent form) of a kernel's weights, in groups that a walk takes in
+//! together.
 
-use super::field::Field;
+use super::linear_form::LinearForm;
 
 /// Rows and columns from the pixel.
 pub(super) type Place = (i16, i16);
@@ -8,8 +9,9 @@ pub(super) type Place = (i16, i16);
 /// A halved input that is added at a place; minus it, if so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Digit {
-    /// How often it is halved.
+    /// The number of halvings.
     pub(super) halved: usize,
+    /// Whether it is subtracted.
     pub(super) negative: bool,
 }
 
@@ -19,7 +21,7 @@ pub(super) type Visits = Vec<(Place, Vec<Digit>)>;
 /// The digits of a goal in groups of `held` exponents, the lowest first; the whole of one group
 /// counts 2^-held in the next. With them the exponent of the last group's input; `None` without
 /// digits.
-pub(super) fn groups(goal: &Field, held: usize) -> Option<(Vec<Visits>, usize)> {
+pub(super) fn groups(goal: &LinearForm, held: usize) -> Option<(Vec<Visits>, usize)> {
     let planes = planes(goal);
     let last = planes.len().checked_sub(1)?;
     let group = |group: usize| {
@@ -41,7 +43,7 @@ pub(super) fn groups(goal: &Field, held: usize) -> Option<(Vec<Visits>, usize)> 
 }
 
 /// Places and signs by the digit's exponent.
-pub(super) fn planes(goal: &Field) -> Vec<Vec<(Place, bool)>> {
+pub(super) fn planes(goal: &LinearForm) -> Vec<Vec<(Place, bool)>> {
     let mut planes: Vec<Vec<_>> = Vec::new();
     for tap in goal.taps() {
         let (mut left, mut exponent) = (tap.weight, 0);
@@ -62,7 +64,7 @@ pub(super) fn planes(goal: &Field) -> Vec<Vec<(Place, bool)>> {
     planes
 }
 
-/// How often the input must be halved for these.
+/// The most halvings of the input that these need.
 pub(super) fn most_halved(visits: &Visits) -> usize {
     let all = visits.iter().flat_map(|(_, digits)| digits);
     all.map(|digit| digit.halved).max().unwrap_or(0)

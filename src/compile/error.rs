@@ -17,7 +17,7 @@ pub enum CompileError {
         row: usize,
         /// Column, from 0 in the west.
         column: usize,
-        /// The weight.
+        /// The weight that cannot be represented.
         weight: f64,
     },
     /// A kernel that is too large.
@@ -26,9 +26,9 @@ pub enum CompileError {
     Size {
         /// Which kernel, from 0.
         kernel: usize,
-        /// Rows.
+        /// Rows of the kernel.
         height: usize,
-        /// Columns.
+        /// Columns of the kernel.
         width: usize,
     },
     /// Too few registers.
@@ -75,7 +75,7 @@ pub enum CompileError {
         count: usize,
         /// Bits of each.
         bits: u8,
-        /// Registers.
+        /// One-bit registers that are free for memories.
         free: usize,
     },
     /// More words than the chip stores.
@@ -88,16 +88,16 @@ pub enum CompileError {
         words: u64,
         /// How many the chip holds.
         room: u64,
-        /// The chip.
+        /// Name of the chip.
         chip: String,
     },
     /// An input that no number of halvings brings into range.
     #[error("an input from {low} to {high} LSB does not fit into -128…127, halved or not")]
     #[diagnostic(help("give a range with a low end below its high end, within -128 to 127 LSB"))]
     Range {
-        /// Lowest.
+        /// Lowest input, LSB.
         low: f64,
-        /// Highest.
+        /// Highest input, LSB.
         high: f64,
     },
 }

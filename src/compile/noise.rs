@@ -1,44 +1,46 @@
-//! What the chip's errors leave in the results of straight bus words, to first order.
+//! Error propagation, to first order: what the chip's errors leave in the results of straight
+//! bus words.
 //!
-//! Every store adds to its cell: noise, drawn anew for every word; and what belongs to the cell
-//! for good, a deviation of gain and of offset, which adds up where one register is written
-//! more than once. Each of these is a draw of its own; a cell is followed as what it holds of
-//! every draw, of its own pixel's and of those round it.
+//! Every store adds temporal noise to its cell, drawn anew for every word, and fixed-pattern
+//! noise: a deviation of gain and of offset, which adds up where one register is written more
+//! than once. Each is an independent random variable. A cell is followed as a linear form over
+//! the variables of its own pixel and of those round it.
 
 use std::collections::BTreeMap;
 
-use super::{Filter, digit::Place};
+use super::{digit::Place, filter::Filter};
 use crate::isa::{Analog, Device, Figure, Primitive, Source, Target};
 
 /// What a filter adds to its result, as standard deviations in LSB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Noise {
+pub struct FilterNoise {
     /// From frame to frame.
     pub temporal: f64,
     /// From pixel to pixel, the same in every frame: mismatch, at the given input.
     pub fixed: f64,
 }
 
-/// A draw from the normal distribution.
+/// One random variable, normally distributed with variance 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Draw {
-    /// Of a store: the word and its target.
+    /// Temporal noise of a store: the word and its target.
     Store(usize, usize),
-    /// Of a cell.
+    /// Fixed gain deviation of a cell.
     Gain(Analog),
+    /// Fixed offset deviation of a cell.
     Offset(Analog),
-    /// Of a pixel's bus that splits.
+    /// Fixed imbalance of a pixel's bus that splits.
     Split(usize),
 }
 
-/// What a cell holds: a level, and its part of every draw of the pixels round it.
+/// What a cell holds: a level, LSB, and the coefficient of every variable of the pixels round it.
 #[derive(Clone, Debug, Default)]
-struct Form {
+struct ErrorForm {
     level: f64,
     draws: BTreeMap<(Draw, Place), f64>,
 }
 
-impl Form {
+impl ErrorForm {
     fn add(&mut self, other: &Self, (dy, dx): Place, times: f64) {
         self.level += times * other.level;
         for ((draw, (y, x)), part) in &other.draws {
@@ -52,17 +54,23 @@ impl Form {
 }
 
 impl Filter {
-    /// Noise and mismatch in each result, for a uniform input of `level` LSB that is free of
+    /// FilterNoise and mismatch in each result, for a uniform input of `level` LSB that is free of
     /// both; saturation is left out. As silicon's store in `array` has it, with the numbers of
     /// `[figure.error]` in the chip's data.
     #[must_use]
-    pub fn noise(&self, device: &Device, input: Analog, level: f64, of: &[Analog]) -> Vec<Noise> {
-        let mut held: BTreeMap<Analog, Form> = BTreeMap::new();
+    pub fn noise(
+        &self,
+        device: &Device,
+        input: Analog,
+        level: f64,
+        results: &[Analog],
+    ) -> Vec<FilterNoise> {
+        let mut held: BTreeMap<Analog, ErrorForm> = BTreeMap::new();
         held.insert(
             input,
-            Form {
+            ErrorForm {
                 level,
-                ..Form::default()
+                ..ErrorForm::default()
             },
         );
         for (word, primitive) in self.words.iter().enumerate() {
@@ -70,23 +78,24 @@ impl Filter {
                 run(&mut held, device, word, targets, sources);
             }
         }
-        let spread = |form: &Form, temporal: bool| {
+        let spread = |form: &ErrorForm, temporal: bool| {
             let own = |draw: &Draw| matches!(draw, Draw::Store(..)) == temporal;
             let parts = form.draws.iter().filter(|((draw, _), _)| own(draw));
             parts.map(|(_, part)| part * part).sum::<f64>().sqrt()
         };
         let noise = |register: &Analog| {
-            held.get(register).map_or(Noise::default(), |form| Noise {
-                temporal: spread(form, true),
-                fixed: spread(form, false),
-            })
+            held.get(register)
+                .map_or(FilterNoise::default(), |form| FilterNoise {
+                    temporal: spread(form, true),
+                    fixed: spread(form, false),
+                })
         };
-        of.iter().map(noise).collect()
+        results.iter().map(noise).collect()
     }
 }
 
 fn run(
-    held: &mut BTreeMap<Analog, Form>,
+    held: &mut BTreeMap<Analog, ErrorForm>,
     device: &Device,
     word: usize,
     targets: &[Target],
@@ -97,7 +106,7 @@ fn run(
         let (y, x) = direction.step();
         (y as i16, x as i16)
     };
-    let mut bus = Form::default();
+    let mut bus = ErrorForm::default();
     for source in sources {
         let (register, place) = match source {
             Source::Register(register) => (*register, (0, 0)),
@@ -120,7 +129,7 @@ fn run(
             }
         };
         let current = bus.level / count as f64;
-        let mut cell = Form::default();
+        let mut cell = ErrorForm::default();
         cell.add(&bus, place, -gain / count as f64);
         cell.level += value(Figure::TransferError);
         let offset = value(Figure::OffsetMismatch);

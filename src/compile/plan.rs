@@ -1,6 +1,6 @@
-//! A filter as instruction words over values, before they have registers.
+//! A filter as bus words over values, before register allocation.
 
-use super::field::{Field, step};
+use super::linear_form::{LinearForm, step};
 use crate::isa::Direction;
 
 /// A value in an ordinary register: 0 is the input, the others in the order of their stores.
@@ -17,17 +17,17 @@ pub(super) enum Store {
     Both(Option<Direction>),
 }
 
-/// What every store adds, LSB.
+/// What every store adds on the chip, LSB.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Errors {
+pub(super) struct StoreErrors {
     /// The transfer error.
     pub(super) transfer: f64,
-    /// What comes to it where the bus splits.
+    /// The division error, which comes on top where the bus splits.
     pub(super) division: f64,
 }
 
-impl Errors {
-    /// What a store makes of a sum.
+impl StoreErrors {
+    /// What is stored of a sum, LSB.
     pub(super) fn stored(self, sum: f64, splits: bool) -> f64 {
         if splits {
             self.transfer + self.division - sum / 2.0
@@ -40,12 +40,13 @@ impl Errors {
 /// One bus word: `store := -(sum of sources) / (number of targets)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Word {
+    /// The destination.
     pub(super) store: Store,
     /// NEWS cells that are read.
     pub(super) views: Vec<Option<Direction>>,
     /// Values that are read.
     pub(super) values: Vec<Value>,
-    /// Half of it goes to a target that nobody reads.
+    /// Half of the sum goes to a target that nobody reads.
     pub(super) halved: bool,
 }
 
@@ -59,26 +60,27 @@ impl Word {
 /// Straight code that makes some values from the input.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Plan {
+    /// In the order in which they run.
     pub(super) words: Vec<Word>,
     /// The value of each goal.
     pub(super) goals: Vec<Value>,
 }
 
-/// What each word leaves behind.
+/// Symbolic values of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Trace {
     /// Every value in a register, the input first.
-    pub(super) values: Vec<Field>,
+    pub(super) values: Vec<LinearForm>,
     /// What each word stored.
-    pub(super) stored: Vec<Field>,
+    pub(super) stored: Vec<LinearForm>,
     /// Whether the result is right up to the border, where zeros lie beyond it.
     pub(super) border: bool,
 }
 
 impl Plan {
-    /// How many values must be held in registers at a time; the input until it is last read, or
-    /// for good.
-    pub(super) fn width(&self, input_is_kept: bool) -> usize {
+    /// Register pressure: the most values that are live at a time. The input is live until it is
+    /// last read, or to the end.
+    pub(super) fn pressure(&self, input_is_kept: bool) -> usize {
         let mut last: Vec<usize> = vec![if input_is_kept { self.words.len() } else { 0 }];
         for (i, word) in self.words.iter().enumerate() {
             for value in &word.values {
@@ -103,9 +105,9 @@ impl Plan {
         held.max().unwrap_or(1)
     }
 
-    /// What each word stores where there is no light, LSB: transfer errors, from what the input
-    /// has of them already.
-    pub(super) fn dark(&self, input: f64, errors: Errors) -> Vec<f64> {
+    /// What each word stores in the dark, LSB: accumulated transfer errors, those of the input
+    /// included.
+    pub(super) fn dark(&self, input: f64, errors: StoreErrors) -> Vec<f64> {
         let mut values = vec![input];
         let mut news = 0.0;
         let mut all = Vec::new();
@@ -128,19 +130,20 @@ impl Plan {
         all
     }
 
-    /// Runs the words on an input of one `unit`. `None` where a half is not whole.
+    /// Symbolic execution: runs the words on an input of one `unit`. `None` where a half is not
+    /// whole.
     pub(super) fn trace(&self, unit: i64) -> Option<Trace> {
         let mut trace = Trace {
-            values: vec![Field::unit(unit)],
+            values: vec![LinearForm::unit(unit)],
             stored: Vec::new(),
             border: true,
         };
-        let mut news = Field::default();
+        let mut news = LinearForm::default();
         for word in &self.words {
-            let mut sum = Field::default();
+            let mut sum = LinearForm::default();
             for view in &word.views {
-                trace.border &= news.leads(step(*view));
-                sum = sum.plus(&news.seen(step(*view)), 1);
+                trace.border &= news.is_outward(step(*view));
+                sum = sum.plus(&news.shifted(step(*view)), 1);
             }
             for value in &word.values {
                 sum = sum.plus(trace.values.get(*value)?, 1);
@@ -152,8 +155,8 @@ impl Plan {
             if let Store::News(to) | Store::Both(to) = word.store {
                 // What a pixel puts into its western neighbour, that one has from its east.
                 let from = to.map(Direction::opposite);
-                trace.border &= stored.leads(step(from));
-                news = stored.seen(step(from));
+                trace.border &= stored.is_outward(step(from));
+                news = stored.shifted(step(from));
             }
             if let Store::Register | Store::Both(_) = word.store {
                 trace.values.push(stored.clone());

@@ -1,23 +1,24 @@
-//! In which order a walk visits the places of a kernel.
+//! The tour of a walk over the places of a kernel: a travelling salesman, by start tours and
+//! 2-opt.
 
 use super::digit::Place;
 
 /// Places to be visited, and what for, from where the walk is, if it has begun, and with the
-/// way to the pixel after it: the best of lines to and fro and of spirals, then bettered by
+/// way to the pixel after it: the best of lines to and fro and of spirals, then improved by
 /// turning parts of it round.
 pub(super) fn route<T: Clone>(visits: &[(Place, T)], from: Option<Place>) -> Vec<(Place, T)> {
     let places: Vec<Place> = visits.iter().map(|(place, _)| *place).collect();
-    let best = starts(&places)
+    let best = start_tours(&places)
         .into_iter()
-        .map(|route| bettered(route, from))
+        .map(|route| improved(route, from))
         .min_by_key(|route| length(route, from))
         .unwrap_or(places);
-    let of = |place: &Place| visits.iter().find(|(known, _)| known == place).cloned();
-    best.iter().filter_map(of).collect()
+    let visit = |place: &Place| visits.iter().find(|(known, _)| known == place).cloned();
+    best.iter().filter_map(visit).collect()
 }
 
-/// Words from place to place: two words move by two pixels at most.
-fn words(a: Place, b: Place) -> u32 {
+/// The distance between two places, in words: two words move by two pixels at most.
+fn distance(a: Place, b: Place) -> u32 {
     let apart = a.0.abs_diff(b.0) + a.1.abs_diff(b.1);
     2 * u32::from(apart).div_ceil(2)
 }
@@ -26,13 +27,13 @@ fn length(route: &[Place], from: Option<Place>) -> u32 {
     let mut total = 0;
     let mut at = from;
     for &place in route.iter().chain([&(0, 0)]) {
-        total += at.map_or(0, |at| words(at, place));
+        total += at.map_or(0, |at| distance(at, place));
         at = Some(place);
     }
     total
 }
 
-fn starts(places: &[Place]) -> Vec<Vec<Place>> {
+fn start_tours(places: &[Place]) -> Vec<Vec<Place>> {
     let mut all = Vec::new();
     for flips in 0..8 {
         let turned = |(y, x): Place| {
@@ -67,8 +68,8 @@ fn starts(places: &[Place]) -> Vec<Vec<Place>> {
     all
 }
 
-/// Turns parts round as long as that helps.
-fn bettered(mut route: Vec<Place>, from: Option<Place>) -> Vec<Place> {
+/// 2-opt: reverses parts of the tour as long as that shortens it.
+fn improved(mut route: Vec<Place>, from: Option<Place>) -> Vec<Place> {
     let end = (0, 0);
     loop {
         let mut better = false;
@@ -77,7 +78,7 @@ fn bettered(mut route: Vec<Place>, from: Option<Place>) -> Vec<Place> {
                 let before = if i == 0 { from } else { Some(route[i - 1]) };
                 let after = route.get(j + 1).copied().unwrap_or(end);
                 let way = |first: Place, last: Place| {
-                    before.map_or(0, |before| words(before, first)) + words(last, after)
+                    before.map_or(0, |before| distance(before, first)) + distance(last, after)
                 };
                 if way(route[j], route[i]) < way(route[i], route[j]) {
                     route[i..=j].reverse();

@@ -1,4 +1,4 @@
-//! A single weight: its whole part by doubling, the rest by halving.
+//! Scaling by a constant: a single weight, its integer part by doubling, its fraction by halving.
 //!
 //! A bus does not take a register twice, so what is to be doubled is held twice. One word makes
 //! of such a pair twice its value, and takes the input in besides where a digit asks for it;
@@ -6,13 +6,13 @@
 
 use super::{
     digit::planes,
-    field::Field,
+    linear_form::LinearForm,
     plan::{Plan, Store, Value, Word},
 };
 
 /// A plan for one weight at the pixel itself that is larger than the input; `None` for other
 /// goals.
-pub(super) fn scale(goal: &Field, unit: i64) -> Option<Plan> {
+pub(super) fn scale(goal: &LinearForm, unit: i64) -> Option<Plan> {
     let at_home = goal.taps().iter().all(|tap| (tap.y, tap.x) == (0, 0));
     let one = unit.trailing_zeros() as usize;
     let planes = planes(goal);
@@ -120,7 +120,7 @@ mod tests {
         for unit in [1, 2, 16, 4096] {
             for weight in (2 * unit..300 * unit).step_by(unit as usize / 8 + 1) {
                 for weight in [weight, -weight] {
-                    let goal = Field::unit(weight);
+                    let goal = LinearForm::unit(weight);
                     let plan = scale(&goal, unit).unwrap();
                     let trace = plan.trace(unit * fine).unwrap();
                     assert_eq!(trace.values[plan.goals[0]], goal.times(fine), "{weight}");

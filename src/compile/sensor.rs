@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{CompileError, Filter, Request, ordinary};
+use super::{allocate::ordinary_registers, error::CompileError, filter::Filter, request::Request};
 use crate::{
     elementary,
     isa::{Analog, Device, Figure},
@@ -14,19 +14,19 @@ pub const SLOTS: u32 = 4000;
 
 /// One kind of cell.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kind {
+pub struct CellKind {
     /// Its kernel, of dyadic weights.
     pub kernel: Kernel,
-    /// An ON event happens when kernel times light (0 to 255) has risen by more than this since
-    /// the last event,
+    /// The ON threshold: an event happens when kernel times light (0 to 255) has risen by more
+    /// than this since the last event.
     pub on: f64,
-    /// an OFF event when it has fallen by more than this.
+    /// The OFF threshold, likewise for a fall.
     pub off: f64,
 }
 
 /// Where a program remembers the drives of the last events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Memory {
+pub enum DriveMemory {
     /// In analogue registers, one for each kind.
     #[default]
     Analogue,
@@ -35,16 +35,16 @@ pub enum Memory {
     Bits(u8),
 }
 
-/// The one-bit registers that a memory may take; R0 and R12 serve logic, R5, R6 and R11 the
+/// The one-bit registers that memories may take. R0 and R12 serve logic; R5, R6 and R11 the
 /// program.
 const MEMORY: [&str; 8] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
 
-/// What the host can set with either sign, LSB.
+/// The largest constant that the host can set with either sign, LSB.
 const LARGEST: f64 = 127.0;
 
-/// A drive in bits.
+/// A memory in one-bit registers: the range of the drive in equal steps.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Steps {
+pub struct BitMemory {
     /// The lowest drive that light of 0 to 255 can give, LSB.
     pub low: f64,
     /// The size of a step, LSB.
@@ -57,10 +57,10 @@ pub struct Steps {
 /// scale, 255, is half an LSB beyond it.
 const CAPTURE: (f64, f64) = (0.0, 127.0);
 
-/// A sensor in chip text.
+/// A sensor as a program for the chip.
 #[derive(Clone, Debug)]
 pub struct SensorProgram {
-    /// The text, settings above.
+    /// Source text of the program, its settings at the head.
     pub text: String,
     /// The filter in it, from the capture to the drives.
     pub filter: Filter,
@@ -69,7 +69,7 @@ pub struct SensorProgram {
     /// From kernel times light to LSB in the drive.
     pub scale: f64,
     /// The memory of each kind, where it is in bits.
-    pub steps: Vec<Steps>,
+    pub steps: Vec<BitMemory>,
 }
 
 impl SensorProgram {
@@ -77,21 +77,21 @@ impl SensorProgram {
     /// decision a frame. `request` gives the chip, the effort and the seed; registers are chosen
     /// here.
     ///
-    /// # Errors
+    /// # StoreErrors
     /// When a weight is not dyadic, there are too few registers, or too many words.
     pub fn new(
-        kinds: &[Kind],
-        memory: Memory,
+        kinds: &[CellKind],
+        memory: DriveMemory,
         title: &str,
         request: &Request<'_>,
     ) -> Result<Self, CompileError> {
         let device = request.device;
-        let all = ordinary(device);
+        let all = ordinary_registers(device);
         let count = kinds.len();
         // One for each memory, or one in which they are put together by turns.
         let (remembered, each) = match memory {
-            Memory::Analogue => (count, "a drive and a memory"),
-            Memory::Bits(_) => (1, "a drive, and a memory"),
+            DriveMemory::Analogue => (count, "a drive and a memory"),
+            DriveMemory::Bits(_) => (1, "a drive, and a memory"),
         };
         let needed = count + remembered + 2;
         if all.len() < needed {
@@ -102,7 +102,7 @@ impl SensorProgram {
                 free: all.len(),
             });
         }
-        if let Memory::Bits(bits) = memory
+        if let DriveMemory::Bits(bits) = memory
             && !(1..=MEMORY.len()).contains(&(usize::from(bits) * count))
         {
             return Err(CompileError::Bits {
@@ -119,8 +119,8 @@ impl SensorProgram {
             input: all[0],
             into: all[..count].to_vec(),
             keep: match memory {
-                Memory::Analogue => memories.clone(),
-                Memory::Bits(_) => Vec::new(),
+                DriveMemory::Analogue => memories.clone(),
+                DriveMemory::Bits(_) => Vec::new(),
             },
             border: true,
             range: Some((CAPTURE.0, light.clamp(1.0, CAPTURE.1))),
@@ -140,11 +140,11 @@ impl SensorProgram {
             });
         }
         let scale = device.value(Figure::LightScale) * 2f64.powi(-(filter.prescale as i32));
-        let steps: Vec<Steps> = match memory {
-            Memory::Analogue => Vec::new(),
-            Memory::Bits(bits) => {
+        let steps: Vec<BitMemory> = match memory {
+            DriveMemory::Analogue => Vec::new(),
+            DriveMemory::Bits(bits) => {
                 let registers = MEMORY.chunks(usize::from(bits));
-                let steps = |(kind, own)| Steps::of(kind, scale, own);
+                let steps = |(kind, own)| BitMemory::new(kind, scale, own);
                 kinds.iter().zip(registers).map(steps).collect()
             }
         };
@@ -170,9 +170,9 @@ impl SensorProgram {
     }
 }
 
-impl Steps {
+impl BitMemory {
     /// Steps of whole LSB where the range is wide enough for them: the host sets no others.
-    fn of(kind: &Kind, scale: f64, registers: &[&'static str]) -> Self {
+    fn new(kind: &CellKind, scale: f64, registers: &[&'static str]) -> Self {
         let sum = |sign: f64| -> f64 {
             let weights = kind.kernel.weights().iter();
             weights.filter(|w| **w * sign > 0.0).sum::<f64>() * 255.0 * scale
@@ -196,10 +196,11 @@ impl Steps {
     }
 }
 
+/// The text of a program, part by part.
 struct Writer<'a> {
-    steps: &'a [Steps],
+    steps: &'a [BitMemory],
     device: &'a Device,
-    kinds: &'a [Kind],
+    kinds: &'a [CellKind],
     filter: &'a Filter,
     scale: f64,
     drives: &'a [Analog],
@@ -358,7 +359,7 @@ impl Writer<'_> {
 
     /// Minus the middle of the remembered step.
     fn recall_bits(&self, text: &mut String, i: usize) {
-        let Steps {
+        let BitMemory {
             low,
             step,
             registers,
@@ -381,7 +382,7 @@ impl Writer<'_> {
 
     /// The step in which the drive lies, where R5 is set: the highest bit first.
     fn remember_bits(&self, text: &mut String, i: usize) {
-        let Steps {
+        let BitMemory {
             low,
             step,
             registers,
@@ -405,17 +406,5 @@ impl Writer<'_> {
             let _ = writeln!(text, "    all();");
             let _ = writeln!(text, "    MUX({register}, R5, R11, {register});");
         }
-    }
-}
-
-impl Filter {
-    /// The words as statements, one a line.
-    #[must_use]
-    pub fn text(&self, device: &Device, indent: usize) -> String {
-        let mut text = String::new();
-        for word in &self.words {
-            let _ = writeln!(text, "{:indent$}{};", "", word.text(device));
-        }
-        text
     }
 }

@@ -1,19 +1,19 @@
-//! Kernels that are a column times a row: one after the other.
+//! Separable kernels: a column times a row, compiled as one filter after the other.
 
 use super::{
     digit::Place,
-    field::{Field, Tap},
+    linear_form::{LinearForm, Tap},
     plan::{Plan, Store},
 };
 
 /// A goal of one dimension, and its unit.
-pub(super) type Factor = (Field, i64);
+pub(super) type Factor = (LinearForm, i64);
 
 /// The row and the column whose product a goal is, if it has more than one of both.
-pub(super) fn factors(goal: &Field, unit: i64) -> Option<[Factor; 2]> {
+pub(super) fn factors(goal: &LinearForm, unit: i64) -> Option<[Factor; 2]> {
     let first = goal.taps().first()?;
     let of_row = |y: i16| goal.taps().iter().filter(move |tap| tap.y == y);
-    let common = of_row(first.y).fold(0, |common, tap| divisor(common, tap.weight));
+    let common = of_row(first.y).fold(0, |common, tap| greatest_common_divisor(common, tap.weight));
     let row: Vec<(i16, i64)> = of_row(first.y).map(|t| (t.x, t.weight / common)).collect();
     let (x, one) = *row.first()?;
     let mut column: Vec<(i16, i64)> = Vec::new();
@@ -29,13 +29,13 @@ pub(super) fn factors(goal: &Field, unit: i64) -> Option<[Factor; 2]> {
                 weight: *weight,
             }
         };
-        Field::of(list.iter().map(tap).collect())
+        LinearForm::new(list.iter().map(tap).collect())
     };
     let mut product = Vec::new();
     for (y, a) in &column {
         product.extend(taps(&row, &|x| (*y, x)).times(*a).taps());
     }
-    if row.len() < 2 || column.len() < 2 || Field::of(product) != *goal {
+    if row.len() < 2 || column.len() < 2 || LinearForm::new(product) != *goal {
         return None;
     }
     // The row is made as small as the input again, as far as the kernel is.
@@ -47,7 +47,7 @@ pub(super) fn factors(goal: &Field, unit: i64) -> Option<[Factor; 2]> {
     ])
 }
 
-fn divisor(a: i64, b: i64) -> i64 {
+fn greatest_common_divisor(a: i64, b: i64) -> i64 {
     let (mut a, mut b) = (a.abs(), b.abs());
     while b != 0 {
         (a, b) = (b, a % b);
@@ -55,8 +55,8 @@ fn divisor(a: i64, b: i64) -> i64 {
     a
 }
 
-/// One plan after the other, on what the first has made.
-pub(super) fn after(first: &Plan, second: &Plan) -> Option<Plan> {
+/// Composition: the second plan on the result of the first.
+pub(super) fn compose(first: &Plan, second: &Plan) -> Option<Plan> {
     let result = *first.goals.first()?;
     let stores = first
         .words
@@ -79,10 +79,10 @@ pub(super) fn after(first: &Plan, second: &Plan) -> Option<Plan> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compile::{field::tests::fields, walk::walks};
+    use crate::compile::{strategy::forms, walk::walks};
     use proptest::prelude::*;
 
-    fn product(column: &[i64], row: &[i64]) -> Field {
+    fn product(column: &[i64], row: &[i64]) -> LinearForm {
         let mut taps = Vec::new();
         for (y, a) in column.iter().enumerate() {
             for (x, b) in row.iter().enumerate() {
@@ -93,7 +93,7 @@ mod tests {
                 });
             }
         }
-        Field::of(taps)
+        LinearForm::new(taps)
     }
 
     proptest! {
@@ -109,18 +109,18 @@ mod tests {
             let [(row, row_unit), (column, column_unit)] = factors(&goal, unit).unwrap();
             prop_assert_eq!(row_unit * column_unit, unit);
             let (row, column) = (walks(&row, row_unit), walks(&column, column_unit));
-            let plan = after(&row[0], &column[0]).unwrap();
+            let plan = compose(&row[0], &column[0]).unwrap();
             let fine = 1 << 20;
             let trace = plan.trace(unit * fine).unwrap();
             prop_assert_eq!(&trace.values[plan.goals[0]], &goal.times(fine));
         }
 
         #[test]
-        fn nothing_else_is_a_product(goal in fields(2, 9)) {
+        fn nothing_else_is_a_product(goal in forms(2, 9)) {
             if let Some([(row, _), (column, _)]) = factors(&goal, 1) {
-                let mut sum = Field::default();
+                let mut sum = LinearForm::default();
                 for tap in column.taps() {
-                    sum = sum.plus(&row.times(tap.weight).seen((tap.y, tap.x)), 1);
+                    sum = sum.plus(&row.times(tap.weight).shifted((tap.y, tap.x)), 1);
                 }
                 prop_assert_eq!(sum, goal);
             }

@@ -1,43 +1,46 @@
-//! The best plan that a given effort finds: walks first, then searches of growing width.
+//! The best plan that a given effort finds: plans that need no search first, then beam searches
+//! of growing width.
 
 use rayon::prelude::*;
 
 use super::{
-    allocate::{Allocated, Room, allocate},
-    beam::{Task, Taste, search},
-    comb::combs,
-    field::Field,
-    plan::{Errors, Plan, Trace, Value},
+    allocate::{Allocated, RegisterFile, allocate},
+    beam::{Heuristic, Task, search},
+    border_safe::border_safe_plans,
+    linear_form::LinearForm,
+    plan::{Plan, StoreErrors, Trace, Value},
     scale::scale,
-    separable::{Factor, after, factors},
+    separable::{Factor, compose, factors},
     walk::walks,
 };
 use crate::rng::{GOLDEN, Hash};
 
-/// Goals, and what may be used for them.
+/// Goals, and the resources for them.
 #[derive(Clone, Debug)]
-pub(super) struct Job {
-    pub(super) goals: Vec<Field>,
+pub(super) struct Problem {
+    pub(super) goals: Vec<LinearForm>,
     /// The input, in units of which every weight is a whole number.
     pub(super) unit: i64,
-    pub(super) room: Room,
+    /// The registers that may be used.
+    pub(super) registers: RegisterFile,
     /// Right up to the border, if it can be had.
     pub(super) border: bool,
+    /// Seed of the heuristics.
     pub(super) seed: u64,
     /// States that may be looked at.
     pub(super) states: u64,
-    /// What must not saturate, if anything.
+    /// Where nothing may saturate: the range of the input, and the errors of the chip.
     pub(super) limits: Option<Limits>,
 }
 
-/// An input, and how the chip errs.
+/// The range of an input, and the errors of the chip.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// The lowest and highest input, LSB.
     pub(super) input: (f64, f64),
     /// What is left of an odd number of halvings: they are done in pairs and one more.
     pub(super) odd: bool,
-    pub(super) errors: Errors,
+    pub(super) errors: StoreErrors,
 }
 
 impl Limits {
@@ -45,7 +48,7 @@ impl Limits {
     /// errors included.
     pub(super) fn halvings(self, plan: &Plan, trace: &Trace, unit: i64) -> Option<u32> {
         let (low, high) = self.input;
-        let most = low.abs().max(high.abs());
+        let largest = low.abs().max(high.abs());
         let mut dark = 0.0;
         for bits in 0..24 {
             if bits > 0 {
@@ -60,16 +63,16 @@ impl Limits {
             let (low, high) = if self.odd || bits % 2 == 0 {
                 (low, high)
             } else {
-                (-most, most)
+                (-largest, largest)
             };
-            let fits = |(field, dark): (&Field, f64)| {
-                let (low, high) = field.bounds(low, high);
+            let fits = |(form, dark): (&LinearForm, f64)| {
+                let (low, high) = form.bounds(low, high);
                 // With the errors and without them: neither may be what saves the other.
                 low / scale + dark.min(0.0) >= -128.0 && high / scale + dark.max(0.0) <= 127.0
             };
             let darks = plan.dark(dark, self.errors);
             // Minus the input may be stored on the way.
-            let halved = bits == 0 || most <= 127.0;
+            let halved = bits == 0 || largest <= 127.0;
             if halved && trace.stored.iter().zip(darks).all(fits) {
                 return Some(bits as u32);
             }
@@ -98,7 +101,7 @@ pub(super) struct Solved {
 /// Finer units in which every half of a plan is whole.
 pub(super) const FINE: i64 = 1 << 20;
 
-impl Job {
+impl Problem {
     pub(super) fn solve(&self) -> Option<Solved> {
         let mut best = self.base();
         let mut seen = 0;
@@ -142,39 +145,39 @@ impl Job {
         let over = |goals: &[usize]| {
             let over = goals
                 .iter()
-                .position(|g| self.room.into[*g] == self.room.input);
+                .position(|g| self.registers.into[*g] == self.registers.input);
             over.filter(|_| goals.len() == self.goals.len())
         };
-        let tastes: Vec<Taste> = (0..TASTES)
-            .map(|i| taste(self.seed, width, round * TASTES + i))
+        let heuristics: Vec<Heuristic> = (0..SEARCHES)
+            .map(|i| heuristic(self.seed, width, round * SEARCHES + i))
             .collect();
         let all: Vec<usize> = (0..self.goals.len()).collect();
         let task = Task {
             goals: self.goals.clone(),
             unit: self.unit,
-            registers: self.room.all.len(),
+            registers: self.registers.all.len(),
             over_input: over(&all),
             border: self.border,
         };
         let share = left / 2 + 1;
-        let found: Vec<_> = tastes
+        let found: Vec<_> = heuristics
             .par_iter()
-            .map(|taste| {
-                let found = search(&task, *taste, below, share);
+            .map(|heuristic| {
+                let found = search(&task, *heuristic, below, share);
                 (found.seen, found.plan.and_then(|plan| self.finish(plan)))
             })
             .collect();
         let mut seen = found.iter().map(|(seen, _)| seen).sum();
         let mut solved: Vec<Solved> = found.into_iter().filter_map(|(_, s)| s).collect();
         if self.goals.len() > 1 && seen < left {
-            let (more, plan) = self.in_turn(&tastes, (left - seen) / 2);
+            let (more, plan) = self.in_turn(&heuristics, (left - seen) / 2);
             seen += more;
             solved.extend(plan.and_then(|plan| self.finish(plan)));
         }
         if let (true, [goal]) = (round < FACTORED, &self.goals[..])
             && let Some(parts) = factors(goal, self.unit)
         {
-            let (more, plan) = self.factored(parts, &tastes, left.saturating_sub(seen) / 2);
+            let (more, plan) = self.factored(parts, &heuristics, left.saturating_sub(seen) / 2);
             seen += more;
             solved.extend(plan.and_then(|plan| self.finish(plan)));
         }
@@ -182,16 +185,21 @@ impl Job {
     }
 
     /// The row, then the column.
-    fn factored(&self, parts: [Factor; 2], tastes: &[Taste], left: u64) -> (u64, Option<Plan>) {
+    fn factored(
+        &self,
+        parts: [Factor; 2],
+        heuristics: &[Heuristic],
+        left: u64,
+    ) -> (u64, Option<Plan>) {
         let found = parts.map(|(goal, unit)| {
             let task = Task {
                 goals: vec![goal],
                 unit,
-                registers: self.room.all.len(),
+                registers: self.registers.all.len(),
                 over_input: None,
                 border: self.border,
             };
-            let tries = tastes.par_iter();
+            let tries = heuristics.par_iter();
             let found: Vec<_> = tries
                 .map(|t| search(&task, *t, 2048, left / 2 + 1))
                 .collect();
@@ -202,12 +210,12 @@ impl Job {
         let [(a, row), (b, column)] = found;
         let plan = row
             .zip(column)
-            .and_then(|(row, column)| after(&row, &column));
+            .and_then(|(row, column)| compose(&row, &column));
         (a + b, plan)
     }
 
     /// One goal after the other, the input kept for the next; that over the input last.
-    fn in_turn(&self, tastes: &[Taste], left: u64) -> (u64, Option<Plan>) {
+    fn in_turn(&self, heuristics: &[Heuristic], left: u64) -> (u64, Option<Plan>) {
         let order = self.order();
         let tasks: Vec<(Task, usize)> = order
             .iter()
@@ -216,13 +224,13 @@ impl Job {
                 let last = done + 1 == order.len();
                 let mut goals = vec![self.goals[goal].clone()];
                 if !last {
-                    goals.push(Field::unit(self.unit));
+                    goals.push(LinearForm::unit(self.unit));
                 }
-                let over = last && self.room.into[goal] == self.room.input;
+                let over = last && self.registers.into[goal] == self.registers.input;
                 let task = Task {
                     goals,
                     unit: self.unit,
-                    registers: self.room.all.len().saturating_sub(done),
+                    registers: self.registers.all.len().saturating_sub(done),
                     over_input: over.then_some(0),
                     border: self.border,
                 };
@@ -230,12 +238,12 @@ impl Job {
             })
             .collect();
         let share = left / tasks.len() as u64 + 1;
-        let runs: Vec<(usize, Taste)> = (0..tasks.len())
-            .flat_map(|task| tastes.iter().map(move |taste| (task, *taste)))
+        let runs: Vec<(usize, Heuristic)> = (0..tasks.len())
+            .flat_map(|task| heuristics.iter().map(move |heuristic| (task, *heuristic)))
             .collect();
         let found: Vec<_> = runs
             .par_iter()
-            .map(|(task, taste)| search(&tasks[*task].0, *taste, 2048, share))
+            .map(|(task, heuristic)| search(&tasks[*task].0, *heuristic, 2048, share))
             .collect();
         let seen = found.iter().map(|f| f.seen).sum();
         let mut parts = Vec::new();
@@ -253,7 +261,7 @@ impl Job {
     /// The goal over the input comes last.
     fn order(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.goals.len()).collect();
-        order.sort_by_key(|goal| self.room.into[*goal] == self.room.input);
+        order.sort_by_key(|goal| self.registers.into[*goal] == self.registers.input);
         order
     }
 
@@ -283,13 +291,14 @@ impl Job {
         whole
     }
 
+    /// The plan to beat: one that needs no search for each goal.
     fn base(&self) -> Option<Solved> {
         let mut parts = Vec::new();
         for (done, goal) in self.order().into_iter().enumerate() {
-            let registers = self.room.all.len().saturating_sub(done);
+            let registers = self.registers.all.len().saturating_sub(done);
             let room = (registers, done + 1 < self.goals.len());
             let plain = |kind| self.plain(kind, (&self.goals[goal], self.unit), room);
-            let outward = self.border.then(|| plain(combs));
+            let outward = self.border.then(|| plain(border_safe_plans));
             let plan = outward.flatten().or_else(|| plain(walks));
             parts.push((goal, plan?));
         }
@@ -302,16 +311,16 @@ impl Job {
         self.limits.is_none_or(|limits| halvings(limits).is_some())
     }
 
-    /// The shortest of the plans that need no search and keep to so many registers; of those
-    /// within the limits, if there is any.
+    /// The shortest of the plans that need no search and fit into `registers`; one within the
+    /// limits, if there is any.
     fn plain(
         &self,
-        kind: fn(&Field, i64) -> Vec<Plan>,
-        (goal, unit): (&Field, i64),
+        kind: fn(&LinearForm, i64) -> Vec<Plan>,
+        (goal, unit): (&LinearForm, i64),
         (registers, input_is_kept): (usize, bool),
     ) -> Option<Plan> {
         let least = |mut plans: Vec<Plan>, unit: i64| {
-            plans.retain(|plan| plan.width(input_is_kept) <= registers);
+            plans.retain(|plan| plan.pressure(input_is_kept) <= registers);
             plans.sort_by_key(|plan| plan.words.len());
             let holds = |plan: &&Plan| {
                 let trace = plan.trace(unit * FINE);
@@ -324,7 +333,7 @@ impl Job {
         if let Some(parts) = factors(goal, unit) {
             let [row, column] = parts.map(|(part, unit)| least(kind(&part, unit), unit));
             if let (Some(row), Some(column)) = (row, column) {
-                plans.extend(after(&row, &column));
+                plans.extend(compose(&row, &column));
             }
         }
         least(plans, unit)
@@ -339,7 +348,7 @@ impl Job {
                 return None;
             }
         }
-        let allocated = allocate(&plan, &self.room)?;
+        let allocated = allocate(&plan, &self.registers)?;
         Some(Solved {
             allocated,
             border: trace.border,
@@ -350,12 +359,14 @@ impl Job {
     }
 }
 
+/// Whether a plan is preferred: right at the border where that is asked, without saturation,
+/// then shorter, then with fewer registers.
 fn better(new: &Solved, old: Option<&Solved>, border: bool) -> bool {
     let Some(old) = old else { return true };
     let key = |solved: &Solved| {
-        let most = solved.allocated.live.iter().map(Vec::len).max();
+        let pressure = solved.allocated.live.iter().map(Vec::len).max();
         let short = border && !solved.border;
-        (short, !solved.holds, solved.allocated.words.len(), most)
+        (short, !solved.holds, solved.allocated.words.len(), pressure)
     };
     key(new) < key(old)
 }
@@ -364,14 +375,15 @@ fn better(new: &Solved, old: Option<&Solved>, border: bool) -> bool {
 const FACTORED: u64 = 4;
 
 /// Searches side by side.
-const TASTES: u64 = 4;
+const SEARCHES: u64 = 4;
 
-fn taste(seed: u64, width: usize, i: u64) -> Taste {
+/// Heuristic number `i` of a seed: random weights.
+fn heuristic(seed: u64, width: usize, i: u64) -> Heuristic {
     let key = Hash::raw(seed ^ (width as u64) << 32 ^ i.wrapping_mul(GOLDEN));
     let mut draws = (1..).map(|n| key.nth(n).bits());
     // 24 bits: what an `f32` holds.
     let mut next = || (draws.next().unwrap_or_default() >> 40) as f32 / (1u64 << 24) as f32;
-    Taste {
+    Heuristic {
         width,
         digit: 0.3 + next(),
         place: 0.4 + 0.9 * next(),

@@ -10,52 +10,58 @@
 use super::{
     beam::SOURCES,
     digit::{Place, Visits, groups, most_halved},
-    draft::{Draft, Sum},
-    field::Field,
+    linear_form::LinearForm,
     plan::{Plan, Value},
+    plan_builder::{PlanBuilder, Sum},
     route::route,
 };
 use crate::isa::Direction;
 
 /// Registers that the narrowest walk needs, the input's included.
-pub(super) const LEAST: usize = 3;
+pub(super) const FEWEST_REGISTERS: usize = 3;
 
-/// Exponents that are taken in on one walk at most.
-pub(super) const HELD: usize = 6;
+/// The most exponents that one walk takes in.
+pub(super) const MOST_EXPONENTS: usize = 6;
 
 /// Plans for one goal that differ in words and in registers.
-pub(super) fn walks(goal: &Field, unit: i64) -> Vec<Plan> {
+pub(super) fn walks(goal: &LinearForm, unit: i64) -> Vec<Plan> {
     let mut plans = Vec::new();
-    for held in 1..=HELD {
+    for held in 1..=MOST_EXPONENTS {
         for choice in 0..8 {
             let [minus, negative, steady] = [1, 2, 4].map(|bit| choice & bit != 0);
-            plans.push(walk(goal, unit, held, Draft::new(minus, steady), negative));
+            plans.push(walk(
+                goal,
+                unit,
+                held,
+                PlanBuilder::new(minus, steady),
+                negative,
+            ));
         }
     }
     plans
 }
 
 /// A walk that takes in so many exponents at a time and begins with this sign.
-fn walk(goal: &Field, unit: i64, held: usize, draft: Draft, negative: bool) -> Plan {
+fn walk(goal: &LinearForm, unit: i64, held: usize, builder: PlanBuilder, negative: bool) -> Plan {
     let Some((groups, last)) = groups(goal, held) else {
-        return Draft::new(false, false).zero();
+        return PlanBuilder::new(false, false).zero();
     };
     let mut walk = Walk {
-        draft,
+        builder,
         place: At::Nowhere,
         negative,
         cursor: (0, 0),
     };
     for visits in groups {
         walk.halve(held);
-        walk.draft.hold(most_halved(&visits));
+        walk.builder.hold(most_halved(&visits));
         let begun = !matches!(walk.place, At::Nowhere);
         walk.visit(&route(&visits, begun.then_some(walk.cursor)));
     }
     let sum = walk.home();
     let one = unit.trailing_zeros() as usize;
     let (up, down) = (last.saturating_sub(one), one.saturating_sub(last));
-    walk.draft.finished(sum, up, down)
+    walk.builder.finished(sum, up, down)
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -66,12 +72,12 @@ enum At {
 }
 
 struct Walk {
-    draft: Draft,
-    /// Where the sum is,
+    builder: PlanBuilder,
+    /// Where the sum is held.
     place: At,
-    /// whether it is minus what it stands for,
+    /// Whether it is minus what it stands for.
     negative: bool,
-    /// and to which place what is added now will come.
+    /// The place of the kernel to which a digit added now belongs.
     cursor: Place,
 }
 
@@ -105,7 +111,7 @@ impl Walk {
                         let from = self.towards(*place);
                         let mut values = Vec::new();
                         if self.cursor == *place {
-                            values = self.draft.take(&mut pending, self.negative, SOURCES - 1);
+                            values = self.builder.take(&mut pending, self.negative, SOURCES - 1);
                         }
                         self.read(from, values);
                     }
@@ -120,13 +126,13 @@ impl Walk {
                             At::Nowhere | At::News => vec![],
                         };
                         let room = SOURCES - values.len();
-                        values.extend(self.draft.take(&mut pending, self.negative, room));
+                        values.extend(self.builder.take(&mut pending, self.negative, room));
                         if let (true, Some(next)) = (pending.is_empty(), next) {
                             let to = self.towards(next);
                             self.news(to, values);
                             break;
                         }
-                        let sum = self.draft.register(vec![], values, false);
+                        let sum = self.builder.register(vec![], values, false);
                         self.stored(At::Register(sum));
                     }
                 }
@@ -140,16 +146,16 @@ impl Walk {
     }
 
     fn news(&mut self, from: Option<Direction>, values: Vec<Value>) {
-        self.draft.news(from, values);
+        self.builder.news(from, values);
         self.stored(At::News);
     }
 
     fn read(&mut self, from: Option<Direction>, values: Vec<Value>) {
-        let sum = self.draft.register(vec![from], values, false);
+        let sum = self.builder.register(vec![from], values, false);
         self.stored(At::Register(sum));
     }
 
-    /// Home, and into a register.
+    /// Brings the sum to the pixel itself, and into a register.
     fn home(&mut self) -> Sum {
         loop {
             match self.place {
@@ -171,7 +177,7 @@ impl Walk {
         }
     }
 
-    /// So often, if there is a sum.
+    /// Halves the sum so often, if there is one.
     fn halve(&mut self, times: usize) {
         if matches!(self.place, At::News) {
             self.read(None, vec![]);
@@ -182,7 +188,7 @@ impl Walk {
                 negative: self.negative,
             };
             for _ in 0..times {
-                sum = self.draft.halved(sum);
+                sum = self.builder.halved(sum);
             }
             self.place = At::Register(sum.value);
             self.negative = sum.negative;
@@ -193,17 +199,17 @@ impl Walk {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compile::field::tests::fields;
+    use crate::compile::strategy::forms;
     use proptest::prelude::*;
 
     proptest! {
         #[test]
-        fn walks_make_what_is_asked(goal in fields(5, 300), exponent in 0u32..9) {
+        fn walks_make_what_is_asked(goal in forms(5, 300), exponent in 0u32..9) {
             let unit = 1i64 << exponent;
             // The halves on the way need finer units.
             let fine = 1 << 20;
             let plans = walks(&goal, unit);
-            prop_assert!(plans.iter().any(|plan| plan.width(true) <= LEAST));
+            prop_assert!(plans.iter().any(|plan| plan.pressure(true) <= FEWEST_REGISTERS));
             for plan in plans {
                 let trace = plan.trace(unit * fine).unwrap();
                 prop_assert_eq!(&trace.values[plan.goals[0]], &goal.times(fine));

@@ -13,60 +13,63 @@ use std::{fmt, sync::Arc};
 use multiversion::multiversion;
 use rustfft::{Fft, FftNum, FftPlanner, num_complex::Complex};
 
-use super::Real;
+use super::Float;
 use crate::elementary;
 
 /// The transform of rows of one length, and its working memory.
 #[derive(Clone)]
-pub(super) struct Cosine<T: Real> {
-    there: Arc<dyn Fft<T>>,
-    back: Arc<dyn Fft<T>>,
+pub(super) struct Cosine<T: Float> {
+    forward: Arc<dyn Fft<T>>,
+    inverse: Arc<dyn Fft<T>>,
     /// `(cos, sin)(π k / 2N)`, for k up to N/2.
-    turns: Vec<Complex<T>>,
+    twiddles: Vec<Complex<T>>,
     row: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
 }
 
-/// A plan has no text of its own.
-impl<T: Real> fmt::Debug for Cosine<T> {
+/// Written by hand, as a plan of `rustfft` has no text.
+impl<T: Float> fmt::Debug for Cosine<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Cosine of {}", self.row.len())
     }
 }
 
-impl<T: Real> Cosine<T> {
+impl<T: Float> Cosine<T> {
     pub(super) fn new(length: usize) -> Self {
-        let [there, back] = T::transforms(length);
-        let scratch = there
+        let [forward, inverse] = T::transforms(length);
+        let scratch = forward
             .get_inplace_scratch_len()
-            .max(back.get_inplace_scratch_len());
-        let zero = Complex::new(T::of(0.0), T::of(0.0));
-        let turn = |k: usize| {
+            .max(inverse.get_inplace_scratch_len());
+        let zero = Complex::new(T::nearest(0.0), T::nearest(0.0));
+        let twiddle = |k: usize| {
             let angle = std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
-            Complex::new(T::of(elementary::cos(angle)), T::of(elementary::sin(angle)))
+            Complex::new(
+                T::nearest(elementary::cos(angle)),
+                T::nearest(elementary::sin(angle)),
+            )
         };
         Self {
-            there,
-            back,
-            turns: (0..=length / 2).map(turn).collect(),
+            forward,
+            inverse,
+            twiddles: (0..=length / 2).map(twiddle).collect(),
             row: vec![zero; length],
             scratch: vec![zero; scratch],
         }
     }
 
-    /// The modes of two rows, in place; what is off each row is taken off it first.
-    pub(super) fn there(&mut self, a: &mut [T], b: &mut [T], off: T) {
+    /// The modes of two rows, in place; `off` is taken off each row first.
+    pub(super) fn forward(&mut self, a: &mut [T], b: &mut [T], off: T) {
         gather(a, b, off, &mut self.row);
-        self.there
+        self.forward
             .process_with_scratch(&mut self.row, &mut self.scratch);
-        part(&self.row, &self.turns, a, b);
+        part(&self.row, &self.twiddles, a, b);
     }
 
     /// Two rows from their modes, in place.
-    pub(super) fn back(&mut self, a: &mut [T], b: &mut [T]) {
-        let scale = T::of(1.0 / self.row.len() as f64);
-        join(a, b, &self.turns, scale, &mut self.row);
-        self.back
+    pub(super) fn inverse(&mut self, a: &mut [T], b: &mut [T]) {
+        let scale = T::nearest(1.0 / self.row.len() as f64);
+        join(a, b, &self.twiddles, scale, &mut self.row);
+        self.inverse
             .process_with_scratch(&mut self.row, &mut self.scratch);
         scatter(&self.row, a, b);
     }
@@ -83,7 +86,7 @@ pub(super) fn transforms<T: FftNum>(length: usize) -> [Arc<dyn Fft<T>>; 2] {
 
 /// Two rows as one: even columns from the left, odd ones from the right.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn gather<T: Real>(a: &[T], b: &[T], off: T, row: &mut [Complex<T>]) {
+fn gather<T: Float>(a: &[T], b: &[T], off: T, row: &mut [Complex<T>]) {
     let length = a.len();
     let (left, right) = row.split_at_mut(length.div_ceil(2));
     let pairs = a.chunks_exact(2).zip(b.chunks_exact(2));
@@ -100,7 +103,7 @@ fn gather<T: Real>(a: &[T], b: &[T], off: T, row: &mut [Complex<T>]) {
 
 /// The other way round.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn scatter<T: Real>(row: &[Complex<T>], a: &mut [T], b: &mut [T]) {
+fn scatter<T: Float>(row: &[Complex<T>], a: &mut [T], b: &mut [T]) {
     let length = a.len();
     let (left, right) = row.split_at(length.div_ceil(2));
     let pairs = a.chunks_exact_mut(2).zip(b.chunks_exact_mut(2));
@@ -118,7 +121,7 @@ fn scatter<T: Real>(row: &[Complex<T>], a: &mut [T], b: &mut [T]) {
 /// The modes of two rows from the spectrum of both: those of `a` are in its part that is its
 /// own mirror image, those of `b` in the other.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn part<T: Real>(row: &[Complex<T>], turns: &[Complex<T>], a: &mut [T], b: &mut [T]) {
+fn part<T: Float>(row: &[Complex<T>], twiddles: &[Complex<T>], a: &mut [T], b: &mut [T]) {
     let length = a.len();
     let (Some(first), Some((a0, a)), Some((b0, b))) =
         (row.first(), a.split_first_mut(), b.split_first_mut())
@@ -128,7 +131,7 @@ fn part<T: Real>(row: &[Complex<T>], turns: &[Complex<T>], a: &mut [T], b: &mut 
     (*a0, *b0) = (first.re, first.im);
     // What is left has length - 1 places; place i is mode i + 1, its mirror image mode
     // length - 1 - i.
-    let half = T::of(0.5);
+    let half = T::nearest(0.5);
     let pairs = (length - 1) / 2;
     let row = &row[1..];
     let (a, a_mirror) = a.split_at_mut(length / 2);
@@ -136,12 +139,12 @@ fn part<T: Real>(row: &[Complex<T>], turns: &[Complex<T>], a: &mut [T], b: &mut 
     let modes = row
         .iter()
         .zip(row.iter().rev())
-        .zip(&turns[1..])
+        .zip(&twiddles[1..])
         .take(pairs);
     let low = a.iter_mut().zip(b.iter_mut());
     let high = a_mirror.iter_mut().rev().zip(b_mirror.iter_mut().rev());
-    for (((z, m), turn), ((a, b), (am, bm))) in modes.zip(low.zip(high)) {
-        let (c, s) = (turn.re * half, turn.im * half);
+    for (((z, m), twiddle), ((a, b), (am, bm))) in modes.zip(low.zip(high)) {
+        let (c, s) = (twiddle.re * half, twiddle.im * half);
         let (sum_re, dif_re) = (z.re + m.re, m.re - z.re);
         let (sum_im, dif_im) = (z.im + m.im, z.im - m.im);
         *a = c * sum_re + s * dif_im;
@@ -150,17 +153,17 @@ fn part<T: Real>(row: &[Complex<T>], turns: &[Complex<T>], a: &mut [T], b: &mut 
         *bm = s * sum_im - c * dif_re;
     }
     if length.is_multiple_of(2)
-        && let (Some(z), Some(turn)) = (row.get(pairs), turns.last())
+        && let (Some(z), Some(twiddle)) = (row.get(pairs), twiddles.last())
         && let (Some(a), Some(b)) = (a.get_mut(pairs), b.get_mut(pairs))
     {
         // This mode is its own mirror image.
-        (*a, *b) = (z.re * turn.re, z.im * turn.re);
+        (*a, *b) = (z.re * twiddle.re, z.im * twiddle.re);
     }
 }
 
 /// The spectrum of both rows from the modes of each.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn join<T: Real>(a: &[T], b: &[T], turns: &[Complex<T>], scale: T, row: &mut [Complex<T>]) {
+fn join<T: Float>(a: &[T], b: &[T], twiddles: &[Complex<T>], scale: T, row: &mut [Complex<T>]) {
     let length = a.len();
     let (Some((first, row)), Some((a0, a)), Some((b0, b))) =
         (row.split_first_mut(), a.split_first(), b.split_first())
@@ -170,22 +173,22 @@ fn join<T: Real>(a: &[T], b: &[T], turns: &[Complex<T>], scale: T, row: &mut [Co
     *first = Complex::new(*a0 * scale, *b0 * scale);
     let pairs = (length - 1) / 2;
     let (row, row_mirror) = row.split_at_mut(length / 2);
-    let low = a.iter().zip(b).zip(&turns[1..]).take(pairs);
+    let low = a.iter().zip(b).zip(&twiddles[1..]).take(pairs);
     let high = a.iter().rev().zip(b.iter().rev());
     let to = row.iter_mut().zip(row_mirror.iter_mut().rev());
-    for ((((a, b), turn), (am, bm)), (z, m)) in low.zip(high).zip(to) {
-        let (c, s) = (turn.re * scale, turn.im * scale);
+    for ((((a, b), twiddle), (am, bm)), (z, m)) in low.zip(high).zip(to) {
+        let (c, s) = (twiddle.re * scale, twiddle.im * scale);
         let (are, aim) = (c * *a + s * *am, s * *a - c * *am);
         let (bre, bim) = (c * *b + s * *bm, s * *b - c * *bm);
         *z = Complex::new(are - bim, aim + bre);
         *m = Complex::new(are + bim, bre - aim);
     }
     if length.is_multiple_of(2)
-        && let (Some(z), Some(turn)) = (row.last_mut(), turns.last())
+        && let (Some(z), Some(twiddle)) = (row.last_mut(), twiddles.last())
         && let (Some(a), Some(b)) = (a.get(pairs), b.get(pairs))
     {
         // V = (c + i s)(C - i C), with c = s.
-        let both = (turn.re + turn.im) * scale;
+        let both = (twiddle.re + twiddle.im) * scale;
         *z = Complex::new(*a * both, *b * both);
     }
 }

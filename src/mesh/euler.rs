@@ -12,7 +12,7 @@
 //! so a still scene moves until it has settled, and the early stop leaves an error: 0.005 of a
 //! unit step at `λ` 10, most of the step at `λ` 100.
 
-use super::{MeshError, Sheet, range};
+use super::{MeshError, Sheet, signal::checked_range};
 use crate::plane::{Plane, Size};
 
 /// A sheet that is stepped as v2e does it.
@@ -50,7 +50,7 @@ impl Euler {
                 value: tau,
             });
         }
-        range(signal)?;
+        checked_range(signal)?;
         Ok(Self {
             lambda,
             tau,
@@ -87,7 +87,7 @@ impl Euler {
         if got != want {
             return Err(MeshError::Size { got, want });
         }
-        range(signal)?;
+        checked_range(signal)?;
         let tau = if self.tau > 0.0 { self.tau } else { INSTANT };
         let lateral = if self.lambda > 0.0 {
             tau / (self.lambda * self.lambda)

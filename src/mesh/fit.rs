@@ -88,7 +88,7 @@ pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
         return Err(MeshError::Fit { sheets: how.sheets });
     }
     let square = squared(kernel);
-    let parts = Parts::of(&square);
+    let parts = Parts::new(&square);
     let target = if how.anisotropic {
         &parts.mirrored
     } else {
@@ -146,7 +146,7 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(square: &Plane<f64>) -> Self {
+    fn new(square: &Plane<f64>) -> Self {
         let last = square.nrows() - 1;
         let mean = |of: &[Turn]| {
             Plane::from_shape_fn(square.dim(), |(y, x)| {

@@ -20,10 +20,11 @@
 use multiversion::multiversion;
 
 use super::{
-    MeshError, Real, Sheet,
+    Float, MeshError, Sheet,
     cosine::Cosine,
-    eigenvalues, range,
     reason::{Reason, normal},
+    sheet::eigenvalues,
+    signal::checked_range,
 };
 use crate::{
     elementary,
@@ -43,7 +44,7 @@ pub enum Between {
 
 /// A sheet in time.
 #[derive(Clone, Debug)]
-pub struct Flow<T: Real = f64> {
+pub struct Flow<T: Float = f64> {
     sheet: Sheet,
     tau: f64,
     modes: Modes<T>,
@@ -81,7 +82,7 @@ struct Noise {
 /// computed from the number of a frame differ in their last digits.
 const SAME: f64 = 1e-9;
 
-impl<T: Real> Flow<T> {
+impl<T: Float> Flow<T> {
     /// A sheet with time constant `tau` (in seconds; 0 settles at once), settled to `signal`.
     ///
     /// # Errors
@@ -103,13 +104,13 @@ impl<T: Real> Flow<T> {
             let most = T::MOST_LAMBDA;
             return Err(MeshError::Lambda { value, most });
         }
-        let (low, high) = range(signal)?;
-        let off = low + (high - low) * T::of(0.5);
+        let (low, high) = checked_range(signal)?;
+        let off = low + (high - low) * T::nearest(0.5);
         let mut modes = Modes::new(size);
-        let mut of_signal = vec![T::of(0.0); size.pixels()];
-        modes.there(signal, off, &mut of_signal);
+        let mut of_signal = vec![T::nearest(0.0); size.pixels()];
+        modes.forward(signal, off, &mut of_signal);
         let gains = gains(sheet, size);
-        let state = of_signal.iter().zip(gains).map(|(p, s)| *p * T::of(s));
+        let state = of_signal.iter().zip(gains).map(|(p, s)| *p * T::nearest(s));
         let mut flow = Self {
             sheet,
             tau,
@@ -138,7 +139,7 @@ impl<T: Real> Flow<T> {
         let size = Size::of(&self.surround);
         for (place, (state, norm)) in self.state.iter_mut().zip(norms(size)).enumerate() {
             let drawn = sigma * norm * normal(seed, Reason::Thermal, place, 0);
-            *state = *state + T::of(drawn);
+            *state = *state + T::nearest(drawn);
         }
         self.show();
         self
@@ -177,7 +178,7 @@ impl<T: Real> Flow<T> {
         if got != want {
             return Err(MeshError::Size { got, want });
         }
-        range(signal)?;
+        checked_range(signal)?;
         let same = |step: &Step<T>| {
             step.between == between && (step.seconds - seconds).abs() <= SAME * seconds
         };
@@ -186,16 +187,16 @@ impl<T: Real> Flow<T> {
             _ => Step::new(self.sheet, self.tau, want, seconds, between),
         };
         relax(&mut self.state, &self.signal, &step.left, &step.earlier);
-        self.modes.there(signal, self.off, &mut self.signal);
+        self.modes.forward(signal, self.off, &mut self.signal);
         add(&mut self.state, &self.signal, &step.later);
         if let Some(noise) = &mut self.noise {
             noise.step += 1;
             let each = self.state.iter_mut().zip(&step.left).zip(norms(want));
             for (place, ((state, left), norm)) in each.enumerate() {
-                let left = left.double();
+                let left = left.to_f64();
                 let fresh = ((1.0 - left) * (1.0 + left)).sqrt();
                 let drawn = normal(noise.seed, Reason::Thermal, place, noise.step);
-                *state = *state + T::of(noise.sigma * norm * fresh * drawn);
+                *state = *state + T::nearest(noise.sigma * norm * fresh * drawn);
             }
         }
         self.step = Some(step);
@@ -205,11 +206,12 @@ impl<T: Real> Flow<T> {
 
     /// The surround from its modes.
     fn show(&mut self) {
-        self.modes.back(&self.state, self.off, &mut self.surround);
+        self.modes
+            .inverse(&self.state, self.off, &mut self.surround);
     }
 }
 
-impl<T: Real> Step<T> {
+impl<T: Float> Step<T> {
     fn new(sheet: Sheet, tau: f64, size: Size, seconds: f64, between: Between) -> Self {
         let count = size.pixels();
         let mut step = Self {
@@ -226,9 +228,9 @@ impl<T: Real> Step<T> {
                 f64::INFINITY
             };
             let (left, earlier, later) = parts(z, between);
-            step.left.push(T::of(left));
-            step.earlier.push(T::of(s * earlier));
-            step.later.push(T::of(s * later));
+            step.left.push(T::nearest(left));
+            step.earlier.push(T::nearest(s * earlier));
+            step.later.push(T::nearest(s * later));
         }
         step
     }
@@ -281,7 +283,7 @@ fn norms(size: Size) -> impl Iterator<Item = f64> {
 
 /// The cosine transform of planes. Modes lie column by column: those of one `kx` together.
 #[derive(Clone, Debug)]
-struct Modes<T: Real> {
+struct Modes<T: Float> {
     size: Size,
     across: Cosine<T>,
     down: Cosine<T>,
@@ -290,9 +292,9 @@ struct Modes<T: Real> {
     spare: Vec<T>,
 }
 
-impl<T: Real> Modes<T> {
+impl<T: Float> Modes<T> {
     fn new(size: Size) -> Self {
-        let zero = T::of(0.0);
+        let zero = T::nearest(0.0);
         Self {
             size,
             across: Cosine::new(size.width),
@@ -303,7 +305,7 @@ impl<T: Real> Modes<T> {
         }
     }
 
-    fn there(&mut self, plane: &Plane<T>, off: T, modes: &mut [T]) {
+    fn forward(&mut self, plane: &Plane<T>, off: T, modes: &mut [T]) {
         let Size { height, width } = self.size;
         match plane.as_slice() {
             Some(values) => self.plane.copy_from_slice(values),
@@ -318,26 +320,26 @@ impl<T: Real> Modes<T> {
             let spare = &mut self.spare[..width];
             spare.fill(off);
             self.across
-                .there(a, if b.is_empty() { spare } else { b }, off);
+                .forward(a, if b.is_empty() { spare } else { b }, off);
         }
         transpose(&self.plane, width, modes);
         for rows in modes.chunks_mut(2 * height) {
             let (a, b) = rows.split_at_mut(height);
             let spare = &mut self.spare[..height];
-            spare.fill(T::of(0.0));
+            spare.fill(T::nearest(0.0));
             self.down
-                .there(a, if b.is_empty() { spare } else { b }, T::of(0.0));
+                .forward(a, if b.is_empty() { spare } else { b }, T::nearest(0.0));
         }
     }
 
-    fn back(&mut self, modes: &[T], off: T, plane: &mut Plane<T>) {
+    fn inverse(&mut self, modes: &[T], off: T, plane: &mut Plane<T>) {
         let Size { height, width } = self.size;
         self.other.copy_from_slice(modes);
         for rows in self.other.chunks_mut(2 * height) {
             let (a, b) = rows.split_at_mut(height);
             let spare = &mut self.spare[..height];
-            spare.fill(T::of(0.0));
-            self.down.back(a, if b.is_empty() { spare } else { b });
+            spare.fill(T::nearest(0.0));
+            self.down.inverse(a, if b.is_empty() { spare } else { b });
         }
         let Some(values) = plane.as_slice_mut() else {
             return;
@@ -346,8 +348,8 @@ impl<T: Real> Modes<T> {
         for rows in values.chunks_mut(2 * width) {
             let (a, b) = rows.split_at_mut(width);
             let spare = &mut self.spare[..width];
-            spare.fill(T::of(0.0));
-            self.across.back(a, if b.is_empty() { spare } else { b });
+            spare.fill(T::nearest(0.0));
+            self.across.inverse(a, if b.is_empty() { spare } else { b });
             for value in rows {
                 *value = *value + off;
             }
@@ -373,7 +375,7 @@ fn transpose<T: Copy>(from: &[T], width: usize, to: &mut [T]) {
 
 /// `H := E H + c P`.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn relax<T: Real>(state: &mut [T], signal: &[T], left: &[T], share: &[T]) {
+fn relax<T: Float>(state: &mut [T], signal: &[T], left: &[T], share: &[T]) {
     for (((h, p), left), share) in state.iter_mut().zip(signal).zip(left).zip(share) {
         *h = *left * *h + *share * *p;
     }
@@ -381,7 +383,7 @@ fn relax<T: Real>(state: &mut [T], signal: &[T], left: &[T], share: &[T]) {
 
 /// `H := H + c P`.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn add<T: Real>(state: &mut [T], signal: &[T], share: &[T]) {
+fn add<T: Float>(state: &mut [T], signal: &[T], share: &[T]) {
     for ((h, p), share) in state.iter_mut().zip(signal).zip(share) {
         *h = *h + *share * *p;
     }

@@ -16,8 +16,9 @@
 //! Newton steps go there. Both say how far they may be off, and give no answer if that is too far.
 
 use super::{
-    MeshError, Sheet, Steady, range,
+    MeshError, Sheet, Steady,
     reason::{Reason, normal},
+    signal::checked_range,
 };
 use crate::{
     elementary,
@@ -150,7 +151,7 @@ impl Network {
     ///
     /// # Errors
     /// When the size is empty.
-    pub fn of(sheet: Sheet, size: Size) -> Result<Self, MeshError> {
+    pub fn uniform(sheet: Sheet, size: Size) -> Result<Self, MeshError> {
         let (lambda_y, lambda_x) = sheet.lambdas();
         let Size { height, width } = size;
         let one = Plane::ones(size.shape());
@@ -246,7 +247,7 @@ impl Network {
         if got != want {
             return Err(MeshError::Size { got, want });
         }
-        range(plane)?;
+        checked_range(plane)?;
         Ok(plane.iter().copied().collect())
     }
 
@@ -276,7 +277,7 @@ impl Network {
     /// right to 1e-10 of the signal's range.
     pub fn settle(&self, signal: &Plane<f64>) -> Result<Settled, MeshError> {
         let values = self.values(signal)?;
-        let (low, high) = range(signal)?;
+        let (low, high) = checked_range(signal)?;
         let mut settled = if self.is_linear() {
             self.linear(&values, high - low)?
         } else {
@@ -293,7 +294,7 @@ impl Network {
     }
 
     fn linear(&self, signal: &[f64], span: f64) -> Result<Settled, MeshError> {
-        let mut nearest = Nearest::of(self.size, &self.transverse, &self.down, &self.across)?;
+        let mut nearest = Nearest::new(self.size, &self.transverse, &self.down, &self.across)?;
         let weighed: Vec<f64> = signal
             .iter()
             .zip(&self.transverse)
@@ -334,7 +335,7 @@ impl Network {
         for newton in 1..=MOST_NEWTON {
             let slopes = self.slopes(&surround);
             let (down, across) = &slopes;
-            let mut nearest = Nearest::of(self.size, &self.transverse, down, across)?;
+            let mut nearest = Nearest::new(self.size, &self.transverse, down, across)?;
             let left = self.at_nodes(signal, &surround);
             let (change, steps) = self.gradients(&mut nearest, Some(&slopes), &left, 1e-12)?;
             iterations += steps;
@@ -448,7 +449,7 @@ impl Network {
 
     /// The change that takes up `currents` in a linear network, to all digits.
     pub(super) fn taken_up(&self, currents: &[f64]) -> Result<Vec<f64>, MeshError> {
-        let mut nearest = Nearest::of(self.size, &self.transverse, &self.down, &self.across)?;
+        let mut nearest = Nearest::new(self.size, &self.transverse, &self.down, &self.across)?;
         let mut sum = vec![0.0; currents.len()];
         for _ in 0..3 {
             let pushed = self.pushed(&self.down, &self.across, &sum);
@@ -542,7 +543,7 @@ struct Nearest {
 }
 
 impl Nearest {
-    fn of(size: Size, own: &[f64], down: &[f64], across: &[f64]) -> Result<Self, MeshError> {
+    fn new(size: Size, own: &[f64], down: &[f64], across: &[f64]) -> Result<Self, MeshError> {
         let middle = |values: &[f64]| {
             let logs = values
                 .iter()

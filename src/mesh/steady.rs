@@ -21,12 +21,12 @@
 
 use multiversion::multiversion;
 
-use super::{MeshError, Real, Sheet, cosine::Cosine, eigenvalues, range};
+use super::{Float, MeshError, Sheet, cosine::Cosine, sheet::eigenvalues, signal::checked_range};
 use crate::plane::{Plane, Size};
 
 /// Solves sheets of one size and space constant, one signal after the other.
 #[derive(Clone, Debug)]
-pub struct Steady<T: Real = f64> {
+pub struct Steady<T: Float = f64> {
     sheet: Sheet,
     size: Size,
     cosine: Cosine<T>,
@@ -38,7 +38,7 @@ pub struct Steady<T: Real = f64> {
     spare: Vec<T>,
 }
 
-impl<T: Real> Steady<T> {
+impl<T: Float> Steady<T> {
     /// Gets ready for signals of `size`.
     ///
     /// # Errors
@@ -63,7 +63,7 @@ impl<T: Real> Steady<T> {
             let on = if y + 1 < size.height { lateral } else { 0.0 };
             for (e, s) in to_signal.iter_mut().zip(&own) {
                 let pivot = *e + on;
-                pivots.push(T::of(1.0 / pivot));
+                pivots.push(T::nearest(1.0 / pivot));
                 *e = s + lateral * (*e / pivot);
             }
         }
@@ -71,9 +71,9 @@ impl<T: Real> Steady<T> {
             sheet,
             size,
             cosine: Cosine::new(size.width),
-            lateral: T::of(lateral),
+            lateral: T::nearest(lateral),
             pivots,
-            spare: vec![T::of(0.0); size.width],
+            spare: vec![T::nearest(0.0); size.width],
         })
     }
 
@@ -88,7 +88,7 @@ impl<T: Real> Steady<T> {
     /// # Errors
     /// When the signal has another size than the sheet, or a pixel that is no number.
     pub fn solve(&mut self, signal: &Plane<T>) -> Result<Plane<T>, MeshError> {
-        let mut surround = Plane::from_elem(self.size.shape(), T::of(0.0));
+        let mut surround = Plane::from_elem(self.size.shape(), T::nearest(0.0));
         self.solve_into(signal, &mut surround)?;
         Ok(surround)
     }
@@ -108,16 +108,16 @@ impl<T: Real> Steady<T> {
                 return Err(MeshError::Size { got, want });
             }
         }
-        let (low, high) = range(signal)?;
+        let (low, high) = checked_range(signal)?;
         if self.sheet.lambdas() == (0.0, 0.0) || low == high {
             surround.assign(signal);
             return Ok(());
         }
         if !surround.is_standard_layout() {
-            *surround = Plane::from_elem(self.size.shape(), T::of(0.0));
+            *surround = Plane::from_elem(self.size.shape(), T::nearest(0.0));
         }
         surround.assign(signal);
-        let off = low + (high - low) * T::of(0.5);
+        let off = low + (high - low) * T::nearest(0.5);
         if let Some(values) = surround.as_slice_mut() {
             self.down(values, off);
             self.up(values, (low, off, high));
@@ -135,9 +135,9 @@ impl<T: Real> Steady<T> {
             let (pivots_a, pivots_b) = pivots.split_at(width);
             if b.is_empty() {
                 self.spare.fill(off);
-                self.cosine.there(a, &mut self.spare, off);
+                self.cosine.forward(a, &mut self.spare, off);
             } else {
-                self.cosine.there(a, b, off);
+                self.cosine.forward(a, b, off);
             }
             eliminate(a, above, self.lateral);
             eliminate(b, Some((a, pivots_a)), self.lateral);
@@ -152,7 +152,7 @@ impl<T: Real> Steady<T> {
     /// The ladders from the bottom to the top, and rows from their modes.
     fn up(&mut self, values: &mut [T], range: (T, T, T)) {
         let width = self.size.width;
-        let mut below = vec![T::of(0.0); width];
+        let mut below = vec![T::nearest(0.0); width];
         let rows = values.chunks_mut(2 * width).rev();
         for (rows, pivots) in rows.zip(self.pivots.chunks(2 * width).rev()) {
             let (a, b) = rows.split_at_mut(width);
@@ -160,13 +160,13 @@ impl<T: Real> Steady<T> {
             if b.is_empty() {
                 substitute(a, &below, pivots_a, self.lateral);
                 below.copy_from_slice(a);
-                self.spare.fill(T::of(0.0));
-                self.cosine.back(a, &mut self.spare);
+                self.spare.fill(T::nearest(0.0));
+                self.cosine.inverse(a, &mut self.spare);
             } else {
                 substitute(b, &below, pivots_b, self.lateral);
                 substitute(a, b, pivots_a, self.lateral);
                 below.copy_from_slice(a);
-                self.cosine.back(a, b);
+                self.cosine.inverse(a, b);
             }
             put_back(rows, range);
         }
@@ -176,7 +176,7 @@ impl<T: Real> Steady<T> {
 /// `q[y] = p[y] + (l / pivot[y-1]) q[y-1]`, of the row above and its pivots. The factor is at most
 /// 1, so nothing grows out of the number or falls below it, whatever `l` is.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn eliminate<T: Real>(row: &mut [T], above: Option<(&[T], &[T])>, lateral: T) {
+fn eliminate<T: Float>(row: &mut [T], above: Option<(&[T], &[T])>, lateral: T) {
     let Some((above, pivots)) = above else {
         return;
     };
@@ -187,7 +187,7 @@ fn eliminate<T: Real>(row: &mut [T], above: Option<(&[T], &[T])>, lateral: T) {
 
 /// `h[y] = q[y] / pivot[y] + (l / pivot[y]) h[y+1]`.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn substitute<T: Real>(row: &mut [T], below: &[T], pivots: &[T], lateral: T) {
+fn substitute<T: Float>(row: &mut [T], below: &[T], pivots: &[T], lateral: T) {
     for ((q, below), pivot) in row.iter_mut().zip(below).zip(pivots) {
         *q = *q * *pivot + lateral * *pivot * *below;
     }
@@ -195,7 +195,7 @@ fn substitute<T: Real>(row: &mut [T], below: &[T], pivots: &[T], lateral: T) {
 
 /// Puts the middle back, and keeps to the range of the light.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn put_back<T: Real>(values: &mut [T], (low, off, high): (T, T, T)) {
+fn put_back<T: Float>(values: &mut [T], (low, off, high): (T, T, T)) {
     for value in values {
         let whole = *value + off;
         let whole = if whole < low { low } else { whole };

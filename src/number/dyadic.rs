@@ -37,7 +37,7 @@ impl Dyadic {
 
     /// A float, exactly; `None` for infinities and NaN.
     #[must_use]
-    pub fn of(value: f64) -> Option<Self> {
+    pub fn from_f64(value: f64) -> Option<Self> {
         if !value.is_finite() {
             return None;
         }
@@ -129,12 +129,12 @@ mod tests {
 
     #[test]
     fn reads_as_a_fraction() {
-        let text = |value| Dyadic::of(value).unwrap().to_string();
+        let text = |value| Dyadic::from_f64(value).unwrap().to_string();
         assert_eq!(text(-3.0 / 32.0), "-3/32");
         assert_eq!((text(0.0), text(7.0)), ("0".into(), "7".into()));
         assert_eq!(text(12.0), "3 * 2^2");
         assert_eq!(Dyadic::ONE.divided(3), None);
-        assert_eq!(Dyadic::of(f64::NAN), None);
+        assert_eq!(Dyadic::from_f64(f64::NAN), None);
     }
 
     proptest! {
@@ -143,18 +143,18 @@ mod tests {
             let by = 1 << shift;
             let x = f64::from(a) / f64::from(by);
             let y = f64::from(b);
-            let [p, q] = [x, y].map(|v| Dyadic::of(v).unwrap());
+            let [p, q] = [x, y].map(|v| Dyadic::from_f64(v).unwrap());
             prop_assert_eq!(p.plus(q).unwrap().to_f64(), x + y);
             prop_assert_eq!(p.times(q).unwrap().to_f64(), x * y);
             prop_assert_eq!(Dyadic::from(a).divided(by as u32).unwrap(), p);
-            prop_assert_eq!(p.plus(Dyadic::of(-x).unwrap()).unwrap(), Dyadic::ZERO);
+            prop_assert_eq!(p.plus(Dyadic::from_f64(-x).unwrap()).unwrap(), Dyadic::ZERO);
         }
 
         #[test]
         fn every_float_is_one(bits: u64) {
             let value = f64::from_bits(bits);
             let expected = value.is_finite().then_some(value);
-            prop_assert_eq!(Dyadic::of(value).map(Dyadic::to_f64), expected.map(|v| v + 0.0));
+            prop_assert_eq!(Dyadic::from_f64(value).map(Dyadic::to_f64), expected.map(|v| v + 0.0));
         }
     }
 }

@@ -7,17 +7,7 @@ use std::fmt::Debug;
 
 use wide::{i8x16, i16x16, i32x8};
 
-use super::{FixedFormat, Format, Number};
-
-/// What happens beyond the largest and the smallest number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Overflow {
-    /// Stay at the limit.
-    #[default]
-    Saturate,
-    /// Come in again at the other end, as two's complement does.
-    Wrap,
-}
+use super::{FixedFormat, Format, Number, Overflow};
 
 /// An integer that fixed point is held in.
 pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'static {
@@ -25,7 +15,7 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     type Wide: Wide;
     /// Number of bits, sign included.
     const BITS: u8;
-    /// Nought.
+    /// Zero.
     const ZERO: Self;
     /// The smallest and the largest.
     const LIMITS: (Self, Self);
@@ -69,7 +59,7 @@ pub trait Wide: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'static
     /// The sum; the caller knows that it fits.
     #[must_use]
     fn plus(self, other: Self) -> Self;
-    /// So often; the caller knows that it fits.
+    /// The product; the caller knows that it fits.
     #[must_use]
     fn times(self, times: i32) -> Self;
     /// As [`divide`].
@@ -109,7 +99,7 @@ macro_rules! wide {
                 if bits == 0 {
                     return self;
                 }
-                // A hair less than half, and half where that makes it even.
+                // Rounding bias: one unit less than half, and half itself where that makes it even.
                 let half = 1 << (bits - 1);
                 (self + (half - 1) + (self >> bits & 1)) >> bits
             }
@@ -135,13 +125,13 @@ macro_rules! width {
             }
             #[inline]
             fn nearest(real: f64) -> i32 {
-                // In a float so large, the lowest bits count ones: a sum, which rounds, where a
+                // 1.5 * 2^52: in a float so large the lowest bits count ones. A sum, which rounds, where a
                 // conversion would have no instruction on vectors.
-                const LARGE: f64 = 6_755_399_441_055_744.0;
+                const SHIFT: f64 = 6_755_399_441_055_744.0;
                 let number = u64::from(!real.is_nan()).wrapping_neg();
                 let real = f64::from_bits(real.to_bits() & number);
                 let limited = real.clamp(<$int>::MIN.into(), <$int>::MAX.into());
-                (limited + LARGE).to_bits() as i32
+                (limited + SHIFT).to_bits() as i32
             }
             #[inline]
             fn low(bits: i32) -> Self {
@@ -300,7 +290,7 @@ impl<T: Width> Number for Q<T> {
     const ZERO: T = T::ZERO;
 
     fn format(&self) -> Format {
-        Format::Fixed(FixedFormat::of(T::BITS, self.fraction, self.overflow))
+        Format::Fixed(FixedFormat::new(T::BITS, self.fraction, self.overflow))
     }
 
     #[inline]

@@ -2,8 +2,6 @@
 
 use std::{fmt, str::FromStr};
 
-use super::Overflow;
-
 /// A number format by name: `f64` (or `exact`), `f32`, `f16`, `bf16`, `q8.8`, `q4.12-wrap`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
@@ -19,6 +17,16 @@ pub enum Format {
     Fixed(FixedFormat),
 }
 
+/// What happens beyond the largest and the smallest number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Overflow {
+    /// Stay at the limit.
+    #[default]
+    Saturate,
+    /// Come in again at the other end, as two's complement does.
+    Wrap,
+}
+
 /// `qM.N`: M bits before the point, sign included, N bits after it; 8, 16 or 32 together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FixedFormat {
@@ -29,7 +37,7 @@ pub struct FixedFormat {
 
 impl FixedFormat {
     /// Only for widths that exist, and no more fraction than width.
-    pub(super) const fn of(bits: u8, fraction: u8, overflow: Overflow) -> Self {
+    pub(super) const fn new(bits: u8, fraction: u8, overflow: Overflow) -> Self {
         Self {
             bits,
             fraction,

@@ -21,58 +21,18 @@ mod fixed;
 mod float;
 mod format;
 mod halves;
+mod held;
 mod real;
 mod signed_digits;
 mod visit;
 
 pub use bound::gamma;
 pub use dyadic::Dyadic;
-pub use fixed::{Overflow, Q, Wide, Width, divide};
+pub use fixed::{Q, Wide, Width, divide};
 pub use float::{Bf16, F16, F32, F64};
-pub use format::{FixedFormat, Format, FormatError};
+pub use format::{FixedFormat, Format, FormatError, Overflow};
 pub(crate) use halves::{bf16_to_f32, f16_to_f32, f32_to_bf16, f32_to_f16};
+pub use held::Number;
 pub use real::Real;
 pub use signed_digits::signed_digits;
 pub use visit::Visitor;
-
-use std::fmt::Debug;
-
-/// How a real is held, and the arithmetic that follows from it.
-pub trait Number: Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// What is stored.
-    type Held: Copy + Debug + Default + PartialOrd + Send + Sync + 'static;
-
-    /// The float in which what follows from held numbers is computed: f32 where that holds
-    /// them all, f64 otherwise.
-    type Real: Real;
-
-    /// Nought, as it is held.
-    const ZERO: Self::Held;
-
-    /// The name of this format.
-    fn format(&self) -> Format;
-
-    /// The nearest that can be held, halves to even.
-    ///
-    /// Floats overflow to infinity. Fixed point saturates, or wraps where it was made so; an
-    /// infinity saturates in both, and NaN becomes 0.
-    fn hold(&self, real: f64) -> Self::Held;
-
-    /// What is held, exactly.
-    fn value(&self, held: Self::Held) -> f64;
-
-    /// What is held, exactly.
-    fn real(&self, held: Self::Held) -> Self::Real;
-
-    /// The nearest that can be held, as [`Number::hold`].
-    fn hold_real(&self, real: Self::Real) -> Self::Held;
-
-    /// The sum, rounded once.
-    fn add(&self, a: Self::Held, b: Self::Held) -> Self::Held;
-
-    /// The difference, rounded once.
-    fn sub(&self, a: Self::Held, b: Self::Held) -> Self::Held;
-
-    /// The product, rounded once.
-    fn mul(&self, a: Self::Held, b: Self::Held) -> Self::Held;
-}

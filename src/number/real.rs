@@ -1,4 +1,4 @@
-//! The floats that follow-up arithmetic is done in.
+//! The floats in which values that follow from held numbers are computed.
 
 use std::{
     fmt::Debug,
@@ -27,24 +27,24 @@ pub trait Real:
     /// The relative difference under which two results of a few operations are a tie:
     /// 2^12 units in the last place of f64, 2^5 of f32.
     const TIE: Self;
-    /// Whole numbers below this are integers by [`Real::small_i32`].
-    const SMALL: Self;
+    /// Whole numbers whose magnitude is below this are integers by [`Real::to_i32_in_range`].
+    const IN_RANGE: Self;
 
     /// The nearest.
-    fn of(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
 
     /// Exactly.
     fn to_f64(self) -> f64;
 
     /// The nearest to a whole number.
-    fn of_i32(value: i32) -> Self;
+    fn from_i32(value: i32) -> Self;
 
     /// The whole part; saturates.
     fn to_i32(self) -> i32;
 
-    /// A whole number below [`Real::SMALL`], whatever its sign, as an integer: the lowest 32 bits
+    /// A whole number below [`Real::IN_RANGE`], whatever its sign, as an integer: the lowest 32 bits
     /// of it. The same as `as`, whose checks would keep loops from being vectorised.
-    fn small_i32(self) -> i32;
+    fn to_i32_in_range(self) -> i32;
 
     /// The largest whole number not above.
     #[must_use]
@@ -54,25 +54,25 @@ pub trait Real:
     #[must_use]
     fn abs(self) -> Self;
 
-    /// Times the sign of `other`, which nought has too.
+    /// Times the sign of `other`, a zero's included: the sign bits are combined.
     #[must_use]
-    fn turned(self, other: Self) -> Self;
+    fn mul_sign(self, other: Self) -> Self;
 
-    /// The larger of two that are not below nought, and not −0.
+    /// The maximum of two numbers that are not negative, nor −0.
     #[must_use]
-    fn most(self, other: Self) -> Self;
+    fn max_nonnegative(self, other: Self) -> Self;
 }
 
 macro_rules! real {
-    ($($float:ident $tie:expr, $small:expr, $magic:expr;)*) => {$(
+    ($($float:ident $tie:expr, $small:expr, $shift:expr;)*) => {$(
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const TIE: Self = $tie;
-            const SMALL: Self = $small;
+            const IN_RANGE: Self = $small;
 
             #[inline]
-            fn of(value: f64) -> Self {
+            fn from_f64(value: f64) -> Self {
                 value as $float
             }
             #[inline]
@@ -80,7 +80,7 @@ macro_rules! real {
                 self as f64
             }
             #[inline]
-            fn of_i32(value: i32) -> Self {
+            fn from_i32(value: i32) -> Self {
                 value as $float
             }
             #[inline]
@@ -88,10 +88,11 @@ macro_rules! real {
                 self as i32
             }
             #[inline]
-            fn small_i32(self) -> i32 {
-                // Added to this, a whole number stands in the lowest bits.
-                const MAGIC: $float = $magic;
-                (self + MAGIC).to_bits().wrapping_sub(MAGIC.to_bits()) as i32
+            fn to_i32_in_range(self) -> i32 {
+                // 1.5 times the power of two whose last bit counts ones: added to it, a whole number
+                // stands in the lowest bits.
+                const SHIFT: $float = $shift;
+                (self + SHIFT).to_bits().wrapping_sub(SHIFT.to_bits()) as i32
             }
             #[inline]
             fn floor(self) -> Self {
@@ -102,12 +103,12 @@ macro_rules! real {
                 $float::abs(self)
             }
             #[inline]
-            fn turned(self, other: Self) -> Self {
+            fn mul_sign(self, other: Self) -> Self {
                 let sign = other.to_bits() & (-0.0 as $float).to_bits();
                 <$float>::from_bits(self.to_bits() ^ sign)
             }
             #[inline]
-            fn most(self, other: Self) -> Self {
+            fn max_nonnegative(self, other: Self) -> Self {
                 // As integers they are in the same order, and a loop can be vectorised.
                 <$float>::from_bits(self.to_bits().max(other.to_bits()))
             }
@@ -127,17 +128,17 @@ mod tests {
 
     #[test]
     fn signs_turn_and_the_larger_is_found() {
-        assert_eq!(2f32.turned(-0.5), -2.0);
-        assert_eq!((-2f64).turned(-0.5), 2.0);
-        assert_eq!((-2f64).turned(0.0), -2.0);
-        assert_eq!(2f64.turned(-0.0), -2.0);
+        assert_eq!(2f32.mul_sign(-0.5), -2.0);
+        assert_eq!((-2f64).mul_sign(-0.5), 2.0);
+        assert_eq!((-2f64).mul_sign(0.0), -2.0);
+        assert_eq!(2f64.mul_sign(-0.0), -2.0);
         for (a, b) in [
             (0.0, 1e-300),
             (1e-300, 0.5),
             (0.5, 2e9),
             (2e9, f64::INFINITY),
         ] {
-            assert_eq!((a.most(b), b.most(a)), (b, b));
+            assert_eq!((a.max_nonnegative(b), b.max_nonnegative(a)), (b, b));
         }
     }
 
@@ -145,8 +146,8 @@ mod tests {
     fn small<R: Real>(most: i32) {
         for n in [0, 1, 2, 77, most / 2, most - 1, most] {
             for n in [n, -n] {
-                assert!(R::of_i32(n).abs() < R::SMALL);
-                assert_eq!(R::of_i32(n).small_i32(), n);
+                assert!(R::from_i32(n).abs() < R::IN_RANGE);
+                assert_eq!(R::from_i32(n).to_i32_in_range(), n);
             }
         }
     }
@@ -156,7 +157,7 @@ mod tests {
         small::<f32>((1 << 22) - 1);
         small::<f64>(i32::MAX);
         // Two to the 31st, of either sign, is the integer that has no opposite.
-        assert_eq!(2_147_483_648f64.small_i32(), i32::MIN);
-        assert_eq!((-2_147_483_648f64).small_i32(), i32::MIN);
+        assert_eq!(2_147_483_648f64.to_i32_in_range(), i32::MIN);
+        assert_eq!((-2_147_483_648f64).to_i32_in_range(), i32::MIN);
     }
 }

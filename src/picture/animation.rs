@@ -33,7 +33,7 @@ pub fn write_animation(
     moments: &[Moment],
     hold: f64,
 ) -> Result<(), PictureError> {
-    let layout = Layout::of(show, moments)?;
+    let layout = Layout::new(show, moments)?;
     // All pages have the size of the first, so whether they can be made is known here.
     let Some(first) = moments.first() else {
         return Err(PictureError::Nothing);

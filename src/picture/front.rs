@@ -78,7 +78,7 @@ struct Plot<'a> {
 }
 
 impl<'a> Plot<'a> {
-    fn of(show: &FrontShow<'a>, top: f64) -> Self {
+    fn new(show: &FrontShow<'a>, top: f64) -> Self {
         let costs = || show.dots.iter().map(|dot| along(dot.cost, show.seconds));
         let low = costs().fold(f64::INFINITY, f64::min);
         let high = costs().fold(f64::NEG_INFINITY, f64::max);
@@ -136,7 +136,7 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
     let heading = (24.0, top + 12.0);
     write(drawing, heading, Weight::Heading, &show.heading);
     legend(drawing, show, top);
-    let plot = Plot::of(show, top);
+    let plot = Plot::new(show, top);
     axes(drawing, plot.area, plot.x, plot.y);
     let mut front: Vec<&Dot> = show.dots.iter().filter(|dot| !dot.dominated).collect();
     front.sort_by(|a, b| {

@@ -71,7 +71,7 @@ pub struct Difference {
 impl Difference {
     /// Counts the events of one moment.
     #[must_use]
-    pub fn of(reference: &[Event], other: &[Event]) -> Self {
+    pub fn new(reference: &[Event], other: &[Event]) -> Self {
         let mut cells: HashMap<_, [u64; 2]> = HashMap::new();
         for (side, events) in [reference, other].into_iter().enumerate() {
             for e in events {
@@ -175,7 +175,7 @@ mod tests {
             event(4, on),
             event(4, on),
         ];
-        let difference = Difference::of(&reference, &other);
+        let difference = Difference::new(&reference, &other);
         let Difference {
             matched,
             missing,

@@ -47,7 +47,7 @@ const GAP: u32 = 14;
 /// # Errors
 /// When there is no moment, sizes differ, or the sheet would be too large.
 pub fn contact_sheet(show: &Show<'_>, moments: &[Moment]) -> Result<RgbImage, PictureError> {
-    let layout = Layout::of(show, moments)?;
+    let layout = Layout::new(show, moments)?;
     layout.page(show, &moments.iter().collect::<Vec<_>>())
 }
 
@@ -65,7 +65,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Fits panels and gray scale to what is shown.
-    pub fn of(show: &Show<'_>, moments: &[Moment]) -> Result<Self, PictureError> {
+    pub fn new(show: &Show<'_>, moments: &[Moment]) -> Result<Self, PictureError> {
         let want = show.reference.1.size;
         let frames = moments.iter().map(|m| ("frame", Size::of(&m.frame)));
         let device = ("judged packet", show.device.1.size);
@@ -146,7 +146,7 @@ impl Layout {
         let pale = panel::pale(&frame);
         let [reference, device] =
             [show.reference.1, show.device.1].map(|packet| during(packet, moment));
-        let difference = Difference::of(reference, device);
+        let difference = Difference::new(reference, device);
         let window = Micros(moment.to.0.saturating_sub(moment.from.0));
         let Difference {
             matched,

@@ -14,7 +14,7 @@ pub struct Face {
 
 impl Face {
     /// For pages with `scale` pixels a point, 1 or 2.
-    pub const fn of(weight: Weight, scale: u32) -> Self {
+    pub const fn new(weight: Weight, scale: u32) -> Self {
         Self {
             font: weight.font(),
             height: if scale > 1 {
@@ -57,7 +57,7 @@ pub const fn fits(width: u32, weight: Weight) -> usize {
 
 /// Writes a line with its upper left corner at `at`; returns where it ends.
 pub fn write(page: &mut RgbImage, at: (u32, u32), text: &str, weight: Weight, ink: Ink) -> u32 {
-    write_in(page, at, text, Face::of(weight, 1), ink)
+    write_in(page, at, text, Face::new(weight, 1), ink)
 }
 
 /// The same in any face.

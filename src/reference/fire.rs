@@ -31,10 +31,10 @@ use super::train::TrainRow;
 pub(super) fn whole<R: Real>(d: R, per_on: R, per_off: R) -> R {
     let quotient = d.abs() * if d >= R::ZERO { per_on } else { per_off };
     // In single precision the tolerance of a large count would be more than an event.
-    let half = R::of(0.5);
+    let half = R::from_f64(0.5);
     let hair = quotient * R::TIE;
     let whole = (quotient + if hair < half { hair } else { half }).floor();
-    let beyond = R::of(2_147_483_648.0);
+    let beyond = R::from_f64(2_147_483_648.0);
     if whole < beyond { whole } else { beyond }
 }
 
@@ -45,7 +45,7 @@ pub(super) fn whole<R: Real>(d: R, per_on: R, per_off: R) -> R {
 #[inline]
 pub(super) fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
     let theta = if to >= R::ZERO { on } else { off };
-    let start = from.turned(to);
+    let start = from.mul_sign(to);
     let rise = to.abs() - start;
     let rises = rise > R::ZERO;
     let per = R::ONE / rise;
@@ -100,7 +100,7 @@ mod tests {
 
     fn counted<R: Real>(d: R, on: R, off: R) -> i32 {
         let whole = whole(d, R::ONE / on, R::ONE / off);
-        whole.turned(d).to_f64().small_i32()
+        whole.mul_sign(d).to_f64().to_i32_in_range()
     }
 
     fn snapped(d: f64) -> i32 {

@@ -23,7 +23,7 @@
 use multiversion::multiversion;
 
 use crate::{
-    lined::Lined,
+    aligned::Aligned,
     number::{Number, Real},
 };
 
@@ -47,9 +47,9 @@ pub(super) enum Memory<N: Number> {
 /// A memory that is moved by whole thresholds.
 #[derive(Clone, Debug)]
 pub(super) struct Stepped<N: Number> {
-    pub(super) base: Lined<N::Held>,
+    pub(super) base: Aligned<N::Held>,
     /// ON steps less OFF steps.
-    pub(super) net: Lined<i32>,
+    pub(super) net: Aligned<i32>,
     /// OFF steps, where the two thresholds differ.
     pub(super) off: Option<Vec<f64>>,
 }
@@ -59,8 +59,8 @@ impl<N: Number> Stepped<N> {
     pub(super) fn new(base: &[N::Held], equal_thresholds: bool) -> Self {
         let cells = base.len();
         Self {
-            base: Lined::of(3, base),
-            net: Lined::new(4, 0, cells),
+            base: Aligned::from_slice(3, base),
+            net: Aligned::new(4, 0, cells),
             off: (!equal_thresholds).then(|| vec![0.0; cells]),
         }
     }
@@ -122,7 +122,7 @@ pub(super) fn room(net: i32) -> i32 {
 /// `base + net θ_on`
 #[inline]
 pub(super) fn at<N: Number>(number: &N, base: N::Held, net: i32, on: N::Real) -> N::Held {
-    number.hold_real(number.real(base) + N::Real::of_i32(net) * on)
+    number.hold_real(number.real(base) + N::Real::from_i32(net) * on)
 }
 
 /// `memory + off (θ_on - θ_off)`, where the two thresholds differ.
@@ -134,7 +134,7 @@ pub(super) fn less_off<N: Number>(
     on: N::Real,
     off: N::Real,
 ) -> N::Held {
-    number.hold_real(number.real(memory) + N::Real::of(steps) * (on - off))
+    number.hold_real(number.real(memory) + N::Real::from_f64(steps) * (on - off))
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
@@ -191,8 +191,8 @@ mod tests {
         memory.values(
             number,
             0..1,
-            &[N::Real::of(on)],
-            &[N::Real::of(off)],
+            &[N::Real::from_f64(on)],
+            &[N::Real::from_f64(off)],
             &mut out,
         );
         number.value(out[0])

@@ -214,9 +214,9 @@ impl EventRule for Step {
     fn fires<R: Real>(d0: R, d: R, on: R, off: R) -> Option<Train> {
         let theta = if d >= R::ZERO { on } else { off };
         let levels = d.abs() * (R::ONE / theta);
-        let (hair, half) = (levels * R::TIE, R::of(0.5));
+        let (hair, half) = (levels * R::TIE, R::from_f64(0.5));
         let count = (levels + if hair < half { hair } else { half }).floor();
-        let start = d0.turned(d);
+        let start = d0.mul_sign(d);
         let rise = d.abs() - start;
         let per = R::ONE / rise;
         if rise > R::ZERO {
@@ -299,8 +299,8 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         let Memory { base, ups, downs } = self.memory;
         let ([on, off], number) = (self.thresholds(), self.setting.number);
         // In this order nothing is lost where the two thresholds are equal.
-        let up = number.hold_real(number.real(base) + N::Real::of(ups - downs) * on);
-        number.hold_real(number.real(up) + N::Real::of(downs) * (on - off))
+        let up = number.hold_real(number.real(base) + N::Real::from_f64(ups - downs) * on);
+        number.hold_real(number.real(up) + N::Real::from_f64(downs) * (on - off))
     }
 
     /// Sees the later frame of a pair; the train between the two, if it fires.
@@ -311,7 +311,7 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         let (Setting { number, leak, .. }, [on, off]) = (self.setting, self.thresholds());
         let elapsed = pair.to - self.start;
         let memory = self.memory();
-        let fallen = |elapsed: f64| N::Real::of(leak) * N::Real::of(elapsed);
+        let fallen = |elapsed: f64| N::Real::from_f64(leak) * N::Real::from_f64(elapsed);
         let distance = |seen| number.real(M::distance(&number, seen, memory));
         let d0 = distance(&self.before) + fallen(elapsed - pair.duration());
         let d = distance(&seen) + fallen(elapsed);
@@ -332,8 +332,8 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         };
         self.fired = pair.from + kept.last() * pair.duration();
         Some(Train {
-            first: N::Real::of(kept.first).to_f64(),
-            spacing: N::Real::of(kept.spacing).to_f64(),
+            first: N::Real::from_f64(kept.first).to_f64(),
+            spacing: N::Real::from_f64(kept.spacing).to_f64(),
             ..kept
         })
     }
@@ -356,7 +356,7 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
     }
 
     fn thresholds(&self) -> [N::Real; 2] {
-        [self.setting.on, self.setting.off].map(N::Real::of)
+        [self.setting.on, self.setting.off].map(N::Real::from_f64)
     }
 
     /// (8)

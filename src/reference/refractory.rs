@@ -73,8 +73,8 @@ pub(super) fn dead_time<R: Real>(
         } else {
             fired[x]
         };
-        counts[x] = if all < 0.0 { -kept } else { kept }.small_i32();
-        (first[x], spacing[x]) = (R::of(place), R::of(step));
+        counts[x] = if all < 0.0 { -kept } else { kept }.to_i32_in_range();
+        (first[x], spacing[x]) = (R::from_f64(place), R::from_f64(step));
     }
 }
 
@@ -154,9 +154,9 @@ pub(super) fn authors<R: Real>(
         // A distance that is no number is not counted either.
         let counted = count < most && distance < f64::INFINITY;
         let count = if counted { count } else { most };
-        counts[x] = if d >= 0.0 { count } else { -count }.small_i32();
+        counts[x] = if d >= 0.0 { count } else { -count }.to_i32_in_range();
         room |= memory::MOST - counts[x].abs();
-        (first[x], spacing[x]) = (R::of(place), R::of(step));
+        (first[x], spacing[x]) = (R::from_f64(place), R::from_f64(step));
     }
     room >= 0
 }

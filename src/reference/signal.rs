@@ -5,7 +5,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use crate::{
-    lined::{LINE, Lined},
+    aligned::{Aligned, LINE},
     number::{Number, Real},
     photoreceptor::{Curve, Response},
     plane::Size,
@@ -19,7 +19,7 @@ use super::{description::Border, low_pass::LowPass, rounding::TWO_52};
 /// after row.
 #[derive(Clone, Debug)]
 pub(super) struct Padded<H> {
-    values: Lined<H>,
+    values: Aligned<H>,
     size: Size,
     /// Which rows of the plane.
     rows: Range<usize>,
@@ -40,7 +40,7 @@ impl<H: Copy> Padded<H> {
         let line = LINE / size_of::<H>();
         let left = rim.1.next_multiple_of(line);
         let stride = (left + size.width.next_multiple_of(BLOCK) + rim.1).next_multiple_of(line);
-        let values = Lined::new(6, zero, (rows.len() + 2 * rim.0) * stride);
+        let values = Aligned::new(6, zero, (rows.len() + 2 * rim.0) * stride);
         Self {
             values,
             size,
@@ -183,7 +183,7 @@ impl<N: Number> Photoreceptors<N> {
         let agrees = |slope: &(N::Real, N::Real)| {
             let mut lights = table.iter().enumerate();
             lights.all(|(light, held)| {
-                number.hold_real(product(N::Real::of(light as f64), *slope)) == *held
+                number.hold_real(product(N::Real::from_f64(light as f64), *slope)) == *held
             })
         };
         Self {
@@ -240,11 +240,11 @@ impl<N: Number> Photoreceptors<N> {
 /// The inverse of `white` in two parts, the first so short that its product with 8 bits is
 /// exact. The sum of both products is then rounded as the quotient is, but for rare ties.
 fn slope<R: Real>(white: f64) -> (R, R) {
-    let inverse = R::of(1.0 / white);
+    let inverse = R::from_f64(1.0 / white);
     // Veltkamp's splitting (Dekker 1971, doi:10.1007/BF01397083), by eight bits.
-    let longer = inverse * R::of(257.0);
+    let longer = inverse * R::from_f64(257.0);
     let long = longer - (longer - inverse);
-    (long, R::of((1.0 - long.to_f64() * white) / white))
+    (long, R::from_f64((1.0 - long.to_f64() * white) / white))
 }
 
 /// `light` times a slope in two parts.
@@ -278,7 +278,7 @@ fn multiply<N: Number>(
         let (place, rest) = byte(light);
         all |= place;
         wrong |= rest;
-        *out = number.hold_real(product(N::Real::of(light), slope));
+        *out = number.hold_real(product(N::Real::from_f64(light), slope));
     }
     all <= 0xff && wrong == 0
 }

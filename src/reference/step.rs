@@ -107,7 +107,10 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     let off_steps = &mut steps.off[..if OFF { cells } else { 0 }];
     let whole = &mut whole[..cells];
     let (first, spacing) = (&mut row.first[..cells], &mut row.spacing[..cells]);
-    let fallen = (N::Real::of(seen.elapsed.0), N::Real::of(seen.elapsed.1));
+    let fallen = (
+        N::Real::from_f64(seen.elapsed.0),
+        N::Real::from_f64(seen.elapsed.1),
+    );
     let mut most = N::Real::ZERO;
     for x in 0..cells {
         // Without OFF steps of their own the two thresholds are equal.
@@ -122,8 +125,8 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
         }
         let per_on = per_on[x];
         let count = fire::whole(to, per_on, if OFF { per_off[x] } else { per_on });
-        most = most.most(count);
-        let count = count.turned(to);
+        most = most.max_nonnegative(count);
+        let count = count.mul_sign(to);
         if TIMES {
             let mut from = number.real(number.sub(before[x], memory));
             if LEAK {
@@ -138,7 +141,7 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
             off_steps[x] -= if count < 0.0 { count } else { 0.0 };
         }
     }
-    most < N::Real::SMALL
+    most < N::Real::IN_RANGE
 }
 
 /// From whole numbers to counts, small ones by a shorter way, and on to where memories are; how
@@ -152,9 +155,9 @@ fn count<R: Real, const SMALL: bool>(
     let (mut room, mut few, mut any) = (0, 0u32, 0);
     for (&whole, (count, net)) in whole.iter().zip(counts.iter_mut().zip(net)) {
         *count = if SMALL {
-            whole.small_i32()
+            whole.to_i32_in_range()
         } else {
-            whole.to_f64().small_i32()
+            whole.to_f64().to_i32_in_range()
         };
         *net = net.wrapping_add(*count);
         room |= memory::room(*net);

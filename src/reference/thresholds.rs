@@ -49,11 +49,11 @@ impl<R: Real> Thresholds<R> {
             };
             if mean.sigma > 0.0 {
                 (
-                    R::of(draw(Reason::ThresholdOn, mean.on)),
-                    R::of(draw(Reason::ThresholdOff, mean.off)),
+                    R::from_f64(draw(Reason::ThresholdOn, mean.on)),
+                    R::from_f64(draw(Reason::ThresholdOff, mean.off)),
                 )
             } else {
-                (R::of(mean.on), R::of(mean.off))
+                (R::from_f64(mean.on), R::from_f64(mean.off))
             }
         };
         let (on, off): (Vec<R>, Vec<R>) = cells.map(drawn).unzip();

@@ -94,8 +94,8 @@ impl<R: Real> TrainRow<R> {
                 } else {
                     -count
                 };
-                self.first[x] = R::of(train.first);
-                self.spacing[x] = R::of(train.spacing);
+                self.first[x] = R::from_f64(train.first);
+                self.spacing[x] = R::from_f64(train.spacing);
             }
         }
     }

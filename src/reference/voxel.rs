@@ -17,7 +17,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use crate::{
-    lined,
+    aligned,
     number::Real,
     plane::{Plane, Size},
     sensor::SensorError,
@@ -39,7 +39,7 @@ impl VoxelGrid {
     #[must_use]
     pub fn new(size: Size, channels: usize) -> Self {
         let empty =
-            |first| (0..channels).map(move |channel| lined::zeros(first + 2 * channel, size));
+            |first| (0..channels).map(move |channel| aligned::zeros(first + 2 * channel, size));
         Self {
             earlier: empty(0).collect(),
             later: empty(1).collect(),
@@ -79,7 +79,7 @@ pub fn bins(train: &Train) -> (f64, f64) {
 /// The closed form, with a signed count.
 #[inline]
 fn share<R: Real>(count: R, first: R, spacing: R) -> (R, R) {
-    let later = count * first + spacing * (count * (count.abs() - R::ONE) * R::of(0.5));
+    let later = count * first + spacing * (count * (count.abs() - R::ONE) * R::from_f64(0.5));
     (count - later, later)
 }
 
@@ -203,7 +203,7 @@ fn share_out_block<R: Real, const FRESH: bool>(
 #[inline]
 fn given<R: Real>(count: i32, first: R, spacing: R) -> (R, R) {
     let given = |what| if count == 0 { R::ZERO } else { what };
-    share(R::of_i32(count), given(first), given(spacing))
+    share(R::from_i32(count), given(first), given(spacing))
 }
 
 /// Adds to a bin, or writes it.

@@ -47,13 +47,13 @@ pub fn sweep_up(folder: &Path) -> io::Result<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::Draft, *};
+    use super::{super::atomic_file::AtomicFile, *};
 
     #[test]
     fn only_what_is_dead_and_ours_goes() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        let alive = Draft::create(&at("a.txt")).unwrap();
+        let alive = AtomicFile::create(&at("a.txt")).unwrap();
         let others = [
             ".tmpAbC123",
             ".amacrine-1-2.tmp.txt",

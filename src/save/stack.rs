@@ -9,7 +9,7 @@ use std::{
     path::Path,
 };
 
-use super::{Draft, SaveError};
+use super::{AtomicFile, SaveError};
 use crate::plane::{Plane, Size};
 
 /// Bytes kept for the header, a multiple of 64 as the format asks.
@@ -43,7 +43,7 @@ impl Element for f32 {
 /// A growing array of shape (layers, planes, height, width).
 #[derive(Debug)]
 pub struct Stack<T> {
-    draft: Draft,
+    file: AtomicFile,
     planes: usize,
     size: Size,
     layers: usize,
@@ -56,11 +56,11 @@ impl<T: Element> Stack<T> {
     /// # Errors
     /// When no file can be made in that folder.
     pub fn create(path: &Path, planes: usize, size: Size) -> Result<Self, SaveError> {
-        let mut draft = Draft::create(path)?;
-        let begun = draft.write_all(&[0; HEADER]);
-        begun.map_err(|cause| draft.failed(cause))?;
+        let mut file = AtomicFile::create(path)?;
+        let begun = file.write_all(&[0; HEADER]);
+        begun.map_err(|cause| file.failed(cause))?;
         Ok(Self {
-            draft,
+            file,
             planes,
             size,
             layers: 0,
@@ -81,8 +81,8 @@ impl<T: Element> Stack<T> {
             assert_eq!(Size::of(&plane), self.size, "a plane of another size");
             planes += 1;
             for value in &plane {
-                let written = self.draft.write_all(&value.bytes());
-                written.map_err(|cause| self.draft.failed(cause))?;
+                let written = self.file.write_all(&value.bytes());
+                written.map_err(|cause| self.file.failed(cause))?;
             }
         }
         assert_eq!(planes, self.planes, "a layer of another number of planes");
@@ -96,19 +96,19 @@ impl<T: Element> Stack<T> {
     /// When the disk does not take it; whatever was at the path is then as it was.
     pub fn finish(self) -> Result<(), SaveError> {
         let Self {
-            mut draft,
+            mut file,
             planes,
             size,
             layers,
             ..
         } = self;
         let header = header(T::DESCRIPTION, [layers, planes, size.height, size.width]);
-        let finish = |draft: &mut Draft| -> io::Result<()> {
-            draft.seek(SeekFrom::Start(0))?;
-            draft.write_all(&header)
+        let finish = |file: &mut AtomicFile| -> io::Result<()> {
+            file.seek(SeekFrom::Start(0))?;
+            file.write_all(&header)
         };
-        finish(&mut draft).map_err(|cause| draft.failed(cause))?;
-        draft.keep()
+        finish(&mut file).map_err(|cause| file.failed(cause))?;
+        file.keep()
     }
 }
 

@@ -13,16 +13,16 @@ use std::{
 
 use super::{
     Frame, OpenOptions, Scene, SceneError,
-    canvas::{Area, Canvas, Delay, Leave, Patch},
+    canvas::{Area, Canvas, Delay, Disposal, Patch},
     gray::{self, Depth, Layout},
-    light::{self, Room},
+    light::{self, MemoryLimit},
     rate::Rate,
     still::MOST_CODED,
 };
 use crate::plane::Size;
 
 /// Bytes of a pixel: as it is coded, as a patch, on the canvas now and before, as light.
-const HELD: u128 = MOST_CODED + 16 + 3 * light::FRAME;
+const HELD: u128 = MOST_CODED + 16 + 3 * light::PIXEL_BYTES;
 
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 
@@ -58,7 +58,7 @@ pub(super) fn open_gif(
         Ok(Box::new(Gif::new(
             path,
             light::open_file(path)?,
-            Room::of(options),
+            MemoryLimit::new(options),
         )?))
     })
 }
@@ -72,7 +72,7 @@ pub(super) fn open_apng(
         Ok(Box::new(Apng::new(
             path,
             light::open_file(path)?,
-            Room::of(options),
+            MemoryLimit::new(options),
         )?))
     })
 }
@@ -85,7 +85,11 @@ pub(super) fn play_apng(
     let options = OpenOptions::default();
     Animation::new(name, options, &|| {
         let stream = Cursor::new(bytes);
-        Ok(Box::new(Apng::new(name, stream, Room::of(options))?))
+        Ok(Box::new(Apng::new(
+            name,
+            stream,
+            MemoryLimit::new(options),
+        )?))
     })
 }
 
@@ -237,11 +241,11 @@ struct Gif<R: BufRead> {
 }
 
 impl<R: BufRead> Gif<R> {
-    fn new(path: &Path, stream: R, room: Room) -> Result<Self, Cause> {
+    fn new(path: &Path, stream: R, room: MemoryLimit) -> Result<Self, Cause> {
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         options.check_frame_consistency(true);
-        // Room for a frame of the largest canvas, four bytes a pixel.
+        // MemoryLimit for a frame of the largest canvas, four bytes a pixel.
         let most = NonZeroU64::MIN.saturating_add(4 * Size::MOST_PIXELS as u64);
         options.set_memory_limit(gif::MemoryLimit::Bytes(most));
         let decoder = options.read_info(stream)?;
@@ -274,10 +278,10 @@ impl<R: BufRead + Send> Patches for Gif<R> {
             },
             pixels: gray::pixels(layout, &frame.buffer).collect(),
             over: true,
-            leave: match frame.dispose {
-                gif::DisposalMethod::Any | gif::DisposalMethod::Keep => Leave::Stay,
-                gif::DisposalMethod::Background => Leave::Clear,
-                gif::DisposalMethod::Previous => Leave::Restore,
+            disposal: match frame.dispose {
+                gif::DisposalMethod::Any | gif::DisposalMethod::Keep => Disposal::Keep,
+                gif::DisposalMethod::Background => Disposal::Background,
+                gif::DisposalMethod::Previous => Disposal::Previous,
             },
             delay: Delay {
                 numerator: frame.delay,
@@ -296,7 +300,7 @@ struct Apng<R: BufRead + Seek> {
 }
 
 impl<R: BufRead + Seek> Apng<R> {
-    fn new(path: &Path, stream: R, room: Room) -> Result<Self, Cause> {
+    fn new(path: &Path, stream: R, room: MemoryLimit) -> Result<Self, Cause> {
         let mut decoder = png::Decoder::new(stream);
         decoder.set_transformations(png::Transformations::EXPAND);
         let mut reader = decoder.read_info()?;
@@ -363,10 +367,10 @@ impl<R: BufRead + Seek + Send> Patches for Apng<R> {
             },
             pixels: gray::pixels(Layout { channels, depth }, bytes).collect(),
             over: control.blend_op == png::BlendOp::Over,
-            leave: match control.dispose_op {
-                png::DisposeOp::None => Leave::Stay,
-                png::DisposeOp::Background => Leave::Clear,
-                png::DisposeOp::Previous => Leave::Restore,
+            disposal: match control.dispose_op {
+                png::DisposeOp::None => Disposal::Keep,
+                png::DisposeOp::Background => Disposal::Background,
+                png::DisposeOp::Previous => Disposal::Previous,
             },
             delay: Delay {
                 numerator: control.delay_num,

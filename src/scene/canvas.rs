@@ -9,21 +9,21 @@ use crate::plane::{Plane, Size};
 /// A canvas, black at first.
 pub(super) struct Canvas {
     light: Plane<f64>,
-    /// How the last patch leaves before the next one comes.
-    leave: Option<(Area, Leave)>,
+    /// Area and disposal of the last patch.
+    disposal: Option<(Area, Disposal)>,
     /// The canvas before the last patch, where that one asks for it.
     before: Option<Plane<f64>>,
 }
 
-/// How a patch leaves the canvas.
+/// What happens to the area of a patch before the next one: "disposal" in both formats.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Leave {
+pub(super) enum Disposal {
     /// It stays.
-    Stay,
+    Keep,
     /// Its area becomes black.
-    Clear,
+    Background,
     /// Its area becomes what it was before.
-    Restore,
+    Previous,
 }
 
 /// Where a patch is drawn.
@@ -42,7 +42,7 @@ pub(super) struct Patch {
     pub pixels: Vec<Pixel>,
     /// Whether it lies over what is there, or takes its place.
     pub over: bool,
-    pub leave: Leave,
+    pub disposal: Disposal,
     /// How long it is shown.
     pub delay: Delay,
 }
@@ -64,42 +64,42 @@ impl Canvas {
     pub fn new(size: Size) -> Self {
         Self {
             light: Plane::zeros(size.shape()),
-            leave: None,
+            disposal: None,
             before: None,
         }
     }
 
     /// Draws a patch and gives what is then seen; `None` when it does not fit.
     pub fn draw(&mut self, patch: &Patch) -> Option<&Plane<f64>> {
-        match self.leave.take() {
-            None | Some((_, Leave::Stay)) => {}
-            Some((area, Leave::Clear)) => area.of(&mut self.light)?.fill(0.0),
-            Some((area, Leave::Restore)) => {
-                let before = area.of(self.before.as_mut()?)?;
-                area.of(&mut self.light)?.assign(&before);
+        match self.disposal.take() {
+            None | Some((_, Disposal::Keep)) => {}
+            Some((area, Disposal::Background)) => area.view_mut(&mut self.light)?.fill(0.0),
+            Some((area, Disposal::Previous)) => {
+                let before = area.view_mut(self.before.as_mut()?)?;
+                area.view_mut(&mut self.light)?.assign(&before);
             }
         }
-        if patch.leave == Leave::Restore {
+        if patch.disposal == Disposal::Previous {
             match &mut self.before {
                 Some(before) => before.assign(&self.light),
                 None => self.before = Some(self.light.clone()),
             }
         }
-        let mut there = patch.area.of(&mut self.light)?;
+        let mut there = patch.area.view_mut(&mut self.light)?;
         if there.len() != patch.pixels.len() {
             return None;
         }
         for (there, pixel) in there.iter_mut().zip(&patch.pixels) {
-            let kept = if patch.over { 1.0 - pixel.cover } else { 0.0 };
+            let kept = if patch.over { 1.0 - pixel.alpha } else { 0.0 };
             *there = pixel.light + *there * kept;
         }
-        self.leave = Some((patch.area, patch.leave));
+        self.disposal = Some((patch.area, patch.disposal));
         Some(&self.light)
     }
 }
 
 impl Area {
-    fn of(self, plane: &mut Plane<f64>) -> Option<ndarray::ArrayViewMut2<'_, f64>> {
+    fn view_mut(self, plane: &mut Plane<f64>) -> Option<ndarray::ArrayViewMut2<'_, f64>> {
         let (height, width) = plane.dim();
         let bottom = self.y.checked_add(self.size.height)?;
         let right = self.x.checked_add(self.size.width)?;
@@ -112,15 +112,15 @@ impl Area {
 mod tests {
     use super::*;
 
-    fn patch(x: usize, light: f64, cover: f64, over: bool, leave: Leave) -> Patch {
+    fn patch(x: usize, light: f64, alpha: f64, over: bool, disposal: Disposal) -> Patch {
         let size = Size::new(1, 2);
-        let pixels = vec![Pixel { light, cover }; 2];
+        let pixels = vec![Pixel { light, alpha }; 2];
         let area = Area { y: 0, x, size };
         Patch {
             area,
             pixels,
             over,
-            leave,
+            disposal,
             delay: Delay {
                 numerator: 1,
                 denominator: 10,
@@ -140,19 +140,19 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         assert_eq!(
-            row(patch(0, 8.0, 1.0, false, Leave::Stay)),
+            row(patch(0, 8.0, 1.0, false, Disposal::Keep)),
             [8.0, 8.0, 0.0, 0.0]
         );
         assert_eq!(
-            row(patch(1, 4.0, 0.5, true, Leave::Restore)),
+            row(patch(1, 4.0, 0.5, true, Disposal::Previous)),
             [8.0, 8.0, 4.0, 0.0]
         );
         assert_eq!(
-            row(patch(2, 1.0, 0.5, false, Leave::Clear)),
+            row(patch(2, 1.0, 0.5, false, Disposal::Background)),
             [8.0, 8.0, 1.0, 1.0]
         );
         assert_eq!(
-            row(patch(0, 0.0, 0.0, true, Leave::Stay)),
+            row(patch(0, 0.0, 0.0, true, Disposal::Keep)),
             [8.0, 8.0, 0.0, 0.0]
         );
     }
@@ -160,9 +160,9 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused() {
         let mut canvas = Canvas::new(Size::new(1, 4));
-        assert_eq!(canvas.draw(&patch(3, 1.0, 1.0, true, Leave::Stay)), None);
+        assert_eq!(canvas.draw(&patch(3, 1.0, 1.0, true, Disposal::Keep)), None);
         assert_eq!(
-            canvas.draw(&patch(usize::MAX, 1.0, 1.0, true, Leave::Stay)),
+            canvas.draw(&patch(usize::MAX, 1.0, 1.0, true, Disposal::Keep)),
             None
         );
     }

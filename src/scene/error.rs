@@ -11,7 +11,7 @@ pub enum SceneError {
     #[error("{path}: {cause}")]
     #[diagnostic(help("give a file that exists and can be read"))]
     Unreadable {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// What the system said.
         cause: io::Error,
@@ -34,7 +34,7 @@ pub enum SceneError {
          pattern:NAME; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m"
     ))]
     UnknownKind {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
     },
 
@@ -42,7 +42,7 @@ pub enum SceneError {
     #[error("{path}: the name says {said}, but the content is {found}")]
     #[diagnostic(help("give the file the ending that its content has, or write it anew"))]
     Disguised {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// The kind that the name promises.
         said: &'static str,
@@ -54,7 +54,7 @@ pub enum SceneError {
     #[error("{path}: header field {field}: got {got}, expected {want}")]
     #[diagnostic(help("write the file anew; for video: ffmpeg -i FILE -pix_fmt gray clip.y4m"))]
     Header {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Which field.
         field: &'static str,
@@ -71,7 +71,7 @@ pub enum SceneError {
          422p, 444p with 9, 10, 12, 14 or 16 bits; ffmpeg -i FILE -pix_fmt gray clip.y4m makes mono"
     ))]
     ColourSpace {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// What its header says.
         got: String,
@@ -83,7 +83,7 @@ pub enum SceneError {
         "take the lines apart first: ffmpeg -i FILE -vf yadif -pix_fmt gray clip.y4m"
     ))]
     Interlaced {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// What its header says.
         got: String,
@@ -95,7 +95,7 @@ pub enum SceneError {
         "known: f2 f4 f8 u1 u2 u4 u8 i1 i2 i4 i8, little or big end first; in numpy: a.astype('<f8')"
     ))]
     NumberType {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// The `descr` in its header.
         got: String,
@@ -107,7 +107,7 @@ pub enum SceneError {
         "in numpy: one picture is a[None, :, :]; a clip of colour needs gray first"
     ))]
     Axes {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Its shape.
         shape: Vec<u64>,
@@ -119,7 +119,7 @@ pub enum SceneError {
     )]
     #[diagnostic(help("in numpy: np.save(path, np.ascontiguousarray(a))"))]
     FortranOrder {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
     },
 
@@ -127,13 +127,13 @@ pub enum SceneError {
     #[error("{path}: frame {frame}, y {y}, x {x}: {value} has no exact 64-bit real")]
     #[diagnostic(help("light must be below 2^53; save the clip as f8"))]
     Inexact {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Which frame.
         frame: u64,
-        /// Row.
+        /// Row of the pixel, from 0 at the top.
         y: usize,
-        /// Column.
+        /// Column of the pixel, from 0 on the left.
         x: usize,
         /// The number.
         value: i128,
@@ -143,7 +143,7 @@ pub enum SceneError {
     #[error("{path}: {got} bytes of numbers, but the header says {want}")]
     #[diagnostic(help("the file was cut short or added to: write it anew"))]
     Length {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Bytes after the header.
         got: u64,
@@ -155,7 +155,7 @@ pub enum SceneError {
     #[error("{path}: frames of {size} have no pixels")]
     #[diagnostic(help("width and height must be at least 1"))]
     NoPixels {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Their size.
         size: Size,
@@ -165,7 +165,7 @@ pub enum SceneError {
     #[error("{path}: frames of {size} are larger than {most} pixels, or 65536 a side")]
     #[diagnostic(help("is the header damaged? if not, scale the clip down first"))]
     TooLarge {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Their size.
         size: Size,
@@ -177,7 +177,7 @@ pub enum SceneError {
     #[error("{path}: to read frames of {size}, {bytes} are held at a time; {most} are allowed")]
     #[diagnostic(help("scale the clip down first, or allow more with --max-memory SIZE"))]
     NoRoom {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Their size.
         size: Size,
@@ -225,7 +225,7 @@ pub enum SceneError {
     #[error("{path}: the file does not say how many frames there are per second")]
     #[diagnostic(help("say it: --fps N"))]
     NoRate {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
     },
 
@@ -243,7 +243,7 @@ pub enum SceneError {
         "frames must be evenly spaced; take them as such with --fps N, or space them: ffmpeg -i FILE -vf fps=N -pix_fmt gray clip.y4m"
     ))]
     Uneven {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Which frame.
         frame: u64,
@@ -257,7 +257,7 @@ pub enum SceneError {
     #[error("{path}: the file ends inside frame {frame}: {got} of {want} bytes")]
     #[diagnostic(help("the clip was cut short: copy or write it anew"))]
     Truncated {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Which frame.
         frame: u64,
@@ -271,7 +271,7 @@ pub enum SceneError {
     #[error("{path}: frame {frame} begins with {got:?}, expected \"FRAME\"")]
     #[diagnostic(help("the clip is damaged or its header has the wrong size: write it anew"))]
     NoFrame {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Which frame.
         frame: u64,
@@ -283,11 +283,11 @@ pub enum SceneError {
     #[error("{path}: frame {frame} is {got}, the first is {want}")]
     #[diagnostic(help("all frames of a scene must have one size: scale or crop them first"))]
     OddSize {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Which frame.
         frame: u64,
-        /// Its size.
+        /// The size that was found.
         got: Size,
         /// The size of the first.
         want: Size,
@@ -299,7 +299,7 @@ pub enum SceneError {
         "a folder may hold .png, .pgm, .ppm and .pnm pictures and hidden files: move this one out"
     ))]
     NotAPicture {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
     },
 
@@ -307,7 +307,7 @@ pub enum SceneError {
     #[error("{path}: frame {frame} cannot be decoded: {cause}")]
     #[diagnostic(help("the file is damaged or cut short: copy or write it anew"))]
     Picture {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Which frame.
         frame: u64,
@@ -319,13 +319,13 @@ pub enum SceneError {
     #[error("{path}: frame {frame}, y {y}, x {x}: light is {value}, expected a finite number")]
     #[diagnostic(help("find where it comes from; in numpy: np.argwhere(~np.isfinite(a))"))]
     NotFinite {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// Which frame.
         frame: u64,
-        /// Row.
+        /// Row of the pixel, from 0 at the top.
         y: usize,
-        /// Column.
+        /// Column of the pixel, from 0 on the left.
         x: usize,
         /// The value.
         value: f64,
@@ -335,7 +335,7 @@ pub enum SceneError {
     #[error("{path}: this build cannot read mp4 (it was made without the feature \"mp4\")")]
     #[diagnostic(help("build with --features mp4, or: ffmpeg -i FILE -pix_fmt gray clip.y4m"))]
     NoMp4 {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
     },
 
@@ -345,7 +345,7 @@ pub enum SceneError {
         "mp4 is read with 8-bit H.264 video only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m"
     ))]
     Mp4 {
-        /// Which file.
+        /// The file or folder of the scene.
         path: PathBuf,
         /// What was wrong with it.
         what: String,
@@ -419,9 +419,9 @@ pub enum SceneError {
     NoLogarithm {
         /// Which frame.
         frame: u64,
-        /// Row.
+        /// Row of the pixel, from 0 at the top.
         y: usize,
-        /// Column.
+        /// Column of the pixel, from 0 on the left.
         x: usize,
         /// The light there.
         value: f64,

@@ -10,7 +10,7 @@ use std::{
 
 use super::{
     Frame, OpenOptions, Scene, SceneError,
-    light::{self, Room},
+    light::{self, MemoryLimit},
     rate::Rate,
     still,
 };
@@ -24,7 +24,7 @@ struct Folder {
     path: PathBuf,
     /// Their names.
     left: VecDeque<OsString>,
-    room: Room,
+    room: MemoryLimit,
     count: u64,
     next: u64,
     size: Size,
@@ -56,7 +56,7 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
         pictures.extend(entry.file_name().map(OsStr::to_owned));
     }
     pictures.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
-    let room = Room::of(options);
+    let room = MemoryLimit::new(options);
     let mut left = VecDeque::from(pictures);
     let count = left.len() as u64;
     let Some(first) = left.pop_front() else {
@@ -123,7 +123,7 @@ impl Scene for Folder {
     fn bytes(&self) -> u128 {
         // Names are kept: some tens of bytes each.
         let names = 96 * u128::from(self.count);
-        names + (still::MOST_CODED + light::GIVEN) * self.size.pixels() as u128
+        names + (still::MOST_CODED + light::PIXEL_BYTES_HELD) * self.size.pixels() as u128
     }
 }
 

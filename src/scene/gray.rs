@@ -26,7 +26,7 @@ impl Depth {
     }
 
     /// The value of full light.
-    const fn most(self) -> f64 {
+    const fn full_scale(self) -> f64 {
         match self {
             Self::Eight => 255.0,
             Self::Sixteen(_) => 65535.0,
@@ -41,12 +41,12 @@ impl Depth {
     }
 }
 
-/// A pixel: its light on black (0 to 255, already times its cover), and how much it covers
-/// what is behind it (0 to 1).
+/// A pixel: its light on black (0 to 255, premultiplied by alpha), and its alpha, how much it
+/// covers what is behind it (0 to 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pixel {
     pub light: f64,
-    pub cover: f64,
+    pub alpha: f64,
 }
 
 /// Pixels from samples in row order.
@@ -55,22 +55,22 @@ pub(super) struct Pixel {
 /// that a gray written as RGB gives exactly the gray.
 pub(super) fn pixels(layout: Layout, samples: &[u8]) -> impl Iterator<Item = Pixel> {
     let Layout { channels, depth } = layout;
-    let (wide, most) = (depth.bytes(), depth.most());
+    let (wide, full_scale) = (depth.bytes(), depth.full_scale());
     samples
         .chunks_exact(channels.max(1) * wide)
         .map(move |pixel| {
             let at = |n: usize| depth.sample(&pixel[n * wide..(n + 1) * wide]);
             let (gray, alpha) = match channels {
-                1 => (at(0), most),
+                1 => (at(0), full_scale),
                 2 => (at(0), at(1)),
-                3 => (luma(at(0), at(1), at(2)), most),
+                3 => (luma(at(0), at(1), at(2)), full_scale),
                 4 => (luma(at(0), at(1), at(2)), at(3)),
                 _ => (0.0, 0.0),
             };
-            let cover = alpha / most;
+            let alpha = alpha / full_scale;
             Pixel {
-                light: gray * 255.0 / most * cover,
-                cover,
+                light: gray * 255.0 / full_scale * alpha,
+                alpha,
             }
         })
 }

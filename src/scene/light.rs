@@ -8,12 +8,12 @@ use crate::{
     plane::{Plane, Size},
 };
 
-/// Bytes of a pixel of the frame that is given, and of the one before it, whose place in memory
-/// is not free at once.
-pub(super) const GIVEN: u128 = 2 * FRAME;
+/// Bytes of a pixel that are held while frames are taken: of the frame that is given and of the
+/// one before it, whose memory is not free at once.
+pub(super) const PIXEL_BYTES_HELD: u128 = 2 * PIXEL_BYTES;
 
 /// Bytes of a pixel of a frame.
-pub(super) const FRAME: u128 = 8;
+pub(super) const PIXEL_BYTES: u128 = 8;
 
 /// A size that a sensor can watch, or an error that names the file.
 pub(super) fn checked_size(path: &Path, height: usize, width: usize) -> Result<Size, SceneError> {
@@ -59,13 +59,13 @@ pub(super) fn check_drawn(path: &Path, size: Size, frames: u64) -> Result<(), Sc
     })
 }
 
-/// What a reader may hold.
+/// The most bytes that a reader may hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Room(u64);
+pub(super) struct MemoryLimit(u64);
 
-impl Room {
-    /// What was given.
-    pub fn of(options: OpenOptions) -> Self {
+impl MemoryLimit {
+    /// The limit that the options give, or none.
+    pub fn new(options: OpenOptions) -> Self {
         Self(options.memory.unwrap_or(u64::MAX))
     }
 

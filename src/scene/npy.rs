@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Frame, OpenOptions, Scene, SceneError, light, light::Room, rate::Rate};
+use super::{Frame, OpenOptions, Scene, SceneError, light, light::MemoryLimit, rate::Rate};
 use crate::plane::Size;
 
 /// The first bytes of every file.
@@ -78,7 +78,7 @@ impl<R: Read + Send> Npy<R> {
         if header.fortran && header.shape.iter().filter(|n| **n > 1).count() > 1 {
             return Err(SceneError::FortranOrder { path: path.into() });
         }
-        Room::of(options).check(path, size, held(number, size))?;
+        MemoryLimit::new(options).check(path, size, held(number, size))?;
         let want = u128::from(frames) * (size.pixels() * number.bytes()) as u128;
         if let Some(got) = length.map(|length| length.saturating_sub(before))
             && u128::from(got) != want
@@ -179,7 +179,7 @@ impl<R: Read + Send> Scene for Npy<R> {
 
 /// Bytes of a frame as it is stored, and as light.
 fn held(number: Number, size: Size) -> u128 {
-    (number.bytes() as u128 + light::GIVEN) * size.pixels() as u128
+    (number.bytes() as u128 + light::PIXEL_BYTES_HELD) * size.pixels() as u128
 }
 
 /// How one number is stored.

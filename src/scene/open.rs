@@ -1,19 +1,11 @@
-//! From what the user wrote to a scene.
+//! From what the user wrote to a scene: by name, then by the first bytes.
 
 use std::{io::Read, path::Path};
 
 use super::{
-    Scene, SceneError, animation, folder, light, mp4, npy, pattern::Pattern, rate, still, y4m,
+    OpenOptions, Scene, SceneError, animation, folder, light, mp4, npy, pattern::Pattern, rate,
+    still, y4m,
 };
-
-/// What may be asked of any scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OpenOptions {
-    /// Frames per second; instead of what the file says.
-    pub fps: Option<f64>,
-    /// The most bytes that the reader may hold; else as many as the limits of frames allow.
-    pub memory: Option<u64>,
-}
 
 /// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.
 ///
@@ -39,7 +31,7 @@ pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneEr
         return Err(SceneError::BadRate { fps });
     }
     if let Some(pattern) = spec.strip_prefix("pattern:") {
-        return Ok(Box::new(Pattern::within(pattern, *options)?));
+        return Ok(Box::new(Pattern::with_options(pattern, *options)?));
     }
     let path = Path::new(spec);
     let data = path
@@ -51,21 +43,23 @@ pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneEr
     if !data.is_file() {
         return Err(SceneError::NoFile { path: path.into() });
     }
-    let kind = Kind::of_name(path)?;
+    let kind = FileKind::from_path(path)?;
     kind.check_content(path)?;
     Ok(match kind {
-        Kind::Y4m => Box::new(y4m::open(path, *options)?),
-        Kind::Npy => Box::new(npy::open(path, *options)?),
-        Kind::Gif => Box::new(animation::open_gif(path, *options)?),
-        Kind::Png if animation::is_apng(path)? => Box::new(animation::open_apng(path, *options)?),
-        Kind::Png | Kind::Pnm => Box::new(still::open(path, *options)?),
-        Kind::Mp4 => mp4::open(path, *options)?,
+        FileKind::Y4m => Box::new(y4m::open(path, *options)?),
+        FileKind::Npy => Box::new(npy::open(path, *options)?),
+        FileKind::Gif => Box::new(animation::open_gif(path, *options)?),
+        FileKind::Png if animation::is_apng(path)? => {
+            Box::new(animation::open_apng(path, *options)?)
+        }
+        FileKind::Png | FileKind::Pnm => Box::new(still::open(path, *options)?),
+        FileKind::Mp4 => mp4::open(path, *options)?,
     })
 }
 
-/// The kinds of files.
+/// The formats of files, by their name and by their first bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum FileKind {
     Y4m,
     Npy,
     Gif,
@@ -74,7 +68,7 @@ enum Kind {
     Mp4,
 }
 
-impl Kind {
+impl FileKind {
     const ALL: [Self; 6] = [
         Self::Y4m,
         Self::Npy,
@@ -84,7 +78,7 @@ impl Kind {
         Self::Mp4,
     ];
 
-    fn of_name(path: &Path) -> Result<Self, SceneError> {
+    fn from_path(path: &Path) -> Result<Self, SceneError> {
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         match ending.to_string_lossy().as_ref() {
             "y4m" => Ok(Self::Y4m),
@@ -109,7 +103,7 @@ impl Kind {
     }
 
     /// Whether a file that begins so is of this kind.
-    fn is(self, start: &[u8]) -> bool {
+    fn begins(self, start: &[u8]) -> bool {
         match self {
             Self::Y4m => start.starts_with(y4m::MAGIC),
             Self::Npy => start.starts_with(npy::MAGIC),
@@ -122,7 +116,7 @@ impl Kind {
         }
     }
 
-    /// Holds the first bytes against the name.
+    /// Checks that the first bytes agree with the name.
     fn check_content(self, path: &Path) -> Result<(), SceneError> {
         let mut start = Vec::new();
         light::open_file(path)?
@@ -135,10 +129,10 @@ impl Kind {
                 missing: "byte",
             });
         }
-        if self.is(&start) {
+        if self.begins(&start) {
             return Ok(());
         }
-        let found = Self::ALL.into_iter().find(|kind| kind.is(&start));
+        let found = Self::ALL.into_iter().find(|kind| kind.begins(&start));
         Err(SceneError::Disguised {
             path: path.into(),
             said: self.name(),

@@ -10,7 +10,7 @@ use image::{ImageDecoder, ImageFormat, ImageReader};
 use super::{
     Frame, OpenOptions, Scene, SceneError,
     gray::{self, Depth, Layout},
-    light::{self, Room},
+    light::{self, MemoryLimit},
     rate::Rate,
 };
 use crate::plane::{Plane, Size};
@@ -24,7 +24,7 @@ pub(super) struct Still {
 
 /// Opens one picture.
 pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
-    let light = read(path, 0, Room::of(options))?;
+    let light = read(path, 0, MemoryLimit::new(options))?;
     Ok(Still {
         size: Size::of(&light),
         light: Some(light),
@@ -53,7 +53,7 @@ impl Scene for Still {
         }))
     }
     fn bytes(&self) -> u128 {
-        (MOST_CODED + light::FRAME) * self.size.pixels() as u128
+        (MOST_CODED + light::PIXEL_BYTES) * self.size.pixels() as u128
     }
 }
 
@@ -63,7 +63,7 @@ pub(super) const MOST_CODED: u128 = 8;
 /// Reads the picture at `path`: a PNG or a PNM, 8 or 16 bits, gray or colour.
 ///
 /// `frame` is its number in the scene, for messages.
-pub(super) fn read(path: &Path, frame: u64, room: Room) -> Result<Plane<f64>, SceneError> {
+pub(super) fn read(path: &Path, frame: u64, room: MemoryLimit) -> Result<Plane<f64>, SceneError> {
     let file = light::open_file(path)?;
     let reader = ImageReader::new(file)
         .with_guessed_format()
@@ -82,7 +82,7 @@ fn decode<R: BufRead + Seek>(
     reader: ImageReader<R>,
     path: &Path,
     frame: u64,
-    room: Room,
+    room: MemoryLimit,
 ) -> Result<Plane<f64>, SceneError> {
     let damaged = |cause: Box<dyn std::error::Error + Send + Sync>| SceneError::Picture {
         path: PathBuf::from(path),
@@ -94,7 +94,7 @@ fn decode<R: BufRead + Seek>(
     let size = light::checked_size(path, height as usize, width as usize)?;
     let colour = decoder.color_type();
     let channels = usize::from(colour.channel_count());
-    let held = u128::from(colour.bytes_per_pixel()) + light::FRAME;
+    let held = u128::from(colour.bytes_per_pixel()) + light::PIXEL_BYTES;
     room.check(path, size, held * size.pixels() as u128)?;
     let mut bytes = vec![0; size.pixels() * usize::from(colour.bytes_per_pixel())];
     decoder

@@ -183,7 +183,7 @@ impl<S: Scene> Scene for Upsampled<S> {
     /// Those of the source, the frames on both sides, the one in between as it is made and as
     /// it is given, and one that has just been passed.
     fn bytes(&self) -> u128 {
-        self.source.bytes() + 5 * light::FRAME * self.size().pixels() as u128
+        self.source.bytes() + 5 * light::PIXEL_BYTES * self.size().pixels() as u128
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {

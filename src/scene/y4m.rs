@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Frame, OpenOptions, Scene, SceneError, light, light::Room, rate::Rate};
+use super::{Frame, OpenOptions, Scene, SceneError, light, light::MemoryLimit, rate::Rate};
 use crate::plane::Size;
 
 /// The first word of every file.
@@ -84,7 +84,7 @@ impl<R: BufRead + Send> Y4m<R> {
             path: path.into(),
             got: fields.colour.clone(),
         })?;
-        Room::of(options).check(path, size, held(samples, size))?;
+        MemoryLimit::new(options).check(path, size, held(samples, size))?;
         let rate = Rate::asked_or_found(options.fps, fields.fps, path)?;
         // Frame lines may carry fields; the count is known only where none does.
         let frames = length
@@ -186,7 +186,7 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
 
 /// Bytes of a frame as it is coded, and as light.
 fn held(samples: Samples, size: Size) -> u128 {
-    u128::from(samples.frame) + light::GIVEN * size.pixels() as u128
+    u128::from(samples.frame) + light::PIXEL_BYTES_HELD * size.pixels() as u128
 }
 
 /// The fields of the header that matter here.

@@ -32,7 +32,7 @@
 
 use crate::{
     array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
-    compile::{CompileError, Effort, Kind, Memory, Request, SensorProgram},
+    compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram},
     config::Faults,
     event::{Event, Packet, Polarity},
     isa::{Device, Digital},
@@ -210,12 +210,12 @@ impl<'a> Design<'a> {
         let mut request = Request::new(&kernels, self.device)?;
         request.effort = self.effort;
         request.seed = self.seed;
-        let kind = Kind {
+        let kind = CellKind {
             kernel: self.kernel.clone(),
             on: threshold,
             off: threshold,
         };
-        let program = SensorProgram::new(&[kind], Memory::Analogue, title, &request)?;
+        let program = SensorProgram::new(&[kind], DriveMemory::Analogue, title, &request)?;
         let text = Program::parse(title, &program.text)?;
         let code = text.expand(self.device, &Overrides::default())?.code;
         Ok(Compiled {

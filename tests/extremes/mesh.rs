@@ -3,7 +3,7 @@
 //! subtracts nothing.
 
 use amacrine::{
-    mesh::{Between, Euler, Flow, Laterals, MeshError, Mismatch, Network, Real, Sheet, Steady},
+    mesh::{Between, Euler, Float, Flow, Laterals, MeshError, Mismatch, Network, Sheet, Steady},
     number::Format,
     plane::{Plane, Size},
 };
@@ -77,8 +77,8 @@ impl Waves {
     }
 }
 
-pub fn furthest<T: Real>(got: &Plane<T>, want: &Plane<f64>) -> f64 {
-    let each = got.iter().zip(want).map(|(a, b)| (a.double() - b).abs());
+pub fn furthest<T: Float>(got: &Plane<T>, want: &Plane<f64>) -> f64 {
+    let each = got.iter().zip(want).map(|(a, b)| (a.to_f64() - b).abs());
     // Not `max` alone, which passes over what is no number.
     each.fold(
         0.0,
@@ -113,7 +113,7 @@ pub fn table() -> Table {
 
 const SIZES: [(usize, usize); 6] = [(1, 1), (1, 64), (64, 1), (13, 7), (63, 65), (128, 128)];
 
-fn settled<T: Real>(name: &str, claim: f64, table: &mut Table) {
+fn settled<T: Float>(name: &str, claim: f64, table: &mut Table) {
     let mut worst = Worst::default();
     for (height, width) in SIZES {
         let size = Size::new(height, width);
@@ -121,7 +121,7 @@ fn settled<T: Real>(name: &str, claim: f64, table: &mut Table) {
             let mut steady = Steady::<T>::new(sheet(lambda), size).unwrap();
             for amplitude in [1e-6, 1.0, 1e9] {
                 let waves = Waves::new(size, 3.0 * amplitude, amplitude, 1);
-                let got = steady.solve(&waves.signal().mapv(T::of)).unwrap();
+                let got = steady.solve(&waves.signal().mapv(T::nearest)).unwrap();
                 let want = waves.through(|fy, fx| sheet(lambda).gain(fy, fx));
                 // The signal itself is rounded, level and all.
                 let bound = claim * (waves.range() + 3.0 * amplitude);
@@ -198,7 +198,7 @@ fn largest(table: &mut Table) {
 }
 
 /// From one picture to another, over any part of the time constant.
-fn moving<T: Real>(name: &str, claim: f64, table: &mut Table) {
+fn moving<T: Float>(name: &str, claim: f64, table: &mut Table) {
     let size = Size::new(21, 32);
     let mut worst = Worst::default();
     for lambda in decades(-6, 6).step_by(2) {
@@ -206,9 +206,9 @@ fn moving<T: Real>(name: &str, claim: f64, table: &mut Table) {
             for between in [Between::Step, Between::Ramp] {
                 let tau = 1e-3;
                 let waves = Waves::new(size, 0.7, 1.0, 4);
-                let dark = Plane::from_elem(size.shape(), T::of(0.7));
+                let dark = Plane::from_elem(size.shape(), T::nearest(0.7));
                 let mut flow = Flow::<T>::settled(sheet(lambda), tau, &dark).unwrap();
-                let signal = waves.signal().mapv(T::of);
+                let signal = waves.signal().mapv(T::nearest);
                 flow.advance(&signal, parts * tau, between).unwrap();
                 let want = waves.through(|fy, fx| {
                     let gain = sheet(lambda).gain(fy, fx);
@@ -334,7 +334,7 @@ fn unequal(table: &mut Table) {
                     transverse: sigma,
                     capacitance: sigma,
                 };
-                let network = Network::of(sheet(lambda), size).unwrap();
+                let network = Network::uniform(sheet(lambda), size).unwrap();
                 let network = network.with_mismatch(mismatch, seed as u64);
                 let signal = picture(size, amplitude, seed as u64);
                 match network.settle(&signal) {
@@ -372,7 +372,7 @@ fn unequal(table: &mut Table) {
         lateral: 1e4,
         ..Mismatch::default()
     };
-    let wild = Network::of(sheet(1.0), size)
+    let wild = Network::uniform(sheet(1.0), size)
         .unwrap()
         .with_mismatch(wild, 1);
     let error = wild.settle(&picture(size, 1.0, 9)).unwrap_err();
@@ -396,7 +396,7 @@ fn bending(table: &mut Table) {
         let mut refused = Vec::new();
         for scale in decades(-6, 6) {
             for lambda in [0.1, 1.0, 10.0] {
-                let network = Network::of(sheet(lambda), size).unwrap();
+                let network = Network::uniform(sheet(lambda), size).unwrap();
                 let network = network.with_laterals(kind(scale)).unwrap();
                 let signal = picture(size, 1.0, 11);
                 match network.settle(&signal) {
@@ -428,7 +428,7 @@ fn network_in_time(table: &mut Table) {
     let mut worst = Worst::default();
     for lambda in decades(-6, 6) {
         for seconds in [1e-6, 0.1, 1.0, 100.0, 86_400.0] {
-            let network = Network::of(sheet(lambda), size).unwrap();
+            let network = Network::uniform(sheet(lambda), size).unwrap();
             let (a, b) = (picture(size, 1.0, 1), picture(size, 1.0, 2));
             let mut flow = Flow::settled(sheet(lambda), 1.0, &a).unwrap();
             let from = flow.surround().clone();
@@ -450,7 +450,7 @@ fn network_in_time(table: &mut Table) {
     );
     // Its slowest mode takes a hundredth of τ, its fastest a millionth of that.
     let line = Size::new(1, 3000);
-    let network = Network::of(sheet(1e4), line).unwrap();
+    let network = Network::uniform(sheet(1e4), line).unwrap();
     let (a, b) = (picture(line, 1.0, 1), picture(line, 1.0, 2));
     let error = network.advance(&a, (&a, &b), 0.01).unwrap_err();
     table.refused("network in time, 3000x1", "λ 1e4, a frame of 0.01 τ", error);
@@ -510,7 +510,7 @@ fn refusals(table: &mut Table) {
     let signal = picture(size, 1.0, 1);
     let error = Flow::settled(sheet(1.0), f64::NAN, &signal).unwrap_err();
     table.refused("in time", "τ NaN", error);
-    let error = Network::of(sheet(1.0), size)
+    let error = Network::uniform(sheet(1.0), size)
         .unwrap()
         .with_laterals(Laterals::Opening { scale: 0.0 })
         .unwrap_err();

@@ -6,7 +6,7 @@ use amacrine::{
     array::Array,
     event::{Packet, Polarity},
     isa::{Bit, Digital, Direction, Primitive, Source},
-    mesh::{Between, Flow, Real, Steady},
+    mesh::{Between, Float, Flow, Steady},
     plane::{Plane, Size},
     program::{Action, Host},
     reference::{Counts, Description, EventList, Limit, Reference},
@@ -230,12 +230,12 @@ fn the_reference(rule: &str, size: Size, worst: &mut Worst) -> usize {
     packet.events.len()
 }
 
-fn the_mesh<T: Real>(name: &str, claim: f64, table: &mut Table) {
+fn the_mesh<T: Float>(name: &str, claim: f64, table: &mut Table) {
     let (mut still, mut moving) = (Worst::default(), Worst::default());
     for size in sizes(true) {
         for lambda in [0.5, 10.0, 1e4] {
             let waves = Waves::new(size, 0.3, 1.0, 8);
-            let signal = waves.signal().mapv(T::of);
+            let signal = waves.signal().mapv(T::nearest);
             let want = waves.through(|fy, fx| sheet(lambda).gain(fy, fx));
             let mut steady = Steady::<T>::new(sheet(lambda), size).unwrap();
             let error = furthest(&steady.solve(&signal).unwrap(), &want);

@@ -13,7 +13,7 @@ fn chip(sheet: Sheet, size: (usize, usize), sigma: f64, seed: u64) -> Network {
         transverse: sigma,
         capacitance: sigma,
     };
-    let network = Network::of(sheet, Size::new(size.0, size.1)).unwrap();
+    let network = Network::uniform(sheet, Size::new(size.0, size.1)).unwrap();
     network.with_mismatch(mismatch, seed)
 }
 

@@ -168,7 +168,7 @@ impl Bounds {
             } else {
                 interval.low
             };
-            end = end.plus(weight.times(Dyadic::of(value)?)?)?;
+            end = end.plus(weight.times(Dyadic::from_f64(value)?)?)?;
         }
         Some(end.to_f64())
     }
@@ -207,7 +207,7 @@ impl Domain for Bounds {
     }
 
     fn hold(&self, value: f64) -> Cell {
-        self.cell(match Dyadic::of(value) {
+        self.cell(match Dyadic::from_f64(value) {
             Some(value) => Value::Form(Form::constant(value)),
             None => Value::Within(Interval::new(value, value)),
         })
@@ -289,7 +289,7 @@ impl Symbolic for Bounds {
 
     fn light(&self, settings: &Settings, at: At) -> Cell {
         let mut light = self.hold(settings.reset_level).value;
-        let gain = Dyadic::of(settings.gain).filter(|gain| !gain.is_zero());
+        let gain = Dyadic::from_f64(settings.gain).filter(|gain| !gain.is_zero());
         if let (Value::Form(form), Some(gain)) = (&mut light, gain) {
             form.taps.insert((Input::Light, at), gain);
         } else {

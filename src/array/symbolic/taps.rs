@@ -200,7 +200,7 @@ impl Domain for Algebra {
             step: 0,
             why: Why::Bits,
         };
-        Dyadic::of(value).map(Form::constant).ok_or(lost)
+        Dyadic::from_f64(value).map(Form::constant).ok_or(lost)
     }
 
     fn value(&self, cell: &Self::Cell) -> f64 {
@@ -258,7 +258,7 @@ impl Domain for Algebra {
         Some(match sum {
             Err(known) => Err(known.unwrap_or(lost(Why::Bits))),
             Ok(form) => form.known().ok_or(lost(Why::Square)).and_then(|sum| {
-                let square = sum.times(sum).zip(Dyadic::of(gain));
+                let square = sum.times(sum).zip(Dyadic::from_f64(gain));
                 let square = square.and_then(|(square, gain)| square.times(gain));
                 square.map(Form::constant).ok_or(lost(Why::Bits))
             }),

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Added, Asked, Compiled, MIDDLE};
 use crate::{
     array::Errors,
-    compile::Noise,
+    compile::FilterNoise,
     isa::{Analog, Device, Figure},
     kernel::Kernel,
     plane::Plane,
@@ -77,7 +77,7 @@ impl Compiled {
         let noises = self
             .filter
             .noise(device, Analog(0), MIDDLE, &self.results_in);
-        let added = |(noise, kernel): (Noise, &Kernel)| {
+        let added = |(noise, kernel): (FilterNoise, &Kernel)| {
             let squares: f64 = kernel.weights().iter().map(|w| w * w).sum();
             let gain = self.filter_scale() * squares.sqrt();
             Added {

@@ -18,7 +18,7 @@ use crate::{
         Input,
         range::{Inputs, Interval},
     },
-    compile::{Effort, Filter, Kind, Memory, Request, SensorProgram},
+    compile::{CellKind, DriveMemory, Effort, Filter, Request, SensorProgram},
     isa::{Analog, Device, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
     plane::Plane,
@@ -177,19 +177,21 @@ impl std::str::FromStr for To {
 
 /// `analogue`, or `bits:N`.
 #[derive(Clone, Copy, Debug)]
-struct Remembered(Memory);
+struct Remembered(DriveMemory);
 
 impl std::str::FromStr for Remembered {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
         if name == "analogue" {
-            return Ok(Self(Memory::Analogue));
+            return Ok(Self(DriveMemory::Analogue));
         }
         let bits = name
             .strip_prefix("bits:")
             .and_then(|bits| bits.parse().ok());
-        let memory = bits.filter(|bits| (1..=8).contains(bits)).map(Memory::Bits);
+        let memory = bits
+            .filter(|bits| (1..=8).contains(bits))
+            .map(DriveMemory::Bits);
         memory.map(Self).ok_or_else(|| {
             format!(
                 "`{name}` is neither `analogue` nor `bits:N` with N from 1 to 8, such as bits:4"
@@ -244,11 +246,11 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
 }
 
 fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
-    let kinds: Vec<Kind> = asked
+    let kinds: Vec<CellKind> = asked
         .kernels
         .iter()
         .zip(&asked.thresholds)
-        .map(|(kernel, (on, off))| Kind {
+        .map(|(kernel, (on, off))| CellKind {
             kernel: kernel.clone(),
             on: *on,
             off: *off,

@@ -1,9 +1,9 @@
-//! What may have come before a state: the words that lead to it.
+//! Predecessors of a state: the words that may have led to it.
 
 use std::rc::Rc;
 
 use super::{
-    super::field::{Field, Tap, VIEWS},
+    super::linear_form::{LinearForm, NEWS_CELLS, Tap},
     EXPANDED, Item, Out, SOURCES, SOURCES_SPLIT, Search, State, Step,
     score::{parts, weight},
     view,
@@ -33,18 +33,18 @@ impl Search<'_> {
                 // What is easily made can as well be made earlier.
                 None if done.len() > EXPANDED => break,
                 None => self.before_register(state, at, out),
-                Some(news) => self.before_second(state, at, news, out),
+                Some(news) => self.before_reread(state, at, news, out),
             }
         }
     }
 
     /// The word that filled NEWS.
     pub(super) fn before_news(&mut self, state: &State, news: &Rc<Item>, out: &mut Out<'_>) {
-        for (i, place) in VIEWS.into_iter().enumerate() {
+        for (i, place) in NEWS_CELLS.into_iter().enumerate() {
             // Stored into the neighbour in this direction: seen from the other side.
             let to = view(i).map(Direction::opposite);
-            let stored = news.field.seen((-place.0, -place.1));
-            if self.task.border && !stored.leads(place) {
+            let stored = news.form.shifted((-place.0, -place.1));
+            if self.task.border && !stored.is_outward(place) {
                 continue;
             }
             for (sum, halved, room) in stores_of(&stored) {
@@ -57,7 +57,7 @@ impl Search<'_> {
                 };
                 self.sums(state, None, &sum, &base, room, out);
                 if halved {
-                    let twin = state.live.iter().position(|item| item.field == stored);
+                    let twin = state.live.iter().position(|item| item.form == stored);
                     if let Some(at) = twin
                         && state.live[at].hash != self.input.hash
                     {
@@ -78,7 +78,7 @@ impl Search<'_> {
         &mut self,
         state: &State,
         at: Option<usize>,
-        sum: &Field,
+        sum: &LinearForm,
         base: &Step,
         room: usize,
         out: &mut Out<'_>,
@@ -97,7 +97,7 @@ impl Search<'_> {
         }
         let old = firsts.len();
         // Single taps near by that this would need anyway.
-        for place in VIEWS {
+        for place in NEWS_CELLS {
             let weight = sum.at(place);
             if weight != 0 && sum.taps().len() > 1 {
                 let tap = Tap {
@@ -105,15 +105,15 @@ impl Search<'_> {
                     x: place.1,
                     weight,
                 };
-                let field = Field::of(vec![tap]);
-                if !firsts.iter().any(|known| known.field == field) {
-                    firsts.push(self.item(field));
+                let form = LinearForm::new(vec![tap]);
+                if !firsts.iter().any(|known| known.form == form) {
+                    firsts.push(self.item(form));
                 }
             }
         }
         let size = weight(sum);
         for (i, first) in firsts.iter().enumerate() {
-            let rest = sum.plus(&first.field, -1);
+            let rest = sum.plus(&first.form, -1);
             if rest.is_zero() || weight(&rest) > size {
                 continue;
             }
@@ -121,7 +121,7 @@ impl Search<'_> {
             self.child(state, at, base, vec![first.clone(), second], None, out);
             if room > 2 && i < old {
                 for other in &firsts[i + 1..] {
-                    let rest = rest.plus(&other.field, -1);
+                    let rest = rest.plus(&other.form, -1);
                     if weight(&rest) >= size {
                         continue;
                     }
@@ -144,7 +144,7 @@ impl Search<'_> {
             let half = self.find(state, half);
             self.child(state, at, base, vec![half.clone(), half], None, out);
         }
-        if self.taste.split && room >= 2 && sum.taps().len() > 3 {
+        if self.heuristic.split && room >= 2 && sum.taps().len() > 3 {
             for part in parts(sum) {
                 let rest = sum.plus(&part, -1);
                 if part.is_zero() || rest.is_zero() {
@@ -159,7 +159,7 @@ impl Search<'_> {
     /// The word that stored a register, when NEWS is free to hold what it likes before.
     pub(super) fn before_register(&mut self, state: &State, at: usize, out: &mut Out<'_>) {
         let item = state.live[at].clone();
-        for (sum, halved, room) in stores_of(&item.field) {
+        for (sum, halved, room) in stores_of(&item.form) {
             let base = Step::into_register(&item, halved);
             if sum.is_zero() {
                 self.child(state, Some(at), &base, Vec::new(), None, out);
@@ -179,20 +179,20 @@ impl Search<'_> {
                 }
             }
             let old = others.len();
-            for place in VIEWS {
+            for place in NEWS_CELLS {
                 let weight = sum.at(place);
-                let field = Field::of(vec![Tap {
+                let form = LinearForm::new(vec![Tap {
                     y: place.0,
                     x: place.1,
                     weight,
                 }]);
-                let known = |o: &Vec<Rc<Item>>| matches!(&o[..], [one] if one.field == field);
+                let known = |o: &Vec<Rc<Item>>| matches!(&o[..], [one] if one.form == form);
                 if weight != 0 && sum.taps().len() > 1 && !others.iter().any(known) {
-                    let new = self.item(field);
+                    let new = self.item(form);
                     others.push(vec![new]);
                 }
             }
-            if room > 2 && self.taste.split {
+            if room > 2 && self.heuristic.split {
                 for i in 1..old {
                     for j in i + 1..old {
                         let pair = [&others[i][0], &others[j][0]].map(Rc::clone);
@@ -207,7 +207,7 @@ impl Search<'_> {
                 }
                 let taken = other
                     .iter()
-                    .fold(sum.clone(), |sum, one| sum.plus(&one.field, -1));
+                    .fold(sum.clone(), |sum, one| sum.plus(&one.form, -1));
                 if taken.is_zero() || weight(&taken) > size + 4 * self.task.unit {
                     continue;
                 }
@@ -239,7 +239,7 @@ impl Search<'_> {
                 }
                 let mut rest = sum.clone();
                 for place in places {
-                    rest = rest.plus(&news.seen(*place), -1);
+                    rest = rest.plus(&news.shifted(*place), -1);
                 }
                 if rest.is_zero() || news.taps().len() < 2 {
                     continue;
@@ -255,7 +255,7 @@ impl Search<'_> {
     }
 
     /// A word that stored a register from a NEWS that is read again later.
-    pub(super) fn before_second(
+    pub(super) fn before_reread(
         &mut self,
         state: &State,
         at: usize,
@@ -263,7 +263,7 @@ impl Search<'_> {
         out: &mut Out<'_>,
     ) {
         let item = state.live[at].clone();
-        for (sum, halved, room) in stores_of(&item.field) {
+        for (sum, halved, room) in stores_of(&item.form) {
             let base = Step::into_register(&item, halved);
             let size = weight(&sum);
             for which in 0..self.shapes.len() {
@@ -274,7 +274,7 @@ impl Search<'_> {
                 let mask = *mask;
                 let mut rest = sum.clone();
                 for place in places {
-                    rest = rest.plus(&news.field.seen(*place), -1);
+                    rest = rest.plus(&news.form.shifted(*place), -1);
                 }
                 let left = weight(&rest);
                 let mut values = Vec::new();
@@ -294,7 +294,7 @@ impl Search<'_> {
                     views: mask,
                     ..base.clone()
                 };
-                let news = news.field.clone();
+                let news = news.form.clone();
                 self.child(state, Some(at), &base, values, Some(news), out);
             }
             if !halved {
@@ -304,7 +304,7 @@ impl Search<'_> {
                     Some(at),
                     &base,
                     vec![other],
-                    Some(news.field.clone()),
+                    Some(news.form.clone()),
                     out,
                 );
             }
@@ -312,11 +312,11 @@ impl Search<'_> {
     }
 }
 
-/// The sums of a bus that store a field, whole or halved, and how many sources each can have.
-pub(super) fn stores_of(stored: &Field) -> impl Iterator<Item = (Field, bool, usize)> {
+/// The sums of a bus that store a form, whole or halved, and how many sources each can have.
+pub(super) fn stores_of(stored: &LinearForm) -> impl Iterator<Item = (LinearForm, bool, usize)> {
     let whole = (stored.times(-1), false, SOURCES);
     let halved = (stored.times(-2), true, SOURCES_SPLIT);
     [whole, halved]
         .into_iter()
-        .filter(|(sum, ..)| sum.is_tame())
+        .filter(|(sum, ..)| sum.is_bounded())
 }

@@ -1,4 +1,4 @@
-//! The search: from the goals back to the input, word by word.
+//! Beam search: from the goals back to the input, word by word.
 //!
 //! A state is what must be held before the words found so far: values in registers, and perhaps
 //! one in NEWS. A step takes the last word away: whatever it stored is given up for what it
@@ -10,16 +10,16 @@ mod score;
 use std::{cell::OnceCell, collections::HashSet, rc::Rc};
 
 use super::{
-    field::{Field, VIEWS},
+    linear_form::{LinearForm, NEWS_CELLS},
     plan::{Plan, Store, Value, Word},
 };
 use crate::isa::Direction;
 
-/// What to search for.
+/// The goals of one search.
 #[derive(Clone, Debug)]
 pub(super) struct Task {
     /// What must be held in the end.
-    pub(super) goals: Vec<Field>,
+    pub(super) goals: Vec<LinearForm>,
     /// The input, in units.
     pub(super) unit: i64,
     /// Ordinary registers, that of the input included.
@@ -30,22 +30,22 @@ pub(super) struct Task {
     pub(super) border: bool,
 }
 
-/// How to search.
+/// The estimated costs that order the beam, and its width.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Taste {
+pub(super) struct Heuristic {
     /// States kept at each depth.
     pub(super) width: usize,
-    /// What a digit of a weight beyond the first is thought to cost.
+    /// Estimated words for each digit of a weight beyond the first.
     pub(super) digit: f32,
-    /// What a place is thought to cost.
+    /// Estimated words for each place.
     pub(super) place: f32,
-    /// What a halving is thought to cost.
+    /// Estimated words for each halving.
     pub(super) level: f32,
-    /// What a value is thought to cost besides.
+    /// Estimated words for each value besides.
     pub(super) value: f32,
-    /// Values are thought to be made from each other.
+    /// Whether the estimate allows for values made from each other.
     pub(super) related: bool,
-    /// New values that are parts of others are tried.
+    /// Whether parts of a sum are tried as new values.
     pub(super) split: bool,
 }
 
@@ -57,14 +57,16 @@ const SOURCES_SPLIT: usize = 2;
 /// Values of a state that are tried as the last one stored.
 const EXPANDED: usize = 2;
 
+/// A value that must be held.
 #[derive(Debug)]
 struct Item {
-    field: Field,
+    form: LinearForm,
     hash: u64,
-    /// What it is thought to cost by itself.
+    /// Estimated words to make it from the input alone.
     cost: OnceCell<f32>,
 }
 
+/// What must be held before the words found so far.
 #[derive(Clone, Debug)]
 struct State {
     live: Vec<Rc<Item>>,
@@ -73,8 +75,10 @@ struct State {
     open: bool,
 }
 
+/// One bus word, found backwards.
 #[derive(Clone, Debug)]
 struct Step {
+    /// The value that it stored in a register, if any.
     stored: Option<Rc<Item>>,
     /// Whether it stored in NEWS, and whose.
     #[expect(
@@ -82,6 +86,7 @@ struct Step {
         reason = "none of the neighbours is the pixel itself"
     )]
     news: Option<Option<Direction>>,
+    /// The NEWS cells that it read, as a mask over [`NEWS_CELLS`].
     views: u8,
     values: Vec<Rc<Item>>,
     halved: bool,
@@ -117,7 +122,7 @@ pub(super) struct Found {
     pub(super) seen: u64,
 }
 
-/// Of a place of [`VIEWS`].
+/// The direction of an entry of [`NEWS_CELLS`].
 const fn view(i: usize) -> Option<Direction> {
     match i {
         0 => None,
@@ -126,8 +131,8 @@ const fn view(i: usize) -> Option<Direction> {
 }
 
 /// Searches for a plan of fewer than `below` words; looks at `budget` states at most.
-pub(super) fn search(task: &Task, taste: Taste, below: usize, budget: u64) -> Found {
-    let mut search = Search::new(task, taste);
+pub(super) fn search(task: &Task, heuristic: Heuristic, below: usize, budget: u64) -> Found {
+    let mut search = Search::new(task, heuristic);
     let plan = search.run(below, budget);
     Found {
         plan,
@@ -137,9 +142,11 @@ pub(super) fn search(task: &Task, taste: Taste, below: usize, budget: u64) -> Fo
 
 struct Search<'a> {
     task: &'a Task,
-    taste: Taste,
+    heuristic: Heuristic,
     input: Rc<Item>,
-    over: Option<Field>,
+    /// The goal that ends in the register of the input.
+    over: Option<LinearForm>,
+    /// Hashes of the states seen before.
     known: HashSet<u64>,
     seen: u64,
     /// The sets of NEWS cells that a word can read.
@@ -147,16 +154,16 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(task: &'a Task, taste: Taste) -> Self {
+    fn new(task: &'a Task, heuristic: Heuristic) -> Self {
         let shape = |mask: u8| {
-            let places = (0..5).filter(|i| mask >> i & 1 == 1).map(|i| VIEWS[i]);
+            let places = (0..5).filter(|i| mask >> i & 1 == 1).map(|i| NEWS_CELLS[i]);
             (mask, places.collect::<Vec<_>>())
         };
         let mut search = Self {
             task,
-            taste,
+            heuristic,
             input: Rc::new(Item {
-                field: Field::unit(task.unit),
+                form: LinearForm::unit(task.unit),
                 hash: 0,
                 cost: OnceCell::new(),
             }),
@@ -170,7 +177,7 @@ impl<'a> Search<'a> {
                 .filter(|(_, places)| places.len() <= SOURCES)
                 .collect(),
         };
-        search.input = search.item(Field::unit(task.unit));
+        search.input = search.item(LinearForm::unit(task.unit));
         search
     }
 
@@ -178,7 +185,7 @@ impl<'a> Search<'a> {
         let task = self.task;
         let mut live = Vec::new();
         for goal in &task.goals {
-            let item = if *goal == self.input.field {
+            let item = if *goal == self.input.form {
                 self.input.clone()
             } else {
                 self.item(goal.clone())
@@ -211,11 +218,11 @@ impl<'a> Search<'a> {
                     children: &mut children,
                 };
                 self.expand(&node.state, &mut out);
-                if out.children.len() > 8 * self.taste.width + 4096 {
-                    trim(out.children, self.taste.width);
+                if out.children.len() > 8 * self.heuristic.width + 4096 {
+                    trim(out.children, self.heuristic.width);
                 }
             }
-            trim(&mut children, self.taste.width);
+            trim(&mut children, self.heuristic.width);
             levels.push(children.into_iter().map(|child| child.node).collect());
         }
     }
@@ -225,7 +232,7 @@ impl<'a> Search<'a> {
         let copy = state.live.len() <= 1 && state.live.iter().all(only);
         state.news.is_none()
             && copy
-            && (!state.open || self.over.as_ref() == Some(&self.input.field))
+            && (!state.open || self.over.as_ref() == Some(&self.input.form))
     }
 
     /// Adds a state before a word, if it is one.
@@ -235,14 +242,15 @@ impl<'a> Search<'a> {
         at: Option<usize>,
         base: &Step,
         values: Vec<Rc<Item>>,
-        news: Option<Field>,
+        news: Option<LinearForm>,
         out: &mut Out<'_>,
     ) {
+        // Before the word its target is free, and what it read is held.
         let mut live = state.live.clone();
         let mut open = state.open;
         if let Some(at) = at {
             let gone = live.remove(at);
-            if self.over.as_ref() == Some(&gone.field) {
+            if self.over.as_ref() == Some(&gone.form) {
                 open = false;
             }
         }
@@ -268,25 +276,26 @@ impl<'a> Search<'a> {
             let mask = base.views;
             let outward = (0..5)
                 .filter(|i| mask >> i & 1 == 1)
-                .all(|i| news.leads(VIEWS[i]));
+                .all(|i| news.is_outward(NEWS_CELLS[i]));
             if !outward {
                 return;
             }
         }
-        if news.as_ref().is_some_and(|news| !news.is_tame()) {
+        if news.as_ref().is_some_and(|news| !news.is_bounded()) {
             return;
         }
-        // Large fields take longer to look at.
+        // Large forms take longer to look at.
         self.seen += 1 + live
             .iter()
-            .map(|item| item.field.taps().len())
+            .map(|item| item.form.taps().len())
             .max()
             .unwrap_or(0) as u64
             / 16;
-        let news = news.map(|field| match &state.news {
-            Some(old) if old.field == field => old.clone(),
-            _ => self.item(field),
+        let news = news.map(|form| match &state.news {
+            Some(old) if old.form == form => old.clone(),
+            _ => self.item(form),
         });
+        // The same state by another order of words is kept once.
         let mut hash = u64::from(open);
         for item in &live {
             hash = hash.wrapping_add(item.hash.wrapping_mul(0x9E37_79B9_7F4A_7C15));
@@ -320,7 +329,7 @@ impl<'a> Search<'a> {
     /// The words from a state that is the input alone to the goals.
     fn plan(&self, levels: &[Vec<Node>], at: usize) -> Option<Plan> {
         let mut plan = Plan::default();
-        let mut held: Vec<(&Field, Value)> = vec![(&self.input.field, 0)];
+        let mut held: Vec<(&LinearForm, Value)> = vec![(&self.input.form, 0)];
         let mut node = levels.last()?.get(at)?;
         for level in levels.iter().rev().skip(1) {
             let step = node.step.as_ref()?;
@@ -329,7 +338,7 @@ impl<'a> Search<'a> {
                 let found = held
                     .iter()
                     .rev()
-                    .find(|(field, value)| **field == item.field && !values.contains(value))?;
+                    .find(|(form, value)| **form == item.form && !values.contains(value))?;
                 values.push(found.1);
             }
             let store = match (&step.stored, step.news) {
@@ -353,13 +362,13 @@ impl<'a> Search<'a> {
                     .iter()
                     .filter(|word| !matches!(word.store, Store::News(_)))
                     .count();
-                held.push((&item.field, next));
+                held.push((&item.form, next));
             }
             // What nobody reads any more is forgotten, the oldest copies first.
             let mut kept = Vec::new();
-            let mut wanted: Vec<&Field> = parent.state.live.iter().map(|i| &i.field).collect();
+            let mut wanted: Vec<&LinearForm> = parent.state.live.iter().map(|i| &i.form).collect();
             for entry in held.into_iter().rev() {
-                if let Some(i) = wanted.iter().position(|field| *field == entry.0) {
+                if let Some(i) = wanted.iter().position(|form| *form == entry.0) {
                     wanted.swap_remove(i);
                     kept.push(entry);
                 }
@@ -371,13 +380,14 @@ impl<'a> Search<'a> {
         for goal in &self.task.goals {
             let free = held
                 .iter()
-                .find(|(field, value)| *field == goal && !plan.goals.contains(value));
+                .find(|(form, value)| *form == goal && !plan.goals.contains(value));
             plan.goals.push(free?.1);
         }
         Some(plan)
     }
 }
 
+/// Where the children of a state are collected.
 struct Out<'a> {
     parent: u32,
     children: &'a mut Vec<Child>,

@@ -1,39 +1,39 @@
-//! How far a state is from done: what orders the beam.
+//! The heuristic: estimated words between a state and the input alone. It orders the beam.
 
 use std::{cell::OnceCell, rc::Rc};
 
 use super::{
-    super::field::{Field, Tap, VIEWS},
+    super::linear_form::{LinearForm, NEWS_CELLS, Tap},
     Item, Search, State,
 };
 use crate::number::signed_digits;
 
 impl Search<'_> {
     #[expect(clippy::unused_self, reason = "as find, which does look")]
-    pub(super) fn item(&self, field: Field) -> Rc<Item> {
+    pub(super) fn item(&self, form: LinearForm) -> Rc<Item> {
         Rc::new(Item {
-            hash: field.fingerprint(),
+            hash: form.fingerprint(),
             cost: OnceCell::new(),
-            field,
+            form,
         })
     }
 
     pub(super) fn cost(&self, item: &Item) -> f32 {
-        *item.cost.get_or_init(|| self.own(&item.field))
+        *item.cost.get_or_init(|| self.cost_alone(&item.form))
     }
 
-    /// The item of a field: the one that is already live, or a new one.
-    pub(super) fn find(&self, state: &State, field: Field) -> Rc<Item> {
-        if field == self.input.field {
+    /// The item of a form: the one that is already live, or a new one.
+    pub(super) fn find(&self, state: &State, form: LinearForm) -> Rc<Item> {
+        if form == self.input.form {
             return self.input.clone();
         }
-        let known = state.live.iter().find(|item| item.field == field);
-        known.cloned().unwrap_or_else(|| self.item(field))
+        let known = state.live.iter().find(|item| item.form == form);
+        known.cloned().unwrap_or_else(|| self.item(form))
     }
 
-    /// What a value is thought to cost by itself.
-    pub(super) fn own(&self, field: &Field) -> f32 {
-        let taps = field.taps();
+    /// Estimated words to make a value from the input alone.
+    pub(super) fn cost_alone(&self, form: &LinearForm) -> f32 {
+        let taps = form.taps();
         if taps.is_empty() {
             return 1.0;
         }
@@ -58,12 +58,13 @@ impl Search<'_> {
         let down = (one - i64::from(low.unwrap_or(0))).max(0);
         let up = (i64::from(high.unwrap_or(0)) - one).max(0);
         let levels = down as f32 + 2.5 * up as f32;
-        self.taste.value
-            + self.taste.digit * digits as f32
-            + self.taste.place * spread(taps)
-            + self.taste.level * levels
+        self.heuristic.value
+            + self.heuristic.digit * digits as f32
+            + self.heuristic.place * spread(taps)
+            + self.heuristic.level * levels
     }
 
+    /// The estimate for a state: each value from the cheapest that is made before it.
     pub(super) fn score(&self, state: &State) -> f32 {
         let mut items: Vec<(f32, &Rc<Item>)> = state
             .live
@@ -72,33 +73,33 @@ impl Search<'_> {
             .collect();
         items.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.hash.cmp(&b.1.hash)));
         let mut total = 0.0;
-        let mut base: Vec<&Field> = vec![&self.input.field];
+        let mut base: Vec<&LinearForm> = vec![&self.input.form];
         for (own, item) in items {
             let mut cost = own;
             if cost > 1.0 {
                 for other in &base {
-                    cost = cost.min(self.from(&item.field, other));
+                    cost = cost.min(self.cost_given(&item.form, other));
                 }
             }
             total += cost;
             if item.hash != self.input.hash {
-                base.push(&item.field);
+                base.push(&item.form);
             }
         }
         if let Some(news) = &state.news {
-            let stored = |other: &&&Field| {
-                VIEWS
+            let stored = |other: &&&LinearForm| {
+                NEWS_CELLS
                     .iter()
-                    .any(|place| news.field.is_seen(other, *place, -1))
+                    .any(|place| news.form.is_shifted(other, *place, -1))
             };
             let mut least = if base.iter().any(|other| stored(&other)) {
                 0.0
             } else {
                 self.cost(news)
             };
-            if least > 1.0 && self.taste.related {
+            if least > 1.0 && self.heuristic.related {
                 for other in &base[1..] {
-                    least = least.min(self.from(&news.field, other));
+                    least = least.min(self.cost_given(&news.form, other));
                 }
             }
             total += 1.0 + least;
@@ -106,36 +107,38 @@ impl Search<'_> {
         total
     }
 
-    /// What a value is thought to cost once another is there.
-    pub(super) fn from(&self, field: &Field, other: &Field) -> f32 {
-        for place in VIEWS {
+    /// Estimated words to make a value once another is there.
+    pub(super) fn cost_given(&self, form: &LinearForm, other: &LinearForm) -> f32 {
+        for place in NEWS_CELLS {
             let own = place == (0, 0);
-            if field.is_seen(other, place, -1) {
+            if form.is_shifted(other, place, -1) {
                 return if own { 1.0 } else { 2.0 };
             }
-            if field.is_seen(other, place, 1) {
+            if form.is_shifted(other, place, 1) {
                 return 2.0;
             }
         }
-        if field.is_seen(other, (0, 0), 2) || field.is_seen(other, (0, 0), -2) {
+        if form.is_shifted(other, (0, 0), 2) || form.is_shifted(other, (0, 0), -2) {
             return 3.0;
         }
         let mut least = f32::INFINITY;
-        if self.taste.related && other.taps().len() > 1 {
+        if self.heuristic.related && other.taps().len() > 1 {
             for times in [1, -1] {
-                let rest = field.plus(other, times);
-                least = least.min(1.5 + self.own(&rest));
+                let rest = form.plus(other, times);
+                least = least.min(1.5 + self.cost_alone(&rest));
             }
         }
         least
     }
 }
 
-pub(super) fn weight(field: &Field) -> i64 {
-    field.taps().iter().map(|tap| tap.weight.abs()).sum()
+/// The sum of the magnitudes of all weights.
+pub(super) fn weight(form: &LinearForm) -> i64 {
+    form.taps().iter().map(|tap| tap.weight.abs()).sum()
 }
 
-/// How far one has to walk from the pixel to see all places, about: the shortest tree.
+/// About how far one has to walk from the pixel to visit all places: the length of the minimum
+/// spanning tree.
 pub(super) fn spread(taps: &[Tap]) -> f32 {
     let apart = |a: &Tap, b: &Tap| (a.y - b.y).abs() + (a.x - b.x).abs();
     if taps.len() > 40 {
@@ -159,9 +162,9 @@ pub(super) fn spread(taps: &[Tap]) -> f32 {
 }
 
 /// Parts of a sum that may be worth a value of their own.
-pub(super) fn parts(sum: &Field) -> Vec<Field> {
+pub(super) fn parts(sum: &LinearForm) -> Vec<LinearForm> {
     let some = |keep: &dyn Fn(&Tap) -> bool| {
-        Field::of(sum.taps().iter().copied().filter(|tap| keep(tap)).collect())
+        LinearForm::new(sum.taps().iter().copied().filter(|tap| keep(tap)).collect())
     };
     let mut parts = vec![
         some(&|tap| tap.weight > 0),
@@ -177,7 +180,7 @@ pub(super) fn parts(sum: &Field) -> Vec<Field> {
             weight: least * tap.weight.signum(),
             ..*tap
         });
-        parts.push(Field::of(flat.collect()));
+        parts.push(LinearForm::new(flat.collect()));
         for sign in [1, -1] {
             let rows = sum.taps().iter().map(|tap| tap.y.abs()).max().unwrap_or(0);
             let columns = sum.taps().iter().map(|tap| tap.x.abs()).max().unwrap_or(0);
@@ -195,7 +198,7 @@ pub(super) fn parts(sum: &Field) -> Vec<Field> {
                         x,
                         weight: middle * i64::from(sign),
                     });
-                    parts.push(Field::of(whole.collect()));
+                    parts.push(LinearForm::new(whole.collect()));
                 }
             }
         }

@@ -9,14 +9,14 @@ use super::{
     head::{Compression, Head},
     source::Sink,
 };
-use crate::{event::Event, save::Draft};
+use crate::{event::Event, save::AtomicFile};
 
 /// An event file being written, whole or not at all: memory does not grow with its length.
 ///
 /// Nothing is at the path before [`Writer::finish`].
 pub struct Writer {
     path: PathBuf,
-    draft: Draft,
+    draft: AtomicFile,
     sink: Box<dyn Sink>,
     gate: Gate,
     about: About,
@@ -45,9 +45,9 @@ impl Writer {
             FileError::Unreadable { path, cause }
         })?;
         let mut draft = if entry.rewinds {
-            Draft::create(path)?
+            AtomicFile::create(path)?
         } else {
-            Draft::stream(path)?
+            AtomicFile::stream(path)?
         };
         let started = sink.start(&mut draft);
         started.map_err(|cause| draft.failed(cause))?;

@@ -5,7 +5,7 @@ use image::{
     imageops::{self, FilterType},
 };
 
-use super::{Anchor, Area, Drawing, Mark, Point};
+use super::drawing::{Anchor, Area, Drawing, Mark, Point};
 use crate::{
     elementary,
     picture::{
@@ -36,7 +36,7 @@ pub fn raster(drawing: &Drawing, scale: u32) -> RgbImage {
                 imageops::replace(&mut page, &picture, x, y);
             }
             Mark::Text(at, anchor, weight, ink, words) => {
-                let face = Face::of(*weight, scale);
+                let face = Face::new(*weight, scale);
                 let width = f64::from(face.width(words));
                 let left = match anchor {
                     Anchor::Start => 0.0,

@@ -8,11 +8,9 @@ use std::fmt::Write;
 use base64::{Engine, prelude::BASE64_STANDARD};
 use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
 
-use super::{Anchor, Drawing, Mark};
-use crate::picture::{
-    ink::{self, Ink},
-    text::{Face, Weight},
-};
+use super::drawing::{Anchor, Drawing, Mark};
+use crate::picture::ink::{self, Ink};
+use crate::picture::text::{Face, Weight};
 
 /// The drawing as the text of an SVG file.
 #[must_use]
@@ -67,7 +65,7 @@ pub fn svg(drawing: &Drawing) -> String {
                     "<text x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"{anchor}\" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\" fill=\"{}\"{bold} xml:space=\"preserve\">{}</text>",
                     at.0,
                     at.1 + 13.0,
-                    Face::of(*weight, 1).width(words),
+                    Face::new(*weight, 1).width(words),
                     colour(*ink),
                     escaped(words)
                 )

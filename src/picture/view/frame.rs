@@ -2,7 +2,7 @@
 
 use image::{Rgb, RgbImage};
 
-use super::{Moment, caption, fitted, signs};
+use super::{Window, caption, fitted, signs};
 use crate::{
     event::{Event, Packet},
     picture::{
@@ -64,11 +64,11 @@ pub(super) fn draw(
     drawing: &mut Drawing,
     area: Area,
     packet: &Packet,
-    moment: &Moment,
+    window: &Window,
     kind: Option<u8>,
 ) {
     let area = fitted(area, packet);
-    let events = moment.events(packet);
+    let events = window.events(packet);
     drawing.pixels(area, pixels(events, packet.size, kind));
     drawing.frame(area, 1.0, ink::MATCHED);
     let own: Vec<Event> = events
@@ -82,7 +82,7 @@ pub(super) fn draw(
         caption(drawing, area, &format!("kind {kind}"), &[&counts]);
         return;
     }
-    let when = format!("{}: {counts}", moment.text());
+    let when = format!("{}: {counts}", window.text());
     caption(drawing, area, "event frame", &[&when]);
     legend(drawing, (area.x, area.bottom() + 24.0));
 }
@@ -124,7 +124,7 @@ pub fn frames<'a>(
     to: Micros,
     window: Micros,
 ) -> Result<impl Iterator<Item = RgbImage> + Clone + 'a, PictureError> {
-    crate::picture::check(packet.size)?;
+    crate::picture::error::check_size(packet.size)?;
     let window = window.0.max(1);
     let number = to.0.saturating_sub(from.0).div_ceil(window);
     let page = move |i: u64| {

@@ -1,6 +1,6 @@
 //! A small event frame for each kind.
 
-use super::{GAP, MARGIN, Moment, fitted, frame, head};
+use super::{GAP, MARGIN, Window, fitted, frame, head};
 use crate::{
     event::Packet,
     picture::{
@@ -40,22 +40,22 @@ pub(super) fn height(packet: &Packet) -> f64 {
 }
 
 /// All of them, from a corner on.
-pub(super) fn draw(drawing: &mut Drawing, left: f64, top: f64, packet: &Packet, moment: &Moment) {
+pub(super) fn draw(drawing: &mut Drawing, left: f64, top: f64, packet: &Packet, window: &Window) {
     for kind in 0..packet.channels {
         let area = area(packet, left, top, kind.into());
-        frame::draw(drawing, area, packet, moment, Some(kind));
+        frame::draw(drawing, area, packet, window, Some(kind));
     }
 }
 
 /// All of them, on a page of their own.
-pub(super) fn page(packet: &Packet, moment: &Moment, title: &str) -> Drawing {
+pub(super) fn page(packet: &Packet, window: &Window, title: &str) -> Drawing {
     let columns = usize::from(packet.channels).clamp(2, ROW) as f64;
     let width = columns * (SMALL + APART) - APART;
     let top = MARGIN + 2.0 * f64::from(LINE) + 16.0;
     let height = height(packet);
     let mut drawing = Drawing::new(width + 2.0 * MARGIN, top + height + GAP + MARGIN);
     head(&mut drawing, packet, title);
-    draw(&mut drawing, MARGIN, top, packet, moment);
+    draw(&mut drawing, MARGIN, top, packet, window);
     frame::legend(&mut drawing, (MARGIN, top + height + 8.0));
     drawing
 }

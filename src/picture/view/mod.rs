@@ -81,8 +81,8 @@ const PANEL: f64 = 360.0;
 /// # Errors
 /// When the packet's sensor has no pixels, or too many for a picture.
 pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
-    super::check(packet.size)?;
-    let moment = Moment::of(packet, look);
+    super::error::check_size(packet.size)?;
+    let shown = Window::new(packet, look);
     let line = f64::from(LINE);
     let top = MARGIN + 2.0 * line + 16.0;
     let page = |width: f64, height: f64| {
@@ -118,12 +118,12 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
     Ok(match look.view {
         View::Frame => {
             let mut d = page(PANEL, high);
-            frame::draw(&mut d, panel(0.0, top), packet, &moment, None);
+            frame::draw(&mut d, panel(0.0, top), packet, &shown, None);
             d
         }
         View::Surface => {
             let mut d = page(PANEL, high);
-            surface::draw(&mut d, panel(0.0, top), packet, &moment);
+            surface::draw(&mut d, panel(0.0, top), packet, &shown);
             d
         }
         View::Cloud => {
@@ -149,7 +149,7 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
             intervals::draw(&mut d, plot(0.0, top, wide - 12.0, low), packet);
             d
         }
-        View::Kinds => kinds::page(packet, &moment, look.title),
+        View::Kinds => kinds::page(packet, &shown, look.title),
         View::Overview => {
             let second = top + high + GAP / 2.0;
             let kinds = if packet.channels > 1 {
@@ -160,8 +160,8 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
             let bottom = second + low + BELOW + 2.0 * line + 12.0 - top;
             let width = 3.0 * PANEL + 2.0 * GAP;
             let mut d = page(width, bottom + kinds);
-            frame::draw(&mut d, panel(0.0, top), packet, &moment, None);
-            surface::draw(&mut d, panel(1.0, top), packet, &moment);
+            frame::draw(&mut d, panel(0.0, top), packet, &shown, None);
+            surface::draw(&mut d, panel(1.0, top), packet, &shown);
             cloud::draw(&mut d, panel(2.0, top), packet);
             let half = (width - GAP) / 2.0 - LEFT;
             let left = plot(0.0, second, half - 8.0, low);
@@ -172,7 +172,7 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
             };
             intervals::draw(&mut d, right, packet);
             if packet.channels > 1 {
-                kinds::draw(&mut d, MARGIN, top + bottom + GAP, packet, &moment);
+                kinds::draw(&mut d, MARGIN, top + bottom + GAP, packet, &shown);
             }
             d
         }
@@ -221,15 +221,15 @@ fn head(drawing: &mut Drawing, packet: &Packet, title: &str) {
 }
 
 /// The window that frames and surfaces show.
-struct Moment {
+struct Window {
     from: Micros,
     to: Micros,
     /// The time constant of surfaces.
     tau: Micros,
 }
 
-impl Moment {
-    fn of(packet: &Packet, look: &Look<'_>) -> Self {
+impl Window {
+    fn new(packet: &Packet, look: &Look<'_>) -> Self {
         let window = Micros(look.window.0.max(1));
         let to = look.at.unwrap_or_else(|| busiest(&packet.events, window));
         Self {
@@ -361,7 +361,7 @@ mod tests {
             window: Micros(10),
             at: Some(Micros(at)),
         };
-        let held = |at| Moment::of(&packet, &look(at)).events(&packet).len();
+        let held = |at| Window::new(&packet, &look(at)).events(&packet).len();
         assert_eq!((held(5), held(10), held(20), held(31)), (1, 1, 1, 0));
     }
 

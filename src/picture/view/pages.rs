@@ -21,7 +21,7 @@ pub fn pages<'a>(
     from: Micros,
     to: Micros,
 ) -> Result<impl Iterator<Item = RgbImage> + Clone + 'a, PictureError> {
-    crate::picture::check(packet.size)?;
+    crate::picture::error::check_size(packet.size)?;
     let window = look.window.0.max(1);
     let number = to.0.saturating_sub(from.0).div_ceil(window);
     let page = move |i: u64| {

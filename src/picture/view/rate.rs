@@ -28,7 +28,7 @@ struct Bins {
 impl Bins {
     /// At most `most` bins of 1, 2 or 5 times a power of ten microseconds over the time
     /// watched. A bin holds its end, not its beginning; the first holds both.
-    fn of(packet: &Packet, most: u64) -> Self {
+    fn new(packet: &Packet, most: u64) -> Self {
         let (from, to) = packet.span;
         let whole = to.0.saturating_sub(from.0);
         let mut length = 1_u64;
@@ -56,7 +56,7 @@ impl Bins {
 
 /// Both rates as steps: ON up, OFF down from a common zero.
 pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
-    let bins = Bins::of(packet, 200);
+    let bins = Bins::new(packet, 200);
     let second = bins.length.seconds();
     let most = bins.counts.iter().flatten().copied().max().unwrap_or(0);
     let (unit, one) = prefix(most as f64 / second);
@@ -128,14 +128,14 @@ mod tests {
             (101, 0, 0, false),
             (1000, 0, 0, false),
         ]);
-        let bins = Bins::of(&packet, 10);
+        let bins = Bins::new(&packet, 10);
         assert_eq!((bins.from, bins.length), (Micros(0), Micros(100)));
         assert_eq!(bins.counts.len(), 10);
         assert_eq!(bins.counts[0], [2, 0]);
         assert_eq!(bins.counts[1], [0, 1]);
         assert_eq!(bins.counts[9], [0, 1]);
         for (most, length) in [(1000, 1), (999, 2), (499, 5), (199, 10), (99, 20), (49, 50)] {
-            assert_eq!(Bins::of(&packet, most).length, Micros(length));
+            assert_eq!(Bins::new(&packet, most).length, Micros(length));
         }
     }
 }

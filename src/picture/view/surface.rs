@@ -1,6 +1,6 @@
 //! Time surfaces: how long ago each pixel spoke last.
 
-use super::{Moment, caption, fitted, frame, lasting, seconds};
+use super::{Window, caption, fitted, frame, lasting, seconds};
 use crate::{
     elementary,
     event::{Packet, Polarity},
@@ -14,27 +14,27 @@ use crate::{
 
 /// A time surface with its caption and legend: `exp(-(now - t)/tau)` of the pixel's last event,
 /// in the colour of its sign.
-pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet, moment: &Moment) {
+pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet, window: &Window) {
     let area = fitted(area, packet);
     let mut last = Plane::from_elem(packet.size.shape(), None);
-    let until = packet.events.partition_point(|e| e.t <= moment.to);
+    let until = packet.events.partition_point(|e| e.t <= window.to);
     for e in packet.events.iter().take(until) {
         if let Some(pixel) = last.get_mut([e.y.into(), e.x.into()]) {
             *pixel = Some((e.t, e.polarity));
         }
     }
-    let tau = moment.tau.0.max(1) as f64;
+    let tau = window.tau.0.max(1) as f64;
     let pixels = frame::picture(&last, |last| match last {
         None => ink::EMPTY,
         Some((t, polarity)) => {
-            let strength = elementary::exp(-((moment.to.0 - t.0) as f64) / tau);
+            let strength = elementary::exp(-((window.to.0 - t.0) as f64) / tau);
             frame::mixed(full(*polarity), strength)
         }
     });
     drawing.pixels(area, pixels);
     drawing.frame(area, 1.0, ink::MATCHED);
-    let tau = lasting(moment.tau);
-    let when = format!("at {}; fades by e in {tau}", seconds(moment.to));
+    let tau = lasting(window.tau);
+    let when = format!("at {}; fades by e in {tau}", seconds(window.to));
     caption(drawing, area, "time surface", &[&when]);
     legend(drawing, (area.x, area.bottom() + 24.0), &tau);
 }

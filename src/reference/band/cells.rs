@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use crate::{
-    lined::Lined,
     number::{Number, Real},
     reference::{
         description::{MemoryRule, PolarityRule},
@@ -17,6 +16,7 @@ use crate::{
 };
 
 use super::{Cells, Plan, Scratch};
+use crate::aligned::Aligned;
 
 impl<N: Number> Cells<N> {
     pub(super) fn settle(
@@ -44,9 +44,9 @@ impl<N: Number> Cells<N> {
         }
         let steps = description.memory == MemoryRule::FilteredStep;
         let before = if steps {
-            Lined::of(5, &filtered)
+            Aligned::from_slice(5, &filtered)
         } else {
-            Lined::default()
+            Aligned::default()
         };
         let thresholds = &plan.thresholds[channel];
         let noise = description.noise;
@@ -62,7 +62,7 @@ impl<N: Number> Cells<N> {
         };
         if noise.leak_hz > 0.0 {
             for (cell, memory) in filtered.iter_mut().enumerate() {
-                let fallen = N::Real::of(Noise::leaked(place(cell))) * on(cell);
+                let fallen = N::Real::from_f64(Noise::leaked(place(cell))) * on(cell);
                 *memory = number.hold_real(number.real(*memory) - fallen);
             }
         }
@@ -90,7 +90,7 @@ impl<N: Number> Cells<N> {
             Vec::new()
         };
         let leak = if noise.leak_hz > 0.0 {
-            let leak = |cell| N::Real::of(noise.leak(place(cell), on(cell).to_f64()));
+            let leak = |cell| N::Real::from_f64(noise.leak(place(cell), on(cell).to_f64()));
             (0..cells).map(leak).collect()
         } else {
             Vec::new()

@@ -8,7 +8,7 @@ mod plan;
 use std::ops::Range;
 
 use crate::{
-    lined::Lined,
+    aligned::Aligned,
     number::{Number, Real},
     sensor::SensorError,
 };
@@ -48,7 +48,7 @@ struct Cells<N: Number> {
     /// What the weights make of the signal, for a memory of what they see.
     made: Made<N::Held>,
     /// `W * u` at the frame before, for a memory that steps.
-    before: Lined<N::Held>,
+    before: Aligned<N::Held>,
     /// When each cell last fired, in seconds; only with a refractory period.
     fired: Vec<f64>,
     /// How far each memory falls in a second; only with leak.
@@ -317,7 +317,7 @@ impl<N: Number> Band<N> {
                     // The leak goes on from here.
                     let fallen = leak
                         .get(cell)
-                        .map_or(N::Real::ZERO, |leak| *leak * N::Real::of(elapsed));
+                        .map_or(N::Real::ZERO, |leak| *leak * N::Real::from_f64(elapsed));
                     filtered[cell] = number.hold_real(number.real(drive[x]) + fallen);
                     if let Some(pixels) = pixels {
                         let now = signal.inner(y)[x];
@@ -388,7 +388,7 @@ fn see<N: Number>(
 /// The memory has fallen, so the drive stands higher above it.
 fn fall<R: Real>(distances: &mut [R], leak: &[R], seconds: f64) {
     for (d, leak) in distances.iter_mut().zip(leak) {
-        *d = *d + *leak * R::of(seconds);
+        *d = *d + *leak * R::from_f64(seconds);
     }
 }
 

@@ -22,7 +22,7 @@ use crate::{
     plane::{Plane, Size},
     scene::{
         Frame, OpenOptions, Scene, SceneError,
-        light::{self, Room},
+        light::{self, MemoryLimit},
         rate::Rate,
     },
 };
@@ -37,7 +37,7 @@ pub(super) struct H264 {
     /// Samples read so far.
     numbers: u64,
     /// What there is to hold pictures in, and what the decoder's take of it.
-    room: Room,
+    room: MemoryLimit,
     held: u128,
     /// Bytes of the length before each unit.
     length_bytes: usize,
@@ -81,7 +81,7 @@ impl H264 {
             _ => Rate::asked_or_found(asked, found, path)?,
         };
         let mut decoder = Decoder::new().map_err(|e| wrong(format!("no H.264 decoder: {e}")))?;
-        let room = Room::of(options);
+        let room = MemoryLimit::new(options);
         let mut parameters = Vec::new();
         let mut held = 0;
         for unit in &track.parameters {
@@ -243,20 +243,29 @@ impl Scene for H264 {
         }))
     }
     fn bytes(&self) -> u128 {
-        let light = light::GIVEN * self.size.pixels() as u128;
+        let light = light::PIXEL_BYTES_HELD * self.size.pixels() as u128;
         self.held + light + self.samples.len() as u128 * size_of::<Sample>() as u128
     }
 }
 
 /// Refuses pictures that are too large, before the decoder makes room for them.
-fn check_size(path: &Path, unit: &[u8], room: Room, held: &mut u128) -> Result<(), SceneError> {
-    let Some(pictures) = Pictures::of_unit(unit) else {
+fn check_size(
+    path: &Path,
+    unit: &[u8],
+    room: MemoryLimit,
+    held: &mut u128,
+) -> Result<(), SceneError> {
+    let Some(pictures) = Pictures::from_unit(unit) else {
         return Ok(());
     };
     let side = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let size = light::checked_size(path, side(pictures.height), side(pictures.width))?;
     *held = (*held).max(pictures.bytes());
-    room.check(path, size, *held + light::FRAME * size.pixels() as u128)
+    room.check(
+        path,
+        size,
+        *held + light::PIXEL_BYTES * size.pixels() as u128,
+    )
 }
 
 fn no_flush() -> DecodeOptions {

@@ -14,7 +14,7 @@ pub(super) struct Defaults {
 
 impl Defaults {
     /// Those of a track, from the `moov`.
-    pub fn of(moov: &[u8], track: u32) -> Result<Self, Wrong> {
+    pub fn from_moov(moov: &[u8], track: u32) -> Result<Self, Wrong> {
         let Some(mvex) = Boxes(moov).find(*b"mvex")? else {
             return Ok(Self::default());
         };

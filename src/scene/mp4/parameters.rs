@@ -19,7 +19,7 @@ pub(super) struct Pictures {
 impl Pictures {
     /// What a unit says, where it is a sequence parameter set; `None` for all other units and
     /// where it ends too early.
-    pub fn of_unit(unit: &[u8]) -> Option<Self> {
+    pub fn from_unit(unit: &[u8]) -> Option<Self> {
         let (head, set) = unit.split_first()?;
         if head & 0x1f != 7 {
             return None;
@@ -150,7 +150,7 @@ mod tests {
         ] {
             let byte = |at| u8::from_str_radix(&set[at..at + 2], 16).unwrap();
             let set: Vec<u8> = (0..set.len()).step_by(2).map(byte).collect();
-            let pictures = Pictures::of_unit(&set).unwrap();
+            let pictures = Pictures::from_unit(&set).unwrap();
             let want = Pictures {
                 height: 32,
                 width: 48,
@@ -160,10 +160,10 @@ mod tests {
             // The last bit that counts, whether frames or fields are coded, is in the seventh
             // byte of the shorter set.
             for end in 0..set.len() {
-                let part = Pictures::of_unit(&set[..end]);
+                let part = Pictures::from_unit(&set[..end]);
                 assert!(part.is_none_or(|part| end > 6 && part == want), "{end}");
             }
-            assert_eq!(Pictures::of_unit(&[0x68, 1, 2]), None);
+            assert_eq!(Pictures::from_unit(&[0x68, 1, 2]), None);
         }
     }
 
@@ -171,7 +171,7 @@ mod tests {
         #[test]
         fn any_bytes_are_a_set_or_none(mut bytes: Vec<u8>) {
             bytes.insert(0, 0x67);
-            if let Some(pictures) = Pictures::of_unit(&bytes) {
+            if let Some(pictures) = Pictures::from_unit(&bytes) {
                 prop_assert!(pictures.height >= 16 && pictures.width >= 16);
             }
         }

@@ -8,7 +8,7 @@ use crate::limit::SAMPLES;
 pub(super) struct Sample {
     /// First byte in the file.
     pub offset: u64,
-    /// Bytes.
+    /// Length in bytes.
     pub size: u64,
     /// When it is shown, in units of the track.
     pub shown: i64,
@@ -22,7 +22,7 @@ struct Table<'a> {
 
 impl<'a> Table<'a> {
     /// The table in box `name`, whose number of entries stands after `before` bytes.
-    fn of(name: [u8; 4], content: &'a [u8], before: usize, width: usize) -> Result<Self, Wrong> {
+    fn new(name: [u8; 4], content: &'a [u8], before: usize, width: usize) -> Result<Self, Wrong> {
         let says = u32_at(content, before);
         let there = content.get(before + 4..).unwrap_or_default();
         let says = says.ok_or_else(|| format!("box {} is too short", Name(name)))?;
@@ -58,7 +58,7 @@ pub(super) fn samples(stbl: &[u8], length: u64) -> Result<Vec<Sample>, Wrong> {
         lay_out(stbl, &sizes, &mut samples)?;
     }
     let times = Boxes(stbl).get(*b"stts")?;
-    let times = Table::of(*b"stts", times, 4, 8)?;
+    let times = Table::new(*b"stts", times, 4, 8)?;
     same(*b"stts", &times, samples.len())?;
     let mut now = 0_i64;
     let runs = times
@@ -70,7 +70,7 @@ pub(super) fn samples(stbl: &[u8], length: u64) -> Result<Vec<Sample>, Wrong> {
         now += i64::from(step);
     }
     if let Some(shifts) = Boxes(stbl).find(*b"ctts")? {
-        let shifts = Table::of(*b"ctts", shifts, 4, 8)?;
+        let shifts = Table::new(*b"ctts", shifts, 4, 8)?;
         same(*b"ctts", &shifts, samples.len())?;
         let runs = shifts
             .words()
@@ -109,7 +109,7 @@ impl<'a> Sizes<'a> {
         let count = u64::from(u32_at(content, 8).ok_or_else(short)?);
         check_count(count, length)?;
         let each = match one {
-            0 => Some(Table::of(*b"stsz", content, 8, 4)?),
+            0 => Some(Table::new(*b"stsz", content, 8, 4)?),
             _ => None,
         };
         if count * u64::from(one) > length {
@@ -144,10 +144,10 @@ pub(super) fn check_count(count: u64, length: u64) -> Result<(), Wrong> {
 /// Samples lie one after another in chunks.
 fn lay_out(stbl: &[u8], sizes: &Sizes<'_>, samples: &mut Vec<Sample>) -> Result<(), Wrong> {
     let chunks = match Boxes(stbl).find(*b"stco")? {
-        Some(near) => Table::of(*b"stco", near, 4, 4)?,
-        None => Table::of(*b"co64", Boxes(stbl).get(*b"co64")?, 4, 8)?,
+        Some(near) => Table::new(*b"stco", near, 4, 4)?,
+        None => Table::new(*b"co64", Boxes(stbl).get(*b"co64")?, 4, 8)?,
     };
-    let runs = Table::of(*b"stsc", Boxes(stbl).get(*b"stsc")?, 4, 12)?;
+    let runs = Table::new(*b"stsc", Boxes(stbl).get(*b"stsc")?, 4, 12)?;
     let mut runs = runs.words().peekable();
     let mut sizes_left = sizes.all();
     let mut in_chunk = None;

@@ -53,10 +53,10 @@ impl Track {
                 .into());
         };
         let moov = head.content(file)?;
-        let (mut track, id) = Self::of(&moov, length)?;
+        let (mut track, id) = Self::from_moov(&moov, length)?;
         let mut follow = Follow {
             track: id,
-            defaults: Defaults::of(&moov, id)?,
+            defaults: Defaults::from_moov(&moov, id)?,
             length,
             now: 0,
             samples: &mut track.samples,
@@ -68,7 +68,7 @@ impl Track {
     }
 
     /// The first video track, by number, and its number.
-    fn of(moov: &[u8], length: u64) -> Result<(Self, u32), NoTrack> {
+    fn from_moov(moov: &[u8], length: u64) -> Result<(Self, u32), NoTrack> {
         let mut video: Option<(u32, &[u8])> = None;
         for found in Boxes(moov) {
             let (name, trak) = found?;

@@ -15,6 +15,8 @@ mod motif;
 mod parameters;
 mod texture;
 
+pub use parameters::PATTERNS;
+
 use std::path::PathBuf;
 
 use motif::Motif;
@@ -22,44 +24,10 @@ use parameters::Parameters;
 
 use super::{
     Frame, OpenOptions, Scene, SceneError,
-    light::{self, Room},
+    light::{self, MemoryLimit},
     rate::{self, Rate},
 };
 use crate::plane::{Plane, Size};
-
-/// The patterns: name, and what it is with the parameters that are its own.
-pub const PATTERNS: [(&str, &str); 12] = [
-    (
-        "bar",
-        "a bright bar, its middle in the middle at half time; thickness=10 px",
-    ),
-    (
-        "edge",
-        "a bright half-plane that comes in, its edge in the middle at half time",
-    ),
-    ("grating", "a sinusoid; period=20 px"),
-    ("checker", "squares; square=16 px"),
-    ("disc", "a bright disc with a sharp rim; radius=16 px"),
-    ("spot", "a bright Gaussian; sigma=8 px"),
-    ("noise", "random blobs that drift; grain=4 px, seed=1"),
-    (
-        "pan",
-        "image=FILE drifts; border=replicate or wrap; without image as noise",
-    ),
-    (
-        "rotate",
-        "image=FILE or blobs turn about the middle; turn=90 degrees/s, clockwise",
-    ),
-    (
-        "zoom",
-        "image=FILE or blobs grow from the middle; growth=0.5 per second (exponent)",
-    ),
-    (
-        "flicker",
-        "uniform light that goes up and down; frequency=10 Hz, wave=sine or square",
-    ),
-    ("static", "image=FILE or blobs, at rest"),
-];
 
 /// A pattern, drawn frame by frame.
 #[derive(Debug)]
@@ -92,12 +60,12 @@ impl Pattern {
     /// When the name or a key is not known, a value or `fps` is out of range, or `image`
     /// cannot be read.
     pub fn parse(text: &str, fps: Option<f64>) -> Result<Self, SceneError> {
-        Self::within(text, OpenOptions { fps, memory: None })
+        Self::with_options(text, OpenOptions { fps, memory: None })
     }
 
-    /// The same, with what may be asked of any scene.
-    pub(super) fn within(text: &str, options: OpenOptions) -> Result<Self, SceneError> {
-        let (fps, room) = (options.fps, Room::of(options));
+    /// The same with the options that every scene takes.
+    pub(super) fn with_options(text: &str, options: OpenOptions) -> Result<Self, SceneError> {
+        let (fps, room) = (options.fps, MemoryLimit::new(options));
         if let Some(fps) = fps.filter(|fps| !rate::usable(*fps)) {
             return Err(SceneError::BadRate { fps });
         }
@@ -119,7 +87,7 @@ impl Pattern {
         let frames = given.whole("frames", 240, 1..=crate::limit::FRAMES)?;
         light::check_drawn(&path, size, frames)?;
         let drawn = image.as_ref().map_or(0, ndarray::ArrayBase::len);
-        let held = light::FRAME * (drawn + 2 * size.pixels()) as u128;
+        let held = light::PIXEL_BYTES * (drawn + 2 * size.pixels()) as u128;
         room.check(&path, size, held)?;
         let own = given.real("fps", 240.0, 1e-6..=1e9)?;
         let rate = Rate {

@@ -1,11 +1,11 @@
 //! What is drawn, and how it moves.
 
 use super::{
-    SceneError, draw,
+    draw,
     parameters::Parameters,
     texture::{Border, Texture},
 };
-use crate::{elementary, plane::Plane};
+use crate::{elementary, plane::Plane, scene::SceneError};
 
 /// A figure in motion. Places are `(x, y)` in pixels from the middle of the picture.
 #[derive(Debug)]
@@ -79,8 +79,8 @@ impl Direction {
         Self { x, y }
     }
 
-    /// How far along this direction a place is.
-    fn of(self, (x, y): (f64, f64)) -> f64 {
+    /// The coordinate of a place along this direction, in pixels.
+    fn project(self, (x, y): (f64, f64)) -> f64 {
         x * self.x + y * self.y
     }
 }
@@ -206,13 +206,13 @@ impl Figure {
     fn share(&self, place: (f64, f64), seconds: f64) -> f64 {
         match self {
             Self::Bar { thickness, along } => {
-                let s = along.of(place);
+                let s = along.project(place);
                 let within = |edge: f64| draw::half_plane(edge - s, along.x, along.y);
                 within(thickness / 2.0) - within(-thickness / 2.0)
             }
-            Self::Edge { along } => draw::half_plane(-along.of(place), along.x, along.y),
+            Self::Edge { along } => draw::half_plane(-along.project(place), along.x, along.y),
             Self::Grating { period, along } => {
-                draw::grating(along.of(place), *period, along.x, along.y)
+                draw::grating(along.project(place), *period, along.x, along.y)
             }
             Self::Checker { square } => draw::checker(place, *square),
             Self::Disc { radius } => draw::disc(place, *radius),

@@ -2,7 +2,41 @@
 
 use std::{collections::BTreeMap, ops::RangeInclusive};
 
-use super::{PATTERNS, SceneError};
+use crate::scene::SceneError;
+
+/// The patterns: name, and what it is with the parameters that are its own.
+pub const PATTERNS: [(&str, &str); 12] = [
+    (
+        "bar",
+        "a bright bar, its middle in the middle at half time; thickness=10 px",
+    ),
+    (
+        "edge",
+        "a bright half-plane that comes in, its edge in the middle at half time",
+    ),
+    ("grating", "a sinusoid; period=20 px"),
+    ("checker", "squares; square=16 px"),
+    ("disc", "a bright disc with a sharp rim; radius=16 px"),
+    ("spot", "a bright Gaussian; sigma=8 px"),
+    ("noise", "random blobs that drift; grain=4 px, seed=1"),
+    (
+        "pan",
+        "image=FILE drifts; border=replicate or wrap; without image as noise",
+    ),
+    (
+        "rotate",
+        "image=FILE or blobs turn about the middle; turn=90 degrees/s, clockwise",
+    ),
+    (
+        "zoom",
+        "image=FILE or blobs grow from the middle; growth=0.5 per second (exponent)",
+    ),
+    (
+        "flicker",
+        "uniform light that goes up and down; frequency=10 Hz, wave=sine or square",
+    ),
+    ("static", "image=FILE or blobs, at rest"),
+];
 
 /// What was given, and what has been asked for so far.
 pub(super) struct Parameters {

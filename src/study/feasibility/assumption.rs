@@ -1,12 +1,12 @@
 //! What is taken as given.
 
-use super::{Question, Watched};
+use super::{Question, SceneSummary};
 use crate::isa::Evidence;
 
 /// Something that was taken as given.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Assumption {
-    /// What.
+    /// The assumption, as a sentence.
     pub what: String,
     /// How well it is known.
     pub evidence: Evidence,
@@ -14,7 +14,7 @@ pub struct Assumption {
 
 impl Assumption {
     /// All of a question.
-    pub(super) fn all(question: &Question<'_>, scene: &Watched) -> Vec<Self> {
+    pub(super) fn all(question: &Question<'_>, scene: &SceneSummary) -> Vec<Self> {
         let mut all = Vec::new();
         let mut assume = |evidence, what: String| all.push(Self { what, evidence });
         assume(

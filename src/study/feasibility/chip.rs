@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{
-    known::{Known, weakest},
+    estimate::{Estimate, weakest},
     time::Time,
 };
 use crate::{
@@ -22,7 +22,7 @@ pub struct OnChip {
     /// Words that the program takes of the store, the first frame's included.
     pub stored_words: u64,
     /// Words that the store holds.
-    pub store: Known,
+    pub store: Estimate,
     /// Analogue registers that the whole program uses.
     pub registers: usize,
     /// Analogue registers that a pixel has, NEWS left out.
@@ -45,9 +45,9 @@ pub struct Noise {
     /// The level.
     pub at_lsb: f64,
     /// From frame to frame.
-    pub temporal: Known,
+    pub temporal: Estimate,
     /// From pixel to pixel, the same in every frame.
-    pub fixed: Known,
+    pub fixed: Estimate,
     /// The threshold, where it is compared.
     pub threshold_lsb: f64,
     /// The threshold over the noise of a difference of two frames; none without noise.
@@ -61,7 +61,7 @@ const MIDDLE: f64 = 64.0;
 
 impl OnChip {
     /// Of a compiled program and the threshold that it compares with, in LSB.
-    pub(super) fn of(
+    pub(super) fn new(
         program: &SensorProgram,
         code: &Code,
         device: &Device,
@@ -73,13 +73,13 @@ impl OnChip {
             filter_words: filter.words.len() as u64,
             frame_words: Cost::of(&code.frame, device).words.0,
             stored_words: (stored(&code.init, device) + stored(&code.frame, device)).0,
-            store: Known::figure(device, Figure::Store),
+            store: Estimate::figure(device, Figure::Store),
             registers: registers(code, device),
             registers_of: device.registers().analog.len() - 1,
             prescale_bits: filter.prescale,
             border: filter.border,
             holds: filter.holds,
-            noise: Noise::of(program, device, threshold_lsb),
+            noise: Noise::new(program, device, threshold_lsb),
             time,
         }
     }
@@ -99,7 +99,7 @@ fn registers(code: &Code, device: &Device) -> usize {
 }
 
 impl Noise {
-    fn of(program: &SensorProgram, device: &Device, threshold_lsb: f64) -> Self {
+    fn new(program: &SensorProgram, device: &Device, threshold_lsb: f64) -> Self {
         let filter = &program.filter;
         let of = filter.noise(device, Analog(0), MIDDLE, &program.drives);
         let (temporal, fixed) = of.first().map_or((0.0, 0.0), |n| (n.temporal, n.fixed));
@@ -109,13 +109,13 @@ impl Noise {
         };
         Self {
             at_lsb: MIDDLE,
-            temporal: Known::one(
+            temporal: Estimate::one(
                 temporal,
                 "LSB",
                 evidence(&[Figure::StoreNoise]),
                 "noise of every store, to first order",
             ),
-            fixed: Known::one(
+            fixed: Estimate::one(
                 fixed,
                 "LSB",
                 evidence(&[

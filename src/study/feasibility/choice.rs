@@ -19,7 +19,7 @@ impl Question<'_> {
     /// # Errors
     /// When there is none.
     pub(super) fn first(&self, design: &Design<'_>) -> Result<Few, DesignError> {
-        let few = |to: Quantiser| Few::of(to, self, design);
+        let few = |to: Quantiser| Few::new(to, self, design);
         if let Some(to) = self.to {
             return few(to);
         }
@@ -38,7 +38,7 @@ impl Question<'_> {
     ) -> Result<Vec<(Quantiser, Row)>, FeasibilityError> {
         let mut all = self.candidates.to_vec();
         all.extend(self.to.filter(|to| !all.contains(to)));
-        let why_not = |to: &Quantiser| Few::of(*to, self, design).err();
+        let why_not = |to: &Quantiser| Few::new(*to, self, design).err();
         let usable: Vec<_> = all
             .iter()
             .copied()
@@ -92,7 +92,7 @@ pub(super) struct Few {
 }
 
 impl Few {
-    pub fn of(
+    pub fn new(
         to: Quantiser,
         question: &Question<'_>,
         design: &Design<'_>,

@@ -2,7 +2,7 @@
 
 use super::{
     Stream,
-    known::{Known, weakest},
+    estimate::{Estimate, weakest},
 };
 use crate::{
     event::readout::Frame,
@@ -17,23 +17,23 @@ pub struct Power {
     /// Share of the time in which the array runs words.
     pub busy: f64,
     /// Of the array: from none while it waits to full power all the time.
-    pub array: Known,
+    pub array: Estimate,
     /// The same, were the quoted power wrong by a factor of two either way.
-    pub array_doubtful: Known,
+    pub array_doubtful: Estimate,
     /// Of the array, for one frame.
-    pub frame: Known,
+    pub frame: Estimate,
     /// Of the array, for one event of the chip; none without events.
-    pub event: Option<Known>,
+    pub event: Option<Estimate>,
 }
 
 impl Power {
     /// Of a program at a frame rate.
-    pub(super) fn of(cost: &Cost, device: &Device, fps: f64, events_s: Option<f64>) -> Self {
-        let full = Known::figure(device, Figure::Power);
+    pub(super) fn new(cost: &Cost, device: &Device, fps: f64, events_s: Option<f64>) -> Self {
+        let full = Estimate::figure(device, Figure::Power);
         let busy = (cost.array_us * 1e-6 * fps).min(1.0);
         let evidence = weakest([full.evidence, Evidence::Modelled]);
         let watts = [busy * full.low, full.high];
-        let array = Known::between(
+        let array = Estimate::between(
             watts.map(|w| w * 1e3),
             "mW",
             evidence,
@@ -44,7 +44,7 @@ impl Power {
         );
         Self {
             busy,
-            array_doubtful: Known::between(
+            array_doubtful: Estimate::between(
                 [array.low / 2.0, array.high * 2.0],
                 "mW",
                 evidence,
@@ -63,7 +63,7 @@ impl Power {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Link {
     /// Energy of a bit on the link.
-    pub bit: Known,
+    pub bit: Estimate,
     /// A row for each way to send.
     pub rows: Vec<LinkRow>,
 }
@@ -76,7 +76,7 @@ pub struct LinkRow {
     /// Thousands of bits a second over the scene.
     pub kbit_s: f64,
     /// What the link takes for that.
-    pub power: Known,
+    pub power: Estimate,
 }
 
 /// A byte a pixel.
@@ -84,7 +84,7 @@ const VIDEO_BITS: f64 = 8.0;
 
 impl Link {
     /// Of streams by name, a bit map and plain video, at a frame rate; `bit` in pJ.
-    pub(super) fn of(bit: Known, streams: &[(&str, &Stream)], size: Size, fps: f64) -> Self {
+    pub(super) fn new(bit: Estimate, streams: &[(&str, &Stream)], size: Size, fps: f64) -> Self {
         let sent = streams
             .iter()
             .filter_map(|(name, stream)| Some((format!("events of {name}"), stream.mean_kbit_s?)));
@@ -122,7 +122,7 @@ mod tests {
             array_us: 10.0,
             host_us: 500.0,
         };
-        let power = Power::of(&cost, &Device::scamp5(), 1000.0, Some(2000.0));
+        let power = Power::new(&cost, &Device::scamp5(), 1000.0, Some(2000.0));
         assert!((power.busy - 0.01).abs() < 1e-12);
         assert!((power.array.low - 12.0).abs() < 1e-9 && (power.array.high - 1200.0).abs() < 1e-9);
         // 12 uJ a frame of 1 ms, 6 uJ an event at two a frame.
@@ -131,14 +131,14 @@ mod tests {
         assert_eq!(power.array.evidence, Evidence::Modelled);
         assert!((power.array_doubtful.high - 2400.0).abs() < 1e-9);
         // Never more than full power, however fast it is asked to be.
-        let fast = Power::of(&cost, &Device::scamp5(), 1e9, None);
+        let fast = Power::new(&cost, &Device::scamp5(), 1e9, None);
         assert!((fast.array.low - fast.array.high).abs() < 1e-9 && fast.event.is_none());
     }
 
     #[test]
     fn a_link_takes_energy_by_the_bit() {
-        let bit = Known::between([1.0, 20.0], "pJ", Evidence::Guess, "test");
-        let link = Link::of(bit, &[], Size::new(256, 256), 100.0);
+        let bit = Estimate::between([1.0, 20.0], "pJ", Evidence::Guess, "test");
+        let link = Link::new(bit, &[], Size::new(256, 256), 100.0);
         let rows: Vec<f64> = link.rows.iter().map(|row| row.kbit_s).collect();
         assert_eq!(rows, [13_107.2, 52_428.8]);
         assert!((link.rows[0].power.low - 13.1072).abs() < 1e-9);

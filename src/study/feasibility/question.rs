@@ -1,30 +1,12 @@
-//! The question, and how it is answered.
+//! The question.
 
-use super::{
-    Assumption, Chosen, Feasibility, FeasibilityError, Fit, Known, Named, Sight, Stream, Streams,
-    Watched, Weights,
-    chip::OnChip,
-    choice::Few,
-    power::{Link, Power},
-    time,
-    verdict::Verdict,
-};
 use crate::{
-    array::Arithmetic,
     compile::Effort,
     event::readout::Readout,
-    isa::{Device, Evidence},
+    isa::Device,
     kernel::{
         Kernel,
         quantise::{Quantiser, Sum},
-    },
-    mesh::{self, Fitting},
-    plane::Size,
-    reference::MemoryRule,
-    scene::{Frame, Scene, SceneError},
-    study::{
-        design::{Compiled, Design},
-        waterfall::{self, Waterfall, WaterfallError},
     },
     unit::Micros,
 };
@@ -44,7 +26,7 @@ pub struct Question<'a> {
     pub candidates: &'a [Quantiser],
     /// What quantised kernels must sum to.
     pub sum: Sum,
-    /// The chip.
+    /// The chip on which the program is to run.
     pub device: &'a Device,
     /// How long each frame is exposed, where that is known.
     pub exposure: Option<Micros>,
@@ -62,158 +44,4 @@ pub struct Question<'a> {
     pub scene: &'a str,
     /// The command that asks all this.
     pub command: &'a str,
-}
-
-/// Of the mesh fits: what is added to the squared relative error for each squared gain.
-const RIDGE: f64 = 1e-4;
-
-/// Asks the question of a scene that can be opened again: it is watched for the table, for the
-/// sensors, for the waterfall, and up to the moment of the pictures. `seen` is called after each
-/// frame of the first three.
-///
-/// # Errors
-/// When the threshold is not positive, the kernel is all 0 or not to be had in the values that
-/// were asked for, or the scene cannot be read.
-pub fn ask(
-    question: &Question<'_>,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-    mut seen: impl FnMut(&Frame),
-) -> Result<(Feasibility, Sight), FeasibilityError> {
-    let design = question.design();
-    design.description(MemoryRule::FilteredSnap)?;
-    let mut few = question.first(&design)?;
-    let table = question.table(&design, &mut *open()?, &mut seen)?;
-    if question.to.is_none()
-        && let Some(best) = Question::best(&table)
-    {
-        few = Few::of(best, question, &design)?;
-    }
-    let Few { to, quantised } = few;
-    let compiled = match design.in_levels(&quantised).compile(question.name) {
-        Ok(compiled) => Ok(compiled),
-        Err(error) if error.is_refusal() => Err(error.to_string()),
-        Err(error) => return Err(error.into()),
-    };
-    let program = compiled.as_ref().ok();
-
-    let mut scene = open()?;
-    let (said, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
-    let scene = Watched::of(question.scene, &*scene, frames, &said.float);
-    let streams = said.streams(question, scene.fps)?;
-    let waterfall = match program {
-        Some(_) => question.waterfall(&design, to, &mut *open()?, &mut seen)?,
-        None => None,
-    };
-    let sight = Sight::of(&said.float, said.silicon.as_ref(), &mut *open()?)?;
-    let on_chip = |compiled: &Compiled| {
-        let threshold = question.threshold / quantised.scale * compiled.program.scale;
-        let time = time::time(question, compiled, said.silicon.as_ref(), scene.fps);
-        OnChip::of(
-            &compiled.program,
-            &compiled.code,
-            question.device,
-            threshold,
-            time,
-        )
-    };
-    let rate = |stream: &Stream| Some(stream.events as f64 / scene.seconds);
-    let events_s = streams
-        .silicon
-        .as_ref()
-        .filter(|_| scene.seconds > 0.0)
-        .and_then(rate);
-    let mut feasibility = Feasibility {
-        amacrine: env!("CARGO_PKG_VERSION"),
-        command: question.command.to_owned(),
-        seed: question.seed,
-        verdict: Verdict::default(),
-        kernel: Weights::of(question.name, question.kernel),
-        threshold: question.threshold,
-        chip: Named::of(question.device),
-        chosen: Chosen {
-            to: to.to_string(),
-            asked_for: question.to.is_some(),
-            relative_error: quantised.relative_error(question.kernel),
-            scale: quantised.scale,
-            levels: Weights::of(&to.to_string(), &quantised.levels),
-        },
-        fit: match &compiled {
-            Ok(compiled) => Fit::OnChip(Box::new(on_chip(compiled))),
-            Err(why) => Fit::Refused(why.clone()),
-        },
-        within_us: question.within,
-        power: program.map(|p| Power::of(&p.cost, question.device, scene.fps, events_s)),
-        link: question.link_of(&streams, &scene),
-        streams,
-        waterfall,
-        quantisation: table.into_iter().map(|(_, row)| row).collect(),
-        mesh: meshes(question.kernel),
-        assumptions: Assumption::all(question, &scene),
-        scene,
-    };
-    feasibility.verdict = Verdict::of(&feasibility);
-    Ok((feasibility, sight))
-}
-
-/// The kernel as one sheet and as two have it; nothing of a kernel of zeros.
-fn meshes(kernel: &Kernel) -> Vec<mesh::Fit> {
-    let fit = |sheets| {
-        let how = Fitting {
-            sheets,
-            anisotropic: false,
-            ridge: RIDGE,
-        };
-        mesh::fit(kernel, how).ok()
-    };
-    (1..=2).filter_map(fit).collect()
-}
-
-impl Question<'_> {
-    fn design(&self) -> Design<'_> {
-        Design {
-            kernel: self.kernel,
-            threshold: self.threshold,
-            device: self.device,
-            effort: self.effort,
-            seed: self.seed,
-        }
-    }
-
-    /// Where the events went; none where the float sensor has none.
-    fn waterfall(
-        &self,
-        design: &Design<'_>,
-        to: Quantiser,
-        scene: &mut dyn Scene,
-        seen: &mut dyn FnMut(&Frame),
-    ) -> Result<Option<Waterfall>, FeasibilityError> {
-        let asked = waterfall::Question {
-            design: *design,
-            to,
-            sum: self.sum,
-            arithmetic: Arithmetic::Silicon { seed: self.seed },
-            readout: self.readout,
-            within: self.within,
-        };
-        match waterfall::ask(&asked, scene, seen) {
-            Ok(waterfall) => Ok(Some(waterfall)),
-            Err(WaterfallError::Silent { .. }) => Ok(None),
-            Err(error) => Err(error.into()),
-        }
-    }
-
-    fn link_of(&self, streams: &Streams, scene: &Watched) -> Link {
-        let bit = Known::between(
-            self.link,
-            "pJ",
-            Evidence::Guess,
-            "given with the question; nobody states it for a chip that does not exist yet",
-        );
-        let mut sent = vec![
-            ("the plain DVS", &streams.dvs),
-            ("the float sensor", &streams.float),
-        ];
-        sent.extend(streams.silicon.as_ref().map(|s| ("the chip", s)));
-        Link::of(bit, &sent, Size::new(scene.height, scene.width), scene.fps)
-    }
 }

@@ -78,7 +78,7 @@ pub(super) struct Window {
 
 impl Stream {
     /// A packet, and how it scores against the float sensor's, where it is another's.
-    pub(super) fn of(
+    pub(super) fn new(
         packet: &Packet,
         float: Option<&Packet>,
         window: &Window,
@@ -102,7 +102,7 @@ impl Stream {
             mean_kbit_s: rate.mean.map(|bits| bits / 1e3),
             peak_kbit_s: rate.peak / 1e3,
             judged: match float {
-                Some(float) => Some(Judged::of(float, packet, window)?),
+                Some(float) => Some(Judged::new(float, packet, window)?),
                 None => None,
             },
         })
@@ -110,7 +110,7 @@ impl Stream {
 }
 
 impl Judged {
-    fn of(float: &Packet, packet: &Packet, window: &Window) -> Result<Self, FeasibilityError> {
+    fn new(float: &Packet, packet: &Packet, window: &Window) -> Result<Self, FeasibilityError> {
         let pair = Pair::of(float, packet)?;
         let scales = Scales {
             within: vec![window.within, window.frame],
@@ -196,7 +196,7 @@ mod tests {
     fn rates_and_bits_of_a_packet() {
         use Polarity::{Off, On};
         let packet = packet(&[(0, 0, On), (1000, 1, On), (1000, 2, Off), (1000, 3, On)]);
-        let stream = Stream::of(&packet, None, &WINDOW).unwrap();
+        let stream = Stream::new(&packet, None, &WINDOW).unwrap();
         assert_eq!((stream.events, stream.on, stream.off), (4, 3, 1));
         // 2 + 2 bits of address and a sign.
         assert_eq!((stream.bits, stream.mean_kbit_s), (20, Some(0.01)));
@@ -211,12 +211,12 @@ mod tests {
         use Polarity::On;
         let all: Vec<_> = (1..40).map(|i| (i * 1000, (i % 4) as u16, On)).collect();
         let float = packet(&all);
-        let own = Stream::of(&float, Some(&float), &WINDOW).unwrap();
+        let own = Stream::new(&float, Some(&float), &WINDOW).unwrap();
         let own = own.judged.unwrap();
         assert_eq!((own.f1.value, own.f1.ceiling, own.f1.kept), (1.0, 1.0, 1.0));
         assert!(own.f1.floor < 1.0);
         let late: Vec<_> = all.iter().map(|(t, x, p)| (t + 900, *x, *p)).collect();
-        let late = Stream::of(&packet(&late), Some(&float), &WINDOW).unwrap();
+        let late = Stream::new(&packet(&late), Some(&float), &WINDOW).unwrap();
         let late = late.judged.unwrap();
         assert_eq!((late.f1.value, late.f1_a_frame_apart.value), (0.0, 1.0));
         assert_eq!(late.f1.kept, 0.0);

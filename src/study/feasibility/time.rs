@@ -2,7 +2,7 @@
 
 use super::{
     Question,
-    known::{Known, weakest},
+    estimate::{Estimate, weakest},
     stream,
 };
 use crate::{
@@ -17,21 +17,21 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Time {
     /// Words at the chip's clock.
-    pub array: Known,
+    pub array: Estimate,
     /// The readout, with all slots that the program asks for.
-    pub readout: Known,
+    pub readout: Estimate,
     /// The readout with as many slots as the busiest frame of the scene needs.
-    pub readout_of_scene: Known,
+    pub readout_of_scene: Estimate,
     /// Slots that the program asks for, for each sign.
     pub slots: u64,
     /// Slots that the busiest frame of the scene needs.
     pub slots_of_scene: u64,
     /// Exposure, where one was given.
-    pub exposure: Option<Known>,
+    pub exposure: Option<Estimate>,
     /// Frames a second at most, with all slots.
-    pub ceiling: Known,
+    pub ceiling: Estimate,
     /// Frames a second at most, with the slots that the scene needs.
-    pub ceiling_of_scene: Known,
+    pub ceiling_of_scene: Estimate,
     /// What takes longest.
     pub binds: Binds,
     /// The longest exposure that leaves the rate that was asked for; none where there is none.
@@ -62,13 +62,13 @@ pub(super) struct Parts<'a> {
     pub exposure: Option<Micros>,
     /// Frames a second that were asked for.
     pub fps: f64,
-    /// The chip.
+    /// The chip on which the program is to run.
     pub device: &'a Device,
 }
 
 impl Time {
     /// `max(exposure, array) + readout`.
-    pub(super) fn of(parts: &Parts<'_>) -> Self {
+    pub(super) fn new(parts: &Parts<'_>) -> Self {
         let Parts { device, .. } = parts;
         let clock = device.figure(Figure::Clock);
         let launch = device.figure(Figure::Launch);
@@ -86,7 +86,7 @@ impl Time {
                 "without launches of kernels, whose time nobody states".to_owned(),
             )
         };
-        let array = Known::one(
+        let array = Estimate::one(
             parts.cost.array_us,
             "us",
             evidence,
@@ -98,7 +98,7 @@ impl Time {
                 .map_or((0.0, Evidence::Guess, "no time is stated"), |slot| {
                     (slot.value, slot.evidence, slot.source.as_str())
                 });
-            Known::one(
+            Estimate::one(
                 cost.host_us,
                 "us",
                 evidence,
@@ -108,7 +108,7 @@ impl Time {
         let readout_all = readout(&parts.cost, parts.slots[0]);
         let readout_of_scene = readout(&parts.cost_of_scene, parts.slots[1]);
         let exposure = parts.exposure.map(|exposure| {
-            Known::one(
+            Estimate::one(
                 exposure.0 as f64,
                 "us",
                 Evidence::Guess,
@@ -117,10 +117,10 @@ impl Time {
         });
         let light = exposure.as_ref().map_or(0.0, |exposure| exposure.high);
         let first = array.high.max(light);
-        let ceiling = |readout: &Known| {
+        let ceiling = |readout: &Estimate| {
             let of = [Some(&array), Some(readout), exposure.as_ref()];
             let evidence = weakest(of.into_iter().flatten().map(|part| part.evidence));
-            Known::one(
+            Estimate::one(
                 1e6 / (first + readout.high),
                 "frames/s",
                 evidence,
@@ -163,7 +163,7 @@ pub(super) fn time(
         .clamp(1, slots.max(1));
     let mut fewer = program.code.frame.clone();
     set_slots(&mut fewer, needed as u32);
-    Time::of(&Parts {
+    Time::new(&Parts {
         cost: program.cost,
         cost_of_scene: Cost::of(&fewer, question.device),
         slots: [slots, needed],
@@ -210,7 +210,7 @@ mod tests {
             array_us,
             host_us,
         };
-        Time::of(&Parts {
+        Time::new(&Parts {
             cost,
             cost_of_scene: Cost {
                 host_us: host_us / 10.0,

@@ -48,7 +48,7 @@ const LITTLE: f64 = 0.05;
 
 impl Verdict {
     /// Of all the numbers.
-    pub(super) fn of(all: &Feasibility) -> Self {
+    pub(super) fn new(all: &Feasibility) -> Self {
         let mut findings = vec![room(all)];
         let mut speed_word = "";
         let mut kept_word = "";

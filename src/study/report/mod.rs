@@ -20,7 +20,7 @@ mod weights;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::feasibility::{Feasibility, Sight};
+use super::feasibility::{Feasibility, Snapshot};
 
 /// How it looks, on a screen and on paper.
 const STYLE: &str = include_str!("style.css");
@@ -30,7 +30,7 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 
 /// The whole page.
 #[must_use]
-pub fn page(all: &Feasibility, sight: &Sight) -> String {
+pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
     let title = format!("Feasibility of {} on {}", all.kernel.name, all.chip.name);
     let whole = html! {
         (DOCTYPE)

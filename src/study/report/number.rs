@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::{elementary, isa::Evidence, study::feasibility::Known};
+use crate::{elementary, isa::Evidence, study::feasibility::Estimate};
 
 /// Between groups of three digits.
 const GROUP: char = '\u{202f}';
@@ -31,7 +31,7 @@ pub(super) fn none() -> Markup {
 }
 
 /// A number or an interval, with its unit.
-pub(super) fn known(at: &str, known: &Known) -> Markup {
+pub(super) fn known(at: &str, known: &Estimate) -> Markup {
     html! {
         (plain(&format!("{at}/low"), known.low))
         @if known.high > known.low {
@@ -42,7 +42,7 @@ pub(super) fn known(at: &str, known: &Known) -> Markup {
 }
 
 /// A row of a table of numbers about hardware: what it is, the number, how well it is known.
-pub(super) fn row(what: &str, at: &str, value: &Known) -> Markup {
+pub(super) fn row(what: &str, at: &str, value: &Estimate) -> Markup {
     html! {
         tr {
             th scope="row" { (what) span.source { (value.source) } }

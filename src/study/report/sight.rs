@@ -11,11 +11,11 @@ use crate::{
         panel::{self, Difference},
     },
     plane::Size,
-    study::feasibility::{Feasibility, Sight},
+    study::feasibility::{Feasibility, Snapshot},
 };
 
 /// The frame, the events of both sensors, and how they differ.
-pub(super) fn section(all: &Feasibility, sight: &Sight) -> Markup {
+pub(super) fn section(all: &Feasibility, sight: &Snapshot) -> Markup {
     let finite = || sight.light.iter().copied().filter(|v| v.is_finite());
     let black = finite().fold(f64::INFINITY, f64::min);
     let white = finite().fold(f64::NEG_INFINITY, f64::max);
@@ -55,8 +55,8 @@ fn said(pale: &RgbImage, events: &[Event], who: &str, caption: &str) -> Markup {
     figure(&panel::events(pale.clone(), events), &alt, &caption)
 }
 
-fn difference(sight: &Sight, chip: &[Event]) -> Markup {
-    let difference = Difference::of(&sight.float, chip);
+fn difference(sight: &Snapshot, chip: &[Event]) -> Markup {
+    let difference = Difference::new(&sight.float, chip);
     let Difference {
         matched,
         missing,

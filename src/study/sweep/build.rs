@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{plan::Entry, refusal::Refusal, sensor, shared::Shared, study::Settings, table::Row};
 use crate::{
     array::{Arithmetic, Schedule},
-    compile::{Effort, Kind, Memory, Request, SensorProgram},
+    compile::{CellKind, DriveMemory, Effort, Request, SensorProgram},
     kernel::{
         Kernel,
         quantise::{Quantiser, Sum},
@@ -183,7 +183,7 @@ fn compiled(
     request.effort = Effort {
         states: settings.effort,
     };
-    let kind = Kind {
+    let kind = CellKind {
         kernel: levels,
         on: 1.0,
         off: if one_threshold { 1.0 } else { 0.5 },
@@ -192,7 +192,7 @@ fn compiled(
         .word("memory")
         .and_then(|word| word.strip_prefix("bits:"));
     let memory = memory.and_then(|bits| bits.parse().ok());
-    let memory = memory.map_or(Memory::Analogue, Memory::Bits);
+    let memory = memory.map_or(DriveMemory::Analogue, DriveMemory::Bits);
     let title = format!("{} as {name}", point.word("kernel").unwrap_or_default());
     let program = SensorProgram::new(&[kind], memory, &title, &request)?;
     let compiled = Compiled {

@@ -21,7 +21,7 @@ use super::{
     store::Store,
     table::{self, Row},
 };
-use crate::guard;
+use crate::catch_panic;
 
 /// One part of a study, for one of several machines: the points whose number leaves `index`
 /// when it is divided by `of`.
@@ -172,7 +172,7 @@ impl Run<'_> {
 
     /// The row of a point, also where its computation panics.
     pub(super) fn computed(&self, entry: &Entry, measure: impl FnOnce() -> Row) -> Row {
-        guard::caught(measure).unwrap_or_else(|words| {
+        catch_panic::catch(measure).unwrap_or_else(|words| {
             let why = format!("its computation panicked, which is a defect of amacrine: {words}");
             without_figures(described(self.plan, entry), "failed", &why)
         })

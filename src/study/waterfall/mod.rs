@@ -92,7 +92,7 @@ pub struct Words {
 /// What one step does.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Step {
-    /// Which.
+    /// The cause that this step switches on.
     pub cause: Cause,
     /// In a few words.
     pub name: &'static str,
@@ -125,12 +125,12 @@ impl Waterfall {
     /// As parts of the float sensor's events.
     #[must_use]
     pub fn shares(&self, fate: Fate) -> Shares {
-        Shares::of(fate, self.float_events)
+        Shares::new(fate, self.float_events)
     }
 }
 
 impl Shares {
-    fn of(fate: Fate, events: u64) -> Self {
+    fn new(fate: Fate, events: u64) -> Self {
         let share = |n: u64| n as f64 / events as f64;
         Self {
             mistimed: share(fate.mistimed),
@@ -215,7 +215,7 @@ pub fn ask(
     let quantised = design.quantise(question.to, question.sum)?;
     let levels = design.in_levels(&quantised);
     let program = levels.compile("levels")?;
-    let plan = Plan::of(question).ok_or(WaterfallError::Packet)?;
+    let plan = Plan::new(question).ok_or(WaterfallError::Packet)?;
     let mut sensors = Vec::new();
     for setup in &plan.setups {
         sensors.push(setup.sensor(question, &levels, &program, size)?);
@@ -246,14 +246,14 @@ pub fn ask(
 
 impl Plan {
     /// None in a sound build: the forward chain exists for every arithmetic.
-    fn of(question: &Question<'_>) -> Option<Self> {
+    fn new(question: &Question<'_>) -> Option<Self> {
         let causes: &[Cause] = match question.arithmetic {
             Arithmetic::Number(_) => &Cause::NUMBERS,
             Arithmetic::Silicon { .. } => &Cause::SILICON,
         };
         let mut setups = Vec::new();
         let mut place = |on: &Switches| -> Option<Place> {
-            let setup = Setup::of(question, on)?;
+            let setup = Setup::new(question, on)?;
             // The same sensor is run once.
             let at = setups.iter().position(|other| *other == setup);
             let at = at.unwrap_or_else(|| {
@@ -348,7 +348,7 @@ impl Packets {
         for pairs in &plan.steps {
             let forward = self.fate(pairs.forward)?;
             let backward = pairs.backward.map(|pair| self.fate(pair)).transpose()?;
-            let share = |fate| Shares::of(fate, float_events);
+            let share = |fate| Shares::new(fate, float_events);
             let (forward_share, backward_share) = (share(forward), backward.map(share));
             steps.push(Step {
                 cause: pairs.cause,

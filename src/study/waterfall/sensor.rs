@@ -47,7 +47,7 @@ pub(super) enum Setup {
 impl Setup {
     /// `None` where there is no such sensor: a memory that snaps speaks once a frame, the chip
     /// has one memory and runs the levels alone, and analogue cells are computed in f32.
-    pub(super) fn of(question: &Question<'_>, on: &Switches) -> Option<Self> {
+    pub(super) fn new(question: &Question<'_>, on: &Switches) -> Option<Self> {
         let is = |cause| on.contains(&cause);
         let (frames, memory, kernel) = (is(Cause::Frames), is(Cause::Memory), is(Cause::Kernel));
         let on_chip = on.iter().any(|c| !c.is_float() && *c != Cause::Readout);

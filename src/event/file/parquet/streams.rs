@@ -33,7 +33,7 @@ use super::super::{
     origin::Origin,
     source::{BLOCK, Out, Sink, Source},
 };
-use crate::{event::Event, guard};
+use crate::{catch_panic, event::Event};
 
 /// Events of a row group.
 const GROUP: usize = 1 << 20;
@@ -47,7 +47,7 @@ fn wrong(why: impl Into<String>) -> Stop {
 
 /// Does what the crate may also answer with a panic, as it does for some damaged files.
 fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, Stop> {
-    match guard::guarded(work) {
+    match catch_panic::catch_ok(work) {
         Some(Ok(done)) => Ok(done),
         Some(Err(e)) => Err(wrong(format!("cannot be read: {e}"))),
         None => Err(wrong("cannot be read: it contradicts itself")),

@@ -1,4 +1,4 @@
-//! Values that begin where a line of the cache does, apart from others in the cache.
+//! Buffers aligned to cache lines, and staggered so that they do not evict each other.
 
 use std::{
     fmt,
@@ -15,19 +15,22 @@ use crate::plane::{Plane, Size};
 /// a store to one holds up loads from another: eight that are so far apart share it evenly.
 const STAGGER: usize = 4096 / 8 + 64;
 
-/// Planes begin where a line of the cache does: a vector that lies across two costs twice.
+/// Bytes of a cache line, at which planes begin: a vector that lies across two lines costs twice.
 pub(crate) const LINE: usize = 64;
 
-/// So many values, at a place of their own.
-pub(crate) struct Lined<T> {
+/// A buffer of a fixed length, aligned to a cache line.
+pub(crate) struct Aligned<T> {
+    /// The values, with padding before and after.
     all: Vec<T>,
+    /// The number of the plane, which gives its stagger.
     k: usize,
+    /// Padding before the first value.
     lead: usize,
     len: usize,
 }
 
-impl<T: Clone> Lined<T> {
-    /// The plane number `k`, all alike.
+impl<T: Clone> Aligned<T> {
+    /// The plane number `k`, filled with `value`.
     pub(crate) fn new(k: usize, value: T, cells: usize) -> Self {
         let size = size_of::<T>().max(1);
         let (stagger, slack) = (k * STAGGER % 4096 / size, LINE / size);
@@ -42,8 +45,8 @@ impl<T: Clone> Lined<T> {
         }
     }
 
-    /// The plane number `k`, with these values.
-    pub(crate) fn of(k: usize, values: &[T]) -> Self {
+    /// The plane number `k`, a copy of `values`.
+    pub(crate) fn from_slice(k: usize, values: &[T]) -> Self {
         let Some(first) = values.first() else {
             return Self::default();
         };
@@ -55,20 +58,20 @@ impl<T: Clone> Lined<T> {
 
 /// Zeros, the plane number `k`.
 pub(crate) fn zeros(k: usize, size: Size) -> Plane<f64> {
-    let Lined { all, lead, len, .. } = Lined::new(k, 0.0, size.pixels());
+    let Aligned { all, lead, len, .. } = Aligned::new(k, 0.0, size.pixels());
     let values = Array1::from_vec(all).slice_move(s![lead..lead + len]);
     let plane = values.into_shape_with_order(size.shape());
     plane.expect("as many values as pixels, one after the other")
 }
 
-impl<T: Clone> Clone for Lined<T> {
+impl<T: Clone> Clone for Aligned<T> {
     fn clone(&self) -> Self {
-        Self::of(self.k, self)
+        Self::from_slice(self.k, self)
     }
 }
 
-/// None.
-impl<T> Default for Lined<T> {
+/// An empty buffer.
+impl<T> Default for Aligned<T> {
     fn default() -> Self {
         Self {
             all: Vec::new(),
@@ -79,7 +82,7 @@ impl<T> Default for Lined<T> {
     }
 }
 
-impl<T> Deref for Lined<T> {
+impl<T> Deref for Aligned<T> {
     type Target = [T];
 
     #[inline]
@@ -88,22 +91,22 @@ impl<T> Deref for Lined<T> {
     }
 }
 
-impl<T> DerefMut for Lined<T> {
+impl<T> DerefMut for Aligned<T> {
     #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
         &mut self.all[self.lead..][..self.len]
     }
 }
 
-impl<T: PartialEq> PartialEq for Lined<T> {
+impl<T: PartialEq> PartialEq for Aligned<T> {
     fn eq(&self, other: &Self) -> bool {
         **self == **other
     }
 }
 
-impl<T: Eq> Eq for Lined<T> {}
+impl<T: Eq> Eq for Aligned<T> {}
 
-impl<T: fmt::Debug> fmt::Debug for Lined<T> {
+impl<T: fmt::Debug> fmt::Debug for Aligned<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_list().entries(self.iter()).finish()
     }
@@ -116,7 +119,7 @@ mod tests {
     #[test]
     fn values_begin_where_a_line_does() {
         for k in 0..9 {
-            let first = Lined::new(k, 1.5f32, 77);
+            let first = Aligned::new(k, 1.5f32, 77);
             let copy = first.clone();
             let plane = zeros(k, Size::new(3, 5));
             assert_eq!((&first[..], copy == first), (&[1.5; 77][..], true));
@@ -129,6 +132,6 @@ mod tests {
                 assert_eq!(at % LINE, 0);
             }
         }
-        assert!(Lined::<u64>::of(1, &[]).is_empty());
+        assert!(Aligned::<u64>::from_slice(1, &[]).is_empty());
     }
 }

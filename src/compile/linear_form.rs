@@ -1,9 +1,9 @@
-//! What a register holds while a filter runs: a sum of weighted, shifted inputs, in whole
-//! numbers of one small unit.
+//! Linear forms: what a register holds while a filter runs, as a sum of weighted, shifted
+//! inputs. Weights are whole numbers of one small unit.
 
 use crate::isa::Direction;
 
-/// One weight at one place, rows downwards.
+/// One weight at one place relative to the pixel: `y` rows down, `x` columns to the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Tap {
     pub(super) y: i16,
@@ -13,20 +13,21 @@ pub(super) struct Tap {
 
 /// `value(p) = sum of weight * input(p + (y, x))`; taps by place, none of weight 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Field {
+pub(super) struct LinearForm {
     taps: Vec<Tap>,
 }
 
-/// Beyond, a weight is given up: nobody asks for it, and sums stay far from the end of i64.
-const MOST: i64 = 1 << 40;
+/// The largest weight that the search follows: sums of such weights stay far from overflow.
+const LARGEST_WEIGHT: i64 = 1 << 40;
 
 /// Farther than this nothing is moved.
 const FARTHEST: i16 = 64;
 
-/// A pixel's own NEWS cell, then those in the order of [`Direction::ALL`].
-pub(super) const VIEWS: [(i16, i16); 5] = [(0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)];
+/// The NEWS cells that a pixel can read: its own, then its neighbours' in the order of
+/// [`Direction::ALL`].
+pub(super) const NEWS_CELLS: [(i16, i16); 5] = [(0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)];
 
-/// The step of a view: nothing is the pixel itself.
+/// The offset of a NEWS cell; `None` is the cell of the pixel itself.
 pub(super) fn step(view: Option<Direction>) -> (i16, i16) {
     view.map_or((0, 0), |direction| {
         let (y, x) = direction.step();
@@ -34,14 +35,14 @@ pub(super) fn step(view: Option<Direction>) -> (i16, i16) {
     })
 }
 
-impl Field {
+impl LinearForm {
     /// One weight, at the pixel itself.
     pub(super) fn unit(weight: i64) -> Self {
-        Self::of(vec![Tap { y: 0, x: 0, weight }])
+        Self::new(vec![Tap { y: 0, x: 0, weight }])
     }
 
     /// From taps at different places.
-    pub(super) fn of(mut taps: Vec<Tap>) -> Self {
+    pub(super) fn new(mut taps: Vec<Tap>) -> Self {
         taps.retain(|tap| tap.weight != 0);
         taps.sort_unstable();
         Self { taps }
@@ -63,10 +64,10 @@ impl Field {
         found.map_or(0, |i| self.taps[i].weight)
     }
 
-    /// Whether no weight and no place is out of hand.
-    pub(super) fn is_tame(&self) -> bool {
+    /// Whether all weights and places are within the bounds of the search.
+    pub(super) fn is_bounded(&self) -> bool {
         self.taps.iter().all(|tap| {
-            tap.weight.abs() <= MOST && tap.y.abs() <= FARTHEST && tap.x.abs() <= FARTHEST
+            tap.weight.abs() <= LARGEST_WEIGHT && tap.y.abs() <= FARTHEST && tap.x.abs() <= FARTHEST
         })
     }
 
@@ -93,8 +94,8 @@ impl Field {
         Some(Self { taps })
     }
 
-    /// What a pixel finds a step away: taps at t come to t + step.
-    pub(super) fn seen(&self, (dy, dx): (i16, i16)) -> Self {
+    /// The form read from a cell a step away: taps at t come to t + step.
+    pub(super) fn shifted(&self, (dy, dx): (i16, i16)) -> Self {
         let mut taps = self.taps.clone();
         for tap in &mut taps {
             tap.y += dy;
@@ -103,8 +104,8 @@ impl Field {
         Self { taps }
     }
 
-    /// Whether this is `times` what `other` is, seen a step away.
-    pub(super) fn is_seen(&self, other: &Self, (dy, dx): (i16, i16), times: i64) -> bool {
+    /// Whether this is `times` what `other` is, read a step away.
+    pub(super) fn is_shifted(&self, other: &Self, (dy, dx): (i16, i16), times: i64) -> bool {
         self.taps.len() == other.taps.len()
             && self
                 .taps
@@ -113,7 +114,7 @@ impl Field {
                 .all(|(a, b)| (a.y, a.x, a.weight) == (b.y + dy, b.x + dx, b.weight * times))
     }
 
-    /// A number for this field that hardly any other has.
+    /// A number for this form that hardly any other has.
     pub(super) fn fingerprint(&self) -> u64 {
         let mut hash = 0x243F_6A88_85A3_08D3u64;
         for tap in &self.taps {
@@ -169,11 +170,11 @@ impl Field {
         Self { taps }
     }
 
-    /// The field that, seen from all these steps and summed, is this one.
+    /// Exact division: the form that, read from all these steps and summed, gives this one.
     pub(super) fn divided(&self, steps: &[(i16, i16)]) -> Option<Self> {
         let (&lead, others) = steps.split_first()?;
         if others.is_empty() {
-            return Some(self.seen((-lead.0, -lead.1)));
+            return Some(self.shifted((-lead.0, -lead.1)));
         }
         let sum: i64 = self.taps.iter().map(|tap| tap.weight).sum();
         if sum % steps.len() as i64 != 0 {
@@ -211,7 +212,7 @@ impl Field {
             }
             quotient.push(tap);
         }
-        Some(Self::of(quotient))
+        Some(Self::new(quotient))
     }
 
     fn subtract(&mut self, tap: Tap) {
@@ -235,7 +236,8 @@ impl Field {
         }
     }
 
-    /// What all these steps have in common, each weight used once, from the first place on.
+    /// The largest form (greedily, from the first place on) that all these steps have in common:
+    /// its sum over the steps uses each weight once.
     pub(super) fn common(&self, steps: &[(i16, i16)]) -> Self {
         let mut rest = self.clone();
         let mut found = Vec::new();
@@ -263,18 +265,18 @@ impl Field {
                 weight,
             });
         }
-        Self::of(found)
+        Self::new(found)
     }
 
-    /// Whether a pixel can read this a step away without missing, at the border, what lies on
-    /// the array: no tap leads back.
-    pub(super) fn leads(&self, (dy, dx): (i16, i16)) -> bool {
+    /// Whether reading this form a step away is safe at the border: no tap points back from
+    /// beyond the array to a pixel that lies on it.
+    pub(super) fn is_outward(&self, (dy, dx): (i16, i16)) -> bool {
         self.taps
             .iter()
             .all(|tap| tap.y * dy >= 0 && tap.x * dx >= 0)
     }
 
-    /// Lowest and highest value, of inputs from `low` to `high`, in units.
+    /// The lowest and the highest value for inputs from `low` to `high`, in units.
     pub(super) fn bounds(&self, low: f64, high: f64) -> (f64, f64) {
         let mut ends = (0.0, 0.0);
         for tap in &self.taps {
@@ -287,46 +289,38 @@ impl Field {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
+    use crate::compile::strategy::forms;
     use proptest::prelude::*;
 
-    pub(in super::super) fn fields(reach: i16, most: i64) -> impl Strategy<Value = Field> {
-        let tap = (-reach..=reach, -reach..=reach, -most..=most);
-        proptest::collection::btree_map(tap.prop_map(|(y, x, _)| (y, x)), -most..=most, 1..12)
-            .prop_map(|taps| {
-                let taps = taps.into_iter();
-                Field::of(taps.map(|((y, x), weight)| Tap { y, x, weight }).collect())
-            })
-    }
-
-    fn product(field: &Field, steps: &[(i16, i16)]) -> Field {
-        let none = Field::default();
+    fn product(form: &LinearForm, steps: &[(i16, i16)]) -> LinearForm {
+        let none = LinearForm::default();
         steps
             .iter()
-            .fold(none, |sum, step| sum.plus(&field.seen(*step), 1))
+            .fold(none, |sum, step| sum.plus(&form.shifted(*step), 1))
     }
 
     proptest! {
         #[test]
-        fn division_undoes_the_sum(field in fields(3, 5), which in 1usize..31) {
-            prop_assume!(!field.is_zero());
-            let steps: Vec<_> = (0..5).filter(|i| which >> i & 1 == 1).map(|i| VIEWS[i]).collect();
-            let sum = product(&field, &steps);
-            prop_assert_eq!(sum.divided(&steps), Some(field.clone()));
-            let broken = sum.plus(&Field::unit(1), 1);
+        fn division_undoes_the_sum(form in forms(3, 5), which in 1usize..31) {
+            prop_assume!(!form.is_zero());
+            let steps: Vec<_> = (0..5).filter(|i| which >> i & 1 == 1).map(|i| NEWS_CELLS[i]).collect();
+            let sum = product(&form, &steps);
+            prop_assert_eq!(sum.divided(&steps), Some(form.clone()));
+            let broken = sum.plus(&LinearForm::unit(1), 1);
             if let Some(other) = broken.divided(&steps) {
                 prop_assert_eq!(product(&other, &steps), broken);
             }
         }
 
         #[test]
-        fn what_is_common_and_the_rest_are_the_whole(field in fields(3, 5), which in 1usize..31) {
-            let steps: Vec<_> = (0..5).filter(|i| which >> i & 1 == 1).map(|i| VIEWS[i]).collect();
-            let common = field.common(&steps);
-            let rest = field.plus(&product(&common, &steps), -1);
-            let size = |field: &Field| field.taps().iter().map(|tap| tap.weight.abs()).sum::<i64>();
-            prop_assert_eq!(size(&rest) + steps.len() as i64 * size(&common), size(&field));
+        fn what_is_common_and_the_rest_are_the_whole(form in forms(3, 5), which in 1usize..31) {
+            let steps: Vec<_> = (0..5).filter(|i| which >> i & 1 == 1).map(|i| NEWS_CELLS[i]).collect();
+            let common = form.common(&steps);
+            let rest = form.plus(&product(&common, &steps), -1);
+            let size = |form: &LinearForm| form.taps().iter().map(|tap| tap.weight.abs()).sum::<i64>();
+            prop_assert_eq!(size(&rest) + steps.len() as i64 * size(&common), size(&form));
         }
     }
 }

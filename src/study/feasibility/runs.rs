@@ -1,12 +1,12 @@
-//! What the sensors said of the scene.
+//! Runs of all sensors on the scene.
 
-use super::{FeasibilityError, Question, Stream, Streams, Watched, stream::Window};
+use super::{FeasibilityError, Question, Stream, Streams, stream::Window};
 use crate::{
     array::{Arithmetic, Array},
     event::Packet,
     kernel::Kernel,
     number::Format,
-    plane::{Plane, Size},
+    plane::Plane,
     reference::MemoryRule,
     rig,
     scene::{Frame, Scene},
@@ -23,7 +23,7 @@ impl Question<'_> {
         program: Option<&Compiled>,
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(&Frame),
-    ) -> Result<(Said, u64), FeasibilityError> {
+    ) -> Result<(Runs, u64), FeasibilityError> {
         let size = scene.size();
         let alone = one_pixel();
         let plain = Design {
@@ -54,7 +54,7 @@ impl Question<'_> {
         let mut packets = packets.into_iter();
         let mut next = || packets.next();
         let empty = || Packet::new(size, 1);
-        let said = Said {
+        let said = Runs {
             float: next().unwrap_or_else(empty),
             dvs: next().unwrap_or_else(empty),
             exact: next(),
@@ -69,43 +69,27 @@ fn one_pixel() -> Kernel {
     Kernel::new(Plane::ones((1, 1))).expect("one finite weight is a kernel")
 }
 
-/// What the sensors said.
-pub(super) struct Said {
+/// The packets of all sensors.
+pub(super) struct Runs {
     pub float: Packet,
     pub dvs: Packet,
     pub exact: Option<Packet>,
     pub silicon: Option<Packet>,
 }
 
-impl Said {
+impl Runs {
     pub fn streams(&self, question: &Question<'_>, fps: f64) -> Result<Streams, FeasibilityError> {
         let window = Window {
             within: question.within,
             frame: Micros::from_seconds(1.0 / fps),
             seed: question.seed,
         };
-        let judged = |packet: &Packet| Stream::of(packet, Some(&self.float), &window);
+        let judged = |packet: &Packet| Stream::new(packet, Some(&self.float), &window);
         Ok(Streams {
-            float: Stream::of(&self.float, None, &window)?,
+            float: Stream::new(&self.float, None, &window)?,
             dvs: judged(&self.dvs)?,
             exact: self.exact.as_ref().map(judged).transpose()?,
             silicon: self.silicon.as_ref().map(judged).transpose()?,
         })
-    }
-}
-
-impl Watched {
-    pub(super) fn of(name: &str, scene: &dyn Scene, frames: u64, packet: &Packet) -> Self {
-        let Size { height, width } = scene.size();
-        let (from, to) = packet.span;
-        Self {
-            name: name.to_owned(),
-            width,
-            height,
-            frames,
-            seconds: Micros(to.0.saturating_sub(from.0)).seconds(),
-            fps: scene.fps(),
-            fps_is_assumed: scene.fps_is_assumed(),
-        }
     }
 }

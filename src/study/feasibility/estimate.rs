@@ -4,7 +4,7 @@ use crate::isa::{Device, Evidence, Figure, Quantity};
 
 /// A number, or an interval where more is not known.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Known {
+pub struct Estimate {
     /// The least that it can be.
     pub low: f64,
     /// The most; the same where it is one number.
@@ -17,7 +17,7 @@ pub struct Known {
     pub source: String,
 }
 
-impl Known {
+impl Estimate {
     /// One number.
     pub(super) fn one(
         value: f64,
@@ -93,7 +93,7 @@ mod tests {
     #[test]
     fn a_figure_keeps_what_the_chip_s_data_says_of_it() {
         let device = Device::scamp5();
-        let power = Known::figure(&device, Figure::Power);
+        let power = Estimate::figure(&device, Figure::Power);
         assert_eq!((power.low, power.high, power.unit), (1.2, 1.2, "W"));
         assert_eq!(power.evidence, Evidence::Quoted);
         assert!(power.source.contains("535 GOPS/W"));

@@ -1,28 +1,29 @@
-//! Plans that always exist and are right up to the border: sums move only towards the pixel,
-//! rows along rows, then all of them along columns, so that nothing passes a place off the array.
+//! Border-safe plans: they always exist and are right up to the border.
+//! Sums move only towards the pixel, rows along rows, then all of them along columns, so that
+//! nothing passes a place off the array.
 //! As on a [`walk`](super::walk), what is held of the input is added at both ends of a move.
 
 use super::{
     beam::SOURCES,
     digit::{Digit, Visits, groups, most_halved},
-    draft::{Draft, Sum},
-    field::Field,
+    linear_form::LinearForm,
     plan::{Plan, Value},
-    walk::HELD,
+    plan_builder::{PlanBuilder, Sum},
+    walk::MOST_EXPONENTS,
 };
 use crate::isa::Direction;
 
 /// Plans for one goal that differ in words and in registers.
-pub(super) fn combs(goal: &Field, unit: i64) -> Vec<Plan> {
+pub(super) fn border_safe_plans(goal: &LinearForm, unit: i64) -> Vec<Plan> {
     let mut plans = Vec::new();
-    for held in 1..=HELD {
+    for held in 1..=MOST_EXPONENTS {
         for choice in 0..8 {
             let [minus, columns_first, steady] = [1, 2, 4].map(|bit| choice & bit != 0);
-            plans.push(comb(
+            plans.push(plan(
                 goal,
                 unit,
                 held,
-                Draft::new(minus, steady),
+                PlanBuilder::new(minus, steady),
                 columns_first,
             ));
         }
@@ -30,34 +31,40 @@ pub(super) fn combs(goal: &Field, unit: i64) -> Vec<Plan> {
     plans
 }
 
-fn comb(goal: &Field, unit: i64, held: usize, draft: Draft, columns_first: bool) -> Plan {
+fn plan(
+    goal: &LinearForm,
+    unit: i64,
+    held: usize,
+    builder: PlanBuilder,
+    columns_first: bool,
+) -> Plan {
     let Some((groups, last)) = groups(goal, held) else {
-        return Draft::new(false, false).zero();
+        return PlanBuilder::new(false, false).zero();
     };
-    let mut comb = Comb {
-        draft,
+    let mut writer = BorderSafe {
+        builder,
         columns_first,
     };
     let mut total: Option<Sum> = None;
     for visits in groups {
         for _ in 0..held {
-            total = total.map(|total| comb.draft.halved(total));
+            total = total.map(|total| writer.builder.halved(total));
         }
-        comb.draft.hold(most_halved(&visits));
-        total = comb.gathered(total, visits);
+        writer.builder.hold(most_halved(&visits));
+        total = writer.gathered(total, visits);
     }
     // Without a digit there was no group.
     let Some(total) = total else {
-        return comb.draft.zero();
+        return writer.builder.zero();
     };
     let one = unit.trailing_zeros() as usize;
     let (up, down) = (last.saturating_sub(one), one.saturating_sub(last));
-    comb.draft.finished(total, up, down)
+    writer.builder.finished(total, up, down)
 }
 
 #[derive(Clone)]
-struct Comb {
-    draft: Draft,
+struct BorderSafe {
+    builder: PlanBuilder,
     /// The other way round.
     columns_first: bool,
 }
@@ -65,7 +72,7 @@ struct Comb {
 /// What is added at each distance of an arm, from the far end.
 type Arm = Vec<(i16, Vec<Digit>)>;
 
-impl Comb {
+impl BorderSafe {
     /// All of a group, and a sum that lies at the pixel already.
     fn gathered(&mut self, mut total: Option<Sum>, mut visits: Visits) -> Option<Sum> {
         if self.columns_first {
@@ -84,7 +91,7 @@ impl Comb {
                 part = self.row(part, of(sign * y));
                 part = part.map(|part| {
                     self.news(direction, vec![part.value]);
-                    let sum = self.draft.register(vec![None], vec![], false);
+                    let sum = self.builder.register(vec![None], vec![], false);
                     // Stored twice.
                     Sum { value: sum, ..part }
                 });
@@ -104,15 +111,15 @@ impl Comb {
             Direction::West => Direction::North,
             Direction::East => Direction::South,
         };
-        self.draft.news(Some(direction), values);
+        self.builder.news(Some(direction), values);
     }
 
     fn merged(&mut self, a: Option<Sum>, b: Sum) -> Sum {
         let Some(mut a) = a else { return b };
         if a.negative != b.negative {
-            a = self.draft.turned(a);
+            a = self.builder.negated(a);
         }
-        let both = self.draft.register(vec![], vec![a.value, b.value], false);
+        let both = self.builder.register(vec![], vec![a.value, b.value], false);
         Sum::stored(both, a.negative)
     }
 
@@ -129,25 +136,25 @@ impl Comb {
             }
             // With the sign that costs less.
             let tries = [false, true].map(|negative| {
-                let (mut comb, mut left) = (self.clone(), pending.clone());
-                let sum = comb.arm(&arm, direction, negative, sum, &mut left);
-                (comb, left, sum)
+                let (mut writer, mut left) = (self.clone(), pending.clone());
+                let sum = writer.arm(&arm, direction, negative, sum, &mut left);
+                (writer, left, sum)
             });
-            let best = tries.into_iter().min_by_key(|(comb, left, sum)| {
+            let best = tries.into_iter().min_by_key(|(writer, left, sum)| {
                 let open = usize::from(!left.is_empty()) + usize::from(sum.negative);
-                (2 * comb.draft.plan.words.len() + open, left.len())
+                (2 * writer.builder.plan.words.len() + open, left.len())
             });
-            if let Some((comb, left, found)) = best {
-                (*self, pending, sum) = (comb, left, Some(found));
+            if let Some((writer, left, found)) = best {
+                (*self, pending, sum) = (writer, left, Some(found));
             }
         }
         match sum {
-            Some(sum) => Some(self.draft.add_all(sum, &mut pending)),
+            Some(sum) => Some(self.builder.add_all(sum, &mut pending)),
             None if pending.is_empty() => None,
             None => {
-                let values = self.draft.take(&mut pending, false, SOURCES);
-                let sum = Sum::stored(self.draft.register(vec![], values, false), false);
-                Some(self.draft.add_all(sum, &mut pending))
+                let values = self.builder.take(&mut pending, false, SOURCES);
+                let sum = Sum::stored(self.builder.register(vec![], values, false), false);
+                Some(self.builder.add_all(sum, &mut pending))
             }
         }
     }
@@ -173,12 +180,12 @@ impl Comb {
         for x in (1..=far).rev() {
             loop {
                 let room = SOURCES - sum.len();
-                sum.extend(self.draft.take(&mut pending, negative, room));
+                sum.extend(self.builder.take(&mut pending, negative, room));
                 negative = !negative;
                 if pending.is_empty() {
                     break;
                 }
-                sum = vec![self.draft.register(vec![], sum, false)];
+                sum = vec![self.builder.register(vec![], sum, false)];
             }
             self.news(direction, sum);
             pending = if x > 1 {
@@ -189,9 +196,9 @@ impl Comb {
             let fits = |to: &mut Sum| x == 1 && to.negative == negative;
             let taken = to.take_if(fits).map(|to| to.value);
             let room = SOURCES - 1 - usize::from(taken.is_some());
-            let mut values = self.draft.take(&mut pending, negative, room);
+            let mut values = self.builder.take(&mut pending, negative, room);
             values.extend(taken);
-            sum = vec![self.draft.register(vec![None], values, false)];
+            sum = vec![self.builder.register(vec![None], values, false)];
             negative = !negative;
         }
         *middle = pending;
@@ -206,15 +213,15 @@ impl Comb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compile::field::tests::fields;
+    use crate::compile::strategy::forms;
     use proptest::prelude::*;
 
     proptest! {
         #[test]
-        fn combs_make_what_is_asked_up_to_the_border(goal in fields(5, 300), exponent in 0u32..9) {
+        fn combs_make_what_is_asked_up_to_the_border(goal in forms(5, 300), exponent in 0u32..9) {
             let unit = 1i64 << exponent;
             let fine = 1 << 20;
-            for plan in combs(&goal, unit) {
+            for plan in border_safe_plans(&goal, unit) {
                 let trace = plan.trace(unit * fine).unwrap();
                 prop_assert!(trace.border);
                 prop_assert_eq!(&trace.values[plan.goals[0]], &goal.times(fine));

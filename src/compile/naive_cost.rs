@@ -1,22 +1,22 @@
-//! The yardstick: what the plainest program of a kernel costs.
+//! The naive cost: what the plainest program of a kernel takes, as a yardstick.
 
-use super::{CompileError, goals};
+use super::{error::CompileError, goals::goals, linear_form::LinearForm};
 use crate::{kernel::Kernel, number::signed_digits};
 
-/// Words of a naive snake over each kernel: two for every step of a shifted copy to the next
+/// The words of the naive program, a walk in lines over each kernel (a "snake"): two for every step of a shifted copy to the next
 /// place of the kernel, two for every signed digit that is added, and two for every halving or
 /// doubling of the copy on the way from digit to digit; and two to bring the result of a
 /// single weight back to where the picture was.
 ///
-/// # Errors
+/// # StoreErrors
 /// When a weight is not dyadic or a kernel is too large.
-pub fn snake_words(kernels: &[Kernel]) -> Result<u64, CompileError> {
-    let (fields, unit) = goals(kernels)?;
+pub fn naive_cost(kernels: &[Kernel]) -> Result<u64, CompileError> {
+    let (forms, unit) = goals(kernels)?;
     let one = i64::from(unit.trailing_zeros());
     let steps = kernels
         .iter()
         .map(|k| (k.weights().len() as u64 - 1).max(1));
-    let taps = fields.iter().flat_map(super::field::Field::taps);
+    let taps = forms.iter().flat_map(LinearForm::taps);
     let weights = taps.map(|tap| {
         let first = i64::from(tap.weight.trailing_zeros()) - one;
         let last = i64::from(64 - tap.weight.unsigned_abs().leading_zeros()) - 1 - one;

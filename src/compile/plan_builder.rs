@@ -1,5 +1,5 @@
-//! A plan while it is written: sums that grow from word to word, and the input and its halves
-//! to be added to them.
+//! The plan builder of `walk` and `border_safe`: sums that grow from word to word, and the input
+//! and its halves to be added to them.
 
 use super::{
     beam::SOURCES,
@@ -16,7 +16,7 @@ pub(super) struct Sum {
 }
 
 impl Sum {
-    /// With the sign turned, as every store does.
+    /// A sum after a store, which negates.
     pub(super) const fn stored(value: Value, before: bool) -> Self {
         Self {
             value,
@@ -25,9 +25,9 @@ impl Sum {
     }
 }
 
-/// Words so far, and what is held of the input.
+/// A plan under construction: the words so far, and the multiples of the input that are held.
 #[derive(Clone, Debug)]
-pub(super) struct Draft {
+pub(super) struct PlanBuilder {
     pub(super) plan: Plan,
     /// The input and its halves; every other one is minus what it stands for, unless `steady`.
     held: Vec<Value>,
@@ -39,10 +39,11 @@ pub(super) struct Draft {
     values: usize,
 }
 
-impl Draft {
-    /// With or without minus the input.
+impl PlanBuilder {
+    /// An empty plan. With `minus`, minus the input is held too; with `steady`, halves are stored
+    /// twice.
     pub(super) fn new(minus: bool, steady: bool) -> Self {
-        let mut draft = Self {
+        let mut builder = Self {
             plan: Plan::default(),
             held: vec![0],
             steady,
@@ -53,11 +54,11 @@ impl Draft {
             let mut values = vec![0];
             if steady {
                 // One transfer error, which the store of minus the input cancels.
-                values.push(draft.register(vec![], vec![], false));
+                values.push(builder.register(vec![], vec![], false));
             }
-            draft.minus = Some(draft.register(vec![], values, false));
+            builder.minus = Some(builder.register(vec![], values, false));
         }
-        draft
+        builder
     }
 
     /// One word into a register.
@@ -87,7 +88,7 @@ impl Draft {
         });
     }
 
-    /// Halves the input so often.
+    /// Holds the input halved up to `halved` times.
     pub(super) fn hold(&mut self, halved: usize) {
         while let (true, Some(last)) = (self.held.len() <= halved, self.held.last().copied()) {
             let mut half = self.register(vec![], vec![last], true);
@@ -130,17 +131,17 @@ impl Draft {
         sum
     }
 
-    /// With the other sign.
-    pub(super) fn turned(&mut self, sum: Sum) -> Sum {
+    /// The same sum with the other sign.
+    pub(super) fn negated(&mut self, sum: Sum) -> Sum {
         Sum::stored(self.register(vec![], vec![sum.value], false), sum.negative)
     }
 
-    /// Half of it.
+    /// Half of the sum.
     pub(super) fn halved(&mut self, sum: Sum) -> Sum {
         Sum::stored(self.register(vec![], vec![sum.value], true), sum.negative)
     }
 
-    /// Twice as much, so often: of two copies one word makes their sum, two words two copies.
+    /// The sum times 2^`times`: of two copies one word makes their sum, two words two copies.
     pub(super) fn doubled(&mut self, sum: Sum, times: usize) -> Sum {
         if times == 0 {
             return sum;
@@ -165,7 +166,7 @@ impl Draft {
         one
     }
 
-    /// The goal, which counts 2^`up` of the sum, or 2^-`down`.
+    /// The finished plan. The goal counts 2^`up` of the sum, or 2^-`down`.
     pub(super) fn finished(mut self, mut sum: Sum, up: usize, down: usize) -> Plan {
         for _ in 0..down {
             sum = self.halved(sum);
@@ -179,13 +180,13 @@ impl Draft {
             sum = self.doubled(sum, up);
         }
         if sum.negative {
-            sum = self.turned(sum);
+            sum = self.negated(sum);
         }
         self.plan.goals = vec![sum.value];
         self.plan
     }
 
-    /// No weight at all.
+    /// The plan of a kernel of zeros.
     pub(super) fn zero(mut self) -> Plan {
         let zero = self.register(vec![], vec![], false);
         self.plan.goals = vec![zero];

@@ -1,4 +1,4 @@
-//! A file that is being written and has no name yet.
+//! A file that is being written: under a temporary name, renamed at the end.
 
 use std::{
     fs::{self, File, Metadata},
@@ -8,8 +8,9 @@ use std::{
 };
 
 use super::{
-    SaveError, folder,
-    place::{self, Place},
+    SaveError,
+    destination::{self, Destination},
+    folder,
     temporary::Temporary,
 };
 
@@ -23,11 +24,11 @@ pub fn reader_is_gone() -> bool {
     GONE.load(Ordering::Relaxed)
 }
 
-/// What becomes the file at its path when it is [kept](Self::keep), and nothing before.
+/// A file that appears at its path when it is [kept](Self::keep), and not before.
 ///
-/// For writers that live longer than one closure; [`super::save`] is the simpler door.
+/// For writers that live longer than one closure; [`save`](super::save) is simpler.
 #[derive(Debug)]
-pub struct Draft {
+pub struct AtomicFile {
     path: PathBuf,
     file: BufWriter<File>,
     end: End,
@@ -48,8 +49,8 @@ enum End {
     Nothing,
 }
 
-impl Draft {
-    /// An empty draft of what will be at `path`. Where that is no file, all of it waits in a
+impl AtomicFile {
+    /// An empty file that will be at `path`. Where that is no file, all of it waits in a
     /// temporary file, so that the writer can seek.
     ///
     /// # Errors
@@ -58,18 +59,18 @@ impl Draft {
         Self::new(path, true).map_err(SaveError::at(path))
     }
 
-    /// As [`Draft::create`], for writers that do not seek: a device or a FIFO gets each part as
+    /// As [`AtomicFile::create`], for writers that do not seek: a device or a FIFO gets each part as
     /// it comes.
     ///
     /// # Errors
-    /// As [`Draft::create`].
+    /// As [`AtomicFile::create`].
     pub fn stream(path: &Path) -> Result<Self, SaveError> {
         Self::new(path, false).map_err(SaveError::at(path))
     }
 
     fn new(path: &Path, seeks: bool) -> io::Result<Self> {
-        let (file, end) = match Place::of(path)? {
-            Place::File { target, old } => {
+        let (file, end) = match Destination::from_path(path)? {
+            Destination::File { target, old } => {
                 let (temporary, file) = Temporary::beside(&target)?;
                 let end = End::Rename {
                     temporary,
@@ -78,8 +79,8 @@ impl Draft {
                 };
                 (file, end)
             }
-            node if seeks => (tempfile::tempfile()?, End::Copy(place::open(&node)?)),
-            node => (place::open(&node)?, End::Nothing),
+            node if seeks => (tempfile::tempfile()?, End::Copy(destination::open(&node)?)),
+            node => (destination::open(&node)?, End::Nothing),
         };
         Ok(Self {
             path: path.to_owned(),
@@ -99,7 +100,7 @@ impl Draft {
     /// Gives the file its name, and waits until the disk has both.
     ///
     /// # Errors
-    /// As [`Draft::keep`]; when only the last step fails, the file is in place and may not
+    /// As [`AtomicFile::keep`]; when only the last step fails, the file is in place and may not
     /// outlive the machine.
     pub fn keep_durably(self) -> Result<(), SaveError> {
         self.finish(true)
@@ -181,7 +182,7 @@ fn take_after(file: &File, old: &Metadata) -> io::Result<()> {
     file.set_permissions(permissions)
 }
 
-impl Write for Draft {
+impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.file.write(bytes);
         written.map_err(self.end.hears())
@@ -193,7 +194,7 @@ impl Write for Draft {
     }
 }
 
-impl Seek for Draft {
+impl Seek for AtomicFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         // Standard output may be a file in which more than this is.
         if matches!(self.end, End::Nothing) {

@@ -1,4 +1,4 @@
-//! What there is to look at: the busiest frame, and the events in it.
+//! A snapshot of the scene: its busiest frame, and the events in it.
 
 use std::ops::ControlFlow;
 
@@ -13,8 +13,8 @@ use crate::{
 
 /// One moment of the scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sight {
-    /// When.
+pub struct Snapshot {
+    /// Time of the frame.
     pub at: Micros,
     /// Light, `[y, x]`.
     pub light: Plane<f64>,
@@ -24,10 +24,10 @@ pub struct Sight {
     pub chip: Option<Vec<Event>>,
 }
 
-impl Sight {
+impl Snapshot {
     /// The frame at which the float sensor has most events; the first where it has none. The
     /// scene is read up to it.
-    pub(super) fn of(
+    pub(super) fn new(
         float: &Packet,
         chip: Option<&Packet>,
         scene: &mut dyn Scene,

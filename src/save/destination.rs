@@ -6,9 +6,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What is written when a path is.
+/// Standard output, as a path of something that is written.
+pub const STDOUT: &str = "/dev/stdout";
+
+/// What is written to when a path is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum OutputKind {
     /// A file, there or not: it is replaced whole.
     File {
         /// Its own name, behind all links.
@@ -24,11 +27,11 @@ pub enum Kind {
 ///
 /// # Errors
 /// When it leads to a folder, round in a circle, or nowhere that can be looked at.
-pub fn kind(path: &Path) -> io::Result<Kind> {
-    Ok(match Place::of(path)? {
-        Place::File { target, .. } => Kind::File { target },
-        Place::Descriptor(1, _) => Kind::Stdout,
-        Place::Descriptor(..) | Place::Node { .. } => Kind::Node,
+pub fn output_kind(path: &Path) -> io::Result<OutputKind> {
+    Ok(match Destination::from_path(path)? {
+        Destination::File { target, .. } => OutputKind::File { target },
+        Destination::Descriptor(1, _) => OutputKind::Stdout,
+        Destination::Descriptor(..) | Destination::Node { .. } => OutputKind::Node,
     })
 }
 
@@ -37,7 +40,7 @@ const LINKS: usize = 40;
 
 /// Where a path leads.
 #[derive(Debug)]
-pub(super) enum Place {
+pub(super) enum Destination {
     /// To this name, behind all links; and what is there now.
     File {
         target: PathBuf,
@@ -49,8 +52,8 @@ pub(super) enum Place {
     Descriptor(u32, PathBuf),
 }
 
-impl Place {
-    pub(super) fn of(path: &Path) -> io::Result<Self> {
+impl Destination {
+    pub(super) fn from_path(path: &Path) -> io::Result<Self> {
         let mut at = path.to_owned();
         for _ in 0..LINKS {
             if let Some(number) = descriptor(&at) {
@@ -91,7 +94,7 @@ impl Place {
 /// The number of the descriptor that a path names.
 fn descriptor(path: &Path) -> Option<u32> {
     match path.to_str() {
-        Some(super::STDOUT) => return Some(1),
+        Some(STDOUT) => return Some(1),
         Some("/dev/stderr") => return Some(2),
         _ => {}
     }
@@ -114,33 +117,33 @@ fn is_socket(_: &Metadata) -> bool {
 
 /// Opens what is written through.
 #[cfg(unix)]
-pub(super) fn open(place: &Place) -> io::Result<File> {
+pub(super) fn open(destination: &Destination) -> io::Result<File> {
     use std::os::{
         fd::{AsFd, OwnedFd},
         unix::net::UnixStream,
     };
     // Standard output must not be opened anew: it would have a position of its own.
     let again = |fd: std::os::fd::BorrowedFd<'_>| fd.try_clone_to_owned().map(File::from);
-    match place {
-        Place::Descriptor(0, _) => again(io::stdin().as_fd()),
-        Place::Descriptor(1, _) => again(io::stdout().as_fd()),
-        Place::Descriptor(2, _) => again(io::stderr().as_fd()),
+    match destination {
+        Destination::Descriptor(0, _) => again(io::stdin().as_fd()),
+        Destination::Descriptor(1, _) => again(io::stdout().as_fd()),
+        Destination::Descriptor(2, _) => again(io::stderr().as_fd()),
         // What is there already stays, where it is a file.
-        Place::Descriptor(_, path) => OpenOptions::new().append(true).open(path),
-        Place::Node { path, socket: true } => {
+        Destination::Descriptor(_, path) => OpenOptions::new().append(true).open(path),
+        Destination::Node { path, socket: true } => {
             UnixStream::connect(path).map(|stream| File::from(OwnedFd::from(stream)))
         }
-        Place::Node { path, .. } | Place::File { target: path, .. } => {
+        Destination::Node { path, .. } | Destination::File { target: path, .. } => {
             OpenOptions::new().write(true).open(path)
         }
     }
 }
 
 #[cfg(not(unix))]
-pub(super) fn open(place: &Place) -> io::Result<File> {
-    match place {
-        Place::Descriptor(_, path)
-        | Place::Node { path, .. }
-        | Place::File { target: path, .. } => OpenOptions::new().write(true).open(path),
+pub(super) fn open(destination: &Destination) -> io::Result<File> {
+    match destination {
+        Destination::Descriptor(_, path)
+        | Destination::Node { path, .. }
+        | Destination::File { target: path, .. } => OpenOptions::new().write(true).open(path),
     }
 }

@@ -1,0 +1,127 @@
+//! A compiled filter: its words, and what is known of them.
+
+use std::fmt::Write as _;
+
+use super::{
+    linear_form::LinearForm,
+    request::Request,
+    solve::{FINE, Solved, fine},
+};
+use crate::isa::{Analog, Device, Primitive, Source, Target};
+
+/// A filter in instruction words.
+#[derive(Clone, Debug)]
+pub struct Filter {
+    /// The words: each a bus word.
+    pub words: Vec<Primitive>,
+    /// The registers that hold a value while each word runs, NEWS left out.
+    pub live: Vec<Vec<Analog>>,
+    /// Halvings of the input: the results are 2^-prescale of the kernels' sums.
+    pub prescale: u32,
+    /// Whether the results are right up to the border, zeros beyond it.
+    pub border: bool,
+    /// The largest magnitude that any word stores, for an input of magnitude 1.
+    pub peak: f64,
+    /// With a range: nothing saturates, the chip's transfer errors included.
+    pub holds: bool,
+    /// What is left of the transfer error in each result, in errors of one store.
+    pub offsets: Vec<f64>,
+    /// States that the search looked at.
+    pub states: u64,
+}
+
+impl Filter {
+    /// The words as statements, one a line.
+    #[must_use]
+    pub fn text(&self, device: &Device, indent: usize) -> String {
+        let mut text = String::new();
+        for word in &self.words {
+            let _ = writeln!(text, "{:indent$}{};", "", word.text(device));
+        }
+        text
+    }
+
+    /// A solved plan behind `words`, which halve the input `prescale` times.
+    pub(super) fn from_solved(
+        request: &Request<'_>,
+        solved: &Solved,
+        unit: i64,
+        prescale: u32,
+        mut words: Vec<Primitive>,
+    ) -> Self {
+        let mut live: Vec<Vec<Analog>> = words
+            .iter()
+            .map(|word| registers(word, request.device))
+            .collect();
+        words.extend(solved.allocated.words.iter().cloned());
+        for held in &solved.allocated.live {
+            live.push(held.iter().map(|(register, _)| *register).collect());
+        }
+        Self {
+            offsets: offsets(&words, &request.into, request.device),
+            words,
+            live,
+            prescale,
+            border: solved.border,
+            holds: solved.holds,
+            peak: stored(solved, unit)
+                .map(|form| form.bounds(-1.0, 1.0).1 / fine(unit))
+                .fold(1.0, f64::max),
+            states: solved.seen,
+        }
+    }
+}
+
+/// The ordinary registers of a word.
+fn registers(word: &Primitive, device: &Device) -> Vec<Analog> {
+    let Primitive::Bus { targets, sources } = word else {
+        return Vec::new();
+    };
+    let targets = targets.iter().filter_map(|target| match target {
+        Target::Register(register) => Some(*register),
+        Target::Neighbour(_) => None,
+    });
+    let sources = sources.iter().filter_map(|source| match source {
+        Source::Register(register) => Some(*register),
+        Source::Pix | Source::In | Source::Neighbour(_) => None,
+    });
+    let mut all: Vec<Analog> = targets.chain(sources).collect();
+    all.retain(|register| *register != device.news());
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// What each word of a plan stores.
+fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = LinearForm> {
+    let trace = solved.plan.trace(unit * FINE);
+    trace.into_iter().flat_map(|trace| trace.stored)
+}
+
+/// The transfer error that is left in each of `results`, in errors of one store, for an input
+/// without any.
+fn offsets(words: &[Primitive], results: &[Analog], device: &Device) -> Vec<f64> {
+    let news = usize::from(device.news().0);
+    let mut held = vec![0.0; device.registers().analog.len()];
+    for word in words {
+        let Primitive::Bus { targets, sources } = word else {
+            continue;
+        };
+        let cell = |source: &Source| match source {
+            Source::Register(register) => usize::from(register.0),
+            Source::Pix | Source::In | Source::Neighbour(_) => news,
+        };
+        let sum: f64 = sources.iter().filter_map(|s| held.get(cell(s))).sum();
+        for target in targets {
+            let at = match target {
+                Target::Register(register) => usize::from(register.0),
+                Target::Neighbour(_) => news,
+            };
+            if let Some(cell) = held.get_mut(at) {
+                *cell = 1.0 - sum / targets.len() as f64;
+            }
+        }
+    }
+    let one = |register: &Analog| held.get(usize::from(register.0)).copied();
+    results.iter().filter_map(one).collect()
+}

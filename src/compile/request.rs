@@ -1,0 +1,194 @@
+//! What is asked of the compiler, and the search for it: [`Request::filter`] is the entry.
+
+use super::{
+    allocate::{RegisterFile, ordinary_registers},
+    error::CompileError,
+    filter::Filter,
+    goals::goals,
+    linear_form::LinearForm,
+    plan::StoreErrors,
+    solve::{FINE, Limits, Problem, Solved},
+    walk,
+};
+use crate::{
+    isa::{Analog, Device, Figure, Primitive, Source, Target},
+    kernel::Kernel,
+};
+
+/// How long to search, in states looked at: the result does not depend on the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// States that the search may look at; 0 leaves the plan that needs no search.
+    pub states: u64,
+}
+
+impl Effort {
+    /// About as many states as two cores of 2024 look at in `seconds`.
+    #[must_use]
+    pub fn seconds(seconds: f64) -> Self {
+        Self {
+            states: (seconds.clamp(0.0, 1e6) * 400_000.0) as u64,
+        }
+    }
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self::seconds(3.0)
+    }
+}
+
+/// Kernels, and what may be used for them.
+#[derive(Clone, Debug)]
+pub struct Request<'a> {
+    /// One kernel for each result; weights are whole numbers of 2^-12, at most 4096 in size.
+    pub kernels: &'a [Kernel],
+    /// The chip whose words, registers and figures are used.
+    pub device: &'a Device,
+    /// The register in which the input begins.
+    pub input: Analog,
+    /// The register of each result.
+    pub into: Vec<Analog>,
+    /// Registers that stay as they are.
+    pub keep: Vec<Analog>,
+    /// Try to be right up to the border of the array, zeros beyond it.
+    pub border: bool,
+    /// What the input can be, in LSB; with it, the input is halved first as often as nothing
+    /// then saturates.
+    pub range: Option<(f64, f64)>,
+    /// How long to search.
+    pub effort: Effort,
+    /// Seed of the search heuristics: another seed may find another program.
+    pub seed: u64,
+}
+
+impl<'a> Request<'a> {
+    /// From the first register into the first ones, everything else free to use.
+    ///
+    /// # StoreErrors
+    /// When there are more kernels than registers.
+    pub fn new(kernels: &'a [Kernel], device: &'a Device) -> Result<Self, CompileError> {
+        let all = ordinary_registers(device);
+        let Some(into) = all.get(..kernels.len()) else {
+            return Err(CompileError::Registers {
+                what: format!("{} kernels", kernels.len()),
+                needed: kernels.len(),
+                free: all.len(),
+            });
+        };
+        Ok(Self {
+            kernels,
+            device,
+            input: all.first().copied().unwrap_or(Analog(0)),
+            into: into.to_vec(),
+            keep: Vec::new(),
+            border: false,
+            range: None,
+            effort: Effort::default(),
+            seed: 0,
+        })
+    }
+
+    /// Searches for the filter.
+    ///
+    /// # StoreErrors
+    /// When a weight is not dyadic, or the registers do not suffice.
+    pub fn filter(&self) -> Result<Filter, CompileError> {
+        let (goals, unit) = goals(self.kernels)?;
+        let all: Vec<Analog> = ordinary_registers(self.device)
+            .into_iter()
+            .filter(|register| !self.keep.contains(register))
+            .collect();
+        let Some((low, high)) = self.range else {
+            let plus = self.solve(&goals, unit, self.input, &all, None)?;
+            return Ok(Filter::from_solved(self, &plus, unit, 0, Vec::new()));
+        };
+        let figure = |figure| self.device.value(figure);
+        let mut limits = Limits {
+            input: (low, high),
+            odd: false,
+            errors: StoreErrors {
+                transfer: figure(Figure::TransferError),
+                division: figure(Figure::DivisionError),
+            },
+        };
+        let plus = self.solve(&goals, unit, self.input, &all, Some(limits))?;
+        if !plus.holds {
+            // On a chip without errors, at least.
+            limits.errors = StoreErrors {
+                transfer: 0.0,
+                division: 0.0,
+            };
+        }
+        let other = all.iter().copied().find(|r| *r != self.input);
+        let (Some(bits), Some(other)) = (halvings(&plus, unit, limits), other) else {
+            return Err(CompileError::Range { low, high });
+        };
+        if bits.is_multiple_of(2) {
+            let first = prescale(self.device, self.input, other, bits);
+            return Ok(Filter::from_solved(self, &plus, unit, bits, first));
+        }
+        // Each halving negates, and after an odd number of them the input lies elsewhere.
+        let goals: Vec<LinearForm> = goals.iter().map(|goal| goal.times(-1)).collect();
+        limits.input = (-high, -low);
+        limits.odd = true;
+        let mut minus = self.solve(&goals, unit, other, &all, Some(limits))?;
+        minus.holds &= plus.holds;
+        let Some(bits) = halvings(&minus, unit, limits) else {
+            return Err(CompileError::Range { low, high });
+        };
+        let first = prescale(self.device, self.input, other, bits);
+        Ok(Filter::from_solved(self, &minus, unit, bits, first))
+    }
+
+    fn solve(
+        &self,
+        goals: &[LinearForm],
+        unit: i64,
+        input: Analog,
+        all: &[Analog],
+        limits: Option<Limits>,
+    ) -> Result<Solved, CompileError> {
+        let problem = Problem {
+            goals: goals.to_vec(),
+            unit,
+            registers: RegisterFile {
+                news: self.device.news(),
+                input,
+                into: self.into.clone(),
+                all: all.to_vec(),
+            },
+            border: self.border,
+            seed: self.seed,
+            states: self.effort.states,
+            limits,
+        };
+        problem.solve().ok_or_else(|| CompileError::Registers {
+            what: match goals.len() {
+                1 => "one kernel".to_owned(),
+                n => format!("{n} kernels"),
+            },
+            needed: goals.len() + walk::FEWEST_REGISTERS - 1,
+            free: all.len(),
+        })
+    }
+}
+
+/// Words that halve the input `bits` times, to and fro between two registers.
+fn prescale(device: &Device, from: Analog, other: Analog, bits: u32) -> Vec<Primitive> {
+    let ends = [from, other];
+    let half = |i: u32| Primitive::Bus {
+        targets: vec![
+            Target::Register(ends[(i as usize + 1) % 2]),
+            Target::Register(device.news()),
+        ],
+        sources: vec![Source::Register(ends[i as usize % 2])],
+    };
+    (0..bits).map(half).collect()
+}
+
+/// How often the input must be halved for nothing to saturate.
+fn halvings(solved: &Solved, unit: i64, limits: Limits) -> Option<u32> {
+    let trace = solved.plan.trace(unit * FINE)?;
+    limits.halvings(&solved.plan, &trace, unit)
+}

@@ -1,0 +1,122 @@
+//! A drawing: a page and the marks on it.
+
+use image::RgbImage;
+
+use crate::picture::ink::Ink;
+use crate::picture::text::Weight;
+
+/// A place on a page, in points from its upper left corner.
+pub(crate) type Point = (f64, f64);
+
+/// A rectangle on a page, in points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Area {
+    pub x: f64,
+    pub y: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Area {
+    pub const fn right(self) -> f64 {
+        self.x + self.width
+    }
+
+    pub const fn bottom(self) -> f64 {
+        self.y + self.height
+    }
+}
+
+/// Which end of a text is at its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// One thing on a page.
+#[derive(Clone, Debug)]
+pub(super) enum Mark {
+    /// A filled rectangle.
+    Fill(Area, Ink),
+    /// A straight line of some width.
+    Line(Point, Point, f64, Ink),
+    /// Pixels, stretched over an area without smoothing.
+    Pixels(Area, RgbImage),
+    /// A line of text, its upper edge and one end given.
+    Text(Point, Anchor, Weight, Ink, String),
+}
+
+/// Marks on a page, the later over the earlier.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// Width of the page, in points.
+    pub(super) width: f64,
+    /// Height of the page, in points.
+    pub(super) height: f64,
+    pub(super) marks: Vec<Mark>,
+}
+
+impl Drawing {
+    pub(crate) const fn new(width: f64, height: f64) -> Self {
+        Self {
+            width,
+            height,
+            marks: Vec::new(),
+        }
+    }
+
+    /// Width and height of the page, in points.
+    #[must_use]
+    pub const fn size(&self) -> (f64, f64) {
+        (self.width, self.height)
+    }
+
+    /// Every text on the page, in the order in which it was written.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.marks.iter().filter_map(|mark| match mark {
+            Mark::Text(.., text) => Some(text.as_str()),
+            _ => None,
+        })
+    }
+
+    pub(crate) fn fill(&mut self, area: Area, ink: Ink) {
+        self.marks.push(Mark::Fill(area, ink));
+    }
+
+    pub(crate) fn line(&mut self, from: Point, to: Point, width: f64, ink: Ink) {
+        self.marks.push(Mark::Line(from, to, width, ink));
+    }
+
+    pub(crate) fn pixels(&mut self, area: Area, picture: RgbImage) {
+        self.marks.push(Mark::Pixels(area, picture));
+    }
+
+    pub(crate) fn text(
+        &mut self,
+        at: Point,
+        anchor: Anchor,
+        weight: Weight,
+        ink: Ink,
+        text: impl Into<String>,
+    ) {
+        self.marks
+            .push(Mark::Text(at, anchor, weight, ink, text.into()));
+    }
+
+    /// The four sides of an area, just outside it.
+    pub(crate) fn frame(&mut self, area: Area, width: f64, ink: Ink) {
+        let half = width / 2.0;
+        let (left, top) = (area.x - half, area.y - half);
+        let (right, bottom) = (area.right() + half, area.bottom() + half);
+        for (from, to) in [
+            ((left - half, top), (right + half, top)),
+            ((left - half, bottom), (right + half, bottom)),
+            ((left, top), (left, bottom)),
+            ((right, top), (right, bottom)),
+        ] {
+            self.line(from, to, width, ink);
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Why there is no answer.
+
+use crate::{
+    compare::CompareError,
+    rig::RigError,
+    scene::SceneError,
+    study::{design::DesignError, quantisation::QuantisationError, waterfall::WaterfallError},
+};
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum FeasibilityError {
+    /// The question makes no sense.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Design(#[from] DesignError),
+    /// The table cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Quantisation(#[from] QuantisationError),
+    /// Scene or sensor cannot go on.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Rig(#[from] RigError),
+    /// The scene cannot be read again.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// The waterfall cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Waterfall(#[from] WaterfallError),
+    /// Packets of one scene that do not compare.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Compare(#[from] CompareError),
+}
