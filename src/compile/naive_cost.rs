@@ -8,7 +8,7 @@ use crate::{kernel::Kernel, number::signed_digits};
 /// doubling of the copy on the way from digit to digit; and two to bring the result of a
 /// single weight back to where the picture was.
 ///
-/// # StoreErrors
+/// # Errors
 /// When a weight is not dyadic or a kernel is too large.
 pub fn naive_cost(kernels: &[Kernel]) -> Result<u64, CompileError> {
     let (forms, unit) = goals(kernels)?;

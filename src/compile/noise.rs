@@ -54,7 +54,7 @@ impl ErrorForm {
 }
 
 impl Filter {
-    /// FilterNoise and mismatch in each result, for a uniform input of `level` LSB that is free of
+    /// Noise and mismatch in each result, for a uniform input of `level` LSB that is free of
     /// both; saturation is left out. As silicon's store in `array` has it, with the numbers of
     /// `[figure.error]` in the chip's data.
     #[must_use]

@@ -65,7 +65,7 @@ pub struct Request<'a> {
 impl<'a> Request<'a> {
     /// From the first register into the first ones, everything else free to use.
     ///
-    /// # StoreErrors
+    /// # Errors
     /// When there are more kernels than registers.
     pub fn new(kernels: &'a [Kernel], device: &'a Device) -> Result<Self, CompileError> {
         let all = ordinary_registers(device);
@@ -91,7 +91,7 @@ impl<'a> Request<'a> {
 
     /// Searches for the filter.
     ///
-    /// # StoreErrors
+    /// # Errors
     /// When a weight is not dyadic, or the registers do not suffice.
     pub fn filter(&self) -> Result<Filter, CompileError> {
         let (goals, unit) = goals(self.kernels)?;

@@ -77,7 +77,7 @@ impl SensorProgram {
     /// decision a frame. `request` gives the chip, the effort and the seed; registers are chosen
     /// here.
     ///
-    /// # StoreErrors
+    /// # Errors
     /// When a weight is not dyadic, there are too few registers, or too many words.
     pub fn new(
         kinds: &[CellKind],

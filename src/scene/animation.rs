@@ -245,7 +245,7 @@ impl<R: BufRead> Gif<R> {
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         options.check_frame_consistency(true);
-        // MemoryLimit for a frame of the largest canvas, four bytes a pixel.
+        // Room for a frame of the largest canvas, four bytes a pixel.
         let most = NonZeroU64::MIN.saturating_add(4 * Size::MOST_PIXELS as u64);
         options.set_memory_limit(gif::MemoryLimit::Bytes(most));
         let decoder = options.read_info(stream)?;
