@@ -1,9 +1,9 @@
 //! Random numbers: a hash of (seed, reason, place, step), never a stream, so that no order of
 //! work and no number of threads can change one.
 //!
-//! A [`Hash`] begins with the seed and takes in one word after the other; any hash gives 64 random
+//! A [`struct@Hash`] begins with the seed and takes in one word after the other; any hash gives 64 random
 //! bits, a uniform number or, two of them, a normal one. Each room that draws has its own list of
-//! reasons. [`row`] has the form for rows of the array, in 32 bits for wide vectors.
+//! reasons. `row` has the form for rows of the array, in 32 bits for wide vectors.
 
 pub(crate) mod row;
 
