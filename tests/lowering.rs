@@ -20,6 +20,12 @@ fn step(action: Action) -> Step {
     Step { action, line: 1 }
 }
 
+/// What a word may sum that stores in `target`.
+fn others(mut sources: Vec<Source>, target: u8) -> Vec<Source> {
+    sources.retain(|source| *source != Source::Register(Analog(target)));
+    sources
+}
+
 /// Words that leave something else behind each time that they run, and what stands between
 /// blocks.
 fn item() -> impl Strategy<Value = Action> {
@@ -36,7 +42,7 @@ fn item() -> impl Strategy<Value = Action> {
     prop_oneof![
         8 => ((0u8..6), sources.clone()).prop_map(|(target, sources)| Action::Word(Primitive::Bus {
             targets: vec![Target::Register(Analog(target))],
-            sources,
+            sources: others(sources, target),
         })),
         1 => sources.prop_map(|sources| Action::Word(Primitive::Where { sources })),
         1 => Just(Action::Word(Primitive::All)),
@@ -141,10 +147,11 @@ proptest! {
 /// bodies that are longer than one.
 #[test]
 fn loops_end_anywhere_in_a_block() {
-    let add = |k: u8| {
+    let add = |k: usize| {
+        let register = |k: usize| Analog((k % 5) as u8);
         step(Action::Word(Primitive::Bus {
-            targets: vec![Target::Register(Analog(k % 5))],
-            sources: vec![Source::Register(Analog((k + 1) % 5)), Source::In],
+            targets: vec![Target::Register(register(k))],
+            sources: vec![Source::Register(register(k + 1)), Source::In],
         }))
     };
     let load = |value: f64| step(Action::Host(Host::LoadIn { value }));
@@ -157,10 +164,10 @@ fn loops_end_anywhere_in_a_block() {
         (0, 600, 3),
         (10, 1030, 2),
     ] {
-        let mut steps: Vec<_> = (0..before).map(|k| add(k as u8)).collect();
+        let mut steps: Vec<_> = (0..before).map(add).collect();
         let body = (0..body).flat_map(|k| {
-            let value = f64::from(k % 5) - 2.0;
-            [add(k as u8)]
+            let value = (k % 5) as f64 - 2.0;
+            [add(k)]
                 .into_iter()
                 .chain((k % 3 == 0).then(|| load(value)))
         });
