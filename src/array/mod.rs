@@ -8,8 +8,9 @@
 //! ```
 //!
 //! What each instruction word does is written once, for one cell, in [`semantics`], for any
-//! [`Domain`]: what a cell holds and how the summing bus treats it. Rows do the same at once. A [`Chip`] is a program on an array in one
-//! domain; it is a [`Sensor`](crate::sensor::Sensor), so light goes in and events come out.
+//! [`Domain`]: what a cell holds and how the summing bus treats it. `engine` does the same on rows,
+//! many pixels at once. A [`Chip`] is a program on an array in one domain; it is a
+//! [`Sensor`](crate::sensor::Sensor), so light goes in and events come out.
 
 mod arithmetic;
 mod bits;

@@ -39,19 +39,19 @@ pub fn normal(radius: f64, angle: f64) -> f64 {
 
 /// The hash of what a number is drawn for.
 ///
-/// Two keys that took in other words, or the same ones in another order, have nothing in common.
+/// Two hashes that took in other words, or the same ones in another order, have nothing in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hash(u64);
 
 impl Hash {
-    /// The key of a seed.
+    /// The hash of a seed.
     #[inline]
     #[must_use]
     pub const fn new(seed: u64) -> Self {
         Self::raw(seed).nth(1)
     }
 
-    /// A key that is a word as it stands: for seeds that are mixed already or that
+    /// A word as it stands: for seeds that are mixed already or that
     /// [`nth`](Self::nth) mixes.
     #[inline]
     #[must_use]
@@ -59,21 +59,21 @@ impl Hash {
         Self(word)
     }
 
-    /// The key with one more word: a reason, a place, a step.
+    /// The hash with one more word: a reason, a place, a step.
     #[inline]
     #[must_use]
     pub const fn with(self, word: u64) -> Self {
         Self(mix((self.0 ^ word).wrapping_add(GOLDEN)))
     }
 
-    /// As [`with`](Self::with), a step shorter: a key and a word that are alike give 0.
+    /// As [`with`](Self::with), a step shorter: a hash and a word that are alike give 0.
     #[inline]
     #[must_use]
     pub const fn with_mixed(self, word: u64) -> Self {
         Self(mix(self.0 ^ word))
     }
 
-    /// The `n`-th key of a sequence: what `SplitMix64` gives from this key as its state.
+    /// The `n`-th hash of a sequence: what `SplitMix64` gives from this one as its state.
     #[inline]
     #[must_use]
     pub const fn nth(self, n: u64) -> Self {

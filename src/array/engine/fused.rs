@@ -16,7 +16,7 @@ use super::{
 };
 
 /// Does both in these rows, where FLAG is 1 in all pixels and nothing comes from above or below
-/// the array. `room` is for [`ROOM`](super::store::ROOM) cells.
+/// the array. `room` is for [`ROOM`](super::runs::ROOM) cells.
 #[inline(always)]
 pub(super) fn fused<D: RowOps>(
     domain: &D,

@@ -1,4 +1,5 @@
-//! What is read of what a word stores: what nobody reads need not be stored.
+//! Liveness: which registers are read before they are written again. A store that nobody reads is
+//! dead, and is left out.
 
 use super::{super::Layout, instruction::Instruction};
 use crate::isa::{

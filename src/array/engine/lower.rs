@@ -100,15 +100,10 @@ impl Lowerer<'_> {
             let launches = matches!(step.action, Action::Word(_)) && !launched;
             launched = matches!(step.action, Action::Word(_));
             match &step.action {
-                Action::Word(Primitive::Prop { boundary }) => {
+                Action::Word(word @ Primitive::Prop { boundary }) => {
                     self.close(stages);
                     let mut cost = Ledger::default();
-                    cost.word(
-                        &Primitive::Prop {
-                            boundary: *boundary,
-                        },
-                        self.device,
-                    );
+                    cost.word(word, self.device);
                     cost.launches += u64::from(launches);
                     stages.push(Stage::Propagate {
                         boundary: *boundary,

@@ -62,9 +62,13 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
         self.schedule
     }
 
+    /// Whether rows would be no gain.
+    fn is_cell_by_cell(&self) -> bool {
+        self.schedule == Schedule::Plain && self.size.pixels() <= CELLS
+    }
+
     /// How it wants blocks; `fuses`: the domain can fuse two stores.
     pub(super) fn lowering(&self, fuses: bool) -> Lowering {
-        let plain = self.schedule == Schedule::Plain;
         let rows = match self.schedule {
             Schedule::Plain => self.size.height,
             Schedule::Tiled { rows: 0 } => pass::rows(self.size, size_of::<C>()),
@@ -72,9 +76,9 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
         };
         Lowering {
             rows,
-            stores_all: plain,
+            stores_all: self.schedule == Schedule::Plain,
             fuses,
-            passes: !plain || self.size.pixels() > CELLS,
+            passes: !self.is_cell_by_cell(),
         }
     }
 
@@ -88,7 +92,7 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
         }
     }
 
-    /// Runs a block on the whole semantics.
+    /// Runs a block on the whole array.
     ///
     /// # Errors
     /// The line of a word that has no answer in this domain.
@@ -98,14 +102,16 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
         state: &mut State<C>,
         block: &Block,
     ) -> Result<(), (u32, Undecided)> {
-        let plain = self.schedule == Schedule::Plain;
-        if plain && self.size.pixels() <= CELLS {
+        if self.is_cell_by_cell() {
             self.cell_by_cell(semantics, state, block)?;
         } else {
             for register in &block.copied {
                 sweep::make_copies(&mut self.copies, state, *register);
             }
-            let threads = if plain { 1 } else { self.threads };
+            let threads = match self.schedule {
+                Schedule::Plain => 1,
+                Schedule::Tiled { .. } => self.threads,
+            };
             let passes = &block.passes[usize::from(!state.flag.is_full())];
             let (copies, constants) = (&mut self.copies, &self.constants);
             let mut run = || {

@@ -122,7 +122,7 @@ impl Pass {
         self.instructions
     }
 
-    /// Runs them on the whole semantics.
+    /// Runs them on the whole array.
     pub(super) fn run<D: RowOps>(
         &self,
         semantics: Semantics<'_, D>,

@@ -48,7 +48,7 @@ pub(super) fn copy<C: Clone>(slab: &mut Slab<'_, C>, cell: Cell, rows: Range<usi
 }
 
 /// Does each operation on the rows that it is given: those are the rows that it writes. What it reads
-/// beside them must lie in the slab, or off the semantics.
+/// beside them must lie in the slab, or off the array.
 ///
 /// # Errors
 /// Which operation has no answer in this domain.
@@ -68,8 +68,8 @@ pub(super) fn sweep<D: RowOps>(
     Ok(())
 }
 
-/// The single stores of a operation, one after the other, some of them on no row: where something
-/// comes from off the semantics, or the domain knows no pairs, a pair is two.
+/// The single stores of an operation, one after the other, some of them on no row: where something
+/// comes from off the array, or the domain does not fuse, a fused store is two.
 #[inline(always)]
 fn single<'a>(
     operation: &'a Operation,
@@ -103,7 +103,7 @@ impl<D> Clone for Semantics<'_, D> {
 impl<D> Copy for Semantics<'_, D> {}
 
 impl<D: RowOps> Semantics<'_, D> {
-    /// A operation of a [`sweep`].
+    /// An operation of a [`sweep`].
     #[inline(always)]
     fn execute(
         self,
@@ -116,7 +116,7 @@ impl<D: RowOps> Semantics<'_, D> {
         if !clip && self.interior(slab, operation, bus_inputs, &rows) {
             return Ok(());
         }
-        // Where a pair is one.
+        // Where two stores are one.
         let inner = match operation {
             Operation::Fused(both) if self.domain.fuses() => {
                 both.first.border.inside(slab.layout.size, &rows)
