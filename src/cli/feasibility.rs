@@ -24,6 +24,7 @@ use super::{
     progress::Progress,
     quantise::Total,
     readout::Choice,
+    window::Window,
 };
 
 /// What `feasibility` is asked to do.
@@ -63,9 +64,8 @@ pub struct Arguments {
     /// Energy of a bit on the link in pJ, one number or LO..HI: an assumption, yours to set
     #[arg(long, default_value = "1..20", value_name = "LO..HI", value_parser = energy)]
     link_energy: Energy,
-    /// Events of one pixel and sign that are closer than this match
-    #[arg(long, default_value = "1ms")]
-    within: Micros,
+    #[command(flatten)]
+    window: Window,
     /// How long to search for each program, in seconds of two cores of 2024
     #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
     effort: f64,
@@ -112,7 +112,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let open = || arguments.open();
     let scene = open()?;
     budget::check_study(&*scene, SENSORS)?;
-    let frames = scene.frames();
+    let (frames, fps) = (scene.frames(), scene.fps());
     drop(scene);
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
@@ -129,12 +129,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         effort: Effort::seconds(arguments.effort),
         seed: arguments.seed,
         readout: Choice::default().open_compiled()?.readout()?,
-        within: arguments.within,
+        within: arguments.window.at(fps),
         scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
         command: &command,
     };
-    // For the table, for the sensors and for the waterfall.
-    let progress = Progress::new("watching", frames.map(|frames| 3 * frames));
+    // For the table twice, for the sensors and for the waterfall.
+    let progress = Progress::new("watching", frames.map(|frames| 4 * frames));
     let answer = feasibility::ask(&question, &open, |_| progress.tick());
     progress.finish();
     let (all, sight) = answer?;
@@ -206,7 +206,9 @@ impl Arguments {
         }
         let Energy(least, most) = self.link_energy;
         add("link-energy", &format!("{least}..{most}"));
-        add("within", &format!("{}us", self.within.0));
+        if let Some(within) = self.window.within {
+            add("within", &format!("{}us", within.0));
+        }
         add("effort", &self.effort.to_string());
         add("seed", &self.seed.to_string());
         text + " -o report.html"

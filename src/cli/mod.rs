@@ -35,6 +35,7 @@ mod strip;
 pub mod sweep;
 mod timed;
 pub mod waterfall;
+mod window;
 
 use std::process::ExitCode;
 

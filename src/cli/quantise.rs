@@ -6,6 +6,7 @@ use image::{RgbImage, imageops};
 use miette::{Diagnostic as _, miette};
 
 use crate::{
+    compare::metric::Short,
     compile::Effort,
     isa::Device,
     kernel::{
@@ -16,8 +17,10 @@ use crate::{
     plane::Plane,
     save::save,
     scene::{self, Scene as _},
-    study::quantisation::{self, Answer, Outcome, Question, Score},
-    unit::Micros,
+    study::{
+        equivalent::{self, Likeness},
+        quantisation::{self, Answer, Outcome, Question},
+    },
 };
 
 use super::{
@@ -25,6 +28,7 @@ use super::{
     content::Content,
     files::{Named, Output},
     progress::Progress,
+    window::Window,
 };
 
 /// What `quantise` is asked to do.
@@ -39,7 +43,7 @@ pub struct Arguments {
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,
     /// What the quantised kernel must sum to
-    #[arg(long, value_enum, default_value = "free")]
+    #[arg(long, value_enum, default_value = "kept")]
     sum: Total,
     /// Seed of stochastic rounding
     #[arg(long, default_value_t = 0)]
@@ -63,9 +67,8 @@ pub struct Arguments {
     /// How long to search for each program, in seconds of two cores of 2024, with --threshold
     #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds, requires = "threshold")]
     effort: f64,
-    /// Events of one pixel and sign that are closer than this match, with --threshold
-    #[arg(long, default_value = "1ms", requires = "threshold")]
-    within: Micros,
+    #[command(flatten)]
+    window: Window,
     /// Print one JSON object instead
     #[arg(long)]
     json: bool,
@@ -227,11 +230,15 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
         ));
     }
     let device = Device::find(&arguments.chip)?;
-    let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &budget::opening(None))?,
-        None => scene::bundled()?,
+    let open = || match &arguments.scene {
+        Some(scene) => scene::open(scene, &budget::opening(None)),
+        None => scene::bundled(),
     };
-    budget::check_study(&*scene, 1 + 2 * arguments.to.len())?;
+    let scene = open()?;
+    let sensors = 1 + equivalent::RUNGS.len() + 3 * arguments.to.len();
+    budget::check_study(&*scene, sensors)?;
+    let (frames, fps) = (scene.frames(), scene.fps());
+    drop(scene);
     let question = Question {
         kernel,
         threshold,
@@ -240,32 +247,29 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
         device: &device,
         effort: Effort::seconds(arguments.effort),
         seed: arguments.seed,
-        within: arguments.within,
+        within: arguments.window.at(fps),
     };
-    let progress = Progress::new("watching", scene.frames());
-    let answer = quantisation::ask(&question, &mut scene, |_| progress.tick());
+    // All of them at once, and then those of as many events.
+    let progress = Progress::new("watching", frames.map(|frames| 2 * frames));
+    let answer = quantisation::ask(&question, &open, |_| progress.tick());
     progress.finish();
     Ok(answer?)
 }
 
 fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
+    let scores = format!("{:>6} {:>9} {:>7}", "kept", "threshold", "events");
     let mut text = format!(
-        "\non {}, against the float kernel's {} events on {} (matched within {} us)\n{:<16} {:>9} {:>6} {:>6} {:>6} {:>9}  {:>8} {:>7}  {:>8} {:>7}\n{:<16} {:>9} {:>6} {:>6} {:>6} {:>9}  {:>16}  {:>16}\n",
+        "\non {}, against the float kernel's {} events on {} at {} frames/s (matched within {})\n{:<16} {:>6} {:>6} {:>6} {:>9}  {scores}  {scores}\n{:<16} {:>6} {:>6} {:>6} {:>9}  {:>24}  {:>24}\n",
         arguments.chip,
         answer.reference_events,
         arguments.scene.as_deref().unwrap_or("the bundled clip"),
-        arguments.within.0,
+        equivalent::rate(answer.fps),
+        Short(answer.window_us),
         "quantiser",
-        "rel error",
         "filter",
         "words",
         "us",
         "registers",
-        "F1",
-        "events",
-        "F1",
-        "events",
-        "",
         "",
         "words",
         "/frame",
@@ -276,21 +280,18 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
     );
     for row in &answer.rows {
         let _ = match &row.outcome {
-            Outcome::Refused(why) => {
-                writeln!(text, "{:<16} {:>9.4} {why}", row.to, row.relative_error)
-            }
+            Outcome::Refused(why) => writeln!(text, "{:<16} {why}", row.to),
             Outcome::OnChip(chip) => {
-                let score = |score: &Score| {
+                let score = |score: &Likeness| {
                     let ratio = score
                         .event_ratio
                         .map_or("-".to_owned(), |r| format!("{r:.3}"));
-                    format!("{:>8.4} {ratio:>7}", score.f1)
+                    format!("{:>6.3} {:>9} {ratio:>7}", score.kept, score.equivalent())
                 };
                 writeln!(
                     text,
-                    "{:<16} {:>9.4} {:>6} {:>6} {:>6.1} {:>9}  {}  {}",
+                    "{:<16} {:>6} {:>6} {:>6.1} {:>9}  {}  {}",
                     row.to,
-                    row.relative_error,
                     chip.filter_words,
                     chip.words,
                     chip.array_us,
@@ -301,7 +302,35 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
             }
         };
     }
-    text + "events: for each of the float kernel's. us: on the array, without readout.\n"
+    text + &tuned_table(answer)
+        + "kept: what of F1 is more than accident, 1 at most. threshold: the rise of the float kernel's threshold\nthat costs as much. events: for each of the float kernel's. us: on the array, without readout.\n"
+}
+
+/// Gain and shape apart: against a float kernel that says as many events.
+fn tuned_table(answer: &Answer) -> String {
+    let mut text = String::new();
+    for row in &answer.rows {
+        let Outcome::OnChip(chip) = &row.outcome else {
+            continue;
+        };
+        let told = |score: &Likeness| match &score.tuned {
+            None => format!("{:>24}", "-"),
+            Some(tuned) => format!(
+                "{:>6.3} {:>9} {:>+6.0}%",
+                tuned.kept,
+                tuned.equivalent(),
+                tuned.threshold_percent
+            ),
+        };
+        let (exact, silicon) = (told(&chip.exact), told(&chip.silicon));
+        let _ = writeln!(text, "{:<16} {:>30}  {exact}  {silicon}", row.to, "");
+    }
+    if text.is_empty() {
+        return text;
+    }
+    format!(
+        "against a float kernel of as many events, whose threshold is higher by the last column\n{text}"
+    )
 }
 
 impl Row {

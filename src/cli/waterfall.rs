@@ -15,7 +15,6 @@ use crate::{
         design::Design,
         waterfall::{Question, Shares, Waterfall, ask},
     },
-    unit::Micros,
 };
 
 use super::{
@@ -25,6 +24,7 @@ use super::{
     progress::Progress,
     quantise::Total,
     readout::Choice,
+    window::Window,
 };
 
 /// What `waterfall` is asked to do.
@@ -42,7 +42,7 @@ pub struct Arguments {
     #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
     to: Quantiser,
     /// What the quantised kernel must sum to
-    #[arg(long, value_enum, default_value = "free")]
+    #[arg(long, value_enum, default_value = "kept")]
     sum: Total,
     /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long)]
@@ -61,9 +61,8 @@ pub struct Arguments {
     /// How events leave the chip; unless said otherwise the scan that a compiled program asks for
     #[command(flatten)]
     readout: Choice,
-    /// Events of one pixel and sign that are closer than this are the same
-    #[arg(long, default_value = "1ms")]
-    within: Micros,
+    #[command(flatten)]
+    window: Window,
     /// Seed of the search, of stochastic rounding and of the silicon
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -119,6 +118,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for (figure, value) in &arguments.sets {
         device = device.what_if(*figure, *value)?;
     }
+    let mut scene = match &arguments.scene {
+        Some(scene) => scene::open(scene, &budget::opening(None))?,
+        None => scene::bundled()?,
+    };
     let readout = arguments.readout.open_compiled()?;
     let question = Question {
         design: Design {
@@ -132,11 +135,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         sum: arguments.sum.into(),
         arithmetic: arguments.format.with_seed(arguments.seed),
         readout: readout.readout()?,
-        within: arguments.within,
-    };
-    let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &budget::opening(None))?,
-        None => scene::bundled()?,
+        within: arguments.window.at(scene.fps()),
     };
     budget::check_study(&*scene, SENSORS)?;
     let progress = Progress::new("watching", scene.frames());

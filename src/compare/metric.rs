@@ -128,7 +128,8 @@ impl fmt::Display for Metric {
 }
 
 /// A time in the largest unit that keeps it whole: `1us`, `10ms`.
-struct Short(Micros);
+#[derive(Clone, Copy, Debug)]
+pub struct Short(pub Micros);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -17,6 +17,7 @@
 //! | fate: kept, mistimed, wrong sign, lost, extra | [`fate`] | all kept | all lost, all extra |
 //! | counts, Pearson, L1 | [`counts`] | 1, 0 | near 0, all events |
 //! | precision, recall, F1, time error | [`matching`] | 1, 1, 1, 0 | 0, 0, 0, none |
+//! | F1 over the window, with its floor, and what is kept | [`window`] | 1, 1 | the floor, 0 |
 //! | van Rossum's distance per event | [`van_rossum`] | 0 | about 1 |
 //! | Victor and Purpura's distance per event | [`victor_purpura`] | 0 | at most 2 |
 //! | voxel L1 per event, RMSE | [`voxel`] | 0, 0 | at most 1, no bound |
@@ -39,6 +40,7 @@ pub mod ruler;
 pub mod van_rossum;
 pub mod victor_purpura;
 pub mod voxel;
+pub mod window;
 
 pub use pair::{Cell, CompareError, Pair, Signed, Times};
 

@@ -223,6 +223,17 @@ impl Pair {
             .map(|(first, last)| (Micros(first), Micros(last)))
     }
 
+    /// The times at which anything happened, each once and ascending, [reference, judged].
+    #[must_use]
+    pub fn times(&self) -> [Vec<u64>; 2] {
+        [0, 1].map(|i| {
+            let mut times: Vec<u64> = self.keys[i].iter().map(|key| time(*key)).collect();
+            times.par_sort_unstable();
+            times.dedup();
+            times
+        })
+    }
+
     /// `total` divided by the mean number of events of the two; 0 where nobody spoke.
     #[must_use]
     pub fn per_event(&self, total: f64) -> f64 {

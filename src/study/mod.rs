@@ -1,6 +1,7 @@
 //! Studies: many sensors on one scene, and what each loses.
 
 pub mod design;
+pub mod equivalent;
 pub mod feasibility;
 pub mod front;
 pub mod plan;

@@ -7,7 +7,7 @@
 
 use crate::{
     array::{Arithmetic, Array},
-    compare::{self, CompareError, Comparison},
+    compare::CompareError,
     compile::Effort,
     isa::Device,
     kernel::{
@@ -18,12 +18,15 @@ use crate::{
     plane::Size,
     reference::MemoryRule,
     rig::{self, RigError},
-    scene::{Frame, Scene},
+    scene::{Frame, Scene, SceneError},
     sensor::Sensor,
     unit::Micros,
 };
 
-use super::design::{Compiled, Design, DesignError};
+use super::{
+    design::{Compiled, Design, DesignError},
+    equivalent::{self, EquivalentError, Ladder, Likeness},
+};
 
 /// What is asked.
 #[derive(Clone, Debug)]
@@ -51,11 +54,38 @@ pub struct Question<'a> {
 pub struct Row {
     /// The quantiser.
     pub to: String,
-    /// `|w - scale l| / |w|`.
-    pub relative_error: f64,
+    /// `|w - scale l| / |w|`; none where the kernel is not to be had in these values.
+    pub relative_error: Option<f64>,
+    /// How the chip compares with the float kernel; none without a program.
+    #[serde(flatten)]
+    pub headline: Option<Headline>,
     /// What its program costs and says; or why there is none.
     #[serde(flatten)]
     pub outcome: Outcome,
+}
+
+/// What of a chip's [`Likeness`] a row begins with.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Headline {
+    /// What of F1 is more than accident.
+    pub kept: f64,
+    /// The window of the matches, in microseconds.
+    pub window_us: Micros,
+    /// Frames a second that were shown.
+    pub fps: f64,
+    /// The change of the float sensor's threshold that costs as much, in per cent.
+    pub threshold_equivalent_percent: f64,
+}
+
+impl From<Likeness> for Headline {
+    fn from(of: Likeness) -> Self {
+        Self {
+            kept: of.kept,
+            window_us: of.window_us,
+            fps: of.fps,
+            threshold_equivalent_percent: of.threshold_equivalent_percent,
+        }
+    }
 }
 
 /// A program, or none.
@@ -82,18 +112,9 @@ pub struct OnChip {
     /// Halvings of the light before anything else, a bit each.
     pub prescale_bits: u32,
     /// Without errors of the chip.
-    pub exact: Score,
+    pub exact: Likeness,
     /// With its errors.
-    pub silicon: Score,
-}
-
-/// Events against the float reference's.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Score {
-    /// Harmonic mean of precision and recall.
-    pub f1: f64,
-    /// Events for each of the reference's; none where it has none.
-    pub event_ratio: Option<f64>,
+    pub silicon: Likeness,
 }
 
 /// The answer.
@@ -101,6 +122,10 @@ pub struct Score {
 pub struct Answer {
     /// Events of the float reference.
     pub reference_events: u64,
+    /// Frames a second that were shown.
+    pub fps: f64,
+    /// Events of one pixel and sign match within this, in microseconds.
+    pub window_us: Micros,
     /// A row for each quantiser.
     pub rows: Vec<Row>,
 }
@@ -120,88 +145,132 @@ pub enum QuantisationError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Compare(#[from] CompareError),
+    /// The scene cannot be opened again.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// Nothing to be told of thresholds.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Equivalent(#[from] EquivalentError),
     /// Fewer packets than sensors.
     #[error("{0}: a packet is missing")]
     #[diagnostic(help("this is a fault of amacrine: please report the kernel and the command"))]
     Packet(String),
 }
 
-/// Shows the scene to all of them at once.
+/// Shows the scene to all of them at once, and once more to float sensors of as many events as
+/// each.
 ///
 /// # Errors
 /// When a kernel cannot be quantised as asked, or the scene or a sensor cannot go on.
 pub fn ask(
     question: &Question<'_>,
-    scene: &mut dyn Scene,
-    seen: impl FnMut(&Frame),
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    mut seen: impl FnMut(&Frame),
 ) -> Result<Answer, QuantisationError> {
-    let size = scene.size();
+    let mut scene = open()?;
+    let (size, fps) = (scene.size(), scene.fps());
     let design = question.design();
-    let mut reference = design.reference(size, MemoryRule::FilteredSnap, Format::F64)?;
     let mut built = Vec::new();
     for to in question.quantisers {
         built.push(question.build(*to, size)?);
     }
-    let mut sensors: Vec<&mut (dyn Sensor + Send)> = vec![&mut reference];
-    for one in &mut built {
-        if let Ok(program) = &mut one.program {
-            sensors.extend(
-                program
-                    .chips
-                    .iter_mut()
-                    .map(|c| c as &mut (dyn Sensor + Send)),
-            );
-        }
+    let mut floats = vec![design.reference(size, MEMORY, Format::F64)?];
+    floats.extend(equivalent::sensors(&design, size, MEMORY)?);
+    let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
+    for sensor in &mut floats {
+        sensors.push(sensor);
     }
-    let mut packets = rig::watch(scene, &mut sensors, seen)?.into_iter();
-    let missing = |of: &str| QuantisationError::Packet(of.to_owned());
-    let truth = packets.next().ok_or_else(|| missing("float"))?;
-    let mut rows = Vec::new();
-    for Built {
-        to,
-        relative_error,
-        program,
-    } in built
+    for chip in { built.iter_mut() }
+        .filter_map(|one| one.program.as_mut().ok())
+        .flat_map(|program| &mut program.chips)
     {
-        let outcome = match program {
-            Err(why) => Outcome::Refused(why),
-            Ok(Chips { cost, .. }) => {
-                let mut score = || -> Result<Score, QuantisationError> {
-                    let packet = packets.next().ok_or_else(|| missing(&to))?;
-                    let comparison = compare::compare(&truth, &packet, question.within)?;
-                    Ok(Score::of(&comparison))
-                };
-                Outcome::OnChip(OnChip {
-                    exact: score()?,
-                    silicon: score()?,
-                    ..cost
-                })
-            }
-        };
-        rows.push(Row {
-            to,
-            relative_error,
-            outcome,
-        });
+        sensors.push(chip);
     }
+    let packets = rig::watch(&mut *scene, &mut sensors, &mut seen)?;
+    let (rungs, chips) = packets.split_at(floats.len());
+    let [truth, rungs @ ..] = rungs else {
+        return Err(QuantisationError::Packet("float".to_owned()));
+    };
+    let ladder = Ladder::new(truth.clone(), rungs, question.within, fps, question.seed)?;
+    let mut judged = Vec::new();
+    for packet in chips {
+        judged.push(ladder.judge(packet)?);
+    }
+    let mut pairs: Vec<_> = chips.iter().zip(&mut judged).collect();
+    equivalent::tune(
+        &ladder,
+        &design,
+        MEMORY,
+        &mut *open()?,
+        &mut pairs,
+        &mut seen,
+    )?;
+    let mut judged = judged.into_iter();
+    let rows = { built.into_iter() }
+        .map(|one| one.judged(&mut judged))
+        .collect::<Result<_, _>>()?;
     Ok(Answer {
         reference_events: truth.events.len() as u64,
+        fps,
+        window_us: question.within,
         rows,
     })
 }
 
+/// The memory of all sensors: a chip has one shot a frame, and its memory snaps.
+const MEMORY: MemoryRule = MemoryRule::FilteredSnap;
+
 struct Built {
     to: String,
-    relative_error: f64,
+    relative_error: Option<f64>,
     /// Or why there is none.
     program: Result<Chips, String>,
 }
 
+impl Built {
+    /// The row of it, with the next two judgements: in exact arithmetic, and as silicon.
+    fn judged(self, all: &mut impl Iterator<Item = Likeness>) -> Result<Row, QuantisationError> {
+        let (headline, outcome) = match self.program {
+            Err(why) => (None, Outcome::Refused(why)),
+            Ok(Chips { cost, .. }) => {
+                let mut next = || all.next().ok_or(QuantisationError::Packet(self.to.clone()));
+                let (exact, silicon) = (next()?, next()?);
+                let on_chip = OnChip {
+                    filter_words: cost.filter_words,
+                    words: cost.words,
+                    array_us: cost.array_us,
+                    registers: cost.registers,
+                    prescale_bits: cost.prescale_bits,
+                    exact,
+                    silicon,
+                };
+                (Some(silicon.into()), Outcome::OnChip(on_chip))
+            }
+        };
+        Ok(Row {
+            to: self.to,
+            relative_error: self.relative_error,
+            headline,
+            outcome,
+        })
+    }
+}
+
 struct Chips {
-    /// The scores are still to come.
-    cost: OnChip,
+    cost: Costs,
     /// In exact arithmetic, and as silicon.
     chips: [Box<dyn Array + Send>; 2],
+}
+
+/// What of [`OnChip`] is known before it runs.
+struct Costs {
+    filter_words: u64,
+    words: u64,
+    array_us: f64,
+    registers: usize,
+    prescale_bits: u32,
 }
 
 impl Question<'_> {
@@ -217,50 +286,42 @@ impl Question<'_> {
 
     fn build(&self, to: Quantiser, size: Size) -> Result<Built, DesignError> {
         let design = self.design();
-        let quantised = design.quantise(to, self.sum)?;
-        let program = match design.in_levels(&quantised).compile("quantised") {
-            Err(error) if error.is_refusal() => Err(error.to_string()),
-            Err(error) => return Err(error),
-            Ok(compiled) => Ok(self.chips(&compiled, size)?),
-        };
-        Ok(Built {
+        let refused = |relative_error, error: &DesignError| Built {
             to: to.to_string(),
-            relative_error: quantised.relative_error(self.kernel),
-            program,
-        })
+            relative_error,
+            program: Err(error.to_string()),
+        };
+        let quantised = match design.quantise(to, self.sum) {
+            Err(error @ DesignError::Quantise(_)) => return Ok(refused(None, &error)),
+            quantised => quantised?,
+        };
+        let relative_error = Some(quantised.relative_error(self.kernel));
+        match design.in_levels(&quantised).compile("quantised") {
+            Err(error) if error.is_refusal() => Ok(refused(relative_error, &error)),
+            Err(error) => Err(error),
+            Ok(compiled) => Ok(Built {
+                to: to.to_string(),
+                relative_error,
+                program: Ok(self.chips(&compiled, size)?),
+            }),
+        }
     }
 
     fn chips(&self, compiled: &Compiled, size: Size) -> Result<Chips, DesignError> {
         let chip = |arithmetic| compiled.chip(arithmetic, size, compiled.settings());
-        let empty = Score {
-            f1: 0.0,
-            event_ratio: None,
-        };
         let filter = &compiled.program.filter;
         Ok(Chips {
-            cost: OnChip {
+            cost: Costs {
                 filter_words: filter.words.len() as u64,
                 words: compiled.cost.words.0,
                 array_us: compiled.cost.array_us,
                 registers: compiled.registers(),
                 prescale_bits: filter.prescale,
-                exact: empty,
-                silicon: empty,
             },
             chips: [
                 chip(Arithmetic::Number(Format::F64))?,
                 chip(Arithmetic::Silicon { seed: self.seed })?,
             ],
         })
-    }
-}
-
-impl Score {
-    fn of(comparison: &Comparison) -> Self {
-        let [reference, judged] = comparison.events.map(|events| events as f64);
-        Self {
-            f1: comparison.f1,
-            event_ratio: (reference > 0.0).then(|| judged / reference),
-        }
     }
 }

@@ -41,7 +41,7 @@ pub fn ask(
     let design = question.design();
     design.description(MemoryRule::FilteredSnap)?;
     let mut few = question.first(&design)?;
-    let table = question.table(&design, &mut *open()?, &mut seen)?;
+    let table = question.table(open, &mut seen)?;
     if question.to.is_none()
         && let Some(best) = Question::best(&table)
     {

@@ -3,7 +3,7 @@
 use super::{FeasibilityError, Question};
 use crate::{
     kernel::quantise::{Quantised, Quantiser},
-    scene::{Frame, Scene},
+    scene::{Frame, Scene, SceneError},
     study::{
         design::{Design, DesignError},
         quantisation::{self, Outcome, Row},
@@ -32,44 +32,26 @@ impl Question<'_> {
     /// not to be had in.
     pub(super) fn table(
         &self,
-        design: &Design<'_>,
-        scene: &mut dyn Scene,
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<Vec<(Quantiser, Row)>, FeasibilityError> {
         let mut all = self.candidates.to_vec();
         all.extend(self.to.filter(|to| !all.contains(to)));
-        let why_not = |to: &Quantiser| Few::new(*to, self, design).err();
-        let usable: Vec<_> = all
-            .iter()
-            .copied()
-            .filter(|to| why_not(to).is_none())
-            .collect();
         let table = quantisation::Question {
             kernel: self.kernel,
             threshold: self.threshold,
-            quantisers: &usable,
+            quantisers: &all,
             sum: self.sum,
             device: self.device,
             effort: self.effort,
             seed: self.seed,
             within: self.within,
         };
-        let mut rows = quantisation::ask(&table, scene, seen)?.rows.into_iter();
-        let row = |to: Quantiser| {
-            let row = match why_not(&to) {
-                None => rows.next()?,
-                Some(error) => Row {
-                    to: to.to_string(),
-                    relative_error: 1.0,
-                    outcome: Outcome::Refused(error.to_string()),
-                },
-            };
-            Some((to, row))
-        };
-        Ok(all.into_iter().filter_map(row).collect())
+        let rows = quantisation::ask(&table, open, seen)?.rows;
+        Ok(all.into_iter().zip(rows).collect())
     }
 
-    /// The row that scores best with the chip's errors, of those that score alike the one with
+    /// The row that keeps most with the chip's errors, of those that score alike the one with
     /// the fewest words; none where no row has a program.
     pub(super) fn best(rows: &[(Quantiser, Row)]) -> Option<Quantiser> {
         let programs = || {
@@ -78,9 +60,9 @@ impl Question<'_> {
                 Outcome::Refused(_) => None,
             })
         };
-        let f1 = programs().map(|(_, chip)| chip.silicon.f1);
-        let best = f1.fold(0.0, f64::max);
-        let alike = programs().filter(|(_, chip)| chip.silicon.f1 > best - ALIKE);
+        let kept = programs().map(|(_, chip)| chip.silicon.kept);
+        let best = kept.fold(f64::NEG_INFINITY, f64::max);
+        let alike = programs().filter(|(_, chip)| chip.silicon.kept > best - ALIKE);
         alike.min_by_key(|(_, chip)| chip.words).map(|(to, _)| to)
     }
 }

@@ -4,8 +4,9 @@ use maud::{Markup, html};
 
 use super::{number, part, weights, wide};
 use crate::study::{
+    equivalent::Likeness,
     feasibility::Feasibility,
-    quantisation::{OnChip, Outcome, Row, Score},
+    quantisation::{OnChip, Outcome, Row},
 };
 
 /// The kernel and its levels as pictures, and the table.
@@ -53,12 +54,12 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                             th.n scope="col" rowspan="2" { "Words a frame" }
                             th.n scope="col" rowspan="2" { "\u{b5}s a frame" }
                             th.n scope="col" rowspan="2" { "Registers" }
-                            th.group scope="colgroup" colspan="2" { "No errors" }
-                            th.group scope="colgroup" colspan="2" { "On the chip" }
+                            th.group scope="colgroup" colspan="3" { "No errors" }
+                            th.group scope="colgroup" colspan="3" { "On the chip" }
                         }
                         tr {
-                            th.n scope="col" { "F1" } th.n scope="col" { "events" }
-                            th.n scope="col" { "F1" } th.n scope="col" { "events" }
+                            th.n scope="col" { "kept" } th.n scope="col" { "as threshold" } th.n scope="col" { "events" }
+                            th.n scope="col" { "kept" } th.n scope="col" { "as threshold" } th.n scope="col" { "events" }
                         }
                     }
                     tbody {
@@ -78,9 +79,9 @@ fn row(i: usize, row: &Row, chosen: bool) -> Markup {
     html! {
         tr class=[chosen.then_some("chosen")] {
             th scope="row" { (row.to) @if chosen { span.source { "chosen" } } }
-            td.n { (number::fixed(&at("relative_error"), row.relative_error, 4)) }
+            td.n { (number::maybe(&at("relative_error"), row.relative_error)) }
             @match &row.outcome {
-                Outcome::Refused(why) => { td colspan="7" { (why) } }
+                Outcome::Refused(why) => { td colspan="9" { (why) } }
                 Outcome::OnChip(chip) => { (on_chip(&at("on_chip"), chip)) }
             }
         }
@@ -88,9 +89,10 @@ fn row(i: usize, row: &Row, chosen: bool) -> Markup {
 }
 
 fn on_chip(at: &str, chip: &OnChip) -> Markup {
-    let score = |key: &str, score: &Score| {
+    let score = |key: &str, score: &Likeness| {
         html! {
-            td.n { (number::fixed(&format!("{at}/{key}/f1"), score.f1, 3)) }
+            td.n { (number::fixed(&format!("{at}/{key}/kept"), score.kept, 3)) }
+            td.n { (score.equivalent()) }
             td.n { (number::maybe(&format!("{at}/{key}/event_ratio"), score.event_ratio)) }
         }
     };

@@ -1,0 +1,220 @@
+//! F1 over the window of its matches, and what of it is more than accident.
+//!
+//! Which events match depends on the window, and so does what matches by accident. So F1 is told
+//! for windows from 1 us to 1 s, with its **floor**: that of redraws of the reference, which have
+//! the right places and rates and times by accident ([`null`]). The **ceiling** is 1, that of
+//! the reference itself. What lies between is *kept*:
+//!
+//! ```text
+//! kept = (F1 - floor) / (1 - floor)
+//! ```
+//!
+//! 1 is a perfect packet, 0 one that knows the rates and nothing else; below 0 it knows less.
+//!
+//! Sensors that see frames say *in which frame*, and a window below the time from frame to frame
+//! asks for the same frame: the more frames the same light is shown in, the less is matched. A
+//! window of at least the frame interval does not: `docs/ruler.md` has the table.
+
+use serde::Serialize;
+
+use super::{Pair, matching, null};
+use crate::unit::Micros;
+
+/// Windows of the curve: 1, 2 and 5 of each decade from 1 us to 1 s.
+pub const WINDOWS: [Micros; 19] = {
+    let mut all = [Micros(0); 19];
+    let (mut i, mut decade) = (0, 1);
+    while i < all.len() {
+        all[i] = Micros(decade * [1, 2, 5][i % 3]);
+        if i % 3 == 2 {
+            decade *= 10;
+        }
+        i += 1;
+    }
+    all
+};
+
+/// The window of headlines, unless frames are further apart: the frame interval of a clip of 10
+/// frames a second.
+pub const HEADLINE: Micros = Micros(100_000);
+
+/// The window of a headline at this many frames a second: [`HEADLINE`], or the time from frame
+/// to frame where that is longer.
+#[must_use]
+pub fn headline(fps: f64) -> Micros {
+    HEADLINE.max(interval(fps))
+}
+
+/// The time from frame to frame, rounded up.
+#[must_use]
+pub fn interval(fps: f64) -> Micros {
+    // `as` saturates, which is what is meant.
+    Micros((1e6 / fps).ceil() as u64)
+}
+
+/// What of a score is more than accident; the score is at most 1.
+///
+/// Where accident scores 1, a packet that scores 1 keeps all, and any other nothing.
+#[must_use]
+pub fn kept(score: f64, floor: f64) -> f64 {
+    if floor < 1.0 {
+        (score - floor) / (1.0 - floor)
+    } else if score >= 1.0 {
+        1.0
+    } else {
+        0.0
+    }
+}
+
+/// F1 within one window.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// The window, in microseconds.
+    pub window_us: Micros,
+    /// F1.
+    pub f1: f64,
+    /// F1 of a redraw of the reference, the mean of some.
+    pub floor: f64,
+    /// `(f1 - floor) / (1 - floor)`.
+    pub kept: f64,
+}
+
+/// Redraws of a reference, as often as 200 000 events allow, at most 16 times: the floor of all
+/// that is judged against it.
+#[derive(Clone, Debug)]
+pub struct Redraws(Vec<Pair>);
+
+impl Redraws {
+    /// Of the reference of a pair.
+    #[must_use]
+    pub fn new(pair: &Pair, seed: u64) -> Self {
+        let draws = (200_000 / pair.events()[0].max(1)).clamp(1, 16);
+        let draw = |k| null::redraw(pair, seed.wrapping_add(k));
+        Self((0..draws).map(draw).collect())
+    }
+
+    /// F1 of a redraw within a window.
+    #[must_use]
+    pub fn floor(&self, within: Micros) -> f64 {
+        let sum: f64 = self.0.iter().map(|draw| f1(draw, within)).sum();
+        sum / self.0.len() as f64
+    }
+}
+
+impl Point {
+    /// Of a pair within a window.
+    #[must_use]
+    pub fn new(pair: &Pair, redraws: &Redraws, within: Micros) -> Self {
+        Self::above(f1(pair, within), redraws.floor(within), within)
+    }
+
+    /// Of a score and its floor.
+    #[must_use]
+    pub fn above(f1: f64, floor: f64, within: Micros) -> Self {
+        Self {
+            window_us: within,
+            f1,
+            floor,
+            kept: kept(f1, floor),
+        }
+    }
+}
+
+/// F1 of a pair within each of the [`WINDOWS`].
+#[must_use]
+pub fn curve(pair: &Pair, redraws: &Redraws) -> Vec<Point> {
+    let point = |within: &Micros| Point::new(pair, redraws, *within);
+    WINDOWS.iter().map(point).collect()
+}
+
+/// F1 of a pair within a window.
+#[must_use]
+pub fn f1(pair: &Pair, within: Micros) -> f64 {
+    let [a, b] = pair.events();
+    matching::share(2 * matching::matched(pair, within), a + b)
+}
+
+/// The least time between two frames of which either packet's events tell, in microseconds; none
+/// where times are not those of frames. Of two packets with frames, the longer interval.
+#[must_use]
+pub fn frame_interval(pair: &Pair) -> Option<Micros> {
+    pair.times()
+        .into_iter()
+        .filter_map(|times| grid(&times))
+        .max()
+}
+
+/// Times closer than this are not those of frames.
+const LEAST_INTERVAL_US: u64 = 10;
+
+/// The interval of which all of these times, which ascend, are whole multiples from the first on,
+/// to the rounding of a microsecond.
+fn grid(times: &[u64]) -> Option<Micros> {
+    let first = *times.first()?;
+    let gaps = times.windows(2).map(|two| two[1] - two[0]);
+    let shortest = gaps.min().filter(|gap| *gap >= LEAST_INTERVAL_US)?;
+    // A time is rounded to a microsecond, so an interval that is known from `known` frames is
+    // off by up to 1/known; every further time tells it more precisely.
+    let (mut interval, mut known) = (shortest as f64, 1.0);
+    for t in times {
+        let far = (t - first) as f64;
+        let frames = (far / interval).round();
+        let rounding = 1.0 + frames / known;
+        if (far - frames * interval).abs() > rounding || rounding > interval / 4.0 {
+            return None;
+        }
+        if frames > known {
+            (interval, known) = (far / frames, frames);
+        }
+    }
+    Some(Micros(interval.round() as u64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_are_one_two_and_five_of_each_decade() {
+        assert_eq!(WINDOWS[0], Micros(1));
+        assert_eq!(WINDOWS[4], Micros(20));
+        assert_eq!(WINDOWS[18], Micros(1_000_000));
+        assert!(WINDOWS.contains(&HEADLINE));
+    }
+
+    #[test]
+    fn what_is_kept_lies_between_accident_and_all() {
+        assert_eq!(kept(1.0, 0.4), 1.0);
+        assert_eq!(kept(0.4, 0.4), 0.0);
+        assert!((kept(0.7, 0.4) - 0.5).abs() < 1e-12);
+        assert!(kept(0.1, 0.4) < 0.0);
+        assert_eq!([kept(1.0, 1.0), kept(0.9, 1.0)], [1.0, 0.0]);
+    }
+
+    #[test]
+    fn frames_are_told_from_times_that_are_not_on_any() {
+        let frames = |fps: f64, n: u32| -> Vec<u64> {
+            { 0..n }
+                .map(|i| Micros::from_seconds(f64::from(i) / fps).0)
+                .collect()
+        };
+        for fps in [7.0, 10.0, 30.0, 1000.0 / 3.0, 9999.0] {
+            let all = frames(fps, 500);
+            let told = grid(&all).unwrap_or_else(|| panic!("{fps} frames/s"));
+            assert!(told.0.abs_diff((1e6 / fps).round() as u64) <= 1, "{fps}");
+            // Frames in which nothing happened are no other interval.
+            let some: Vec<u64> = all
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| i % 7 != 3)
+                .map(|(_, t)| *t)
+                .collect();
+            assert_eq!(grid(&some), Some(told), "{fps}");
+        }
+        assert_eq!(grid(&[0, 100_000, 150_001, 233_333]), None);
+        assert_eq!(grid(&[0, 1, 2, 3]), None);
+        assert_eq!(grid(&[5]), None);
+        assert_eq!(headline(30.0), HEADLINE);
+        assert_eq!(headline(4.0), Micros(250_000));
+    }
+}

@@ -1,0 +1,366 @@
+//! How bad a score is, in the one unit that every designer of an event sensor has a feeling for:
+//! the **threshold equivalent** is the change of the float sensor's threshold, in per cent, that
+//! costs as much.
+//!
+//! A [`Ladder`] shows the scene to float sensors that differ from the reference by their
+//! threshold alone, and judges each as everything else is judged. Between two rungs the score is
+//! taken as a straight line over the logarithm of the threshold.
+//!
+//! Gain and shape are told apart by **equal-event tuning**: the float sensor whose threshold is
+//! such that it says as many events as the judged packet is the fairer reference for *which*
+//! events these are. Its threshold tells the gain, what is kept of it the shape.
+
+use serde::Serialize;
+
+use super::design::{Design, DesignError};
+use crate::{
+    compare::{
+        CompareError, Pair,
+        metric::Short,
+        window::{self, Point, Redraws},
+    },
+    elementary,
+    event::Packet,
+    number::Format,
+    plane::Size,
+    reference::MemoryRule,
+    rig::{self, RigError},
+    scene::{Frame, Scene},
+    sensor::Sensor,
+    unit::Micros,
+};
+
+/// Thresholds of the ladder, as parts of the reference's; those below it are for tuning alone.
+pub const RUNGS: [f64; 15] = [
+    0.25, 0.5, 0.7, 0.85, 0.95, 1.02, 1.05, 1.1, 1.2, 1.35, 1.6, 2.0, 3.0, 5.0, 10.0,
+];
+
+/// How a packet compares with the float sensor's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Likeness {
+    /// What of F1 is more than accident: `(f1 - floor) / (1 - floor)`.
+    pub kept: f64,
+    /// The window of the matches, in microseconds.
+    pub window_us: Micros,
+    /// Frames a second that were shown.
+    pub fps: f64,
+    /// F1 within the window.
+    pub f1: f64,
+    /// F1 of a redraw of the reference.
+    pub floor: f64,
+    /// The change of the float sensor's threshold that costs as much, in per cent.
+    pub threshold_equivalent_percent: f64,
+    /// Whether the score is beyond the ladder, so that the change is at least that.
+    pub threshold_equivalent_is_least: bool,
+    /// Events for each of the reference's; none where it has none.
+    pub event_ratio: Option<f64>,
+    /// The same against a float sensor that says as many events; none where no threshold of the
+    /// ladder does.
+    pub tuned: Option<Tuned>,
+}
+
+/// A comparison with a float sensor of as many events.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tuned {
+    /// What its threshold is more than the reference's, in per cent: the gain error.
+    pub threshold_percent: f64,
+    /// What is kept of it: the shape.
+    pub kept: f64,
+    /// The change of threshold that costs as much as what is not kept.
+    pub threshold_equivalent_percent: f64,
+    /// Whether it is at least that.
+    pub threshold_equivalent_is_least: bool,
+}
+
+/// One float sensor of the ladder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rung {
+    /// Its threshold as a part of the reference's.
+    part: f64,
+    events: u64,
+    kept: f64,
+}
+
+/// What the float sensor says at other thresholds.
+#[derive(Clone, Debug)]
+pub struct Ladder {
+    reference: Packet,
+    redraws: Redraws,
+    window: Micros,
+    fps: f64,
+    seed: u64,
+    rungs: Vec<Rung>,
+}
+
+/// The float sensors of a ladder, to be shown the scene beside all others.
+///
+/// # Errors
+/// When the threshold is not positive, or the size has no addresses.
+pub fn sensors(
+    design: &Design<'_>,
+    size: Size,
+    memory: MemoryRule,
+) -> Result<Vec<Box<dyn Sensor + Send>>, DesignError> {
+    { RUNGS.iter() }
+        .map(|part| {
+            let threshold = design.threshold * part;
+            Design {
+                threshold,
+                ..*design
+            }
+            .reference(size, memory, Format::F64)
+        })
+        .collect()
+}
+
+impl Ladder {
+    /// Of the packets of the reference and of [`sensors`], in their order, at a number of frames
+    /// a second.
+    ///
+    /// # Errors
+    /// When a packet is of another sensor.
+    pub fn new(
+        reference: Packet,
+        packets: &[Packet],
+        window: Micros,
+        fps: f64,
+        seed: u64,
+    ) -> Result<Self, CompareError> {
+        let redraws = Redraws::new(&Pair::of(&reference, &reference)?, seed);
+        let floor = redraws.floor(window);
+        let mut rungs = vec![Rung {
+            part: 1.0,
+            events: reference.events.len() as u64,
+            kept: 1.0,
+        }];
+        for (part, packet) in RUNGS.iter().zip(packets) {
+            let f1 = window::f1(&Pair::of(&reference, packet)?, window);
+            rungs.push(Rung {
+                part: *part,
+                events: packet.events.len() as u64,
+                kept: window::kept(f1, floor),
+            });
+        }
+        rungs.sort_by(|a, b| a.part.total_cmp(&b.part));
+        Ok(Self {
+            reference,
+            redraws,
+            window,
+            fps,
+            seed,
+            rungs,
+        })
+    }
+
+    /// The packet of the reference.
+    #[must_use]
+    pub const fn reference(&self) -> &Packet {
+        &self.reference
+    }
+
+    /// The window of the matches.
+    #[must_use]
+    pub const fn window(&self) -> Micros {
+        self.window
+    }
+
+    /// Judges a packet; not tuned yet.
+    ///
+    /// # Errors
+    /// When it is of another sensor.
+    pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
+        let pair = Pair::of(&self.reference, packet)?;
+        let point = Point::new(&pair, &self.redraws, self.window);
+        let (percent, is_least) = self.equivalent(point.kept);
+        let [reference, judged] = pair.events().map(|events| events as f64);
+        Ok(Likeness {
+            kept: point.kept,
+            window_us: self.window,
+            fps: self.fps,
+            f1: point.f1,
+            floor: point.floor,
+            threshold_equivalent_percent: percent,
+            threshold_equivalent_is_least: is_least,
+            event_ratio: (reference > 0.0).then(|| judged / reference),
+            tuned: None,
+        })
+    }
+
+    /// The change of the threshold, in per cent, that costs as much as keeping only this share;
+    /// and whether it is at least that, being beyond the last rung.
+    #[must_use]
+    pub fn equivalent(&self, kept: f64) -> (f64, bool) {
+        let (mut part, mut best) = (1.0, 1.0_f64);
+        for rung in self.rungs.iter().filter(|rung| rung.part > 1.0) {
+            // A rung that keeps more than one before it, by chance, is passed over.
+            let here = rung.kept.min(best);
+            if kept >= here {
+                return (
+                    percent(between((best, part), (here, rung.part), kept)),
+                    false,
+                );
+            }
+            (part, best) = (rung.part, here);
+        }
+        (percent(part), true)
+    }
+
+    /// The threshold, as a part of the reference's, at which the float sensor says this many
+    /// events; none where no threshold of the ladder does.
+    #[must_use]
+    pub fn part_of(&self, events: u64) -> Option<f64> {
+        // Fewer events the higher the threshold; where more events are lost to chance than that,
+        // the first crossing counts.
+        let events = events as f64;
+        self.rungs.windows(2).find_map(|two| {
+            let [a, b] = [two[0].events as f64, two[1].events as f64];
+            let lies = (b..=a).contains(&events);
+            lies.then(|| between((a, two[0].part), (b, two[1].part), events))
+        })
+    }
+
+    /// Adds what a float sensor with as many events says, whose threshold is this part of the
+    /// reference's, of a packet that was judged.
+    ///
+    /// # Errors
+    /// When it is of another sensor.
+    pub fn tune(
+        &self,
+        likeness: &mut Likeness,
+        packet: &Packet,
+        (part, tuned): (f64, &Packet),
+    ) -> Result<(), CompareError> {
+        let pair = Pair::of(tuned, packet)?;
+        let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
+        let (equivalent, is_least) = self.equivalent(point.kept);
+        likeness.tuned = Some(Tuned {
+            threshold_percent: percent(part),
+            kept: point.kept,
+            threshold_equivalent_percent: equivalent,
+            threshold_equivalent_is_least: is_least,
+        });
+        Ok(())
+    }
+}
+
+/// Tells gain and shape apart for packets that were judged: shows the scene once more, to the
+/// float sensors that say as many events as they.
+///
+/// # Errors
+/// When scene or sensor cannot go on.
+pub fn tune(
+    ladder: &Ladder,
+    design: &Design<'_>,
+    memory: MemoryRule,
+    scene: &mut dyn Scene,
+    judged: &mut [(&Packet, &mut Likeness)],
+    seen: impl FnMut(&Frame),
+) -> Result<(), EquivalentError> {
+    let size = scene.size();
+    let parts: Vec<Option<f64>> = { judged.iter() }
+        .map(|(packet, _)| ladder.part_of(packet.events.len() as u64))
+        .collect();
+    let mut sensors = Vec::new();
+    for part in parts.iter().flatten() {
+        let threshold = design.threshold * part;
+        sensors.push(
+            Design {
+                threshold,
+                ..*design
+            }
+            .reference(size, memory, Format::F64)?,
+        );
+    }
+    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
+    for sensor in &mut sensors {
+        watching.push(sensor);
+    }
+    let tuned = rig::watch(scene, &mut watching, seen)?;
+    let found = { judged.iter_mut() }
+        .zip(parts)
+        .filter_map(|(one, part)| Some((one, part?)));
+    for (((packet, likeness), part), tuned) in found.zip(&tuned) {
+        ladder.tune(likeness, packet, (part, tuned))?;
+    }
+    Ok(())
+}
+
+/// Why nothing can be told.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum EquivalentError {
+    /// A float sensor cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Design(#[from] DesignError),
+    /// Scene or sensor cannot go on.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Rig(#[from] RigError),
+    /// The packets have nothing in common.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Compare(#[from] CompareError),
+}
+
+/// The value between two of which this abscissa lies, over the value's logarithm.
+fn between((x, a): (f64, f64), (y, b): (f64, f64), at: f64) -> f64 {
+    let way = if x == y { 0.0 } else { (at - x) / (y - x) };
+    elementary::exp(elementary::ln(a) + way * (elementary::ln(b) - elementary::ln(a)))
+}
+
+/// A part of the threshold as a change.
+fn percent(part: f64) -> f64 {
+    100.0 * (part - 1.0)
+}
+
+impl std::fmt::Display for Likeness {
+    /// `kept 0.847 (100 ms, 10 frames/s), as a threshold 16 % higher`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "kept {:.3} ({}, {} frames/s), as a threshold {} higher",
+            self.kept,
+            Short(self.window_us),
+            rate(self.fps),
+            self.equivalent()
+        )
+    }
+}
+
+impl Likeness {
+    /// The threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
+    #[must_use]
+    pub fn equivalent(&self) -> String {
+        equivalent(
+            self.threshold_equivalent_percent,
+            self.threshold_equivalent_is_least,
+        )
+    }
+}
+
+impl Tuned {
+    /// The threshold equivalent in a few characters.
+    #[must_use]
+    pub fn equivalent(&self) -> String {
+        equivalent(
+            self.threshold_equivalent_percent,
+            self.threshold_equivalent_is_least,
+        )
+    }
+}
+
+fn equivalent(percent: f64, is_least: bool) -> String {
+    let least = if is_least { "> " } else { "" };
+    if percent < 9.95 {
+        format!("{least}{percent:.1} %")
+    } else {
+        format!("{least}{percent:.0} %")
+    }
+}
+
+/// Frames a second with at most three decimals.
+#[must_use]
+pub fn rate(fps: f64) -> String {
+    let text = format!("{fps:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
