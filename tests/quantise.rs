@@ -143,12 +143,23 @@ fn the_chip_table_says_what_is_lost() {
     let said = json(folder.path(), &[&ask[..], &["--json"]].concat());
     let (rows, all) = (&said["chip"]["rows"], &said["chip"]["reference_events"]);
     assert!(all.as_u64().unwrap() > 100, "{all}");
-    let exact = |row: usize| rows[row]["on_chip"]["exact"]["f1"].as_f64().unwrap();
+    let exact = |row: usize| rows[row]["on_chip"]["exact"]["kept"].as_f64().unwrap();
     assert_eq!(exact(0), 1.0);
     assert_eq!(rows[0]["on_chip"]["exact"]["event_ratio"], 1.0);
     assert!(exact(1) < 0.9, "{}", exact(1));
-    let silicon = rows[0]["on_chip"]["silicon"]["f1"].as_f64().unwrap();
-    assert!((0.1..1.0).contains(&silicon), "{silicon}");
+    let silicon = &rows[0]["on_chip"]["silicon"];
+    let kept = silicon["kept"].as_f64().unwrap();
+    assert!((0.1..1.0).contains(&kept), "{silicon}");
+    for key in ["kept", "window_us", "fps", "threshold_equivalent_percent"] {
+        assert_eq!(rows[0][key], silicon[key], "{key}");
+        assert!(rows[0][key].is_number(), "{key}");
+    }
+    assert_eq!(
+        rows[0]["on_chip"]["exact"]["threshold_equivalent_percent"],
+        0.0
+    );
+    let apart = silicon["tuned"]["kept"].as_f64().unwrap();
+    assert!(apart > 0.0, "{silicon}");
     for row in 0..2 {
         let chip = &rows[row]["on_chip"];
         assert!(chip["words"].as_u64() > chip["filter_words"].as_u64());
@@ -161,7 +172,18 @@ fn the_chip_table_says_what_is_lost() {
         table.contains("on scamp5, against the float kernel's"),
         "{table}"
     );
-    assert!(table.contains("1.0000   1.000"), "{table}");
+    assert!(table.contains("1.000     0.0 %   1.000"), "{table}");
+}
+
+/// Events matched within a window of less than no table are not asked for.
+#[test]
+fn a_window_without_a_table_is_refused() {
+    let folder = folder();
+    refused(
+        folder.path(),
+        &["quantise", "k.toml", "--to", "binary", "--within", "9ms"],
+        &["--within", "--threshold"],
+    );
 }
 
 /// A kernel with more words than the chip stores has a row that says so.

@@ -185,6 +185,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             all.len()
         ));
     }
+    if arguments.threshold.is_none() && arguments.window.within.is_some() {
+        return Err(miette!(
+            help = "give a threshold, too: then each is run on the chip",
+            "--within is of no use without --threshold"
+        ));
+    }
     let answer = match arguments.threshold {
         Some(threshold) => Some(on_chip(arguments, kernel, threshold)?),
         None => None,
