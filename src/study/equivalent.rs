@@ -78,14 +78,14 @@ struct Rung {
     /// Its threshold as a part of the reference's.
     part: f64,
     events: u64,
-    kept: f64,
+    f1: f64,
 }
 
 /// What the float sensor says at other thresholds.
 #[derive(Clone, Debug)]
 pub struct Ladder {
     reference: Packet,
-    redraws: Redraws,
+    floor: f64,
     window: Micros,
     fps: f64,
     seed: u64,
@@ -126,25 +126,24 @@ impl Ladder {
         fps: f64,
         seed: u64,
     ) -> Result<Self, CompareError> {
-        let redraws = Redraws::new(&Pair::of(&reference, &reference)?, seed);
-        let floor = redraws.floor(window);
+        let own = Pair::of(&reference, &reference)?;
+        let floor = Redraws::new(&own, seed).floor(window);
         let mut rungs = vec![Rung {
             part: 1.0,
             events: reference.events.len() as u64,
-            kept: 1.0,
+            f1: 1.0,
         }];
         for (part, packet) in RUNGS.iter().zip(packets) {
-            let f1 = window::f1(&Pair::of(&reference, packet)?, window);
             rungs.push(Rung {
                 part: *part,
                 events: packet.events.len() as u64,
-                kept: window::kept(f1, floor),
+                f1: window::f1(&Pair::of(&reference, packet)?, window),
             });
         }
         rungs.sort_by(|a, b| a.part.total_cmp(&b.part));
         Ok(Self {
             reference,
-            redraws,
+            floor,
             window,
             fps,
             seed,
@@ -170,8 +169,8 @@ impl Ladder {
     /// When it is of another sensor.
     pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
         let pair = Pair::of(&self.reference, packet)?;
-        let point = Point::new(&pair, &self.redraws, self.window);
-        let (percent, is_least) = self.equivalent(point.kept);
+        let point = Point::above(window::f1(&pair, self.window), self.floor, self.window);
+        let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
         Ok(Likeness {
             kept: point.kept,
@@ -186,19 +185,16 @@ impl Ladder {
         })
     }
 
-    /// The change of the threshold, in per cent, that costs as much as keeping only this share;
-    /// and whether it is at least that, being beyond the last rung.
-    #[must_use]
-    pub fn equivalent(&self, kept: f64) -> (f64, bool) {
+    /// The change of the threshold, in per cent, that costs as much as this F1; and whether it is
+    /// at least that, being beyond the last rung. F1 and what is kept rise together, and F1 tells
+    /// packets apart also where accident scores as much.
+    fn equivalent(&self, f1: f64) -> (f64, bool) {
         let (mut part, mut best) = (1.0, 1.0_f64);
         for rung in self.rungs.iter().filter(|rung| rung.part > 1.0) {
-            // A rung that keeps more than one before it, by chance, is passed over.
-            let here = rung.kept.min(best);
-            if kept >= here {
-                return (
-                    percent(between((best, part), (here, rung.part), kept)),
-                    false,
-                );
+            // A rung that scores more than one before it, by chance, is passed over.
+            let here = rung.f1.min(best);
+            if f1 >= here {
+                return (percent(between((best, part), (here, rung.part), f1)), false);
             }
             (part, best) = (rung.part, here);
         }
@@ -232,7 +228,8 @@ impl Ladder {
     ) -> Result<(), CompareError> {
         let pair = Pair::of(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
-        let (equivalent, is_least) = self.equivalent(point.kept);
+        let as_kept = self.floor + point.kept * (1.0 - self.floor);
+        let (equivalent, is_least) = self.equivalent(as_kept);
         likeness.tuned = Some(Tuned {
             threshold_percent: percent(part),
             kept: point.kept,
