@@ -270,12 +270,15 @@ fn measured(
         }],
     };
     let device = Device::scamp5();
-    let settings = Settings::of(&device);
+    let settings = Settings {
+        schedule: Some(schedule),
+        threads: Some(threads),
+        ..Settings::of(&device)
+    };
     let arithmetic: Arithmetic = domain.parse().expect("a domain");
     let mut chip = arithmetic
-        .chip("bench", code, &device, SIZE, settings)
+        .chip("bench", &code, &device, SIZE, settings)
         .expect("a legal program");
-    chip.set_schedule(schedule, threads);
     for register in 0..7 {
         chip.set_analog(Analog(register), &light(register))
             .expect("its size");

@@ -114,10 +114,14 @@ fn agrees<D: Domain>(
             }],
             frame: words(program),
         };
+        let settings = Settings {
+            schedule: Some(schedule),
+            threads: Some(1),
+            ..settings
+        };
         let mut chip = arithmetic
-            .chip("test", code, device(), size, settings)
+            .chip("test", &code, device(), size, settings)
             .unwrap();
-        chip.set_schedule(schedule, 1);
         for (r, plane) in (0..).zip(analog) {
             chip.set_analog(Analog(r), plane).unwrap();
         }
@@ -242,7 +246,7 @@ fn on(settings: Settings, size: Size, program: &[Primitive]) -> Chip<Exact> {
         init: vec![],
         frame: words(program),
     };
-    Chip::new("test", Exact, code, device(), size, settings).unwrap()
+    Chip::new("test", Exact, &code, device(), size, settings).unwrap()
 }
 
 fn run(chip: &mut Chip<Exact>) -> Packet {
@@ -370,7 +374,7 @@ fn events_leave_by_columns_from_the_top_right() {
         init: vec![],
         frame: vec![scan(4), scan(100)],
     };
-    let mut chip = Chip::new("test", Exact, code, device(), size, defaults()).unwrap();
+    let mut chip = Chip::new("test", Exact, &code, device(), size, defaults()).unwrap();
     let bits = Plane::from_shape_fn((3, 4), |(y, x)| (x + y) % 2 == 1 || (y, x) == (2, 3));
     chip.set_digital(Digital(5), &bits).unwrap();
     let packet = run(&mut chip);
@@ -409,7 +413,7 @@ fn illegal_operands_are_refused_before_anything_runs() {
             init: vec![],
             frame: words(&[word]),
         };
-        let chip = Chip::new("test", Exact, code, device(), Size::new(1, 1), defaults());
+        let chip = Chip::new("test", Exact, &code, device(), Size::new(1, 1), defaults());
         chip.unwrap_err().to_string()
     };
     assert!(refused(bus(A, &[B, B])).contains("twice"));
@@ -437,7 +441,7 @@ proptest! {
         let device = device();
         let expected = Cost::of(&code.frame, device);
         let mut chip =
-            Chip::new("test", Exact, code, device, Size::new(2, 3), defaults()).unwrap();
+            Chip::new("test", Exact, &code, device, Size::new(2, 3), defaults()).unwrap();
         run(&mut chip);
         let cost = chip.ledger().cost(device);
         prop_assert_eq!(cost.words, expected.words);

@@ -179,7 +179,7 @@ fn silicon_errs_as_predicted() {
         let size = Size::new(256, 256);
         let settings = Settings::of(&device);
         let mut chip = silicon
-            .chip("filter", code, &device, size, settings)
+            .chip("filter", &code, &device, size, settings)
             .unwrap();
         let mut result = || {
             let flat = Plane::from_elem((256, 256), level);
@@ -235,7 +235,7 @@ fn what_holds_works_as_silicon() {
             ..Settings::of(&device)
         };
         let events = |arithmetic: Arithmetic| {
-            let chip = arithmetic.chip("holds", code.clone(), &device, size, settings);
+            let chip = arithmetic.chip("holds", &code, &device, size, settings);
             watch(&mut chip.unwrap(), &clip).events.len() as f64
         };
         let exact = events("exact".parse().unwrap());
@@ -385,7 +385,7 @@ proptest! {
         let clip = clip(seed);
         let size = Size::of(&clip[0]);
         let settings = Settings { clip: true, ..Settings::of(&device) };
-        let mut chip = Chip::new("chip", Exact, code, &device, size, settings).unwrap();
+        let mut chip = Chip::new("chip", Exact, &code, &device, size, settings).unwrap();
         let rows: Vec<Vec<f64>> = kernel.weights().rows().into_iter().map(|row| row.to_vec()).collect();
         let text = format!(
             "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n[[channel]]\n\
@@ -452,7 +452,7 @@ fn a_memory_in_bits_is_its_twin() {
             clip: true,
             ..Settings::of(&device)
         };
-        let mut chip = Chip::new("bits", Exact, code, &device, size, settings).unwrap();
+        let mut chip = Chip::new("bits", Exact, &code, &device, size, settings).unwrap();
         let mut found = watch(&mut chip, &clip);
         found.events.sort_by_key(|e| (e.channel, e.t, e.y, e.x));
         for (i, (kind, steps)) in kinds.iter().zip(&sensor.steps).enumerate() {

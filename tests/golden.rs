@@ -63,7 +63,7 @@ fn outcome(program: &Program) -> Expectation {
         .parse()
         .unwrap();
     let mut chip = arithmetic
-        .chip("golden", code, &device, scene.size(), chip_settings)
+        .chip("golden", &code, &device, scene.size(), chip_settings)
         .unwrap();
     let mut packet = Packet::new(scene.size(), settings.channels.unwrap_or(1));
     for _ in 0..settings.frames.unwrap_or(1) {

@@ -502,7 +502,7 @@ fn chip(program: &Program, size: Size, arithmetic: &str) -> (Box<dyn Array + Sen
     let arithmetic: Arithmetic = arithmetic.parse().unwrap();
     let settings = Settings::of(&device);
     let chip = arithmetic
-        .chip("test", expansion.code, &device, size, settings)
+        .chip("test", &expansion.code, &device, size, settings)
         .unwrap();
     (chip, expansion.bare)
 }

@@ -236,10 +236,14 @@ fn watched(
     } = *case;
     let arithmetic: Arithmetic = domain.parse().unwrap();
     let arithmetic = arithmetic.with_seed(seed);
+    let settings = Settings {
+        schedule: Some(schedule),
+        threads: Some(threads),
+        ..settings
+    };
     let mut chip = arithmetic
-        .chip("test", code.clone(), device(), size, settings)
+        .chip("test", &code, device(), size, settings)
         .unwrap();
-    chip.set_schedule(schedule, threads);
     let planes = (0..20).map(|k| {
         let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);
         Plane::from_shape_fn(size.shape(), at)
@@ -525,7 +529,7 @@ fn steps_that_are_handed_in_are_not_taken_for_those_before() {
     let size = Size::new(64, 64);
     let arithmetic: Arithmetic = "exact".parse().expect("a domain");
     let mut chip = arithmetic
-        .chip("steps", code, device(), size, Settings::of(device()))
+        .chip("steps", &code, device(), size, Settings::of(device()))
         .expect("a legal program");
     let mut packet = Packet::new(size, 1);
     let flat = |value: f64| Plane::from_shape_fn(size.shape(), |_| value);

@@ -77,7 +77,7 @@ fn chip(errors: Errors, seed: u64, program: &[Primitive], input: f64) -> Chip<Si
     };
     let domain = Silicon::new(errors, seed, &layout);
     let settings = Settings::of(device);
-    let mut chip = Chip::new("test", domain, code, device, SIZE, settings).unwrap();
+    let mut chip = Chip::new("test", domain, &code, device, SIZE, settings).unwrap();
     chip.run_init(Micros(0), &mut Packet::new(SIZE, 1)).unwrap();
     chip
 }

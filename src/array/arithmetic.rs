@@ -98,7 +98,7 @@ impl Arithmetic {
     pub fn chip(
         self,
         name: &str,
-        code: Code,
+        code: &Code,
         device: &Device,
         size: Size,
         settings: Settings,
@@ -154,7 +154,7 @@ mod tests {
             assert_eq!(arithmetic.to_string(), name);
             let device = Device::scamp5();
             let settings = Settings::of(&device);
-            let chip = arithmetic.chip("x", Code::default(), &device, Size::new(2, 2), settings);
+            let chip = arithmetic.chip("x", &Code::default(), &device, Size::new(2, 2), settings);
             assert_eq!(chip.unwrap().domain(), name);
         }
         assert!("silicone".parse::<Arithmetic>().is_err());

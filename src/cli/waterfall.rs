@@ -23,7 +23,7 @@ use super::{
     content::Content,
     files::{Named, Output},
     progress::Progress,
-    quantise::Total,
+    quantiser::Total,
     readout::Choice,
 };
 
@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
     /// How the kernel comes into few values
-    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
+    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Quantiser,
     /// What the quantised kernel must sum to
     #[arg(long, value_enum, default_value = "free")]
@@ -68,7 +68,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// How long to search for the program, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
+    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
     effort: f64,
     /// Draw it
     #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
@@ -94,7 +94,7 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| format!("`{text}` is not FIGURE=NUMBER, such as error.noise=0.1"))?;
-    super::exec::figure(name, value)
+    super::figure::figure(name, value)
 }
 
 /// Sensors that watch side by side: one a step, and in all but one of them.

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use super::{
     linear_form::LinearForm,
-    request::Request,
     solve::{FINE, Solved, fine},
 };
 use crate::isa::{Analog, Device, Primitive, Source, Target};
@@ -41,24 +40,23 @@ impl Filter {
         text
     }
 
-    /// A solved plan behind `words`, which halve the input `prescale` times.
+    /// A solved plan behind `words`, which halve the input `prescale` times; its results are in
+    /// `into`.
     pub(super) fn from_solved(
-        request: &Request<'_>,
+        device: &Device,
+        into: &[Analog],
         solved: &Solved,
         unit: i64,
         prescale: u32,
         mut words: Vec<Primitive>,
     ) -> Self {
-        let mut live: Vec<Vec<Analog>> = words
-            .iter()
-            .map(|word| registers(word, request.device))
-            .collect();
+        let mut live: Vec<Vec<Analog>> = words.iter().map(|word| registers(word, device)).collect();
         words.extend(solved.allocated.words.iter().cloned());
         for held in &solved.allocated.live {
             live.push(held.iter().map(|(register, _)| *register).collect());
         }
         Self {
-            offsets: offsets(&words, &request.into, request.device),
+            offsets: offsets(&words, into, device),
             words,
             live,
             prescale,

@@ -99,9 +99,12 @@ impl<'a> Request<'a> {
             .into_iter()
             .filter(|register| !self.keep.contains(register))
             .collect();
+        let built = |solved: &Solved, bits, first| {
+            Filter::from_solved(self.device, &self.into, solved, unit, bits, first)
+        };
         let Some((low, high)) = self.range else {
             let plus = self.solve(&goals, unit, self.input, &all, None)?;
-            return Ok(Filter::from_solved(self, &plus, unit, 0, Vec::new()));
+            return Ok(built(&plus, 0, Vec::new()));
         };
         let figure = |figure| self.device.value(figure);
         let mut limits = Limits {
@@ -126,7 +129,7 @@ impl<'a> Request<'a> {
         };
         if bits.is_multiple_of(2) {
             let first = prescale(self.device, self.input, other, bits);
-            return Ok(Filter::from_solved(self, &plus, unit, bits, first));
+            return Ok(built(&plus, bits, first));
         }
         // Each halving negates, and after an odd number of them the input lies elsewhere.
         let goals: Vec<LinearForm> = goals.iter().map(|goal| goal.times(-1)).collect();
@@ -138,7 +141,7 @@ impl<'a> Request<'a> {
             return Err(CompileError::Range { low, high });
         };
         let first = prescale(self.device, self.input, other, bits);
-        Ok(Filter::from_solved(self, &minus, unit, bits, first))
+        Ok(built(&minus, bits, first))
     }
 
     fn solve(

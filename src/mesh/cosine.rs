@@ -11,7 +11,7 @@
 use std::{fmt, sync::Arc};
 
 use multiversion::multiversion;
-use rustfft::{Fft, FftNum, FftPlanner, num_complex::Complex};
+use rustfft::{Fft, num_complex::Complex};
 
 use super::Float;
 use crate::elementary;
@@ -73,15 +73,6 @@ impl<T: Float> Cosine<T> {
             .process_with_scratch(&mut self.row, &mut self.scratch);
         scatter(&self.row, a, b);
     }
-}
-
-/// The Fourier transform of so many numbers, and its inverse.
-pub(super) fn transforms<T: FftNum>(length: usize) -> [Arc<dyn Fft<T>>; 2] {
-    let mut planner = FftPlanner::new();
-    [
-        planner.plan_fft_forward(length),
-        planner.plan_fft_inverse(length),
-    ]
 }
 
 /// Two rows as one: even columns from the left, odd ones from the right.

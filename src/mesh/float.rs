@@ -2,15 +2,12 @@
 
 use std::sync::Arc;
 
-use rustfft::Fft;
+use rustfft::{Fft, FftNum, FftPlanner};
 
-use super::{
-    cosine,
-    sheet::{MOST_LAMBDA, MOST_SIGNAL},
-};
+use super::sheet::{MOST_LAMBDA, MOST_SIGNAL};
 
 /// What a sheet is computed in: `f64`, or `f32` where speed matters more.
-pub trait Float: rustfft::FftNum + PartialOrd {
+pub trait Float: FftNum + PartialOrd {
     /// The largest space constant that can be answered in it.
     const MOST_LAMBDA: f64;
     /// The largest signal, in size.
@@ -42,7 +39,7 @@ impl Float for f64 {
     }
 
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
-        cosine::transforms(length)
+        planned(length)
     }
 }
 
@@ -61,6 +58,15 @@ impl Float for f32 {
     }
 
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
-        cosine::transforms(length)
+        planned(length)
     }
+}
+
+/// The Fourier transform of so many numbers, and its inverse.
+fn planned<T: FftNum>(length: usize) -> [Arc<dyn Fft<T>>; 2] {
+    let mut planner = FftPlanner::new();
+    [
+        planner.plan_fft_forward(length),
+        planner.plan_fft_inverse(length),
+    ]
 }

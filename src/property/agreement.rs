@@ -110,7 +110,7 @@ pub fn agree(
         clip: true,
         ..Settings::of(device)
     };
-    let chip = (tolerance.arithmetic).chip(file, code, device, size, settings);
+    let chip = (tolerance.arithmetic).chip(file, &code, device, size, settings);
     let mut chip = chip.map_err(|e| broken(file, &e))?;
     let mut float =
         Reference::new(reference.clone(), size, 0).map_err(|e| broken(&reference.name, &e))?;

@@ -282,8 +282,7 @@ impl Compiled {
             return self.silicon(Errors::of(&self.device), seed, size, settings);
         }
         addressed(size)?;
-        let code = self.code.clone();
-        Ok(arithmetic.chip(&self.title, code, &self.device, size, settings)?)
+        Ok(arithmetic.chip(&self.title, &self.code, &self.device, size, settings)?)
     }
 
     /// A chip that errs as `errors` says: [`Errors::of`] the device, with any of them changed
@@ -305,8 +304,14 @@ impl Compiled {
             clip: false,
             ..settings
         };
-        let code = self.code.clone();
-        let chip = Chip::new(&self.title, domain, code, &self.device, size, settings)?;
+        let chip = Chip::new(
+            &self.title,
+            domain,
+            &self.code,
+            &self.device,
+            size,
+            settings,
+        )?;
         Ok(Box::new(chip))
     }
 

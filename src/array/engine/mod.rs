@@ -18,7 +18,6 @@ mod pass;
 mod planes;
 mod rows;
 mod runs;
-mod schedule;
 mod sign;
 mod slab;
 mod store;
@@ -27,11 +26,10 @@ mod view;
 
 pub(super) use lower::{Counted, Lowered, Stage};
 pub(super) use rows::expose;
-pub use schedule::{Schedule, ScheduleError};
 pub(super) use sweep::Semantics;
 
 use self::{block::Block, constants::Constants, pass::Lowering, slab::Copies};
-use super::{RowOps, State, Undecided, semantics};
+use super::{RowOps, Schedule, State, Undecided, semantics};
 use crate::plane::Size;
 
 /// Arrays of so many pixels are plainly run cell by cell: a row is no gain.
@@ -56,10 +54,6 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
             copies: Copies::default(),
             constants: Constants::new(state),
         }
-    }
-
-    pub(super) const fn schedule(&self) -> Schedule {
-        self.schedule
     }
 
     /// Whether rows would be no gain.

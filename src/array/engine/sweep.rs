@@ -1,6 +1,6 @@
 //! Operations on rows: what [`semantics`](super::semantics) says of a pixel, on many at once.
 //!
-//! Which rows when is the business of a [`Schedule`](super::Schedule). What reaches a row from its
+//! Which rows when is the business of a [`Schedule`](crate::array::Schedule). What reaches a row from its
 //! neighbours is at most a halo away.
 
 // What is not inlined is not compiled for the wide vectors.

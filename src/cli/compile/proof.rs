@@ -116,7 +116,7 @@ impl Proof<'_> {
             picture[middle] = level;
             let size = Size::new(SIDE, SIDE);
             let code = code.clone();
-            let mut chip = Chip::new("compiled", Exact, code, self.device, size, settings)?;
+            let mut chip = Chip::new("compiled", Exact, &code, self.device, size, settings)?;
             match self.input {
                 Input::Light => chip.expose(&picture)?,
                 Input::Register(register) => chip.set_analog(register, &picture)?,

@@ -3,7 +3,7 @@
 use miette::miette;
 use ndarray::s;
 
-use super::{Constants, solve};
+use super::{constants::Constants, solve};
 use crate::{
     cli::{
         content::Content,

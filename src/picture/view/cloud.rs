@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 
-use super::caption;
+use super::layout::caption;
 use crate::{
     event::{Event, Packet, Polarity},
     picture::{

@@ -2,7 +2,10 @@
 
 use image::{Rgb, RgbImage};
 
-use super::{Window, caption, fitted, signs};
+use super::{
+    layout::{caption, fitted},
+    window::{Window, signs},
+};
 use crate::{
     event::{Event, Packet},
     picture::{

@@ -16,7 +16,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::lasting;
+use super::time::lasting;
 
 /// Bins of one decade.
 const PER_DECADE: f64 = 10.0;

@@ -1,6 +1,10 @@
 //! A small event frame for each kind.
 
-use super::{GAP, MARGIN, Window, fitted, frame, head};
+use super::{
+    frame,
+    layout::{GAP, MARGIN, fitted, head},
+    window::Window,
+};
 use crate::{
     event::Packet,
     picture::{

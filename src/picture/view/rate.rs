@@ -13,7 +13,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::lasting;
+use super::time::lasting;
 
 /// ON and OFF events of each bin.
 #[derive(Debug, PartialEq)]

@@ -1,6 +1,11 @@
 //! Time surfaces: how long ago each pixel spoke last.
 
-use super::{Window, caption, fitted, frame, lasting, seconds};
+use super::{
+    frame,
+    layout::{caption, fitted},
+    time::{lasting, seconds},
+    window::Window,
+};
 use crate::{
     elementary,
     event::{Packet, Polarity},

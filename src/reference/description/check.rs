@@ -1,7 +1,7 @@
 //! What is written in a sensor file, checked and built.
 
 use crate::{
-    config::{Fault, Faults, Node, Place, Read, Section},
+    config::{Faults, Node, Read, Section},
     kernel::Kernel,
     photoreceptor::Response,
     plane::Plane,
@@ -12,12 +12,10 @@ use super::{
     channel::{Channel, Threshold},
     kernels::scaled,
     keys::{FILE, REFRACTORY, SENSOR, THRESHOLD},
+    reader::{ReadFile, Reader, wrong},
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
     sensor::Description,
 };
-
-/// Reads a file that a sensor file names; the path is as written there.
-pub type ReadFile<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
 
 impl Description {
     /// Reads the text of a sensor file called `file`; `read` opens the kernel files it names.
@@ -27,17 +25,6 @@ impl Description {
     pub fn parse(file: &str, text: &str, read: &ReadFile<'_>) -> Result<Self, Faults> {
         FILE.read(file, text, |root| Reader { file, read }.sensor(root))
     }
-}
-
-/// A sensor file being read.
-pub(super) struct Reader<'a> {
-    pub(super) file: &'a str,
-    pub(super) read: &'a ReadFile<'a>,
-}
-
-/// What is wrong here, and what to do.
-pub(super) fn wrong(place: Place, message: impl Into<String>, advice: &str) -> Fault {
-    Fault::error(place, message, "here").help(advice)
 }
 
 impl Reader<'_> {

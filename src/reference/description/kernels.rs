@@ -8,7 +8,7 @@ use crate::{
 };
 
 use super::{
-    check::{Reader, wrong},
+    reader::{Reader, wrong},
     rules::MemoryRule,
 };
 

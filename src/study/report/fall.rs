@@ -2,7 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{image, number, part, wide};
+use super::{
+    image, number,
+    part::{part, wide},
+};
 use crate::study::{
     feasibility::Feasibility,
     waterfall::{Shares, Step, Waterfall},

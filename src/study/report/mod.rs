@@ -11,6 +11,7 @@ mod fall;
 mod image;
 mod mesh;
 mod number;
+mod part;
 mod power;
 mod quantisation;
 mod reproduce;
@@ -89,22 +90,5 @@ fn asked(all: &Feasibility) -> Markup {
             "), with an event where kernel times light, 0 to 255, has moved by more than "
             (number::plain("/threshold", all.threshold)) "."
         }
-    }
-}
-
-/// A part of the page.
-fn part(id: &str, heading: &str, inside: &Markup) -> Markup {
-    html! {
-        section aria-labelledby=(id) {
-            h2 id=(id) { (heading) }
-            (inside)
-        }
-    }
-}
-
-/// A table that scrolls by itself where the screen is narrower.
-fn wide(label: &str, table: &Markup) -> Markup {
-    html! {
-        div.wide role="region" aria-label=(label) tabindex="0" { (table) }
     }
 }

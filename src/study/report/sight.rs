@@ -3,7 +3,7 @@
 use ::image::RgbImage;
 use maud::{Markup, html};
 
-use super::{image, part};
+use super::{image, part::part};
 use crate::{
     event::{Event, Polarity},
     picture::{

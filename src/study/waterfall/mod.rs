@@ -13,9 +13,11 @@
 
 mod cause;
 mod chart;
+mod question;
 mod sensor;
 
 pub use cause::Cause;
+pub use question::Question;
 
 use serde::Serialize;
 
@@ -27,30 +29,12 @@ use crate::{
         CompareError, Pair,
         fate::{Fate, Windows},
     },
-    event::{Packet, readout::Readout},
-    kernel::quantise::{Quantiser, Sum},
+    event::Packet,
     rig::{self, RigError},
     scene::{Frame, Scene},
     sensor::Sensor,
     unit::Micros,
 };
-
-/// What is asked.
-#[derive(Clone, Copy, Debug)]
-pub struct Question<'a> {
-    /// The float cell, and the chip.
-    pub design: Design<'a>,
-    /// How its kernel comes into few values.
-    pub to: Quantiser,
-    /// What they must sum to.
-    pub sum: Sum,
-    /// What the chip's cells hold: `silicon`, or numbers, which err by their format alone.
-    pub arithmetic: Arithmetic,
-    /// How events leave the chip.
-    pub readout: Readout,
-    /// Events of one cell that are closer than this are the same.
-    pub within: Micros,
-}
 
 /// The answer. Shares are of the float sensor's events.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Cause, Question};
+use super::{cause::Cause, question::Question};
 use crate::{
     array::{Arithmetic, Errors, Settings},
     event::{Event, Packet},
