@@ -96,8 +96,8 @@ impl Bench {
     }
 
     fn packets(&self, reference: &Packet, judged: &Packet) {
-        let sorted = Pair::of(reference, judged);
-        self.line("sort both packets", || Pair::of(reference, judged));
+        let sorted = Pair::new(reference, judged);
+        self.line("sort both packets", || Pair::new(reference, judged));
         let Ok(pair) = &sorted else {
             println!("the packets of this bench do not fit each other");
             return;
@@ -124,7 +124,9 @@ impl Bench {
         self.line("divergence of intervals", || intervals::divergence(pair));
         self.line("a redraw", || null::redraw(pair, 0));
         self.line("a permutation", || null::permute(pair, 0));
-        self.line("plain comparison", || Comparison::of(pair, Micros(1_000)));
+        self.line("plain comparison", || {
+            Comparison::from_pair(pair, Micros(1_000))
+        });
         self.line("all scores, floors and ceilings", || {
             scores(pair, &Scales::default())
         });

@@ -302,7 +302,7 @@ fn program(text: &str) {
         &code,
         device,
         Size::new(5, 6),
-        Settings::of(device),
+        Settings::from_device(device),
     );
     if let Ok(mut chip) = chip {
         watch(&mut chip);

@@ -29,7 +29,7 @@ fn device() -> &'static Device {
 }
 
 fn defaults() -> Settings {
-    Settings::of(device())
+    Settings::from_device(device())
 }
 
 fn sizes() -> impl Strategy<Value = Size> {
@@ -90,7 +90,7 @@ fn agrees<D: Domain>(
     let (digital, light) = rest.split_at(13);
     let light = light[0].mapv(f64::abs);
 
-    let mut judge = State::new(domain, Layout::of(device(), size), settings.edge);
+    let mut judge = State::new(domain, Layout::new(device(), size), settings.edge);
     for (r, plane) in (0..).zip(analog) {
         judge.set_analog(domain, Analog(r), plane);
     }
@@ -191,7 +191,7 @@ proptest! {
         size in sizes(), settings in settings(), seed: u64,
         program in prop::collection::vec(word(), 1..20)
     ) {
-        let silicon = Silicon::new(Errors::of(device()), 0, &Layout::of(device(), size));
+        let silicon = Silicon::new(Errors::from_device(device()), 0, &Layout::new(device(), size));
         agrees(&silicon, size, settings, seed, &program)?;
     }
 }
@@ -397,11 +397,11 @@ fn events_leave_by_columns_from_the_top_right() {
 fn addresses_convert_both_ways() {
     let size = Size::new(3, 4);
     assert_eq!(
-        Address::of(At { y: 2, x: 0 }, size),
+        Address::from_pixel(At { y: 2, x: 0 }, size),
         Address { column: 3, row: 2 }
     );
     for at in (0..3).flat_map(|y| (0..4).map(move |x| At { y, x })) {
-        assert_eq!(Address::of(at, size).at(size), Some(at));
+        assert_eq!(Address::from_pixel(at, size).at(size), Some(at));
     }
     assert_eq!(Address { column: 4, row: 0 }.at(size), None);
 }

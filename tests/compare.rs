@@ -327,7 +327,7 @@ mod scales {
     use super::*;
 
     fn pair(a: &Packet, b: &Packet) -> Pair {
-        Pair::of(a, b).unwrap()
+        Pair::new(a, b).unwrap()
     }
 
     /// Small scales, as the packets are short.

@@ -53,8 +53,8 @@ fn outcome(program: &Program) -> Expectation {
     .unwrap();
     let chip_settings = Settings {
         clip: settings.clip.unwrap_or(false),
-        edge: settings.edge.unwrap_or(Settings::of(&device).edge),
-        ..Settings::of(&device)
+        edge: settings.edge.unwrap_or(Settings::from_device(&device).edge),
+        ..Settings::from_device(&device)
     };
     let arithmetic: Arithmetic = settings
         .domain

@@ -95,7 +95,7 @@ fn ran(domain: &str, frame: Vec<Step>, size: Size, schedule: Schedule) -> Seen {
     let settings = Settings {
         schedule: Some(schedule),
         threads: Some(2),
-        ..Settings::of(device())
+        ..Settings::from_device(device())
     };
     let mut chip = arithmetic
         .chip("loops", &code, device(), size, settings)

@@ -241,7 +241,7 @@ fn near<N: Number>(plane: &Plane<N::Held>, border: Border, (y, x): At, reach: At
 }
 
 /// The model of every cell of a channel.
-fn run<N: Number, M: model::MemoryRule>(
+fn run<N: Number, M: model::MemoryModel>(
     number: &N,
     description: &Description,
     channel: usize,

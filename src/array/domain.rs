@@ -188,7 +188,7 @@ pub struct Share {
 impl Share {
     /// Of a bus with so many targets.
     #[must_use]
-    pub const fn of(targets: usize, part: usize) -> Self {
+    pub const fn new(targets: usize, part: usize) -> Self {
         Self {
             by: targets as u32,
             part: if targets > 1 { Some(part as u8) } else { None },

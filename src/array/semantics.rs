@@ -148,7 +148,7 @@ impl<D: Domain> Before<'_, D> {
         let mut lefts = smallvec![];
         let mut driven: SmallVec<[(Point, Share); 4]> = smallvec![];
         for (part, target) in targets.iter().enumerate() {
-            let share = Share::of(targets.len(), part);
+            let share = Share::new(targets.len(), part);
             match target {
                 Target::Register(register) if *register != news => {
                     if self.flag(at) {

@@ -81,7 +81,7 @@ pub enum Propagation {
 impl Settings {
     /// What a chip's data says, no clipping.
     #[must_use]
-    pub fn of(device: &Device) -> Self {
+    pub fn from_device(device: &Device) -> Self {
         Self {
             edge: device.value(Figure::Edge),
             clip: false,

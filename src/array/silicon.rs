@@ -64,7 +64,7 @@ pub struct Errors {
 impl Errors {
     /// As a chip's data has them.
     #[must_use]
-    pub fn of(device: &Device) -> Self {
+    pub fn from_device(device: &Device) -> Self {
         let value = |figure| device.value(figure);
         let headroom = value(Figure::Headroom);
         Self {
@@ -333,7 +333,7 @@ impl Domain for Silicon {
 
     /// The squarer has no calibration; only the transfer error of its store is modelled.
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
-        let run = self.run(Share::of(1, 0), place, 1);
+        let run = self.run(Share::new(1, 0), place, 1);
         let mut drawn = [0];
         run.draws.draw(run.first, &mut drawn);
         let error = run.error(run.offset[0], drawn[0]);

@@ -54,8 +54,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut judged = arguments.recording.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
-    let pair = Pair::of(&reference.packet, &judged.packet)?;
-    let comparison = Comparison::of(&pair, arguments.within);
+    let pair = Pair::new(&reference.packet, &judged.packet)?;
+    let comparison = Comparison::from_pair(&pair, arguments.within);
     let mut scales = Scales {
         bins: arguments.bins.into(),
         seed: arguments.seed,
@@ -70,8 +70,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     if arguments.json {
         let json = Json {
-            reference: Input::of(&arguments.a, &reference),
-            judged: Input::of(&arguments.b, &judged),
+            reference: Input::new(&arguments.a, &reference),
+            judged: Input::new(&arguments.b, &judged),
             comparison: &comparison,
             ruler: &ruler,
         };
@@ -110,7 +110,7 @@ impl serde::Serialize for Ruler {
         map.serialize_entry("bins", &self.scales.bins)?;
         map.serialize_entry("seed", &self.scales.seed)?;
         for score in &self.scores {
-            map.serialize_entry(&score.metric.key(), &ScoreJson::of(score))?;
+            map.serialize_entry(&score.metric.key(), &ScoreJson::new(score))?;
         }
         map.end()
     }
@@ -129,7 +129,7 @@ struct ScoreJson {
 }
 
 impl ScoreJson {
-    fn of(score: &Score) -> Self {
+    fn new(score: &Score) -> Self {
         Self {
             value: score.value,
             identical: score.identical,
@@ -197,7 +197,7 @@ struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    const fn of(file: &'a Path, loaded: &Loaded) -> Self {
+    const fn new(file: &'a Path, loaded: &Loaded) -> Self {
         Self {
             file,
             size: loaded.packet.size,

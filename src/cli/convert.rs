@@ -396,6 +396,6 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
 /// How to open an event file that a verb has written, as the last line of its table.
 #[must_use]
 pub fn opened(path: &Path) -> String {
-    let line = Format::of(path).map(|format| format.opened_by(path));
+    let line = Format::from_path(path).map(|format| format.opened_by(path));
     line.map_or(String::new(), |line| format!("open     {line}\n"))
 }

@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let cost = Cost::of(&code.frame, &device);
     let settings = Settings {
         clip: true,
-        ..Settings::of(&device)
+        ..Settings::from_device(&device)
     };
     let mut chips = Vec::new();
     for (domain, _) in DOMAINS {

@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         .to
         .iter()
         .zip(&all)
-        .map(|(to, quantised)| Row::of(*to, kernel, quantised))
+        .map(|(to, quantised)| Row::new(*to, kernel, quantised))
         .collect();
     if arguments.output.is_some() && all.len() != 1 {
         return Err(miette!(
@@ -264,7 +264,7 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
 }
 
 impl Row {
-    fn of(to: Quantiser, kernel: &Kernel, quantised: &Quantised) -> Self {
+    fn new(to: Quantiser, kernel: &Kernel, quantised: &Quantised) -> Self {
         let levels = quantised.levels.weights();
         Self {
             to: to.to_string(),

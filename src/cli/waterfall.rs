@@ -54,9 +54,7 @@ pub struct Arguments {
     /// once
     #[arg(long = "set", value_name = "FIGURE=NUMBER", value_parser = figure)]
     sets: Vec<(Figure, f64)>,
-    /// What the chip's cells hold: silicon, or numbers (f32, f16, q8.8 …), which err by their
-    /// format alone
-    #[arg(long, default_value = "silicon", value_parser = arithmetic)]
+    #[arg(long, default_value = "silicon", value_parser = arithmetic, help = format!("What the chip's cells hold: {}; numbers err by their format alone", Arithmetic::names()))]
     format: Arithmetic,
     /// How events leave the chip; unless said otherwise the scan that a compiled program asks for
     #[command(flatten)]

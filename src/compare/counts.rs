@@ -67,7 +67,7 @@ pub static BITS: Entry = Entry {
     knows_a_redraw: false,
     symmetric: false,
     value: |of, _| {
-        let word = AddressWord::of(of.pair.size(), of.pair.channels());
+        let word = AddressWord::new(of.pair.size(), of.pair.channels());
         Some(of.pair.events()[1] as f64 * f64::from(word.bits()))
     },
 };

@@ -72,7 +72,8 @@ impl<'a> Measured<'a> {
     }
 
     /// What several metrics are made of, at a scale (0 where it has none): made when it is first
-    /// asked for. `T` is a type of those metrics alone, which stands for what is kept.
+    /// asked for. `T` is a type of those metrics alone, which stands for what is kept: so no metric
+    /// is named here, and one more is a file of its own.
     pub fn shared<T: Any + Copy>(&self, scale: Micros, make: impl FnOnce() -> T) -> T {
         let key = (TypeId::of::<T>(), scale);
         let known = self

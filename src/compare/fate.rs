@@ -50,7 +50,7 @@ pub struct Fate {
 impl Fate {
     /// What the judged packet of a pair made of the reference.
     #[must_use]
-    pub fn of(pair: &Pair, windows: Windows) -> Self {
+    pub fn from_pair(pair: &Pair, windows: Windows) -> Self {
         let part = pair.fold_sites(
             Part::default,
             |part, reference, judged| part.add(reference, judged, windows),
@@ -182,8 +182,8 @@ mod tests {
     }
 
     fn fate(reference: &[(u64, u16, bool)], judged: &[(u64, u16, bool)]) -> Fate {
-        let pair = Pair::of(&packet(reference), &packet(judged)).unwrap();
-        Fate::of(&pair, WINDOWS)
+        let pair = Pair::new(&packet(reference), &packet(judged)).unwrap();
+        Fate::from_pair(&pair, WINDOWS)
     }
 
     /// Time, column and sign.

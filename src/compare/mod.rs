@@ -97,13 +97,16 @@ pub fn compare(
     judged: &Packet,
     within: Micros,
 ) -> Result<Comparison, CompareError> {
-    Ok(Comparison::of(&Pair::of(reference, judged)?, within))
+    Ok(Comparison::from_pair(
+        &Pair::new(reference, judged)?,
+        within,
+    ))
 }
 
 impl Comparison {
     /// As [`compare`], of packets that are sorted already.
     #[must_use]
-    pub fn of(pair: &Pair, within: Micros) -> Self {
+    pub fn from_pair(pair: &Pair, within: Micros) -> Self {
         let first_divergence = equality::first_divergence(pair);
         let kinds = counts::kinds(pair);
         let both = |count: fn(&Kind) -> [u64; 2]| {
@@ -112,7 +115,7 @@ impl Comparison {
                 .map(count)
                 .fold([0, 0], |[a, b], [c, d]| [a + c, b + d])
         };
-        let bits_per_event = AddressWord::of(pair.size(), pair.channels()).bits();
+        let bits_per_event = AddressWord::new(pair.size(), pair.channels()).bits();
         let matches = matching::matches(pair, within);
         Self {
             equal: first_divergence.is_none(),

@@ -66,7 +66,7 @@ pub fn redraw(pair: &Pair, seed: u64) -> Pair {
 #[must_use]
 pub fn permute(pair: &Pair, seed: u64) -> Pair {
     let all = pair.reference();
-    let pixels = Shuffle::of(pair, seed);
+    let pixels = Shuffle::new(pair, seed);
     let mut cells: Vec<_> = pair
         .reference_cells()
         .map(|(cell, own)| (pixels.moved(cell), own))
@@ -96,7 +96,7 @@ struct Shuffle {
 }
 
 impl Shuffle {
-    fn of(pair: &Pair, seed: u64) -> Self {
+    fn new(pair: &Pair, seed: u64) -> Self {
         // Events have 16 bits for each coordinate.
         let side = |pixels: usize| (pixels as u64).clamp(1, 1 << 16);
         let (height, width) = (side(pair.size().height), side(pair.size().width));

@@ -72,7 +72,7 @@ impl Cell {
         (self.0 as Key) << 64 | t as Key
     }
 
-    const fn of(event: &Event) -> Self {
+    const fn from_event(event: &Event) -> Self {
         Self(
             (event.channel as u64) << 33
                 | (event.y as u64) << 17
@@ -146,7 +146,7 @@ impl Pair {
     ///
     /// # Errors
     /// When they are not of the same size and number of channels, or hold events outside.
-    pub fn of(reference: &Packet, judged: &Packet) -> Result<Self, CompareError> {
+    pub fn new(reference: &Packet, judged: &Packet) -> Result<Self, CompareError> {
         let (size, channels) = (reference.size, reference.channels);
         if size != judged.size {
             return Err(CompareError::Size {
@@ -425,7 +425,7 @@ fn sorted(packet: &Packet) -> Result<Vec<Key>, CompareError> {
             let inside = usize::from(event.x) < size.width
                 && usize::from(event.y) < size.height
                 && event.channel < channels;
-            let key = Cell::of(event).at(event.t.0);
+            let key = Cell::from_event(event).at(event.t.0);
             inside.then_some(key).ok_or(CompareError::Outside {
                 event: *event,
                 size,

@@ -41,7 +41,7 @@ struct Spot {
 }
 
 impl Spot {
-    fn of(statement: &Expanded) -> Self {
+    fn new(statement: &Expanded) -> Self {
         Self {
             name: statement.name.clone(),
             place: statement.place,
@@ -90,11 +90,11 @@ impl Walk<'_> {
         }
         match statement.effect.flag {
             Some(FlagState::Whole) => self.partial = None,
-            Some(FlagState::Partial) => self.partial = Some(Spot::of(statement)),
+            Some(FlagState::Partial) => self.partial = Some(Spot::new(statement)),
             None => {}
         }
         for cell in statement.destroys().filter(|cell| *cell != Cell::Flag) {
-            self.destroyed.insert(cell, Spot::of(statement));
+            self.destroyed.insert(cell, Spot::new(statement));
         }
         for cell in &statement.results {
             if statement.effect.writes.contains(cell) {

@@ -108,7 +108,7 @@ pub fn agree(
     let code = expansion.map_err(|e| broken(file, &e))?.code;
     let settings = Settings {
         clip: true,
-        ..Settings::of(device)
+        ..Settings::from_device(device)
     };
     let chip = (tolerance.arithmetic).chip(file, &code, device, size, settings);
     let mut chip = chip.map_err(|e| broken(file, &e))?;

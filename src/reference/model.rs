@@ -103,7 +103,7 @@ pub struct Setting<N: Number> {
 }
 
 /// A memory rule: what is stored, what is compared with it, and what an event does.
-pub trait MemoryRule {
+pub trait MemoryModel {
     /// Whether an event stores what is seen (3, 6), or moves what is stored (4, 7).
     type Event: EventRule;
 
@@ -132,7 +132,7 @@ pub type FilteredStep = Filtered<Step>;
 #[derive(Clone, Copy, Debug)]
 pub struct PixelStep;
 
-impl MemoryRule for RawSnap {
+impl MemoryModel for RawSnap {
     type Event = Snap;
 
     fn stored<N: Number>(seen: &Seen<N>) -> N::Held {
@@ -143,7 +143,7 @@ impl MemoryRule for RawSnap {
     }
 }
 
-impl<E: EventRule> MemoryRule for Filtered<E> {
+impl<E: EventRule> MemoryModel for Filtered<E> {
     type Event = E;
 
     fn stored<N: Number>(seen: &Seen<N>) -> N::Held {
@@ -154,7 +154,7 @@ impl<E: EventRule> MemoryRule for Filtered<E> {
     }
 }
 
-impl MemoryRule for PixelStep {
+impl MemoryModel for PixelStep {
     type Event = Step;
 
     fn stored<N: Number>(seen: &Seen<N>) -> N::Held {
@@ -191,7 +191,7 @@ pub struct Memory<H> {
 }
 
 impl<H> Memory<H> {
-    const fn of(base: H) -> Self {
+    const fn new(base: H) -> Self {
         let (ups, downs) = (0.0, 0.0);
         Self { base, ups, downs }
     }
@@ -205,7 +205,7 @@ impl EventRule for Snap {
     }
     /// (6)
     fn moves<H>(memory: &mut Memory<H>, _: &Train, now: H) {
-        *memory = Memory::of(now);
+        *memory = Memory::new(now);
     }
 }
 
@@ -275,7 +275,7 @@ pub struct Cell<N: Number, M> {
     rule: PhantomData<M>,
 }
 
-impl<N: Number, M: MemoryRule> Cell<N, M> {
+impl<N: Number, M: MemoryModel> Cell<N, M> {
     /// A cell that sees its first frame at `seconds`, and has never fired. Its memory is
     /// `memory`: what it stores of that frame, less what has leaked before.
     #[must_use]
@@ -283,7 +283,7 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         Self {
             setting,
             start: seconds,
-            memory: Memory::of(memory),
+            memory: Memory::new(memory),
             before: first,
             pixel: first.signal,
             fired: f64::NEG_INFINITY,

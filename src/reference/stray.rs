@@ -69,7 +69,7 @@ impl<'a> Strays<'a> {
     ///
     /// The waiting times of a Poisson process are exponential and forget, so every pair starts
     /// anew. Shot noise is drawn at its rate in the dark and thinned by the light.
-    pub(super) fn of(
+    pub(super) fn in_cell(
         &self,
         place: Place,
         light: impl Fn() -> f64,

@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use crate::{memory::Bytes, plane::Size};
+use crate::{memory::TooMuch, plane::Size};
 
 /// Why a scene cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -174,18 +174,9 @@ pub enum SceneError {
     },
 
     /// Frames that do not fit into the memory that there may be.
-    #[error("{path}: to read frames of {size}, {bytes} are held at a time; {most} are allowed")]
-    #[diagnostic(help("scale the clip down first, or allow more with --max-memory SIZE"))]
-    NoRoom {
-        /// The file or folder of the scene.
-        path: PathBuf,
-        /// Their size.
-        size: Size,
-        /// What the reader would hold.
-        bytes: Bytes,
-        /// What it may.
-        most: Bytes,
-    },
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    NoRoom(#[from] TooMuch),
 
     /// More frames than any scene has.
     #[error("{path}: more than {most} frames")]

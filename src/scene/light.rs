@@ -5,6 +5,7 @@ use std::{fs::File, io::BufReader, path::Path};
 use super::{OpenOptions, SceneError};
 use crate::{
     limit::{DRAWN_PIXELS, FRAMES, PIXELS},
+    memory::{Budget, Need},
     plane::{Plane, Size},
 };
 
@@ -59,27 +60,24 @@ pub(super) fn check_drawn(path: &Path, size: Size, frames: u64) -> Result<(), Sc
     })
 }
 
-/// The most bytes that a reader may hold.
+/// What a program that reads frames may hold, if that is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct MemoryLimit(u64);
+pub(super) struct MemoryLimit(Option<Budget>);
 
 impl MemoryLimit {
     /// The limit that the options give, or none.
-    pub fn new(options: OpenOptions) -> Self {
-        Self(options.memory.unwrap_or(u64::MAX))
+    pub const fn new(options: OpenOptions) -> Self {
+        Self(options.memory)
     }
 
-    /// Refuses frames that take more.
+    /// Refuses frames of which so many bytes are held while they are read.
     pub fn check(self, path: &Path, size: Size, bytes: u128) -> Result<(), SceneError> {
-        if bytes <= u128::from(self.0) {
+        let Some(budget) = self.0 else {
             return Ok(());
-        }
-        Err(SceneError::NoRoom {
-            path: path.into(),
-            size,
-            bytes: crate::memory::Bytes(bytes),
-            most: crate::memory::Bytes(self.0.into()),
-        })
+        };
+        let need = Need::new().and(format!("frames of {size} that are read"), bytes);
+        let what = format!("{}: the scene alone", path.display());
+        Ok(need.within(budget, &what, "scale the clip down first")?)
     }
 }
 

@@ -257,7 +257,7 @@ impl Compiled {
     pub fn settings(&self) -> Settings {
         Settings {
             clip: true,
-            ..Settings::of(&self.device)
+            ..Settings::from_device(&self.device)
         }
     }
 
@@ -279,13 +279,13 @@ impl Compiled {
         settings: Settings,
     ) -> Result<Box<dyn Array + Send>, DesignError> {
         if let Arithmetic::Silicon { seed } = arithmetic {
-            return self.silicon(Errors::of(&self.device), seed, size, settings);
+            return self.silicon(Errors::from_device(&self.device), seed, size, settings);
         }
         addressed(size)?;
         Ok(arithmetic.chip(&self.title, &self.code, &self.device, size, settings)?)
     }
 
-    /// A chip that errs as `errors` says: [`Errors::of`] the device, with any of them changed
+    /// A chip that errs as `errors` says: [`Errors::from_device`], with any of them changed
     /// or 0. Analogue cells saturate at the range in it, which has the chip's headroom;
     /// `settings.clip` would take that away, and is left out.
     ///
@@ -299,7 +299,7 @@ impl Compiled {
         settings: Settings,
     ) -> Result<Box<dyn Array + Send>, DesignError> {
         addressed(size)?;
-        let domain = Silicon::new(errors, seed, &Layout::of(&self.device, size));
+        let domain = Silicon::new(errors, seed, &Layout::new(&self.device, size));
         let settings = Settings {
             clip: false,
             ..settings

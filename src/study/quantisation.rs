@@ -169,7 +169,7 @@ pub fn ask(
                 let mut score = || -> Result<Score, QuantisationError> {
                     let packet = packets.next().ok_or_else(|| missing(&to))?;
                     let comparison = compare::compare(&truth, &packet, question.within)?;
-                    Ok(Score::of(&comparison))
+                    Ok(Score::new(&comparison))
                 };
                 Outcome::OnChip(OnChip {
                     exact: score()?,
@@ -256,7 +256,7 @@ impl Question<'_> {
 }
 
 impl Score {
-    fn of(comparison: &Comparison) -> Self {
+    fn new(comparison: &Comparison) -> Self {
         let [reference, judged] = comparison.events.map(|events| events as f64);
         Self {
             f1: comparison.f1,

@@ -87,7 +87,7 @@ fn repeat(times: u32, body: Vec<Primitive>) -> Vec<Step> {
 }
 
 fn settings() -> Settings {
-    Settings::of(device())
+    Settings::from_device(device())
 }
 
 /// A chip that runs `frame` for every frame, the first one too.

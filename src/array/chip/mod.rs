@@ -68,14 +68,16 @@ impl<D: RowOps> Chip<D> {
         size: Size,
         settings: Settings,
     ) -> Result<Self, CodeError> {
-        let layout = Layout::of(device, size);
+        let layout = Layout::new(device, size);
         check(code, &layout)?;
         let mut state = State::new(&domain, layout, settings.edge);
         // Switched on in the dark.
         state.pix.fill(domain.hold(settings.reset_level));
         let engine = Engine::new(
             &state,
-            settings.schedule.unwrap_or_else(|| Schedule::of(size)),
+            settings
+                .schedule
+                .unwrap_or_else(|| Schedule::for_size(size)),
             settings.threads.unwrap_or_else(rayon::current_num_threads),
         );
         let lowering = engine.lowering(domain.fuses());

@@ -42,7 +42,7 @@ pub(super) struct Border {
 
 impl Border {
     /// Of cells that lie `beside` the pixel whose bus they get.
-    fn of(bus_inputs: &[BusInput], beside: (isize, isize)) -> Self {
+    fn new(bus_inputs: &[BusInput], beside: (isize, isize)) -> Self {
         let mut border = Self::default();
         // The pixel itself, and each cell on its bus, as seen from the cell that is written.
         for (dy, dx) in bus_inputs
@@ -126,7 +126,7 @@ pub(super) struct FusedStore {
 
 impl FusedStore {
     /// `None` where they cannot be one.
-    fn of(first: &Store, second: &Store, bus_inputs: &[BusInput]) -> Option<Self> {
+    fn new(first: &Store, second: &Store, bus_inputs: &[BusInput]) -> Option<Self> {
         let (one, two) = (
             &bus_inputs[first.bus_inputs.clone()],
             &bus_inputs[second.bus_inputs.clone()],
@@ -181,7 +181,7 @@ pub(super) struct Logic {
 
 impl Logic {
     /// `None` where a mask or more sources are in play.
-    fn of(target: Bit, sources: &[Bit], not: bool, layout: &Layout) -> Option<Self> {
+    fn new(target: Bit, sources: &[Bit], not: bool, layout: &Layout) -> Option<Self> {
         let plane = |bit: Bit| match bit {
             Bit::Register(register) => Some(usize::from(register.0)),
             Bit::Flag => Some(planes::flag(layout)),
@@ -258,7 +258,7 @@ impl Operations {
             }
             Primitive::Where { sources } => {
                 let bus_inputs = self.bus_inputs(sources, word, copied, layout);
-                let border = Border::of(&self.bus_inputs[bus_inputs.clone()], (0, 0));
+                let border = Border::new(&self.bus_inputs[bus_inputs.clone()], (0, 0));
                 self.operations.push(Operation::Sign { bus_inputs, border });
             }
             Primitive::Or { target, sources } => {
@@ -291,7 +291,7 @@ impl Operations {
         if live.has(first.register) {
             return false;
         }
-        let Some(pair) = FusedStore::of(first, second, &self.bus_inputs) else {
+        let Some(pair) = FusedStore::new(first, second, &self.bus_inputs) else {
             return false;
         };
         self.operations.truncate(self.operations.len() - 2);
@@ -300,7 +300,7 @@ impl Operations {
     }
 
     fn logic(&mut self, target: Bit, sources: &[Bit], not: bool, word: &Word, layout: &Layout) {
-        match Logic::of(target, sources, not, layout) {
+        match Logic::new(target, sources, not, layout) {
             Some(logic) => self.operations.push(Operation::Logic(logic)),
             None => self.other(word),
         }
@@ -328,7 +328,7 @@ impl Operations {
         };
         let to_news = |target: &&Target| place(target).0 == layout.news;
         let several = targets.iter().filter(to_news).count() > 1;
-        let share = |part| Share::of(targets.len(), part);
+        let share = |part| Share::new(targets.len(), part);
         for (part, target) in targets.iter().enumerate() {
             let (register, beside) = place(target);
             let lost = known.whole && !known.live.has(register);
@@ -336,7 +336,7 @@ impl Operations {
                 continue;
             }
             let bus = &self.bus_inputs[bus_inputs.clone()];
-            let border = Border::of(bus, beside);
+            let border = Border::new(bus, beside);
             let planes = planes::count(layout);
             self.operations.push(Operation::Store(Store {
                 bus_inputs: bus_inputs.clone(),

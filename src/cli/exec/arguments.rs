@@ -8,7 +8,7 @@ use super::super::{
     files::{Named, Output},
     opened::Source,
 };
-use crate::{event::file::Format, isa::Figure, limit::THREADS};
+use crate::{array::Arithmetic, event::file::Format, isa::Figure, limit::THREADS};
 
 /// What `exec` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -31,8 +31,7 @@ pub struct Arguments {
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     pub(super) fps: Option<f64>,
-    /// The arithmetic: exact, f32, f16, bf16, qM.N (q8.8, q4.12, …), silicon
-    #[arg(long)]
+    #[arg(long, help = format!("The arithmetic: {}", Arithmetic::names()))]
     pub(super) domain: Option<String>,
     /// Limit every store to [-128, 127]
     #[arg(long, value_enum)]

@@ -180,7 +180,7 @@ fn arithmetic(arguments: &Arguments, program: &Program) -> miette::Result<Arithm
 }
 
 fn settings(arguments: &Arguments, program: &Program, device: &Device) -> miette::Result<Settings> {
-    let mut settings = Settings::of(device);
+    let mut settings = Settings::from_device(device);
     let clip = arguments.clip.map(|clip| clip == Switch::On);
     settings.clip = clip.or(program.settings.clip).unwrap_or(settings.clip);
     let asked = arguments.edge.or(program.settings.edge);

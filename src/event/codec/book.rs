@@ -34,7 +34,7 @@ impl CodeBook {
     ///
     /// Kinds beyond 255 are left out: a packet has no more.
     #[must_use]
-    pub fn of(counts: &[u64]) -> Self {
+    pub fn from_counts(counts: &[u64]) -> Self {
         let counts = counts.get(..255).unwrap_or(counts);
         let equal = vec![1; counts.len()];
         let counts = if counts.iter().all(|c| *c == 0) {
@@ -273,14 +273,14 @@ mod tests {
         fn no_code_is_shorter(counts in prop::collection::vec(1..60_u64, 1..6)) {
             // The longest word that a best code for this many kinds can need.
             let most = counts.len() as u32 - 1;
-            prop_assert_eq!(bits(&CodeBook::of(&counts), &counts), brute_force(&counts, most));
+            prop_assert_eq!(bits(&CodeBook::from_counts(&counts), &counts), brute_force(&counts, most));
         }
 
         #[test]
         fn words_fill_their_space_and_none_begins_another(
             counts in prop::collection::vec(prop_oneof![0..3_u64, 0..u64::MAX], 1..255)
         ) {
-            let book = CodeBook::of(&counts);
+            let book = CodeBook::from_counts(&counts);
             prop_assert_eq!(kraft(&book), 1 << 127);
             let words: Vec<_> = (0..counts.len() as u8).filter_map(|k| book.word(k)).collect();
             for (i, (length, word)) in words.iter().enumerate() {
@@ -300,14 +300,14 @@ mod tests {
             counts in prop::collection::vec(0..1_000_000_u64, 2..40)
         ) {
             prop_assume!(counts.iter().filter(|c| **c > 0).count() > 1);
-            let mean = CodeBook::of(&counts).mean_length(&counts).unwrap();
+            let mean = CodeBook::from_counts(&counts).mean_length(&counts).unwrap();
             let h = entropy(&counts);
             prop_assert!(h <= mean + 1e-9 && mean < h + 1.0, "{h} {mean}");
         }
 
         #[test]
         fn books_come_back(counts in prop::collection::vec(0..9_u64, 1..255)) {
-            let book = CodeBook::of(&counts);
+            let book = CodeBook::from_counts(&counts);
             let back = CodeBook::from_bytes(&book.to_bytes(), counts.len() as u8);
             prop_assert_eq!(back, Ok(book));
         }
@@ -320,7 +320,7 @@ mod tests {
             change in 1..=u8::MAX,
         ) {
             let kinds = counts.len() as u8;
-            let whole = CodeBook::of(&counts).to_bytes();
+            let whole = CodeBook::from_counts(&counts).to_bytes();
             let mut bytes = whole.clone();
             bytes[at.index(whole.len())] ^= change;
             prop_assert!(CodeBook::from_bytes(&bytes, kinds).is_err());
@@ -333,7 +333,7 @@ mod tests {
     #[test]
     fn powers_of_two_meet_the_entropy() {
         let counts = [8, 1, 4, 2, 1];
-        let book = CodeBook::of(&counts);
+        let book = CodeBook::from_counts(&counts);
         let words: Vec<_> = (0..5).map(|k| book.word(k).unwrap()).collect();
         assert_eq!(
             words,
@@ -348,13 +348,13 @@ mod tests {
     #[test]
     fn one_kind_needs_no_bits() {
         for counts in [&[7][..], &[0, 7, 0], &[0]] {
-            let book = CodeBook::of(counts);
+            let book = CodeBook::from_counts(counts);
             let kind = counts.iter().position(|c| *c > 0).unwrap_or(0) as u8;
             assert_eq!(book.word(kind), Some((0, 0)));
             let decoded = book.decode(|| -> Result<bool, ()> { Err(()) });
             assert_eq!(decoded, Ok(kind));
         }
-        assert_eq!(CodeBook::of(&[0, 0]).word(1), Some((1, 1)));
+        assert_eq!(CodeBook::from_counts(&[0, 0]).word(1), Some((1, 1)));
     }
 
     #[test]
@@ -365,7 +365,7 @@ mod tests {
             counts.push(b);
             (a, b) = (b, next);
         }
-        let book = CodeBook::of(&counts);
+        let book = CodeBook::from_counts(&counts);
         assert_eq!(kraft(&book), 1 << 127);
         assert_eq!(book.word(0).unwrap().0, 91);
     }

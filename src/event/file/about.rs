@@ -64,7 +64,7 @@ impl About {
 
     /// All of a packet but its events.
     #[must_use]
-    pub const fn of(packet: &Packet) -> Self {
+    pub const fn from_packet(packet: &Packet) -> Self {
         Self {
             size: Some(packet.size),
             channels: Some(packet.channels),

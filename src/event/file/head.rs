@@ -47,7 +47,7 @@ pub struct Head {
 impl Head {
     /// That of a packet.
     #[must_use]
-    pub const fn of(packet: &Packet) -> Self {
+    pub const fn from_packet(packet: &Packet) -> Self {
         Self {
             size: packet.size,
             channels: packet.channels,

@@ -16,6 +16,8 @@ mod aedat2;
 mod aedat3;
 mod aedat4;
 mod chunks;
+#[cfg(any(feature = "hdf5", feature = "parquet"))]
+mod columns;
 mod csv;
 mod dat;
 mod entry;
@@ -90,7 +92,12 @@ impl Loaded {
 /// When the extension is unknown or shared by several formats, the format cannot hold the
 /// packet (nothing is flattened or clipped), or the file cannot be written.
 pub fn write(path: &Path, packet: &Packet) -> Result<(), FileError> {
-    write_as(path, Format::of(path)?, Compression::default(), packet)
+    write_as(
+        path,
+        Format::from_path(path)?,
+        Compression::default(),
+        packet,
+    )
 }
 
 /// Writes a packet in this format, whatever the file is called.
@@ -103,7 +110,7 @@ pub fn write_as(
     compression: Compression,
     packet: &Packet,
 ) -> Result<(), FileError> {
-    let mut writer = Writer::create(path, format, compression, &Head::of(packet))?;
+    let mut writer = Writer::create(path, format, compression, &Head::from_packet(packet))?;
     for events in packet.events.chunks(BLOCK) {
         writer.put(events)?;
     }

@@ -65,7 +65,7 @@ impl Reader {
         let mut chunks = match (origin.chunks(), how.format) {
             (Ok(chunks), _) => chunks,
             // A name that says nothing is the first mistake.
-            (Err(e), None) => match Format::of(path) {
+            (Err(e), None) => match Format::from_path(path) {
                 Err(error @ FileError::Extension { .. }) => return Err(error),
                 _ => return Err(at_fault(e.into())),
             },

@@ -45,7 +45,7 @@ impl Address {
 
     /// Of a pixel of an array of this size.
     #[must_use]
-    pub const fn of(at: At, size: Size) -> Self {
+    pub const fn from_pixel(at: At, size: Size) -> Self {
         Self {
             column: size.width - 1 - at.x,
             row: at.y,

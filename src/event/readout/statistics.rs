@@ -57,7 +57,7 @@ impl Latency {
 
     /// Of latencies in picoseconds, in any order.
     #[must_use]
-    pub fn of(latencies: &[u64]) -> Option<Self> {
+    pub fn from_latencies(latencies: &[u64]) -> Option<Self> {
         let mut sorted = latencies.to_vec();
         sorted.sort_unstable();
         let max = *sorted.last()?;
@@ -132,7 +132,7 @@ impl Statistics {
             readout,
             events: [packet.events.len() as u64, latencies.len() as u64],
             dropped,
-            latency: Latency::of(latencies),
+            latency: Latency::from_latencies(latencies),
             stages,
             ambiguous: 0,
         }
@@ -146,18 +146,18 @@ mod tests {
     #[test]
     fn quantiles_are_ranks() {
         let latencies: Vec<u64> = (1..=200).rev().collect();
-        let l = Latency::of(&latencies).unwrap();
+        let l = Latency::from_latencies(&latencies).unwrap();
         assert_eq!(
             [l.p50, l.p90, l.p99, l.max].map(|p| p.0),
             [100, 180, 198, 200]
         );
         assert!((l.mean_s - 100.5e-12).abs() < 1e-24);
-        let one = Latency::of(&[7]).unwrap();
+        let one = Latency::from_latencies(&[7]).unwrap();
         assert_eq!((one.p50.0, one.p99.0), (7, 7));
-        let long = Latency::of(&[7, 7, u64::MAX]).unwrap();
+        let long = Latency::from_latencies(&[7, 7, u64::MAX]).unwrap();
         let json = serde_json::to_value(long).unwrap();
         assert_eq!(json["p50_ps"], 7);
         assert!(json["max_ps"].is_null() && json["mean_s"].is_null());
-        assert!(Latency::of(&[]).is_none());
+        assert!(Latency::from_latencies(&[]).is_none());
     }
 }

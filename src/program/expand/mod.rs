@@ -33,7 +33,7 @@ pub(super) fn expand(
 ) -> (Expansion, Vec<Fault>) {
     let mut lowering = Lowering {
         device,
-        lines: Lines::of(text),
+        lines: Lines::new(text),
         scratch: BTreeMap::new(),
         left: EXPANDED_STEPS,
         full: false,

@@ -43,7 +43,7 @@ impl<N: Number> Band<N> {
                 continue;
             }
             let light = || response.light(plan.number.value(seen[x]));
-            for (u, polarity) in all.of(place, light) {
+            for (u, polarity) in all.in_cell(place, light) {
                 if refractory > 0.0 {
                     let before = (rested[x] - pair.from) / dt;
                     if !awake(u, trains.get(x).as_ref(), before, refractory / dt) {

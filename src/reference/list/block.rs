@@ -34,7 +34,7 @@ pub(super) fn expand<R: Real>(row: &TrainRow<R>, clock: &Clock, mut out: &mut [N
     let (blocks, rest) = counts.as_chunks();
     let (blocks_first, rest_first) = first.as_chunks();
     let (blocks_spacing, rest_spacing) = spacing.as_chunks();
-    let note = Note::of(row.channel, row.y);
+    let note = Note::new(row.channel, row.y);
     let mut block = Block {
         since: [0.0; BLOCK],
         step: [0.0; BLOCK],

@@ -30,7 +30,7 @@ pub(super) struct Clock {
 const HAIR: f64 = 1.0 / (1 << 28) as f64;
 
 impl Clock {
-    pub(super) fn of(pair: Pair) -> Self {
+    pub(super) fn new(pair: Pair) -> Self {
         let (from, to) = (pair.from * 1e6, pair.to * 1e6);
         let start = from.floor().max(0.0);
         // Seventy years.
@@ -128,7 +128,7 @@ mod tests {
             place in 0.0..=1.0f64,
         ) {
             let (from, to) = (index as f64 / fps, (index + 1) as f64 / fps);
-            let clock = Clock::of(Pair { index, from, to });
+            let clock = Clock::new(Pair { index, from, to });
             let time = |place| clock.time(clock.at(place));
             prop_assert_eq!(time(1.0), Micros::from_seconds(to));
             prop_assert!(time(place) <= time(1.0));
@@ -140,7 +140,7 @@ mod tests {
         #[test]
         fn a_pair_may_last_as_long_as_times_go(to in 8.0..2.2e9f64, half: bool) {
             let to = if half { (to * 1e6).floor() * 1e-6 + 5e-7 } else { to };
-            let clock = Clock::of(Pair { index: 0, from: 0.0, to });
+            let clock = Clock::new(Pair { index: 0, from: 0.0, to });
             prop_assert!(clock.is_long());
             prop_assert_eq!(clock.time(clock.at(1.0)), Micros::from_seconds(to));
             prop_assert!(clock.at(0.5).abs_diff(Micros::from_seconds(to / 2.0).0) <= 1);

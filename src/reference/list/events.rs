@@ -100,7 +100,7 @@ impl Sink for EventList<'_> {
     }
 
     fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
-        self.clock = Clock::of(pair);
+        self.clock = Clock::new(pair);
         let room = self.room();
         let parts = &mut self.buffers.parts;
         parts.resize_with(bands.len(), Part::default);

@@ -40,7 +40,7 @@ impl Note {
     pub(super) const TIME_BITS: u32 = 64 - Self::TIME;
 
     /// At the clock's start, in column 0, and ON.
-    pub(super) fn of(channel: usize, y: usize) -> Self {
+    pub(super) fn new(channel: usize, y: usize) -> Self {
         Self((y as u64) << 16 | (channel as u64) << 32 | 1 << Self::SIGN)
     }
 

@@ -59,7 +59,7 @@ impl Part {
     fn take_long<R: Real>(&mut self, row: &TrainRow<R>) {
         let clock = self.clock;
         for (x, train) in row.trains() {
-            let note = Note::of(row.channel, row.y).column(x, row.counts[x]);
+            let note = Note::new(row.channel, row.y).column(x, row.counts[x]);
             let event = |i| note.at(clock.time(clock.at(train.at(i))));
             self.events.extend((0..train.count).map(event));
         }

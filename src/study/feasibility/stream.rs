@@ -83,9 +83,9 @@ impl Stream {
         float: Option<&Packet>,
         window: &Window,
     ) -> Result<Self, FeasibilityError> {
-        let word = AddressWord::of(packet.size, packet.channels).bits();
+        let word = AddressWord::new(packet.size, packet.channels).bits();
         let costs = vec![word; packet.events.len()];
-        let rate = Rate::of(packet, &costs, window.frame);
+        let rate = Rate::from_packet(packet, &costs, window.frame);
         let (from, to) = packet.span;
         let seconds = Micros(to.0.saturating_sub(from.0)).seconds();
         let events = packet.events.len() as u64;
@@ -111,7 +111,7 @@ impl Stream {
 
 impl Judged {
     fn new(float: &Packet, packet: &Packet, window: &Window) -> Result<Self, FeasibilityError> {
-        let pair = Pair::of(float, packet)?;
+        let pair = Pair::new(float, packet)?;
         let scales = Scales {
             within: vec![window.within, window.frame],
             van_rossum: Vec::new(),

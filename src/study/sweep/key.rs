@@ -350,7 +350,7 @@ pub const KEYS: &[Key] = &[
 
 impl Key {
     /// The keys of a side, in the order of the grid.
-    pub fn of(side: Side) -> impl Iterator<Item = &'static Self> {
+    pub fn on_side(side: Side) -> impl Iterator<Item = &'static Self> {
         KEYS.iter().filter(move |key| key.sides.contains(&side))
     }
 
@@ -405,7 +405,7 @@ mod tests {
     #[test]
     fn no_side_has_a_key_twice() {
         for side in Side::ALL {
-            let mut names: Vec<_> = Key::of(side).map(|key| key.name).collect();
+            let mut names: Vec<_> = Key::on_side(side).map(|key| key.name).collect();
             let all = names.len();
             names.sort_unstable();
             names.dedup();

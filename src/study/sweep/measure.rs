@@ -84,7 +84,7 @@ fn run(
         Some(Err(refusal)) => return Err(refusal.clone()),
         None => return Err(Refusal::Cannot("the f64 sensor was not made".to_owned())),
     };
-    let pair = Pair::of(truth, &packet)?;
+    let pair = Pair::new(truth, &packet)?;
     let frames = entry.scene.frames as f64;
     let on = packet
         .events

@@ -108,7 +108,7 @@ impl Report {
     /// Weighs error against a cost, a column of [`COSTS`]. `pool` compares all sensors,
     /// whatever their tasks.
     #[must_use]
-    pub fn of(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {
+    pub fn new(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {
         let varying = varying(rows);
         let mut sensors: BTreeMap<Vec<String>, Vec<&Row>> = BTreeMap::new();
         for row in rows {
@@ -286,7 +286,7 @@ mod tests {
             row("reference", "f16", "b", 0.5, 5.0),
             row("reference", "bf16", "a", 0.9, 9.0),
         ];
-        let report = Report::of(&manifest(8), &rows, "seconds_per_frame", false);
+        let report = Report::new(&manifest(8), &rows, "seconds_per_frame", false);
         assert_eq!((report.points, report.finished), (8, 7));
         let names = |group: &Group| -> Vec<(String, Option<String>)> {
             let both = |s: &Standing| (s.name.clone(), s.dominated_by.clone());
@@ -302,7 +302,7 @@ mod tests {
             ]
         );
         assert_eq!(names(&report.groups[1]), [(f("bf16"), None)]);
-        let pooled = Report::of(&manifest(8), &rows, "seconds_per_frame", true);
+        let pooled = Report::new(&manifest(8), &rows, "seconds_per_frame", true);
         assert_eq!(pooled.groups.len(), 1);
         assert_eq!(names(&pooled.groups[0])[3].1, Some(f("f64")));
     }

@@ -1,4 +1,7 @@
 //! From a point to its sensor, and to the f64 sensor that it is measured against.
+//!
+//! The text is written here, not by `reference`: values stay as the study spells them, and the
+//! text is part of a point's identity, so it may change for no other reason.
 
 use std::fmt::Write as _;
 

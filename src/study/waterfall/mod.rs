@@ -312,7 +312,10 @@ impl Packets {
                 ..Fate::default()
             });
         }
-        Ok(Fate::of(&Pair::of(reference, judged)?, self.windows))
+        Ok(Fate::from_pair(
+            &Pair::new(reference, judged)?,
+            self.windows,
+        ))
     }
 
     fn told(

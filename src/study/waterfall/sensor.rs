@@ -133,7 +133,7 @@ impl Setup {
 
 /// The chip's errors, those that are switched off as if it had none.
 fn errors(question: &Question<'_>, on: &Switches) -> Errors {
-    let mut errors = Errors::of(question.design.device);
+    let mut errors = Errors::from_device(question.design.device);
     let off = |cause| !on.contains(&cause);
     if off(Cause::Converter) {
         errors.input_step = 0.0;

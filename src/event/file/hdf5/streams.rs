@@ -12,8 +12,8 @@ use hdf5_pure::{
 use super::super::{
     Fault, Format, Place,
     about::About,
+    columns::{self, COLUMNS},
     fault::Stop,
-    gate::{Raw, hold_kinds},
     head::Head,
     origin::Origin,
     source::{BLOCK, Out, Sink, Source},
@@ -22,9 +22,6 @@ use crate::{event::Event, save::Spool};
 
 /// Values of a chunk; at 2^16 the C library refuses how hdf5-pure 0.47 writes the number.
 const CHUNK: u64 = 1 << 15;
-
-/// The columns.
-const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
 
 fn wrong(why: impl Into<String>) -> Stop {
     Stop::layout(Format::Hdf5, 0, why)
@@ -62,16 +59,13 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
         Some(AttrValue::String(text) | AttrValue::AsciiString(text)) => Some(text.clone()),
         _ => None,
     };
-    let about = comment.map_or(Ok(None), |text| About::parse(&text));
-    let about = about.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
-    hold_kinds(about.as_ref(), columns.len() == COLUMNS.len())
-        .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    let about = columns::about(comment.as_deref(), columns.len())?;
     let index = file.dataset("ms_to_idx").ok().map(Index::new).transpose()?;
     Ok(Reading {
         columns,
         index,
         offset: offset.unwrap_or(0),
-        about: about.unwrap_or_default(),
+        about,
         events: events.unwrap_or(0),
         read: 0,
         first: 0,
@@ -199,13 +193,8 @@ impl Source for Reading {
         }
         for i in 0..count as usize {
             let value = |n: usize| columns.get(n).map_or(0, |c| i128::from(c[i]));
-            let raw = Raw {
-                t: value(0) + i128::from(self.offset),
-                x: value(1),
-                y: value(2),
-                p: value(3),
-                channel: value(4),
-            };
+            let mut raw = columns::raw(value);
+            raw.t += i128::from(self.offset);
             let event = raw
                 .event()
                 .map_err(|fault| Stop::Fault(self.place(i), fault))?;

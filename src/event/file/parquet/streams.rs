@@ -27,8 +27,8 @@ use parquet::{
 use super::super::{
     Fault, Format, Place,
     about::About,
+    columns::{self, COLUMNS},
     fault::Stop,
-    gate::{Raw, hold_kinds},
     head::Head,
     origin::Origin,
     source::{BLOCK, Out, Sink, Source},
@@ -37,9 +37,6 @@ use crate::{catch_panic, event::Event};
 
 /// Events of a row group.
 const GROUP: usize = 1 << 20;
-
-/// The columns.
-const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
 
 fn wrong(why: impl Into<String>) -> Stop {
     Stop::layout(Format::Parquet, 0, why)
@@ -152,15 +149,12 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
         let key = keys.iter().find(|key| key.key == "amacrine")?;
         key.value.clone()
     });
-    let about = comment.map_or(Ok(None), |text| About::parse(&text));
-    let about = about.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
-    hold_kinds(about.as_ref(), columns.len() == COLUMNS.len())
-        .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    let about = columns::about(comment.as_deref(), columns.len())?;
     hold_rows(&*file)?;
     Ok(Reading {
         file,
         columns,
-        about: about.unwrap_or_default(),
+        about,
         group: 0,
         left: 0,
         open: Vec::new(),
@@ -280,14 +274,7 @@ impl Source for Reading {
         }
         for i in 0..count {
             let value = |n: usize| columns.get(n).map_or(0, |c: &Vec<i128>| c[i]);
-            let raw = Raw {
-                t: value(0),
-                x: value(1),
-                y: value(2),
-                p: value(3),
-                channel: value(4),
-            };
-            let event = raw
+            let event = columns::raw(value)
                 .event()
                 .map_err(|fault| Stop::Fault(self.place(i), fault))?;
             events.push(event);
