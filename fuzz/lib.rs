@@ -299,7 +299,7 @@ fn program(text: &str) {
     let chip = Chip::new(
         "fuzz",
         Exact::default(),
-        &code,
+        code,
         device,
         Size::new(5, 6),
         Settings::from_device(device),

@@ -242,7 +242,7 @@ fn watched(
         ..settings
     };
     let mut chip = arithmetic
-        .chip("test", &code, device(), size, settings)
+        .chip("test", code, device(), size, settings)
         .unwrap();
     let planes = (0..20).map(|k| {
         let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);

@@ -60,6 +60,10 @@ pub(super) fn check_drawn(path: &Path, size: Size, frames: u64) -> Result<(), Sc
     })
 }
 
+/// Frames that take so few bytes are read under any limit, so that whoever uses them can refuse
+/// with the sum of all that it would hold, and the least that is enough.
+const SMALL: u128 = 4 << 20;
+
 /// What a program that reads frames may hold, if that is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct MemoryLimit(Option<Budget>);
@@ -72,7 +76,7 @@ impl MemoryLimit {
 
     /// Refuses frames of which so many bytes are held while they are read.
     pub fn check(self, path: &Path, size: Size, bytes: u128) -> Result<(), SceneError> {
-        let Some(budget) = self.0 else {
+        let Some(budget) = self.0.filter(|_| bytes > SMALL) else {
             return Ok(());
         };
         let need = Need::new().and(format!("frames of {size} that are read"), bytes);

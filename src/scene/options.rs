@@ -9,5 +9,6 @@ pub struct OpenOptions {
     /// [`ASSUMED_FPS`](super::ASSUMED_FPS).
     pub fps: Option<f64>,
     /// What the program may hold, the reader included; `None` leaves it to the limits of frames.
+    /// Frames of a few MiB are read in any case.
     pub memory: Option<Budget>,
 }

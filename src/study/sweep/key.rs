@@ -403,6 +403,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn number_formats_are_those_of_their_list() {
+        for (name, known) in [("format", Format::names()), ("domain", Arithmetic::names())] {
+            let key = KEYS.iter().find(|key| key.name == name).unwrap();
+            assert!(key.what.ends_with(&known), "{}", key.what);
+        }
+    }
+
+    #[test]
     fn no_side_has_a_key_twice() {
         for side in Side::ALL {
             let mut names: Vec<_> = Key::on_side(side).map(|key| key.name).collect();
