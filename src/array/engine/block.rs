@@ -49,7 +49,7 @@ impl Block {
     }
 
     /// The same, where another choice says which words have a row form.
-    fn lower_with(
+    pub(super) fn lower_with(
         &mut self,
         layout: &Layout,
         lowering: Lowering,

@@ -29,6 +29,8 @@ mod slab;
 mod square;
 mod store;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod view;
 
 pub(super) use expose::expose;
