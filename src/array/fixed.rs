@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 
 use super::{
-    Domain, Place, RowOps, Share,
+    Ageing, Domain, Place, RowOps, Share,
     domain::LIMITS,
     each::{above, each, each_twice, some, summed},
 };
@@ -84,6 +84,8 @@ impl<T: Width> Domain for Fixed<T> {
         cell.clamp(self.limits.0, self.limits.1)
     }
 }
+
+impl<T: Width> Ageing for Fixed<T> {}
 
 impl<T: Width> RowOps for Fixed<T> {
     #[inline(always)]

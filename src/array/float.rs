@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use multiversion::multiversion;
 
 use super::{
-    Domain, Place, RowOps, Share,
+    Ageing, Domain, Place, RowOps, Share,
     domain::LIMITS,
     each::{each, each_twice},
 };
@@ -173,6 +173,8 @@ macro_rules! float {
                 cell.clamp(LIMITS.0 as $cell, LIMITS.1 as $cell)
             }
         }
+
+        impl Ageing for $domain {}
 
         impl RowOps for $domain {
             fn store_row(
