@@ -1,9 +1,6 @@
 //! Two stores of the bus at once: what the first puts into a cell goes on to the second by way
 //! of the machine's own registers, and never into the cell.
 
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
-
 use std::ops::Range;
 
 use super::{
@@ -17,7 +14,7 @@ use super::{
 
 /// Does both in these rows, where FLAG is 1 in all pixels and nothing comes from above or below
 /// the array. `room` is for [`ROOM`](super::runs::ROOM) cells.
-#[inline(always)]
+#[inline]
 pub(super) fn fused<D: RowOps>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,
@@ -40,7 +37,7 @@ pub(super) fn fused<D: RowOps>(
 }
 
 /// The same in [interior](super::operation::Store::is_interior) rows.
-#[inline(always)]
+#[inline]
 pub(super) fn fused_interior<D: RowOps>(
     domain: &D,
     slab: &mut Slab<'_, D::Cell>,
@@ -80,7 +77,7 @@ fn columns_of<D: RowOps>(
 }
 
 /// With `N` bus inputs, besides the cell itself.
-#[inline(always)]
+#[inline]
 fn interior<D: RowOps, const N: usize>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,
@@ -99,7 +96,7 @@ fn interior<D: RowOps, const N: usize>(
 }
 
 /// The cells of these rows at the left and right border.
-#[inline(always)]
+#[inline]
 fn columns<D: RowOps>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,
@@ -180,7 +177,7 @@ fn column<D: RowOps>(
 const COLUMN: usize = 64;
 
 /// What else is on the second bus.
-#[inline(always)]
+#[inline]
 fn extra<'b, C>(
     view: &'b View<'_, '_, C>,
     store: &FusedStore,
@@ -193,7 +190,7 @@ fn extra<'b, C>(
 }
 
 /// By way of a few cells of their own.
-#[inline(always)]
+#[inline]
 fn by_way<D: RowOps, const N: usize>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,

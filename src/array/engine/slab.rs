@@ -1,8 +1,5 @@
 //! Rows of every plane of the array: what one thread may read and write.
 
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
-
 use std::ops::Range;
 
 use super::{
@@ -159,7 +156,7 @@ impl<'a, C> Slab<'a, C> {
     }
 
     /// What loops over pixels read, and the room that they need.
-    #[inline(always)]
+    #[inline]
     pub(super) fn view(&mut self) -> (View<'_, 'a, C>, &mut [C]) {
         let view = View {
             size: self.layout.size,

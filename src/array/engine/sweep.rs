@@ -1,14 +1,10 @@
 //! Operations on rows: what [`semantics`](super::semantics) says of a pixel, on many at once.
 //!
 //! Which rows when is the business of a [`Schedule`](super::Schedule). What reaches a row from its
-//! neighbours is at most a halo away.
-
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
+//! neighbours is at most a halo away. Nothing here loops over cells: that do the rows of the domain,
+//! of bits, and [`merge`](super::runs::merge), each compiled for several vector widths.
 
 use std::ops::Range;
-
-use multiversion::multiversion;
 
 use super::{
     super::{RowOps, Settings, Undecided},
@@ -29,7 +25,6 @@ use super::{
 ///
 /// # Errors
 /// Which operation has no answer in this domain.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn sweep<D: RowOps>(
     semantics: Semantics<'_, D>,
     slab: &mut Slab<'_, D::Cell>,
@@ -47,7 +42,7 @@ pub(super) fn sweep<D: RowOps>(
 
 /// The single stores of an operation, one after the other, some of them on no row: where something
 /// comes from off the array, or the domain does not fuse, a fused store is two.
-#[inline(always)]
+#[inline]
 fn single<'a>(
     operation: &'a Operation,
     k: usize,
@@ -81,7 +76,7 @@ impl<D> Copy for Semantics<'_, D> {}
 
 impl<D: RowOps> Semantics<'_, D> {
     /// An operation of a [`sweep`].
-    #[inline(always)]
+    #[inline]
     fn execute(
         self,
         slab: &mut Slab<'_, D::Cell>,
@@ -169,7 +164,7 @@ impl<D: RowOps> Semantics<'_, D> {
 
     /// Stores in rows where no cell needs a choice, as most do: the short way. Whether they are
     /// such rows.
-    #[inline(always)]
+    #[inline]
     fn interior(
         self,
         slab: &mut Slab<'_, D::Cell>,
