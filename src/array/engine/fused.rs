@@ -89,7 +89,7 @@ fn interior<D: RowOps, const N: usize>(
     let (at, n) = (view.cell(rows.start, 0), rows.len() * view.size.width);
     let starts = view.starts(&bus_inputs, at, store.first.beside);
     let operands = &view.sources(&bus_inputs, &starts, 0, n);
-    let extra = extra(view, store, &[at], 0, n);
+    let extra = extra(view, store, [at], 0, n);
     let new = &mut cells[at..][..n];
     domain.store_fused(operands, store.own, store.first.share.by, extra, new);
     view.put(store.second.register, cells);
@@ -181,11 +181,11 @@ const COLUMN: usize = 64;
 fn extra<'b, C>(
     view: &'b View<'_, '_, C>,
     store: &FusedStore,
-    starts: &[usize; 1],
+    starts: [usize; 1],
     after: usize,
     n: usize,
 ) -> Option<&'b [C]> {
-    let [cells] = view.sources(&[store.extra?], starts, after, n);
+    let [cells] = view.sources(&[store.extra?], &starts, after, n);
     Some(cells)
 }
 
@@ -218,7 +218,7 @@ fn by_way<D: RowOps, const N: usize>(
         let cells = view.take(store.second.register);
         let new = &mut cells[at + done..][..some];
         let place = view.place(&store.second, rows.start, left + done);
-        match extra(view, store, &more, done, some) {
+        match extra(view, store, more, done, some) {
             None => domain.store_row(&[between], UNDIVIDED, place, new),
             Some(extra) => domain.store_row(&[between, extra], UNDIVIDED, place, new),
         }

@@ -70,12 +70,12 @@ impl BitSlab<'_> {
     }
 
     /// `target := OR over the directions that are enabled in the reading pixel`.
-    pub(super) fn neighbours(&mut self, word: &Neighbours, rows: Range<usize>) {
+    pub(super) fn neighbours(&mut self, word: Neighbours, rows: Range<usize>) {
         let Neighbours {
             target,
             source,
             boundary,
-        } = *word;
+        } = word;
         let Size { height, width } = self.layout.size;
         let roles = self.layout.roles;
         let copied = source == Bit::Register(target);

@@ -16,7 +16,7 @@ use super::{
 
 /// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `room` is
 /// for [`ROOM`] cells.
-#[inline]
+#[inline(never)]
 pub(super) fn store<D: RowOps>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,

@@ -1,8 +1,8 @@
 //! Operations on rows: what [`semantics`](super::semantics) says of a pixel, on many at once.
 //!
 //! Which rows when is the business of a [`Schedule`](super::Schedule). What reaches a row from its
-//! neighbours is at most a halo away. Nothing here loops over cells: that do the rows of the domain,
-//! of bits, and [`merge`](super::runs::merge), each compiled for several vector widths.
+//! neighbours is at most a halo away. The loops over cells and bits, each compiled for several
+//! vector widths, are elsewhere: in the domain, in `array/bits.rs`, in [`merge`](super::runs::merge).
 
 use std::ops::Range;
 
@@ -40,26 +40,6 @@ pub(super) fn sweep<D: RowOps>(
     Ok(())
 }
 
-/// The single stores of an operation, one after the other, some of them on no row: where something
-/// comes from off the array, or the domain does not fuse, a fused store is two.
-#[inline]
-fn single<'a>(
-    operation: &'a Operation,
-    k: usize,
-    rows: &Range<usize>,
-    inner: &Range<usize>,
-) -> Option<(&'a Store, Range<usize>)> {
-    match (operation, k) {
-        (Operation::Store(store), 0) => Some((store, rows.clone())),
-        (Operation::Fused(_), _) if inner == rows => None,
-        (Operation::Fused(both), 0) => Some((&both.first, rows.start..inner.start)),
-        (Operation::Fused(both), 1) => Some((&both.second, rows.start..inner.start)),
-        (Operation::Fused(both), 2) => Some((&both.first, inner.end..rows.end)),
-        (Operation::Fused(both), 3) => Some((&both.second, inner.end..rows.end)),
-        _ => None,
-    }
-}
-
 /// What words mean, in one domain.
 pub(in crate::array) struct Semantics<'a, D> {
     pub(in crate::array) domain: &'a D,
@@ -88,29 +68,25 @@ impl<D: RowOps> Semantics<'_, D> {
         if !clip && self.interior(slab, operation, bus_inputs, &rows) {
             return Ok(());
         }
-        // Where two stores are one.
-        let inner = match operation {
-            Operation::Fused(both) if domain.fuses() => {
-                both.first.border.inside(slab.layout.size, &rows)
-            }
-            _ => rows.start..rows.start,
-        };
-        let mut k = 0;
-        while let Some((target, rows)) = single(operation, k, &rows, &inner) {
-            k += 1;
-            if !rows.is_empty() {
-                let bus_inputs = &bus_inputs[target.bus_inputs.clone()];
-                let (mut view, room) = slab.view();
-                store(domain, &mut view, bus_inputs, target, clip, rows, room);
-            }
-        }
         match operation {
-            Operation::Fused(both) if domain.fuses() => {
-                let (mut view, room) = slab.view();
-                fused(domain, &mut view, bus_inputs, both, clip, inner, room);
+            Operation::Store(target) => self.store(slab, target, bus_inputs, rows),
+            Operation::Fused(both) => {
+                let inner = if domain.fuses() {
+                    both.first.border.inside(slab.layout.size, &rows)
+                } else {
+                    rows.start..rows.start
+                };
+                // Where something comes from off the array, or the domain does not fuse, they
+                // are two.
+                for rows in [rows.start..inner.start, inner.end..rows.end] {
+                    self.store(slab, &both.first, bus_inputs, rows.clone());
+                    self.store(slab, &both.second, bus_inputs, rows);
+                }
+                if domain.fuses() {
+                    let (mut view, room) = slab.view();
+                    fused(domain, &mut view, bus_inputs, both, clip, inner, room);
+                }
             }
-            // They are among those above.
-            Operation::Store(_) | Operation::Fused(_) => {}
             Operation::Drive {
                 bus_inputs: bus,
                 driven,
@@ -156,10 +132,26 @@ impl<D: RowOps> Semantics<'_, D> {
             Operation::Diffusion(word) => diffuse(domain, self.settings, slab, word, rows),
             Operation::Logic(logic) => slab.bits.logic(logic, rows),
             Operation::MaskedLogic(logic) => slab.bits.masked_logic(logic, rows),
-            Operation::Neighbours(word) => slab.bits.neighbours(word, rows),
+            Operation::Neighbours(word) => slab.bits.neighbours(*word, rows),
             Operation::Copy(cell) => slab.copy(*cell, rows),
         }
         Ok(())
+    }
+
+    /// One target of a bus, in any rows.
+    fn store(
+        self,
+        slab: &mut Slab<'_, D::Cell>,
+        target: &Store,
+        bus_inputs: &[BusInput],
+        rows: Range<usize>,
+    ) {
+        if !rows.is_empty() {
+            let bus_inputs = &bus_inputs[target.bus_inputs.clone()];
+            let (mut view, room) = slab.view();
+            let clip = self.settings.clip;
+            store(self.domain, &mut view, bus_inputs, target, clip, rows, room);
+        }
     }
 
     /// Stores in rows where no cell needs a choice, as most do: the short way. Whether they are
