@@ -38,7 +38,7 @@ pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use bits::BitPlane;
 pub use check::{CodeError, CodeProblem, check};
 pub use chip::{Array, Chip, RunError, ShapeError};
-pub use domain::{Domain, Place, RowOps, Share, Undecided};
+pub use domain::{Ageing, Domain, Place, RowOps, Share, Undecided};
 pub use fixed::Fixed;
 pub use float::{Exact, Single};
 pub use halves::Halves;
