@@ -1,5 +1,5 @@
-//! Register allocation: values whose live ranges meet get different registers. A search with
-//! backtracking, since some values are bound to a register from the start.
+//! Register allocation: values whose live ranges interfere get different registers. The allocator
+//! is a backtracking search, since the input and some goals are pinned to registers from the start.
 
 use super::plan::{Plan, Store, Value, Word};
 use crate::isa::{Analog, Device, Primitive, Source, Target};
@@ -28,7 +28,7 @@ pub(super) struct RegisterFile {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Allocated {
     pub(super) words: Vec<Primitive>,
-    /// For every word, what each register that is live then holds.
+    /// For every word, the live registers before it, and the value that each holds.
     pub(super) live: Vec<Vec<(Analog, Value)>>,
 }
 
@@ -47,12 +47,12 @@ pub(super) fn allocate(plan: &Plan, file: &RegisterFile) -> Option<Allocated> {
     })
 }
 
-/// The words over which a value must be held.
+/// The words over which a value is live.
 #[derive(Clone, Copy, Debug)]
 struct LiveRange {
-    /// The word that stores it; the input is there before all.
+    /// The word that stores it (its definition); -1 for the input, which is there before all words.
     born: isize,
-    /// The last word that reads it.
+    /// The last word that reads it (its last use).
     read: isize,
     pinned: Option<Analog>,
 }
@@ -60,14 +60,15 @@ struct LiveRange {
 /// The live ranges of a plan.
 struct LiveRanges {
     ranges: Vec<LiveRange>,
-    /// The range of each value.
+    /// The live range of each value.
     of_value: Vec<usize>,
-    /// For each word the range of the half that nobody reads, where NEWS cannot take it.
+    /// For each halving word whose unread half NEWS cannot take: the live range of the register
+    /// that takes it.
     spare: Vec<Option<usize>>,
 }
 
 impl LiveRanges {
-    /// From the word that stores a value to the last that reads it; the input lives from before all words.
+    /// The live ranges of all values; the input is live from before the first word.
     fn new(plan: &Plan, input: Analog) -> Option<Self> {
         let mut ranges = vec![LiveRange {
             born: -1,
@@ -166,7 +167,8 @@ fn assign_all(plan: &Plan, file: &RegisterFile, pinned: &[Option<Analog>]) -> Op
         out.live
             .push(live(&ranges, &registers, &of_value, i as isize));
     }
-    // A goal that is elsewhere: none of these targets is needed as a source any more.
+    // The goal is copied from where it is; the targets written before are not needed as sources any
+    // more.
     for (range, to) in &last {
         if registers[*range] == *to {
             continue;
@@ -189,7 +191,7 @@ fn assign_all(plan: &Plan, file: &RegisterFile, pinned: &[Option<Analog>]) -> Op
     Some(out)
 }
 
-/// Whether NEWS can take the half that nobody reads: it is neither read now nor later.
+/// Whether NEWS is dead at word `at`, so that it can take the unread half of a halving store.
 fn takes_half(plan: &Plan, at: usize) -> bool {
     let word = &plan.words[at];
     let writes = |word: &Word| matches!(word.store, Store::News(_) | Store::Both(_));
@@ -207,7 +209,7 @@ fn takes_half(plan: &Plan, at: usize) -> bool {
     true
 }
 
-/// The registers that hold a value while word `now` runs, and which.
+/// The registers that are live while word `now` runs, and the value in each.
 fn live(
     ranges: &[LiveRange],
     registers: &[Analog],
@@ -230,7 +232,7 @@ fn interfere(a: LiveRange, b: LiveRange) -> bool {
     a.born <= b.read && b.born <= a.read
 }
 
-/// One range after the other; `None` when tried too often.
+/// Assigns registers to one live range after the other; `None` after [`TRIES`] steps.
 fn assign(
     ranges: &[LiveRange],
     registers: &mut Vec<Option<Analog>>,

@@ -1,4 +1,8 @@
 //! Predecessors of a state: the words that may have led to it.
+//!
+//! The search runs backwards, so "before" a word means after it in the order of the search. A
+//! predecessor is found by choosing which held value the last word stored, and which sources could
+//! have made it.
 
 use std::rc::Rc;
 
@@ -11,7 +15,7 @@ use super::{
 use crate::isa::Direction;
 
 impl Search<'_> {
-    /// All words that can have been the last one.
+    /// Expands a state: adds all states from which one word leads to it.
     pub(super) fn expand(&mut self, state: &State, out: &mut Out<'_>) {
         if let Some(news) = &state.news {
             self.before_news(state, news, out);
@@ -30,7 +34,8 @@ impl Search<'_> {
             }
             done.push(item.hash);
             match &state.news {
-                // What is easily made can as well be made earlier.
+                // A value that is cheap to make can as well be made by an earlier word: only the
+                // two costliest are expanded.
                 None if done.len() > EXPANDED => break,
                 None => self.before_register(state, at, out),
                 Some(news) => self.before_reread(state, at, news, out),
@@ -38,10 +43,10 @@ impl Search<'_> {
         }
     }
 
-    /// The word that filled NEWS.
+    /// Predecessors by the word that stored `news` in NEWS.
     pub(super) fn before_news(&mut self, state: &State, news: &Rc<Item>, out: &mut Out<'_>) {
         for (i, place) in NEWS_CELLS.into_iter().enumerate() {
-            // Stored into the neighbour in this direction: seen from the other side.
+            // Stored into the neighbour's NEWS cell: the form as seen from the other pixel.
             let to = view(i).map(Direction::opposite);
             let stored = news.form.shifted((-place.0, -place.1));
             if self.task.border && !stored.is_outward(place) {
@@ -73,7 +78,7 @@ impl Search<'_> {
         }
     }
 
-    /// Ways to make a sum from values in registers alone.
+    /// Ways to make `sum` as a bus sum of values in registers alone.
     pub(super) fn sums(
         &mut self,
         state: &State,
@@ -96,7 +101,7 @@ impl Search<'_> {
             }
         }
         let old = firsts.len();
-        // Single taps near by that this would need anyway.
+        // Candidates that are not held yet: single taps near by that the sum needs in any case.
         for place in NEWS_CELLS {
             let weight = sum.at(place);
             if weight != 0 && sum.taps().len() > 1 {
@@ -156,7 +161,7 @@ impl Search<'_> {
         }
     }
 
-    /// The word that stored a register, when NEWS is free to hold what it likes before.
+    /// Predecessors by the word that stored value `at` in a register, where NEWS is free before.
     pub(super) fn before_register(&mut self, state: &State, at: usize, out: &mut Out<'_>) {
         let item = state.live[at].clone();
         for (sum, halved, room) in stores_of(&item.form) {
@@ -167,7 +172,7 @@ impl Search<'_> {
             }
             // From registers alone.
             self.sums(state, Some(at), &sum, &base, room, out);
-            // With NEWS: what else the word read, if anything.
+            // With NEWS cells: what the word read from registers besides, if anything.
             let mut others: Vec<Vec<Rc<Item>>> = vec![Vec::new()];
             for other in state.live.iter().chain([&self.input]) {
                 if other.hash != item.hash
@@ -226,7 +231,8 @@ impl Search<'_> {
                     self.child(state, Some(at), &base, other.clone(), Some(news), out);
                 }
             }
-            // What several NEWS cells have in common, and the rest.
+            // The largest form that the NEWS cells have in common is read from them, the rest from
+            // registers.
             for which in 0..self.shapes.len() {
                 let (mask, places) = &self.shapes[which];
                 if places.len() < 2 || places.len() + 1 > room {
@@ -254,7 +260,8 @@ impl Search<'_> {
         }
     }
 
-    /// A word that stored a register from a NEWS that is read again later.
+    /// Predecessors by a word that stored value `at` from a NEWS cell that a later word reads
+    /// again.
     pub(super) fn before_reread(
         &mut self,
         state: &State,
@@ -312,7 +319,8 @@ impl Search<'_> {
     }
 }
 
-/// The sums of a bus that store a form, whole or halved, and how many sources each can have.
+/// The bus sums that store a form, whole or halved, each with the number of sources that a word can
+/// have for it.
 pub(super) fn stores_of(stored: &LinearForm) -> impl Iterator<Item = (LinearForm, bool, usize)> {
     let whole = (stored.times(-1), false, SOURCES);
     let halved = (stored.times(-2), true, SOURCES_SPLIT);

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::config::{Faults, Node, Place, Read, Section};
 
-/// A value and where it stands.
+/// A value and its place in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Placed<T> {
     pub value: T,

@@ -1,4 +1,4 @@
-//! Events as dots in a box: time to the right, y down, x into the page.
+//! The event cloud: events as dots in a box, time to the right, y down, x into the page.
 
 use image::RgbImage;
 
@@ -12,21 +12,21 @@ use crate::{
     },
 };
 
-/// More dots than this hide each other: then every so manyeth event is shown, and the caption
-/// says so.
+/// At most this many dots are drawn, as more hide each other: beyond, every n-th event is shown,
+/// and the caption says so.
 const DOTS: usize = 40_000;
 /// Pixels a point.
 const FINE: f64 = 2.0;
-/// How far back the box goes, as parts of its area: to the right, and up.
+/// Depth of the box on the page, as shares of its area: to the right, and up.
 const DEPTH: (f64, f64) = (0.30, 0.30);
 
-/// The box in an area.
+/// The oblique projection of the box (t, x, y) into an area of the page.
 struct Box3 {
     area: Area,
 }
 
 impl Box3 {
-    /// Where parts of time, x and y lie on the page.
+    /// The place on the page of `t`, `x` and `y`, each from 0 to 1 along its side of the box.
     fn at(&self, t: f64, x: f64, y: f64) -> Point {
         let a = self.area;
         let across = a.width * (1.0 - DEPTH.0);
@@ -135,7 +135,7 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
     caption(drawing, whole, "events in x, y and time", &[&note]);
 }
 
-/// Dots, those farther back first.
+/// A picture of the dots, those farther back drawn first; every `every`-th event.
 fn dots(packet: &Packet, space: &Box3, every: usize) -> RgbImage {
     let area = space.area;
     let side = |points: f64| (points * FINE).ceil().max(1.0) as u32;

@@ -59,11 +59,11 @@ pub enum View {
 pub struct Look<'a> {
     /// What the page is called.
     pub title: &'a str,
-    /// What of it.
+    /// Which view.
     pub view: View,
     /// Length of a frame's window, and the time constant of a time surface.
     pub window: Micros,
-    /// When frame and surface are taken; else at the end of the busiest window.
+    /// The time at which frame and surface are taken; without one, the end of the busiest window.
     pub at: Option<Micros>,
 }
 
@@ -179,7 +179,7 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
     })
 }
 
-/// Title, and what is known of the packet.
+/// Draws the title, and below it what the packet is: events, size, span, rates.
 fn head(drawing: &mut Drawing, packet: &Packet, title: &str) {
     let room = |width: f64| (width / 7.0) as usize;
     let (width, _) = drawing.size();
@@ -239,7 +239,8 @@ impl Window {
         }
     }
 
-    /// Whether a window that reaches below the first time holds the events of time 0 too.
+    /// The events of the window; one that reaches back before the first time holds the events of
+    /// time 0 too.
     fn events<'a>(&self, packet: &'a Packet) -> &'a [Event] {
         let until = |t: Micros| packet.events.partition_point(|e| e.t <= t);
         let first = if self.to.0 < self.tau.0 {
@@ -273,13 +274,13 @@ fn busiest(events: &[Event], window: Micros) -> Micros {
     at
 }
 
-/// ON and OFF.
+/// How many events are ON and OFF.
 fn signs(events: &[Event]) -> [usize; 2] {
     let on = events.iter().filter(|e| e.polarity == Polarity::On).count();
     [on, events.len() - on]
 }
 
-/// A time to the microsecond, without zeros at its end.
+/// A time in seconds, to the microsecond, without trailing zeros.
 fn seconds(t: Micros) -> String {
     format!("{} s", trimmed(t.seconds()))
 }
@@ -291,7 +292,7 @@ fn trimmed(seconds: f64) -> String {
     text.to_owned()
 }
 
-/// A length of time in the unit that suits it.
+/// A duration in the unit that suits it.
 fn lasting(t: Micros) -> String {
     match t.0 {
         us if us >= 1_000_000 => format!("{} s", trimmed(t.seconds())),
@@ -300,7 +301,7 @@ fn lasting(t: Micros) -> String {
     }
 }
 
-/// Where a panel of the sensor's shape lies within an area: as large as it can be.
+/// The largest rectangle of the sensor's shape within an area.
 fn fitted(area: Area, packet: &Packet) -> Area {
     let (w, h) = (packet.size.width as f64, packet.size.height as f64);
     let times = (area.width / w).min(area.height / h);

@@ -1,4 +1,4 @@
-//! What names and expressions stand for.
+//! Evaluation of names and expressions.
 
 use std::collections::BTreeMap;
 
