@@ -10,7 +10,7 @@ use crate::{
     compare::{
         Comparison, Pair,
         equality::Side,
-        ruler::{Scales, Score, scores},
+        score::{Scales, Score, scores},
     },
     event::file::Loaded,
     plane::Size,

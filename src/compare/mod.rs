@@ -23,6 +23,7 @@
 //! | rate maps, Pearson, L1 per event | [`rates`] | 1, 0 | near 0, at most 1 |
 //! | divergence of intervals | [`intervals`] | 0 | no bound |
 
+pub mod baseline;
 mod bins;
 pub mod counts;
 mod entry;
@@ -31,11 +32,10 @@ pub mod fate;
 pub mod intervals;
 pub mod matching;
 pub mod metric;
-pub mod null;
 mod pair;
 mod pearson;
 pub mod rates;
-pub mod ruler;
+pub mod score;
 pub mod van_rossum;
 pub mod victor_purpura;
 pub mod voxel;

@@ -32,7 +32,7 @@ const INSTANT: f64 = 1e-9;
 /// A frame's stepping ends early once no pixel moves by more than this in a step.
 const STILL: f64 = 1e-5;
 /// Steps of one frame at most: beyond, a frame takes minutes.
-const MOST: u64 = 1_000_000;
+const MAX_STEPS: u64 = 1_000_000;
 
 impl Euler {
     /// Starts with the first frame as its surround; `tau` is the time constant in seconds.
@@ -101,15 +101,21 @@ impl Euler {
             return Ok(());
         }
         if steps.is_infinite() {
-            return Err(MeshError::Steps { what, most: MOST });
+            return Err(MeshError::Steps {
+                what,
+                most: MAX_STEPS,
+            });
         }
         let (own, side) = (seconds / steps / tau, seconds / steps / lateral);
         let (mut before, mut now) = (self.surround.clone(), self.surround.clone());
         let mut done = 0u64;
         let mut moved = 2.0 * STILL;
         while (done as f64) < steps && moved > STILL {
-            if done == MOST {
-                return Err(MeshError::Steps { what, most: MOST });
+            if done == MAX_STEPS {
+                return Err(MeshError::Steps {
+                    what,
+                    most: MAX_STEPS,
+                });
             }
             std::mem::swap(&mut before, &mut now);
             moved = step(&before, signal, own, side, &mut now);

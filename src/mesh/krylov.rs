@@ -11,9 +11,9 @@ use super::{MeshError, Network, network::dot};
 use crate::{elementary, plane::Plane};
 
 /// Most basis vectors; an interval that needs more is cut in two.
-const MOST: usize = 96;
+const MAX_BASIS: usize = 96;
 /// Most pieces of an interval; for a grid of 256x256 each takes a second.
-const MOST_PIECES: u64 = 4000;
+const MAX_PIECES: u64 = 4000;
 /// Bound on the relative residual outside the subspace.
 const NOTHING: f64 = 1e-14;
 /// A transient that has decayed by this many e-folds is dropped.
@@ -82,10 +82,10 @@ impl Network {
                 }
                 None => piece *= 0.5,
             }
-            if piece * (MOST_PIECES as f64) < left {
+            if piece * (MAX_PIECES as f64) < left {
                 return Err(MeshError::Steps {
                     what: "network",
-                    most: MOST_PIECES,
+                    most: MAX_PIECES,
                 });
             }
         }
@@ -120,7 +120,7 @@ impl Network {
             let norm = dot(&new, &new).sqrt();
             let count = basis.len();
             let all = norm <= 1e-14 * own[0].abs() || count == from.len();
-            if all || count.is_multiple_of(8) || count == MOST {
+            if all || count.is_multiple_of(8) || count == MAX_BASIS {
                 let shares = exponential(&own, &next, time);
                 if all || norm * held_by_last(&own, &next, &shares) <= NOTHING {
                     let mut sum = vec![0.0; from.len()];
@@ -131,7 +131,7 @@ impl Network {
                     }
                     return Some(sum);
                 }
-                if count == MOST {
+                if count == MAX_BASIS {
                     return None;
                 }
             }

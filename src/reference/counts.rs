@@ -9,7 +9,7 @@ use crate::{
 };
 
 use super::{
-    train::{BandSink, Pair, Sink, TrainRow},
+    train::{BandSink, Interval, Sink, TrainRow},
     voxel::split,
 };
 
@@ -52,7 +52,7 @@ impl Sink for Counts {
         false
     }
 
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<CountBand<'_>> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<CountBand<'_>> {
         let width = self.planes.first().map_or(0, Plane::ncols);
         let parts = split(&mut self.planes, bands).into_iter().zip(bands);
         parts
@@ -92,13 +92,13 @@ mod tests {
     #[test]
     fn a_row_that_is_told_again_adds() {
         let mut counts = Counts::new(Size::new(1, 2), 2);
-        let pair = Pair {
+        let interval = Interval {
             index: 0,
             from: 0.0,
             to: 1.0,
         };
         for _ in 0..2 {
-            let mut bands = counts.begin(pair, std::slice::from_ref(&(0..1)));
+            let mut bands = counts.begin(interval, std::slice::from_ref(&(0..1)));
             for (channel, told) in [(0, [1, 2]), (0, [3, -5]), (1, [7, 0])] {
                 let mut row = TrainRow::<f32>::new(2);
                 row.channel = channel;

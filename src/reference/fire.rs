@@ -32,8 +32,8 @@ pub(super) fn whole<R: Real>(d: R, per_on: R, per_off: R) -> R {
     let quotient = d.abs() * if d >= R::ZERO { per_on } else { per_off };
     // In single precision the tolerance of a large count would be more than an event.
     let half = R::from_f64(0.5);
-    let hair = quotient * R::TIE;
-    let whole = (quotient + if hair < half { hair } else { half }).floor();
+    let tolerance = quotient * R::TIE;
+    let whole = (quotient + if tolerance < half { tolerance } else { half }).floor();
     let beyond = R::from_f64(2_147_483_648.0);
     if whole < beyond { whole } else { beyond }
 }

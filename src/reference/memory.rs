@@ -111,12 +111,12 @@ impl<N: Number> Stepped<N> {
 
 /// How far a memory may move, in steps; so far that `net` cannot wrap unnoticed, whatever one
 /// pair of frames adds.
-pub(super) const MOST: i32 = 1 << 30;
+pub(super) const MAX_STEPS: i32 = 1 << 30;
 
 /// Below zero if the memory is too far, so that many can be checked at once.
 #[inline]
 pub(super) fn room(net: i32) -> i32 {
-    net.wrapping_add(MOST)
+    net.wrapping_add(MAX_STEPS)
 }
 
 /// `base + net θ_on`

@@ -42,7 +42,7 @@
 //!
 //! ```
 //! use amacrine::number::F64;
-//! use amacrine::reference::{Pair, PolarityRule, Refractory, RefractoryRule};
+//! use amacrine::reference::{Interval, PolarityRule, Refractory, RefractoryRule};
 //! use amacrine::reference::model::{Cell, FilteredStep, Seen, Setting};
 //!
 //! let setting = Setting {
@@ -55,7 +55,7 @@
 //! };
 //! let seen = |drive| Seen { signal: drive, drive, memory: 0.0 };
 //! let mut cell = Cell::<_, FilteredStep>::new(setting, 0.0, seen(0.0), 0.0);
-//! let pair = Pair { index: 0, from: 0.0, to: 0.01 };
+//! let pair = Interval { index: 0, from: 0.0, to: 0.01 };
 //! let train = cell.see(seen(0.8), pair).unwrap();
 //! assert_eq!((train.count, train.first, train.spacing), (4, 0.25, 0.25));
 //! assert_eq!(cell.memory(), 0.8);
@@ -70,7 +70,7 @@ use crate::{
 
 use super::{
     description::{PolarityRule, Refractory, RefractoryRule},
-    train::{Pair, Train},
+    train::{Interval, Train},
 };
 
 /// What a cell sees in a frame, in the unit of the signal.
@@ -214,8 +214,8 @@ impl EventRule for Step {
     fn fires<R: Real>(d0: R, d: R, on: R, off: R) -> Option<Train> {
         let theta = if d >= R::ZERO { on } else { off };
         let levels = d.abs() * (R::ONE / theta);
-        let (hair, half) = (levels * R::TIE, R::from_f64(0.5));
-        let count = (levels + if hair < half { hair } else { half }).floor();
+        let (tolerance, half) = (levels * R::TIE, R::from_f64(0.5));
+        let count = (levels + if tolerance < half { tolerance } else { half }).floor();
         let start = d0.mul_sign(d);
         let rise = d.abs() - start;
         let per = R::ONE / rise;
@@ -307,18 +307,18 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
     ///
     /// Unlike the sensor, which refuses what it cannot count, it does not look at how many
     /// events there are, nor at whether a distance is a number.
-    pub fn see(&mut self, seen: Seen<N>, pair: Pair) -> Option<Train> {
+    pub fn see(&mut self, seen: Seen<N>, interval: Interval) -> Option<Train> {
         let (Setting { number, leak, .. }, [on, off]) = (self.setting, self.thresholds());
-        let elapsed = pair.to - self.start;
+        let elapsed = interval.to - self.start;
         let memory = self.memory();
         let fallen = |elapsed: f64| N::Real::from_f64(leak) * N::Real::from_f64(elapsed);
         let distance = |seen| number.real(M::distance(&number, seen, memory));
-        let d0 = distance(&self.before) + fallen(elapsed - pair.duration());
+        let d0 = distance(&self.before) + fallen(elapsed - interval.duration());
         let d = distance(&seen) + fallen(elapsed);
         (self.before, self.rested) = (seen, self.fired);
         let authors = self.setting.refractory.rule == RefractoryRule::Authors;
         let events = if authors {
-            self.authors(d.to_f64(), pair)?
+            self.authors(d.to_f64(), interval)?
         } else {
             M::Event::fires(d0, d, on, off)?
         };
@@ -328,9 +328,9 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         let kept = if authors {
             events
         } else {
-            self.awake(events, pair)?
+            self.awake(events, interval)?
         };
-        self.fired = pair.from + kept.last() * pair.duration();
+        self.fired = interval.from + kept.last() * interval.duration();
         Some(Train {
             first: N::Real::from_f64(kept.first).to_f64(),
             spacing: N::Real::from_f64(kept.spacing).to_f64(),
@@ -341,13 +341,13 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
     /// Whether a stray event at `u` in the pair (0 at the earlier frame, 1 at the later) is heard
     /// beside the cell's own `train`. It must lie a refractory period from all events of the
     /// cell; strays are told in order.
-    pub fn hears(&mut self, u: f64, train: Option<&Train>, pair: Pair) -> bool {
-        let dt = pair.duration();
+    pub fn hears(&mut self, u: f64, train: Option<&Train>, interval: Interval) -> bool {
+        let dt = interval.duration();
         let r = self.setting.refractory.us * 1e-6 / dt * (1.0 - 1e-9);
         let own = |train: &Train| (0..train.count).all(|i| (train.at(i) - u).abs() >= r);
-        let heard = u - (self.rested - pair.from) / dt >= r && train.is_none_or(own);
+        let heard = u - (self.rested - interval.from) / dt >= r && train.is_none_or(own);
         if heard {
-            self.rested = pair.from + u * dt;
+            self.rested = interval.from + u * dt;
             self.fired = self.fired.max(self.rested);
         } else {
             self.lost += 1;
@@ -373,14 +373,14 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
     }
 
     /// (9), one crossing after the other; all times in units of the pair.
-    fn awake(&mut self, events: Train, pair: Pair) -> Option<Train> {
-        let dt = pair.duration();
+    fn awake(&mut self, events: Train, interval: Interval) -> Option<Train> {
+        let dt = interval.duration();
         // A crossing that rounding puts a hair before the end of the dead time is kept.
         let r = self.setting.refractory.us * 1e-6 / dt * (1.0 - 1e-9);
         if r == 0.0 {
             return Some(events);
         }
-        let rested = (pair.from - self.fired) / dt;
+        let rested = (interval.from - self.fired) / dt;
         let mut kept = Vec::new();
         for i in (0..events.count).map(|i| i as f64) {
             let since = match kept.last() {
@@ -402,12 +402,12 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
     }
 
     /// (10) to (13), in the order of the released code.
-    fn authors(&self, d: f64, pair: Pair) -> Option<Train> {
-        let (dt, r) = (pair.duration(), self.setting.refractory.us * 1e-6);
+    fn authors(&self, d: f64, interval: Interval) -> Option<Train> {
+        let (dt, r) = (interval.duration(), self.setting.refractory.us * 1e-6);
         let theta = self.thresholds()[usize::from(d < 0.0)].to_f64();
         let alpha = dt / ((d.abs() + 1e-9) / theta);
         let alpha_r = ((r / alpha).floor() + 1.0) * alpha;
-        let beta_r = ((r - (pair.from - self.fired)) / alpha).floor() * alpha;
+        let beta_r = ((r - (interval.from - self.fired)) / alpha).floor() * alpha;
         let beta_r = beta_r.max(0.0);
         (d != 0.0 && alpha_r <= dt - beta_r).then(|| Train {
             polarity: polarity(d),

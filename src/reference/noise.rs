@@ -226,8 +226,8 @@ impl Noise {
     }
 
     /// Moves a train by the cell's jitter, reflected so that it stays within the pair.
-    pub(super) fn jitter(&self, train: Train, place: Place, pair: u64, dt: f64) -> Train {
-        let shift = self.jitter_us * 1e-6 / dt * place.normal(Reason::Jitter, pair);
+    pub(super) fn jitter(&self, train: Train, place: Place, interval: u64, dt: f64) -> Train {
+        let shift = self.jitter_us * 1e-6 / dt * place.normal(Reason::Jitter, interval);
         let room = 1.0 - (train.last() - train.first);
         let first = if room > 0.0 {
             let folded = (train.first + shift).rem_euclid(2.0 * room);

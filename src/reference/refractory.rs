@@ -26,7 +26,7 @@ use crate::number::Real;
 
 use super::{
     memory,
-    train::{Pair, Train, TrainRow},
+    train::{Interval, Train, TrainRow},
 };
 
 /// What a dead time of `seconds` leaves of a row of trains; `fired` says when each cell last
@@ -36,12 +36,12 @@ use super::{
 /// branch depends on the cells, so that the loop is vectorised.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn dead_time<R: Real>(
-    pair: Pair,
+    interval: Interval,
     seconds: f64,
     fired: &mut [f64],
     row: &mut TrainRow<R>,
 ) {
-    let dt = pair.duration();
+    let dt = interval.duration();
     // A crossing that rounding puts a hair before the end of the dead time is kept.
     let r = seconds / dt * (1.0 - 1e-9);
     let cells = fired.len();
@@ -53,7 +53,7 @@ pub(super) fn dead_time<R: Real>(
     for x in 0..cells {
         let (place, step) = (first[x].to_f64(), spacing[x].to_f64());
         let all = f64::from(counts[x]);
-        let wait = r - (pair.from - fired[x]) / dt - place;
+        let wait = r - (interval.from - fired[x]) / dt - place;
         let skip = if wait > 0.0 {
             (wait / step).ceil()
         } else {
@@ -69,7 +69,7 @@ pub(super) fn dead_time<R: Real>(
         let last = place + step * (kept - 1.0);
         let last = if last < 1.0 { last } else { 1.0 };
         fired[x] = if kept > 0.0 {
-            pair.from + last * dt
+            interval.from + last * dt
         } else {
             fired[x]
         };
@@ -110,14 +110,14 @@ pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool 
 /// the counts agree to the last event.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn authors<R: Real>(
-    pair: Pair,
+    interval: Interval,
     r: f64,
     (on, off): (&[R], &[R]),
     distances: &[R],
     fired: &mut [f64],
     row: &mut TrainRow<R>,
 ) -> bool {
-    let dt = pair.duration();
+    let dt = interval.duration();
     let cells = distances.len();
     let (on, off, fired) = (&on[..cells], &off[..cells], &mut fired[..cells]);
     let (counts, first, spacing) = (
@@ -130,7 +130,7 @@ pub(super) fn authors<R: Real>(
         let d = distances[x].to_f64();
         let theta = if d >= 0.0 { on[x] } else { off[x] }.to_f64();
         let distance = d.abs();
-        let since = pair.from - fired[x];
+        let since = interval.from - fired[x];
         let alpha = dt / ((distance + 1e-9) / theta);
         let alpha_r = ((r / alpha).floor() + 1.0) * alpha;
         let beta_r = ((r - since) / alpha).floor() * alpha;
@@ -146,16 +146,16 @@ pub(super) fn authors<R: Real>(
         let last = place + step * (count - 1.0);
         let last = if last < 1.0 { last } else { 1.0 };
         fired[x] = if count > 0.0 {
-            pair.from + last * dt
+            interval.from + last * dt
         } else {
             fired[x]
         };
-        let most = f64::from(memory::MOST) + 1.0;
+        let most = f64::from(memory::MAX_STEPS) + 1.0;
         // A distance that is no number is not counted either.
         let counted = count < most && distance < f64::INFINITY;
         let count = if counted { count } else { most };
         counts[x] = if d >= 0.0 { count } else { -count }.to_i32_in_range();
-        room |= memory::MOST - counts[x].abs();
+        room |= memory::MAX_STEPS - counts[x].abs();
         (first[x], spacing[x]) = (R::from_f64(place), R::from_f64(step));
     }
     room >= 0
@@ -168,7 +168,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// A second between the frames.
-    const PAIR: Pair = Pair {
+    const PAIR: Interval = Interval {
         index: 0,
         from: 0.0,
         to: 1.0,
@@ -224,13 +224,13 @@ mod tests {
 
     /// How many events the released rule makes of a distance, at 240 frames a second.
     fn released(d: f64, r: f64) -> Option<i32> {
-        let pair = Pair {
+        let interval = Interval {
             index: 0,
             from: 1.0,
             to: 1.0 + 1.0 / 240.0,
         };
         let mut row = TrainRow::new(1);
-        authors(pair, r, (&[0.2], &[0.2]), &[d], &mut [0.0], &mut row).then_some(row.counts[0])
+        authors(interval, r, (&[0.2], &[0.2]), &[d], &mut [0.0], &mut row).then_some(row.counts[0])
     }
 
     /// Facts about the released rule that were seen by running it.

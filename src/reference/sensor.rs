@@ -16,14 +16,14 @@ use crate::{
 };
 
 use super::{
-    band::{Band, Plan, Sight},
+    band::{Band, IntervalInput, Plan},
     description::{Description, MemoryRule},
     list::{Buffers, EventList, Limit},
     low_pass::LowPass,
     report::Report,
     sheets::Sheets,
     signal::{Light, Padded, Photoreceptors},
-    train::{Pair, Sink},
+    train::{Interval, Sink},
 };
 
 /// Below so many pixels, sharing out the work costs more than it gives.
@@ -52,7 +52,7 @@ pub struct Reference<N: Number = F64> {
     buffers: Buffers,
     /// Times of the first frame and of the last, in seconds.
     seen: Option<(f64, f64)>,
-    pairs: u64,
+    intervals: u64,
 }
 
 impl Reference<F64> {
@@ -129,7 +129,7 @@ impl<N: Number> Reference<N> {
             bands: Vec::new(),
             buffers: Buffers::default(),
             seen: None,
-            pairs: 0,
+            intervals: 0,
             plan: Plan::new(number, description, size, seed),
         })
     }
@@ -245,13 +245,13 @@ impl<N: Number> Reference<N> {
             return self.settle(frame);
         };
         self.seen = Some((start, seconds));
-        let pair = Pair {
-            index: self.pairs,
+        let interval = Interval {
+            index: self.intervals,
             from,
             to: seconds,
         };
-        self.pairs += 1;
-        self.advance(frame, pair, seconds - start, sink)
+        self.intervals += 1;
+        self.advance(frame, interval, seconds - start, sink)
     }
 
     /// The first frame.
@@ -276,7 +276,7 @@ impl<N: Number> Reference<N> {
     fn advance<S: Sink>(
         &mut self,
         frame: &Frame,
-        pair: Pair,
+        interval: Interval,
         elapsed: f64,
         sink: &mut S,
     ) -> Result<(), SensorError> {
@@ -294,16 +294,16 @@ impl<N: Number> Reference<N> {
             bands.par_iter_mut().try_for_each(see).map_err(fault)?;
             lay_out_pixels(plan, bands, &mut self.pixels);
         }
-        let sight = Sight {
+        let input = IntervalInput {
             light: (!holds_pixels).then_some(light),
             pixels: &self.pixels,
             sheets: self.sheets.as_ref(),
-            pair,
+            interval,
             elapsed,
             times: sink.wants_times(),
         };
-        let mut parts = sink.begin(pair, &self.cut);
-        let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| band.advance(plan, sight, part);
+        let mut parts = sink.begin(interval, &self.cut);
+        let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| band.advance(plan, input, part);
         let advanced = if bands.len() == 1 || rayon::current_num_threads() == 1 {
             bands.iter_mut().zip(&mut parts).try_for_each(one)
         } else {

@@ -6,7 +6,7 @@ use multiversion::multiversion;
 
 use crate::{number::Real, sensor::SensorError};
 
-use super::train::{BandSink, Pair, Sink, TrainRow};
+use super::train::{BandSink, Interval, Sink, TrainRow};
 
 /// Events of each channel, `(on, off)`, over all pairs told.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl Sink for Tally {
         false
     }
 
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<TallyBand<'_>> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<TallyBand<'_>> {
         let none = vec![(0, 0); self.kinds.len()];
         self.bands = vec![none; bands.len()];
         self.bands.iter_mut().map(TallyBand).collect()

@@ -138,7 +138,7 @@ fn events(counts: &[i32]) -> u64 {
 
 /// The two frames a train lies between, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct Interval {
     /// Number of the pair, from 0.
     pub index: u64,
     /// Time of the earlier frame.
@@ -147,7 +147,7 @@ pub struct Pair {
     pub to: f64,
 }
 
-impl Pair {
+impl Interval {
     /// The time between the frames, in seconds.
     #[must_use]
     pub fn duration(&self) -> f64 {
@@ -168,7 +168,7 @@ pub trait Sink {
     fn wants_times(&self) -> bool;
 
     /// A new pair begins; one part for each band of rows, in order.
-    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<Self::Band<'_>>;
+    fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<Self::Band<'_>>;
 
     /// The pair has ended.
     ///

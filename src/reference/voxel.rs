@@ -23,7 +23,7 @@ use crate::{
     sensor::SensorError,
 };
 
-use super::train::{BandSink, Pair, Sink, Train, TrainRow};
+use super::train::{BandSink, Interval, Sink, Train, TrainRow};
 
 /// The two bins that the current pair of frames lies between; `[channel][y, x]`.
 #[derive(Clone, Debug)]
@@ -103,7 +103,7 @@ impl Sink for VoxelGrid {
         true
     }
 
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<VoxelBand<'_>> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<VoxelBand<'_>> {
         let width = self.earlier.first().map_or(0, Plane::ncols);
         let earlier = split(&mut self.earlier, bands);
         let later = split(&mut self.later, bands);
@@ -295,12 +295,12 @@ mod tests {
             &[(1, 1)],
         ];
         for (n, rows) in told.into_iter().enumerate() {
-            let pair = Pair {
+            let interval = Interval {
                 index: n as u64,
                 from: n as f64,
                 to: n as f64 + 1.0,
             };
-            let mut bands = grid.begin(pair, std::slice::from_ref(&(0..2)));
+            let mut bands = grid.begin(interval, std::slice::from_ref(&(0..2)));
             // Every row is told in every pair.
             for y in 0..2 {
                 let mut counts: Vec<i32> = rows.iter().filter(|r| r.0 == y).map(|r| r.1).collect();

@@ -39,13 +39,13 @@ pub enum SceneError {
     },
 
     /// The first bytes say another kind of file than the name.
-    #[error("{path}: the name says {said}, but the content is {found}")]
+    #[error("{path}: the name says {stated}, but the content is {found}")]
     #[diagnostic(help("give the file the ending that its content has, or write it anew"))]
     Disguised {
         /// The file or folder of the scene.
         path: PathBuf,
         /// The kind that the name promises.
-        said: &'static str,
+        stated: &'static str,
         /// What the first bytes are.
         found: &'static str,
     },

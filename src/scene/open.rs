@@ -135,7 +135,7 @@ impl FileKind {
         let found = Self::ALL.into_iter().find(|kind| kind.begins(&start));
         Err(SceneError::Disguised {
             path: path.into(),
-            said: self.name(),
+            stated: self.name(),
             found: found.map_or("something else", Self::name),
         })
     }

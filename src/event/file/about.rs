@@ -92,14 +92,14 @@ impl About {
         events: u64,
         times: Option<(Micros, Micros)>,
     ) -> Option<Fault> {
-        let differ = |said, found| Some(Fault::Remark { said, found });
-        if let Some(said) = self.events.filter(|said| *said != events) {
-            return differ(counted(said), counted(events));
+        let differ = |stated, found| Some(Fault::Remark { stated, found });
+        if let Some(stated) = self.events.filter(|stated| *stated != events) {
+            return differ(counted(stated), counted(events));
         }
         match (self.times, times) {
-            (Some(said), found) if Some(said) != found => {
+            (Some(stated), found) if Some(stated) != found => {
                 let found = found.map_or_else(|| counted(0), ends);
-                differ(ends(said), found)
+                differ(ends(stated), found)
             }
             _ => None,
         }

@@ -186,10 +186,10 @@ fn describe(xml: &str, compression: i32) -> Result<(About, Vec<Described>), Faul
         && let Some(ours) = About::parse(&comment)?
     {
         let twice = |one, other| Err(Fault::twice(Format::Aedat4, one, other));
-        if let (Some(said), Some(other)) = (ours.size, about.size)
-            && said != other
+        if let (Some(stated), Some(other)) = (ours.size, about.size)
+            && stated != other
         {
-            let one = format!("its remark says that the sensor is {said}");
+            let one = format!("its remark says that the sensor is {stated}");
             return twice(one, format!("`sizeX` and `sizeY` say {other}"));
         }
         let named = value(*stream, "compression");
@@ -321,13 +321,13 @@ impl Reading {
 
     /// At the table of packets, which is the end.
     fn hold_to_table(&mut self, at: u64) -> Result<(), Stop> {
-        let said = match u64::try_from(self.table) {
+        let stated = match u64::try_from(self.table) {
             Ok(table) if table == at => None,
             Ok(table) => Some(format!("is at byte {table}")),
             Err(_) => Some("is not there (-1)".into()),
         };
-        if let (Some(said), None) = (said, &self.damage) {
-            let one = format!("its header says that the table of packets {said}");
+        if let (Some(stated), None) = (stated, &self.damage) {
+            let one = format!("its header says that the table of packets {stated}");
             let other = format!("it is at byte {at}");
             return Err(Stop::twice(Format::Aedat4, at, one, other));
         }

@@ -258,10 +258,10 @@ pub enum Fault {
         why: String,
     },
     /// The comment says one thing of the file, and the file is another.
-    #[error("the comment `# amacrine …` says {said}, and the file has {found}")]
+    #[error("the comment `# amacrine …` says {stated}, and the file has {found}")]
     Remark {
         /// What the comment says.
-        said: String,
+        stated: String,
         /// What there is.
         found: String,
     },

@@ -206,7 +206,7 @@ impl Gate {
 pub fn hold_kinds(about: Option<&About>, column: bool) -> Result<(), Fault> {
     match about.and_then(|about| about.channels) {
         Some(kinds) if kinds > 1 && !column => Err(Fault::Remark {
-            said: format!("{kinds} channels"),
+            stated: format!("{kinds} channels"),
             found: "no column `channel`".into(),
         }),
         _ => Ok(()),

@@ -108,9 +108,9 @@ impl Header {
             let sides = [("wide", width), ("high", height)];
             for (known, (side, here)) in known.iter_mut().zip(sides) {
                 let Some(here) = here else { continue };
-                let (first, said) = *known.get_or_insert((way, here));
-                if said != here {
-                    let one = format!("{first} says that the sensor is {said} pixels {side}");
+                let (first, stated) = *known.get_or_insert((way, here));
+                if stated != here {
+                    let one = format!("{first} says that the sensor is {stated} pixels {side}");
                     return Err(Fault::twice(format, one, format!("{way} says {here}")));
                 }
             }

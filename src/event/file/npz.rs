@@ -130,14 +130,14 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
     })?;
     let end = start + list.end as u64;
     let counts = [
-        ("arrays", list.said.0, list.members.len() as u64),
-        ("arrays", list.said.0, archive.len() as u64),
-        ("bytes of list", list.said.1, list.bytes as u64),
-        ("bytes of remark at its end", list.said.2, length - end),
+        ("arrays", list.stated.0, list.members.len() as u64),
+        ("arrays", list.stated.0, archive.len() as u64),
+        ("bytes of list", list.stated.1, list.bytes as u64),
+        ("bytes of remark at its end", list.stated.2, length - end),
     ];
-    for (what, said, found) in counts {
-        if said != found {
-            let one = format!("its end says that it has {said} {what}");
+    for (what, stated, found) in counts {
+        if stated != found {
+            let one = format!("its end says that it has {stated} {what}");
             return Err(Stop::twice(
                 Format::Npz,
                 end,
@@ -206,7 +206,7 @@ struct Listed {
     bytes: usize,
     end: usize,
     /// Members, bytes of the list, bytes of the remark.
-    said: (u64, u64, u64),
+    stated: (u64, u64, u64),
 }
 
 /// A member of an archive as it is listed.
@@ -271,7 +271,7 @@ impl Listed {
             members,
             bytes: length,
             end: at + 22,
-            said: (count, size, number::<2>(bytes, at + 20)?),
+            stated: (count, size, number::<2>(bytes, at + 20)?),
         })
     }
 }

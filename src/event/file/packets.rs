@@ -77,30 +77,30 @@ pub fn whole(buffer: &[u8]) -> Option<&[u8]> {
 
 /// Holds the packets that were found to a table.
 pub fn agree(found: &[Row], table: &[Row]) -> Result<(), Fault> {
-    for (i, (found, said)) in found.iter().zip(table).enumerate() {
+    for (i, (found, stated)) in found.iter().zip(table).enumerate() {
         let mut pairs = vec![
             (
                 "starts at byte",
-                said.at.cast_signed(),
+                stated.at.cast_signed(),
                 found.at.cast_signed(),
             ),
-            ("is of stream", said.stream.into(), found.stream.into()),
+            ("is of stream", stated.stream.into(), found.stream.into()),
             (
                 "has this many bytes:",
-                said.bytes.into(),
+                stated.bytes.into(),
                 found.bytes.into(),
             ),
         ];
-        if let (Some(said), Some(found)) = (said.events, found.events) {
-            let (count, here) = (said.0.cast_signed(), found.0.cast_signed());
+        if let (Some(stated), Some(found)) = (stated.events, found.events) {
+            let (count, here) = (stated.0.cast_signed(), found.0.cast_signed());
             pairs.push(("has this many events:", count, here));
             if here > 0 {
-                pairs.push(("has its first event at", said.1, found.1));
-                pairs.push(("has its last event at", said.2, found.2));
+                pairs.push(("has its first event at", stated.1, found.1));
+                pairs.push(("has its last event at", stated.2, found.2));
             }
         }
-        if let Some((what, said, here)) = pairs.into_iter().find(|(_, a, b)| a != b) {
-            let one = format!("its table says that packet {i} {what} {said}");
+        if let Some((what, stated, here)) = pairs.into_iter().find(|(_, a, b)| a != b) {
+            let one = format!("its table says that packet {i} {what} {stated}");
             let other = format!("the packet at byte {} has {here}", found.at);
             return Err(Fault::twice(Format::Aedat4, one, other));
         }
@@ -172,9 +172,9 @@ mod tests {
         assert_eq!(read(&table).unwrap(), rows);
         agree(&rows, &rows).unwrap();
         let other = |change: fn(&mut Row)| {
-            let mut said = rows;
-            change(&mut said[1]);
-            agree(&rows, &said).unwrap_err().to_string()
+            let mut stated = rows;
+            change(&mut stated[1]);
+            agree(&rows, &stated).unwrap_err().to_string()
         };
         assert!(other(|r| r.at += 1).contains("packet 1 starts at byte 201"));
         assert!(other(|r| r.stream = 0).contains("is of stream 0"));

@@ -27,7 +27,7 @@ use super::{
     train::{BandSink, TrainRow},
 };
 
-pub(super) use self::plan::{Plan, Sight};
+pub(super) use self::plan::{IntervalInput, Plan};
 
 /// The cells of some rows, all channels.
 #[derive(Clone, Debug)]
@@ -140,10 +140,10 @@ impl<N: Number> Band<N> {
     pub(super) fn advance<S: BandSink>(
         &mut self,
         plan: &Plan<N>,
-        sight: Sight<'_, N>,
+        input: IntervalInput<'_, N>,
         sink: &mut S,
     ) -> Result<(), SensorError> {
-        if let Some(light) = sight.light {
+        if let Some(light) = input.light {
             self.see(plan, light)?;
             for (cells, weights) in self.channels.iter_mut().zip(&plan.weights) {
                 weights.multiply(&plan.number, &self.signal, &mut cells.made);
@@ -151,10 +151,10 @@ impl<N: Number> Band<N> {
         }
         for y in self.rows.clone() {
             for channel in 0..plan.weights.len() {
-                self.report.events += self.row(plan, channel, y, sight)?;
+                self.report.events += self.row(plan, channel, y, input)?;
                 sink.row(&self.scratch.trains)?;
                 if plan.description.noise.fires() {
-                    self.disturb(plan, channel, y, sight.pair, sink)?;
+                    self.disturb(plan, channel, y, input.interval, sink)?;
                 }
             }
         }
@@ -171,16 +171,16 @@ impl<N: Number> Band<N> {
         plan: &Plan<N>,
         channel: usize,
         y: usize,
-        sight: Sight<'_, N>,
+        input: IntervalInput<'_, N>,
     ) -> Result<u64, SensorError> {
-        let Sight {
+        let IntervalInput {
             pixels,
             sheets,
-            pair,
+            interval,
             elapsed,
             times,
             ..
-        } = sight;
+        } = input;
         let range = self.range(y);
         let (number, description) = (&plan.number, &plan.description);
         let Self {
@@ -249,7 +249,7 @@ impl<N: Number> Band<N> {
                     off,
                     per: plan.thresholds[channel].inverse(y),
                     leak: leak.get(range.clone()).unwrap_or_default(),
-                    elapsed: (elapsed - pair.duration(), elapsed),
+                    elapsed: (elapsed - interval.duration(), elapsed),
                 };
                 let times = times || !fired.is_empty();
                 let before = &mut before[range.clone()];
@@ -294,9 +294,9 @@ impl<N: Number> Band<N> {
                 &mut fired[range.clone()]
             };
             let r = plan.refractory();
-            if !refractory::authors(pair, r, (on, off), to, fired, trains) {
+            if !refractory::authors(interval, r, (on, off), to, fired, trains) {
                 let mut counts = trains.counts.iter();
-                let most = memory::MOST.unsigned_abs();
+                let most = memory::MAX_STEPS.unsigned_abs();
                 let x = counts.position(|count| count.unsigned_abs() > most);
                 let x = x.unwrap_or(0);
                 return Err(beyond(x, to[x]));
@@ -347,7 +347,7 @@ impl<N: Number> Band<N> {
         if !authors && !fired.is_empty() {
             let fired = &mut fired[range];
             let before = trains.events();
-            refractory::dead_time(pair, plan.refractory(), fired, trains);
+            refractory::dead_time(interval, plan.refractory(), fired, trains);
             let left = trains.events();
             report.lost_to_refractory += before - left;
             events = Some(left);
@@ -363,11 +363,12 @@ impl<N: Number> Band<N> {
                 };
                 trains.set(
                     x,
-                    Some(
-                        description
-                            .noise
-                            .jitter(train, place, pair.index, pair.duration()),
-                    ),
+                    Some(description.noise.jitter(
+                        train,
+                        place,
+                        interval.index,
+                        interval.duration(),
+                    )),
                 );
             }
         }

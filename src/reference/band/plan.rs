@@ -9,7 +9,7 @@ use crate::{
         sheets::Sheets,
         signal::{Light, Padded},
         thresholds::Thresholds,
-        train::Pair,
+        train::Interval,
     },
 };
 
@@ -67,7 +67,7 @@ impl<N: Number> Plan<N> {
 
 /// What all bands see of a pair of frames.
 #[derive(Debug)]
-pub(in crate::reference) struct Sight<'a, N: Number> {
+pub(in crate::reference) struct IntervalInput<'a, N: Number> {
     /// The frame; none if the bands have taken it in already.
     pub(in crate::reference) light: Option<Light<'a, N>>,
     /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
@@ -75,7 +75,7 @@ pub(in crate::reference) struct Sight<'a, N: Number> {
     pub(in crate::reference) pixels: &'a [Padded<N::Held>],
     /// Resistor sheets, where channels see through them.
     pub(in crate::reference) sheets: Option<&'a Sheets>,
-    pub(in crate::reference) pair: Pair,
+    pub(in crate::reference) interval: Interval,
     /// Seconds since the first frame.
     pub(in crate::reference) elapsed: f64,
     /// Whether the times of the events are wanted.
@@ -83,10 +83,10 @@ pub(in crate::reference) struct Sight<'a, N: Number> {
 }
 
 /// Derived, it would ask for a number that can be copied held.
-impl<N: Number> Copy for Sight<'_, N> {}
+impl<N: Number> Copy for IntervalInput<'_, N> {}
 
 #[expect(clippy::expl_impl_clone_on_copy, reason = "as above")]
-impl<N: Number> Clone for Sight<'_, N> {
+impl<N: Number> Clone for IntervalInput<'_, N> {
     fn clone(&self) -> Self {
         *self
     }

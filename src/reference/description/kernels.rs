@@ -16,24 +16,24 @@ impl Reader<'_> {
     pub(super) fn memory_kernel(
         &self,
         memory: MemoryRule,
-        written: Option<Node<'_>>,
+        given: Option<Node<'_>>,
         gain: f64,
         channel: Place,
     ) -> Read<Option<Kernel>> {
-        match (written, memory) {
+        match (given, memory) {
             (None, MemoryRule::AuthorsPixelStep) => Err(wrong(
                 channel,
                 "memory = \"authors-pixel-step\" needs a memory-kernel",
                 "give the kernel that the memory is seen through (often the channel's own)",
             )),
             (None, _) => Ok(None),
-            (Some(written), MemoryRule::AuthorsPixelStep) => {
-                let kernel = scaled(&self.kernel(written)?, gain, written.place())?;
-                stable(&kernel, written.place())?;
+            (Some(given), MemoryRule::AuthorsPixelStep) => {
+                let kernel = scaled(&self.kernel(given)?, gain, given.place())?;
+                stable(&kernel, given.place())?;
                 Ok(Some(kernel))
             }
-            (Some(written), _) => Err(wrong(
-                written.place(),
+            (Some(given), _) => Err(wrong(
+                given.place(),
                 "memory-kernel is only for memory = \"authors-pixel-step\"",
                 "leave it out: the memory of the other rules is seen through the channel's own kernel, or holds the filtered signal",
             )),

@@ -180,8 +180,8 @@ fn add_two<N: Number, const BLOCK: usize>(
     mut upper: [N::Held; BLOCK],
 ) -> ([N::Held; BLOCK], [N::Held; BLOCK]) {
     let mut lower = [N::ZERO; BLOCK];
-    for (row, pair) in lines.windows(2).enumerate() {
-        let (above, line) = (&pair[0].weights, &pair[1].weights);
+    for (row, interval) in lines.windows(2).enumerate() {
+        let (above, line) = (&interval[0].weights, &interval[1].weights);
         let start = row * stride + column;
         let Some(source) = source.get(start..start + line.len() - 1 + BLOCK) else {
             continue;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    note::Note,
+    packed_event::PackedEvent,
     part::Part,
     sorted::{Sorted, merge},
 };
@@ -22,18 +22,18 @@ pub struct Buffers {
     /// The notes of neighbouring parts in order, a group for each thread; or one of all.
     groups: Vec<Sorted>,
     /// The notes of all parts in order; the buffer is longer.
-    merged: Vec<Note>,
+    merged: Vec<PackedEvent>,
 }
 
 impl Buffers {
     /// The notes of all parts in order, told within so many microseconds.
-    pub(super) fn sorted(&mut self, microseconds: usize) -> &[Note] {
-        let total = self.parts.iter().map(|part| part.notes().len()).sum();
+    pub(super) fn sorted(&mut self, microseconds: usize) -> &[PackedEvent] {
+        let total = self.parts.iter().map(|part| part.packed().len()).sum();
         if microseconds > 4 * total {
             self.merged.clear();
-            let notes = self.parts.iter().flat_map(Part::notes);
-            self.merged.extend(notes);
-            self.merged.sort_by_key(|note| note.since());
+            let packed = self.parts.iter().flat_map(Part::packed);
+            self.merged.extend(packed);
+            self.merged.sort_by_key(|packed| packed.since());
             return &self.merged;
         }
         let threads = if total < ENOUGH || total < DENSE * microseconds {
@@ -46,12 +46,12 @@ impl Buffers {
         self.groups.resize_with(groups, Sorted::default);
         if groups == 1 {
             self.groups[0].sort(&self.parts, microseconds);
-            return self.groups[0].notes();
+            return self.groups[0].packed();
         }
         let parts = self.parts.par_chunks(group).zip(&mut self.groups);
         parts.for_each(|(parts, group)| group.sort(parts, microseconds));
         if self.merged.len() < total {
-            self.merged.resize(total, Note::default());
+            self.merged.resize(total, PackedEvent::default());
         }
         let (groups, all) = (&self.groups[..], &mut self.merged[..total]);
         let mut rest = &mut *all;
@@ -59,8 +59,8 @@ impl Buffers {
         let mut jobs = Vec::with_capacity(threads);
         for since in (0..microseconds).step_by(share) {
             let until = (since + share).min(microseconds);
-            let notes = groups.iter().map(|group| group.within(since..until).len());
-            let (out, after) = rest.split_at_mut(notes.sum());
+            let packed = groups.iter().map(|group| group.within(since..until).len());
+            let (out, after) = rest.split_at_mut(packed.sum());
             rest = after;
             jobs.push((since..until, out));
         }

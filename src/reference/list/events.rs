@@ -7,15 +7,15 @@ use rayon::prelude::*;
 use crate::{
     event::Packet,
     number::Real,
-    reference::train::{BandSink, Pair, Sink, TrainRow},
+    reference::train::{BandSink, Interval, Sink, TrainRow},
     sensor::SensorError,
 };
 
 use super::{
     buffers::{Buffers, ENOUGH},
-    clock::Clock,
     limit::{Limit, WhenFull},
     part::Part,
+    time_quantiser::TimeQuantiser,
 };
 
 /// Appends trains to a packet as single events.
@@ -31,7 +31,7 @@ use super::{
 pub struct EventList<'a> {
     packet: &'a mut Packet,
     limit: Limit,
-    clock: Clock,
+    quantiser: TimeQuantiser,
     buffers: Buffers,
 }
 
@@ -55,7 +55,7 @@ impl<'a> EventList<'a> {
         Self {
             packet,
             limit,
-            clock: Clock::default(),
+            quantiser: TimeQuantiser::default(),
             buffers,
         }
     }
@@ -70,8 +70,8 @@ impl<'a> EventList<'a> {
 
     /// Appends the events of all parts in order.
     fn sort(&mut self) {
-        let (clock, events) = (self.clock, &mut self.packet.events);
-        if clock.is_long() {
+        let (quantiser, events) = (self.quantiser, &mut self.packet.events);
+        if quantiser.is_long() {
             let start = events.len();
             for part in &mut self.buffers.parts {
                 events.append(&mut part.events);
@@ -79,12 +79,12 @@ impl<'a> EventList<'a> {
             events[start..].sort_by_key(|event| event.t);
             return;
         }
-        let notes = self.buffers.sorted(clock.microseconds());
-        if rayon::current_num_threads() == 1 || notes.len() < ENOUGH {
-            clock.tell(notes, events);
+        let packed = self.buffers.sorted(quantiser.microseconds());
+        if rayon::current_num_threads() == 1 || packed.len() < ENOUGH {
+            quantiser.emit(packed, events);
         } else {
-            let notes = notes.par_iter().with_min_len(ENOUGH);
-            events.par_extend(notes.map(|note| clock.event(*note)));
+            let packed = packed.par_iter().with_min_len(ENOUGH);
+            events.par_extend(packed.map(|packed| quantiser.event(*packed)));
         }
     }
 }
@@ -99,13 +99,13 @@ impl Sink for EventList<'_> {
         true
     }
 
-    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
-        self.clock = Clock::of(pair);
+    fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
+        self.quantiser = TimeQuantiser::of(interval);
         let room = self.room();
         let parts = &mut self.buffers.parts;
         parts.resize_with(bands.len(), Part::default);
         for part in &mut *parts {
-            part.begin(self.clock, room);
+            part.begin(self.quantiser, room);
         }
         parts.iter_mut().map(ListBand).collect()
     }
@@ -148,13 +148,18 @@ mod tests {
 
     fn told(
         rows: &[Vec<i8>],
-        pair: Pair,
+        interval: Interval,
         limit: Limit,
         packet: &mut Packet,
     ) -> Result<(), SensorError> {
         let mut list = EventList::new(packet, limit);
         let bands: Vec<_> = (0..rows.len()).map(|y| y..y + 1).collect();
-        for (y, (mut band, counts)) in list.begin(pair, &bands).into_iter().zip(rows).enumerate() {
+        for (y, (mut band, counts)) in list
+            .begin(interval, &bands)
+            .into_iter()
+            .zip(rows)
+            .enumerate()
+        {
             let width = counts.len();
             band.row(&TrainRow::<f64> {
                 channel: 0,
@@ -168,13 +173,13 @@ mod tests {
     }
 
     /// The slow twin: every event by itself, put into order by comparison.
-    fn one_by_one(rows: &[TrainRow<f64>], pair: Pair) -> Vec<Event> {
+    fn one_by_one(rows: &[TrainRow<f64>], interval: Interval) -> Vec<Event> {
         let mut events = Vec::new();
         for row in rows {
             for (x, train) in row.trains() {
                 for i in 0..train.count {
                     events.push(Event {
-                        t: Micros::from_seconds(pair.from + train.at(i) * pair.duration()),
+                        t: Micros::from_seconds(interval.from + train.at(i) * interval.duration()),
                         x: x as u16,
                         y: row.y as u16,
                         polarity: train.polarity,
@@ -213,8 +218,8 @@ mod tests {
                     spacing: vec![1.0 / 37.0 / f64::from(often.max(1)); width],
                 }
             }).collect();
-            let pair = Pair { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };
-            let slow = one_by_one(&rows, pair);
+            let interval = Interval { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };
+            let slow = one_by_one(&rows, interval);
             for threads in [1, 2, 5] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut packet = Packet::new(Size::new(12, width), 1);
@@ -222,7 +227,7 @@ mod tests {
                 let told_twice = pool.install(|| {
                     let mut list = EventList::new(&mut packet, Limit::default());
                     for _ in 0..2 {
-                        let mut parts = list.begin(pair, &bands);
+                        let mut parts = list.begin(interval, &bands);
                         for row in &rows {
                             parts[row.y].row(row).unwrap();
                         }
@@ -254,7 +259,7 @@ mod tests {
 
     #[test]
     fn a_pair_that_does_not_fit_stops_or_is_dropped_whole() {
-        let pair = Pair {
+        let interval = Interval {
             index: 0,
             from: 0.0,
             to: 0.001,
@@ -265,11 +270,11 @@ mod tests {
             when_full,
         };
         let mut packet = Packet::new(Size::new(2, 2), 1);
-        let full = told(&rows, pair, limit(WhenFull::Stop), &mut packet);
+        let full = told(&rows, interval, limit(WhenFull::Stop), &mut packet);
         assert!(matches!(full, Err(SensorError::ListFull { limit: 8 })));
-        told(&rows, pair, limit(WhenFull::Drop), &mut packet).unwrap();
+        told(&rows, interval, limit(WhenFull::Drop), &mut packet).unwrap();
         assert_eq!((packet.events.len(), packet.dropped.over_limit), (0, 9));
-        told(&[vec![1, -1]], pair, limit(WhenFull::Drop), &mut packet).unwrap();
+        told(&[vec![1, -1]], interval, limit(WhenFull::Drop), &mut packet).unwrap();
         assert_eq!(packet.events.len(), 2);
         assert_eq!(packet.events[1].polarity, Polarity::Off);
     }

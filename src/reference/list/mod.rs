@@ -3,12 +3,12 @@
 
 mod block;
 mod buffers;
-mod clock;
 mod events;
 mod limit;
-mod note;
+mod packed_event;
 mod part;
 mod sorted;
+mod time_quantiser;
 
 pub(super) use self::buffers::Buffers;
 pub use self::{

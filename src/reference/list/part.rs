@@ -4,20 +4,20 @@ use crate::{event::Event, number::Real, reference::train::TrainRow};
 
 use super::{
     block::{FEW, expand},
-    clock::Clock,
-    note::Note,
+    packed_event::PackedEvent,
+    time_quantiser::TimeQuantiser,
 };
 
 /// The events of one band in the current pair, in the order in which they were told.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
-    clock: Clock,
+    quantiser: TimeQuantiser,
     /// How many events fit.
     room: u64,
     /// How many there are.
     pub(super) total: u64,
     /// As notes; the buffer is longer.
-    notes: Vec<Note>,
+    packed: Vec<PackedEvent>,
     /// How many notes there are.
     len: usize,
     /// The events of a pair that is too long for notes.
@@ -26,8 +26,8 @@ pub(super) struct Part {
 
 impl Part {
     /// Forgets what was said.
-    pub(super) fn begin(&mut self, clock: Clock, room: u64) {
-        (self.clock, self.room) = (clock, room);
+    pub(super) fn begin(&mut self, quantiser: TimeQuantiser, room: u64) {
+        (self.quantiser, self.room) = (quantiser, room);
         (self.total, self.len) = (0, 0);
         self.events.clear();
     }
@@ -39,28 +39,28 @@ impl Part {
         if self.total > self.room {
             return;
         }
-        if self.clock.is_long() {
+        if self.quantiser.is_long() {
             self.take_long(row);
             return;
         }
         let end = self.len + events as usize;
-        if self.notes.len() < end + FEW {
+        if self.packed.len() < end + FEW {
             let room = (end + FEW).next_power_of_two();
-            self.notes.resize(room, Note::default());
+            self.packed.resize(room, PackedEvent::default());
         }
-        expand(row, &self.clock, &mut self.notes[self.len..end + FEW]);
+        expand(row, &self.quantiser, &mut self.packed[self.len..end + FEW]);
         self.len = end;
     }
 
-    pub(super) fn notes(&self) -> &[Note] {
-        &self.notes[..self.len]
+    pub(super) fn packed(&self) -> &[PackedEvent] {
+        &self.packed[..self.len]
     }
 
     fn take_long<R: Real>(&mut self, row: &TrainRow<R>) {
-        let clock = self.clock;
+        let quantiser = self.quantiser;
         for (x, train) in row.trains() {
-            let note = Note::of(row.channel, row.y).column(x, row.counts[x]);
-            let event = |i| note.at(clock.time(clock.at(train.at(i))));
+            let packed = PackedEvent::of(row.channel, row.y).column(x, row.counts[x]);
+            let event = |i| packed.at(quantiser.time(quantiser.at(train.at(i))));
             self.events.extend((0..train.count).map(event));
         }
     }

@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::{note::Note, part::Part};
+use super::{packed_event::PackedEvent, part::Part};
 
 /// The notes of neighbouring bands by microsecond; those of one stay in the order in which they
 /// were told.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sorted {
     /// The buffer is longer.
-    notes: Vec<Note>,
+    packed: Vec<PackedEvent>,
     /// Where the notes of each microsecond end.
     ends: Vec<u32>,
 }
@@ -19,16 +19,16 @@ pub(super) struct Sorted {
 impl Sorted {
     /// Sorts by counting what was told within so many microseconds.
     pub(super) fn sort(&mut self, parts: &[Part], microseconds: usize) {
-        let total = parts.iter().map(|part| part.notes().len()).sum();
-        if self.notes.len() < total {
-            self.notes.resize(total, Note::default());
+        let total = parts.iter().map(|part| part.packed().len()).sum();
+        if self.packed.len() < total {
+            self.packed.resize(total, PackedEvent::default());
         }
-        let (out, next) = (&mut self.notes[..total], &mut self.ends);
+        let (out, next) = (&mut self.packed[..total], &mut self.ends);
         next.clear();
         next.resize(microseconds, 0);
         for part in parts {
-            for note in part.notes() {
-                next[note.since() as usize] += 1;
+            for packed in part.packed() {
+                next[packed.since() as usize] += 1;
             }
         }
         let mut sum = 0;
@@ -37,17 +37,17 @@ impl Sorted {
         }
         // With each note in its place, the next of its microsecond comes after it.
         for part in parts {
-            for note in part.notes() {
-                let place = &mut next[note.since() as usize];
-                out[*place as usize] = *note;
+            for packed in part.packed() {
+                let place = &mut next[packed.since() as usize];
+                out[*place as usize] = *packed;
                 *place += 1;
             }
         }
     }
 
     /// All notes.
-    pub(super) fn notes(&self) -> &[Note] {
-        &self.notes[self.within(0..self.ends.len())]
+    pub(super) fn packed(&self) -> &[PackedEvent] {
+        &self.packed[self.within(0..self.ends.len())]
     }
 
     /// Where the notes of some microseconds are.
@@ -63,7 +63,7 @@ const RUN: usize = 16;
 /// Lays out the notes of all groups within some microseconds: for each microsecond those of one
 /// group after those of the other.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [Note]) {
+pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [PackedEvent]) {
     let starts = |group: &Sorted| group.within(microseconds.clone()).start;
     let mut from: Vec<usize> = groups.iter().map(starts).collect();
     let mut len = 0;
@@ -71,11 +71,11 @@ pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [No
         for (group, from) in groups.iter().zip(&mut from) {
             let end = group.ends[microsecond] as usize;
             let run = end - *from;
-            let (out, notes) = (&mut out[len..], &group.notes[*from..]);
-            match (out.first_chunk_mut::<RUN>(), notes.first_chunk()) {
+            let (out, packed) = (&mut out[len..], &group.packed[*from..]);
+            match (out.first_chunk_mut::<RUN>(), packed.first_chunk()) {
                 // As good as always: no branch depends on how many there are.
-                (Some(out), Some(notes)) if run <= RUN => *out = *notes,
-                _ => copy(&mut out[..run], &notes[..run]),
+                (Some(out), Some(packed)) if run <= RUN => *out = *packed,
+                _ => copy(&mut out[..run], &packed[..run]),
             }
             len += run;
             *from = end;
@@ -86,6 +86,6 @@ pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [No
 /// Copies a run that is rarely so long: apart, or the others would be copied by a call too.
 #[cold]
 #[inline(never)]
-fn copy(to: &mut [Note], from: &[Note]) {
+fn copy(to: &mut [PackedEvent], from: &[PackedEvent]) {
     to.copy_from_slice(from);
 }

@@ -161,11 +161,7 @@ pub(super) fn check_count(count: u64, length: u64) -> Result<(), Wrong> {
 
 /// Adds the samples with their offsets: `stco` or `co64` has the offset of each chunk, `stsc` how
 /// many samples are in it, and the samples of a chunk follow each other.
-fn place_in_chunks(
-    stbl: &[u8],
-    sizes: &Sizes<'_>,
-    samples: &mut Vec<Sample>,
-) -> Result<(), Wrong> {
+fn place_in_chunks(stbl: &[u8], sizes: &Sizes<'_>, samples: &mut Vec<Sample>) -> Result<(), Wrong> {
     let chunks = match Boxes(stbl).find(*b"stco")? {
         Some(near) => Table::new(*b"stco", near, 4, 4)?,
         None => Table::new(*b"co64", Boxes(stbl).get(*b"co64")?, 4, 8)?,

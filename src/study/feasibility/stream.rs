@@ -4,7 +4,7 @@ use crate::{
     compare::{
         Pair, matching,
         metric::Metric,
-        ruler::{self, Scales},
+        score::{self, Scales},
     },
     event::{
         Packet, Polarity,
@@ -119,10 +119,10 @@ impl Judged {
             bins: 1,
             seed: window.seed,
         };
-        let scores = ruler::scores(&pair, &scales);
+        let scores = score::scores(&pair, &scales);
         let scored = |metric: Metric| {
             let score = scores.iter().find(|score| score.metric == metric);
-            let of = |value: fn(&ruler::Score) -> Option<f64>| score.and_then(value);
+            let of = |value: fn(&score::Score) -> Option<f64>| score.and_then(value);
             Scored::between(
                 of(|s| s.value).unwrap_or(0.0),
                 of(|s| s.identical).unwrap_or(1.0),

@@ -14,7 +14,7 @@ mod number;
 mod power;
 mod quantisation;
 mod reproduce;
-mod sight;
+mod snapshot;
 mod verdict;
 mod weights;
 
@@ -30,7 +30,7 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 
 /// The whole page.
 #[must_use]
-pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
+pub fn page(all: &Feasibility, snapshot: &Snapshot) -> String {
     let title = format!("Feasibility of {} on {}", all.kernel.name, all.chip.name);
     let whole = html! {
         (DOCTYPE)
@@ -51,7 +51,7 @@ pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
                 }
                 main {
                     (verdict::section(all))
-                    (sight::section(all, sight))
+                    (snapshot::section(all, snapshot))
                     (events::section(all))
                     (fall::section(all))
                     (chip::section(all))

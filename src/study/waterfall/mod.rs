@@ -241,7 +241,7 @@ pub fn ask(
             wide: Micros((1e6 / fps).ceil() as u64).max(question.within),
         },
     };
-    packets.told(question, &plan, &levels, &program)
+    packets.assemble(question, &plan, &levels, &program)
 }
 
 impl Plan {
@@ -331,7 +331,7 @@ impl Packets {
         Ok(Fate::of(&Pair::of(reference, judged)?, self.windows))
     }
 
-    fn told(
+    fn assemble(
         &self,
         question: &Question<'_>,
         plan: &Plan,

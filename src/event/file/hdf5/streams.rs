@@ -129,13 +129,13 @@ impl Index {
         // Of a long silence the end says enough.
         self.next = self.next.max(to.saturating_sub(BLOCK as u64));
         while self.next <= to {
-            let Some(said) = self.at(self.next)? else {
+            let Some(stated) = self.at(self.next)? else {
                 return Ok(());
             };
-            if u64::try_from(said) != Ok(event) {
+            if u64::try_from(stated) != Ok(event) {
                 let millisecond = self.next;
                 let one = format!(
-                    "`ms_to_idx` says that event {said} is the first after {millisecond} ms"
+                    "`ms_to_idx` says that event {stated} is the first after {millisecond} ms"
                 );
                 let fault = Fault::twice(Format::Hdf5, one, format!("`t` says {event}"));
                 return Err(Stop::Fault(Place::Event(event), fault));

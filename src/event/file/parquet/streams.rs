@@ -171,7 +171,7 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
 
 /// Holds the counts of a file, of its row groups and of their columns to each other.
 fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
-    let said = file.metadata().file_metadata().num_rows();
+    let stated = file.metadata().file_metadata().num_rows();
     let mut sum = 0_i64;
     for (number, group) in file.metadata().row_groups().iter().enumerate() {
         let rows = group.num_rows();
@@ -187,8 +187,8 @@ fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
             }
         }
     }
-    if sum != said {
-        let one = format!("its footer says that it has {said} rows");
+    if sum != stated {
+        let one = format!("its footer says that it has {stated} rows");
         return Err(Stop::twice(
             Format::Parquet,
             0,

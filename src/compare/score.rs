@@ -9,9 +9,8 @@
 //! mean is given: as often as 200 000 events allow, at most 16 times.
 
 use super::{
-    Pair,
+    Pair, baseline,
     metric::{ENTRIES, Measured, Metric, Scale},
-    null,
     voxel::Bins,
 };
 use crate::unit::Micros;
@@ -110,7 +109,7 @@ pub fn scores(pair: &Pair, scales: &Scales) -> Vec<Score> {
             sum.map(|sum| sum / draws as f64)
         }
     };
-    let (redraw, permuted) = (mean(null::redraw), mean(null::permute));
+    let (redraw, permuted) = (mean(baseline::redraw), mean(baseline::permute));
     value
         .into_iter()
         .zip(identical)

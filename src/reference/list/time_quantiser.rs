@@ -2,15 +2,15 @@
 
 use crate::{
     event::Event,
-    reference::{rounding::TWO_52, train::Pair},
+    reference::{rounding::TWO_52, train::Interval},
     unit::Micros,
 };
 
-use super::note::Note;
+use super::packed_event::PackedEvent;
 
 /// From places between two frames to microseconds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Clock {
+pub(super) struct TimeQuantiser {
     /// The last whole microsecond not after the earlier frame.
     start: u64,
     /// From frame to frame, in microseconds.
@@ -27,18 +27,18 @@ pub(super) struct Clock {
 
 /// So late, in microseconds, that half a microsecond is rounded up, as a frame's own time is,
 /// and so is what rounding has left just below it. In pairs too long for notes it is lost.
-const HAIR: f64 = 1.0 / (1 << 28) as f64;
+const ROUNDING_BIAS: f64 = 1.0 / (1 << 28) as f64;
 
-impl Clock {
-    pub(super) fn of(pair: Pair) -> Self {
-        let (from, to) = (pair.from * 1e6, pair.to * 1e6);
+impl TimeQuantiser {
+    pub(super) fn of(interval: Interval) -> Self {
+        let (from, to) = (interval.from * 1e6, interval.to * 1e6);
         let start = from.floor().max(0.0);
         // Seventy years.
         let most = TWO_52 / 2.0;
         let duration = (to - from).clamp(0.0, most);
-        let to = (to - start).clamp(0.0, most) + HAIR;
+        let to = (to - start).clamp(0.0, most) + ROUNDING_BIAS;
         let from = to - duration;
-        let clock = Self {
+        let quantiser = Self {
             // So that no sum of times overflows.
             start: (start as u64).min(1 << 63),
             duration,
@@ -48,14 +48,14 @@ impl Clock {
             ..Self::default()
         };
         Self {
-            span: clock.at(1.0),
-            ..clock
+            span: quantiser.at(1.0),
+            ..quantiser
         }
     }
 
     /// Whether the pair is too long for notes: eight seconds and more.
     pub(super) const fn is_long(&self) -> bool {
-        self.span >> Note::TIME_BITS != 0
+        self.span >> PackedEvent::TIME_BITS != 0
     }
 
     /// How many microseconds there are, from the start to the later frame.
@@ -99,18 +99,18 @@ impl Clock {
     }
 
     #[inline]
-    pub(super) fn event(&self, note: Note) -> Event {
-        note.at(self.time(note.since()))
+    pub(super) fn event(&self, packed: PackedEvent) -> Event {
+        packed.at(self.time(packed.since()))
     }
 
     /// Appends the events of some notes, eight in a turn of the loop as far as they go.
-    pub(super) fn tell(self, notes: &[Note], events: &mut Vec<Event>) {
-        let (eights, rest) = notes.as_chunks::<8>();
-        events.reserve(notes.len());
+    pub(super) fn emit(self, packed: &[PackedEvent], events: &mut Vec<Event>) {
+        let (eights, rest) = packed.as_chunks::<8>();
+        events.reserve(packed.len());
         for eight in eights {
-            events.extend(eight.iter().map(|note| self.event(*note)));
+            events.extend(eight.iter().map(|packed| self.event(*packed)));
         }
-        events.extend(rest.iter().map(|note| self.event(*note)));
+        events.extend(rest.iter().map(|packed| self.event(*packed)));
     }
 }
 
@@ -128,22 +128,22 @@ mod tests {
             place in 0.0..=1.0f64,
         ) {
             let (from, to) = (index as f64 / fps, (index + 1) as f64 / fps);
-            let clock = Clock::of(Pair { index, from, to });
-            let time = |place| clock.time(clock.at(place));
+            let quantiser = TimeQuantiser::of(Interval { index, from, to });
+            let time = |place| quantiser.time(quantiser.at(place));
             prop_assert_eq!(time(1.0), Micros::from_seconds(to));
             prop_assert!(time(place) <= time(1.0));
             prop_assert!(time(0.0).0.abs_diff(Micros::from_seconds(from).0) <= 1);
             // What notes say.
-            prop_assert_eq!(clock.whole(clock.since(place)) - TWO_52.to_bits(), clock.at(place));
+            prop_assert_eq!(quantiser.whole(quantiser.since(place)) - TWO_52.to_bits(), quantiser.at(place));
         }
 
         #[test]
         fn a_pair_may_last_as_long_as_times_go(to in 8.0..2.2e9f64, half: bool) {
             let to = if half { (to * 1e6).floor() * 1e-6 + 5e-7 } else { to };
-            let clock = Clock::of(Pair { index: 0, from: 0.0, to });
-            prop_assert!(clock.is_long());
-            prop_assert_eq!(clock.time(clock.at(1.0)), Micros::from_seconds(to));
-            prop_assert!(clock.at(0.5).abs_diff(Micros::from_seconds(to / 2.0).0) <= 1);
+            let quantiser = TimeQuantiser::of(Interval { index: 0, from: 0.0, to });
+            prop_assert!(quantiser.is_long());
+            prop_assert_eq!(quantiser.time(quantiser.at(1.0)), Micros::from_seconds(to));
+            prop_assert!(quantiser.at(0.5).abs_diff(Micros::from_seconds(to / 2.0).0) <= 1);
         }
     }
 }

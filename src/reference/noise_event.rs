@@ -1,4 +1,4 @@
-//! Strays: events that nothing in the scene made, from shot noise and hot pixels.
+//! NoiseEvents: events that nothing in the scene made, from shot noise and hot pixels.
 
 use crate::{elementary, event::Polarity};
 
@@ -8,9 +8,9 @@ use super::{
 };
 
 /// The strays between two frames.
-pub(super) struct Strays<'a> {
+pub(super) struct NoiseEvents<'a> {
     noise: &'a Noise,
-    pair: u64,
+    interval: u64,
     /// How many a cell has on average: with shot noise, and if it is hot.
     shot: Mean,
     hot: Mean,
@@ -36,12 +36,12 @@ impl Mean {
     }
 }
 
-impl<'a> Strays<'a> {
+impl<'a> NoiseEvents<'a> {
     /// In a pair of `dt` seconds.
-    pub(super) fn new(noise: &'a Noise, seed: u64, pair: u64, dt: f64) -> Self {
+    pub(super) fn new(noise: &'a Noise, seed: u64, interval: u64, dt: f64) -> Self {
         Self {
             noise,
-            pair,
+            interval,
             shot: Mean::new(noise.shot_hz * dt),
             hot: Mean::new(noise.hot_hz * dt),
             wait: Draws::new(seed, Reason::StrayWait),
@@ -56,7 +56,7 @@ impl<'a> Strays<'a> {
         } else {
             self.shot
         };
-        self.wait.uniform_at(place, self.pair, 0) <= any
+        self.wait.uniform_at(place, self.interval, 0) <= any
     }
 
     #[inline]
@@ -74,31 +74,33 @@ impl<'a> Strays<'a> {
         place: Place,
         light: impl Fn() -> f64,
     ) -> impl Iterator<Item = (f64, Polarity)> {
-        let Self { noise, pair, .. } = *self;
+        let Self {
+            noise, interval, ..
+        } = *self;
         let hot = self.is_hot(place);
         let Mean { mean, .. } = if hot { self.hot } else { self.shot };
         self.arrivals(place, mean).filter_map(move |(u, turn)| {
             if hot {
                 return Some((u, Polarity::On));
             }
-            let sign = if place.uniform_at(Reason::StraySign, pair, turn) < 0.5 {
+            let sign = if place.uniform_at(Reason::StraySign, interval, turn) < 0.5 {
                 Polarity::On
             } else {
                 Polarity::Off
             };
             let kept = noise.shot_at_white >= 1.0
-                || place.uniform_at(Reason::StrayKept, pair, turn) < noise.shot_share(light());
+                || place.uniform_at(Reason::StrayKept, interval, turn) < noise.shot_share(light());
             kept.then_some((u, sign))
         })
     }
 
     /// When a process with so many arrivals on average has one, and the number of each from 1.
     fn arrivals(&self, place: Place, mean: f64) -> impl Iterator<Item = (f64, u64)> {
-        let Self { pair, wait, .. } = *self;
+        let Self { interval, wait, .. } = *self;
         let (mut u, mut turn) = (0.0, 0);
         std::iter::from_fn(move || {
             // 1 - u is never 0. At a mean of 0 the wait is infinite, or not a number.
-            u -= elementary::ln(1.0 - wait.uniform_at(place, pair, turn)) / mean;
+            u -= elementary::ln(1.0 - wait.uniform_at(place, interval, turn)) / mean;
             turn += 1;
             (u < 1.0).then_some((u, turn))
         })
@@ -113,13 +115,13 @@ mod tests {
     proptest! {
         /// Cells that are passed over have no arrivals, rare or frequent.
         #[test]
-        fn nothing_is_passed_over(seed: u64, pair in 0u64..1_000_000, rate in prop_oneof![Just(0.0), 1e-9f64..1e6], dt in 1e-6f64..10.0) {
+        fn nothing_is_passed_over(seed: u64, interval in 0u64..1_000_000, rate in prop_oneof![Just(0.0), 1e-9f64..1e6], dt in 1e-6f64..10.0) {
             let noise = Noise { shot_hz: rate, ..Noise::NONE };
-            let strays = Strays::new(&noise, seed, pair, dt);
+            let noise_events = NoiseEvents::new(&noise, seed, interval, dt);
             for x in 0..500 {
                 let place = Place { seed, channel: 1, y: 7, x };
-                let slow = strays.arrivals(place, rate * dt).take(3).map(|(u, _)| u);
-                prop_assert!(strays.may_be(place) || slow.count() == 0);
+                let slow = noise_events.arrivals(place, rate * dt).take(3).map(|(u, _)| u);
+                prop_assert!(noise_events.may_be(place) || slow.count() == 0);
             }
         }
     }

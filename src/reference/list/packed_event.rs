@@ -8,7 +8,7 @@ use crate::{
 /// An event in 8 bytes, from the lowest bit on: 16 bits each for column and row, 8 for the
 /// channel, one for the sign (1 is ON), 23 for the microseconds since the clock's start.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Note(u64);
+pub(super) struct PackedEvent(u64);
 
 /// An event of every channel and sign: copied from here, the two are written at once.
 static KINDS: [Event; 512] = kinds();
@@ -32,7 +32,7 @@ const fn kinds() -> [Event; 512] {
     kinds
 }
 
-impl Note {
+impl PackedEvent {
     /// Where the sign stands, and below it all of who fired.
     const SIGN: u32 = 40;
     /// Where the time stands, and how many bits it has.

@@ -26,7 +26,7 @@ pub(super) struct Wanted {
 
 /// A scene that can be watched again and again.
 #[derive(Debug)]
-pub(super) struct Footage {
+pub(super) struct CachedScene {
     wanted: Wanted,
     /// What is opened.
     spec: String,
@@ -41,7 +41,7 @@ pub(super) struct Footage {
 /// What one scene may take in memory, in bytes.
 const HELD: usize = 512 << 20;
 
-impl Footage {
+impl CachedScene {
     /// Opens a scene; files are looked for in `folder`. It is watched once, for its digest.
     pub fn open(wanted: &Wanted, folder: &Path) -> Result<Self, SceneError> {
         let spec = located(&wanted.spec, folder);
