@@ -1,4 +1,4 @@
-//! Counts: signed events of each cell in a pair of frames.
+//! Counts: the signed number of events of each cell in an interval.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::{
     voxel::split,
 };
 
-/// Signed events of each cell in the current pair; `[channel][y, x]`.
+/// Signed event counts of each cell in the current interval; `[channel][y, x]`.
 #[derive(Clone, Debug)]
 pub struct Counts {
     planes: Vec<Plane<i32>>,
@@ -41,7 +41,7 @@ pub struct CountBand<'a> {
     top: usize,
     width: usize,
     rows: Vec<&'a mut [i32]>,
-    /// The row and channel told last, which may be told again.
+    /// The row and channel passed last; the same may come again.
     last: Option<(usize, usize)>,
 }
 

@@ -73,28 +73,28 @@ use super::{
     train::{Interval, Train},
 };
 
-/// What a cell sees in a frame, in the unit of the signal.
+/// What a cell sees in one frame, in the unit of the signal.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<N: Number> {
-    /// `u(x)`: what its own pixel says.
+    /// `u(x)`: the signal of its own pixel.
     pub signal: N::Held,
     /// (1): what the kernel makes of the signal; for [`RawSnap`] of the signal less the
     /// memory, `u - M`.
     pub drive: N::Held,
-    /// What the memory's own kernel makes of the memory; only for [`PixelStep`].
+    /// What the memory's own kernel gives of the memory; only for [`PixelStep`].
     pub memory: N::Held,
 }
 
-/// What is fixed in a cell.
+/// The constants of a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<N: Number> {
-    /// How reals are held.
+    /// The number format.
     pub number: N,
     /// `θ_on`, above 0, in the unit of the drive; with the cell's mismatch.
     pub on: f64,
     /// `θ_off`, a positive magnitude.
     pub off: f64,
-    /// How far the memory falls, in the unit of the drive per second; 0 without leak.
+    /// How far the leak lowers the memory, in the unit of the drive per second; 0 without leak.
     pub leak: f64,
     /// Where the sign of an event comes from.
     pub polarity: PolarityRule,
@@ -102,15 +102,15 @@ pub struct Setting<N: Number> {
     pub refractory: Refractory,
 }
 
-/// A memory rule: what is stored, what is compared with it, and what an event does.
+/// A memory rule: what is stored, what it is compared with, and what an event does to it.
 pub trait MemoryRule {
-    /// Whether an event stores what is seen (3, 6), or moves what is stored (4, 7).
+    /// What an event does: it stores what is seen (3, 6), or moves what is stored (4, 7).
     type Event: EventRule;
 
-    /// What is stored of what is seen: the signal or the drive.
+    /// What is stored in a frame: the signal or the drive.
     fn stored<N: Number>(seen: &Seen<N>) -> N::Held;
 
-    /// (2) How far what is seen is from the memory.
+    /// The distance (2) of what is seen from the memory.
     fn distance<N: Number>(number: &N, seen: &Seen<N>, memory: N::Held) -> N::Held;
 }
 
@@ -165,20 +165,20 @@ impl MemoryRule for PixelStep {
     }
 }
 
-/// When a cell fires, and what that does to its memory.
+/// An event rule: when a cell fires, and what that does to its memory.
 pub trait EventRule {
-    /// The crossings on the way from distance `d0` to `d`, if there are any.
+    /// The crossings on the line from distance `d0` to `d`, if there are any.
     fn fires<R: Real>(d0: R, d: R, on: R, off: R) -> Option<Train>;
 
     /// Moves the memory by these events, where `now` is what it would store.
     fn moves<H>(memory: &mut Memory<H>, events: &Train, now: H);
 }
 
-/// The memory becomes what is seen.
+/// The memory becomes what is seen (it snaps).
 #[derive(Clone, Copy, Debug)]
 pub struct Snap;
 
-/// The memory moves by thresholds.
+/// The memory moves by whole thresholds (it steps).
 #[derive(Clone, Copy, Debug)]
 pub struct Step;
 
@@ -222,7 +222,7 @@ impl EventRule for Step {
         if rise > R::ZERO {
             train(d, count, (theta - start) * per, theta * per)
         } else {
-            // A leak made the crossing: it is seen at the later frame.
+            // The leak made the crossing: it is placed at the later frame.
             train(d, count, R::ONE, R::ZERO)
         }
     }
@@ -262,15 +262,15 @@ pub struct Cell<N: Number, M> {
     memory: Memory<N::Held>,
     /// What it saw in the frame before.
     before: Seen<N>,
-    /// `u'`: what its pixel said when it last fired, or at first.
+    /// `u'`: the signal of its pixel when it last fired, or in the first frame.
     pixel: N::Held,
     /// `t'`: when it last fired, in seconds.
     fired: f64,
-    /// The same before the last pair, strays of the pair included.
+    /// When it last fired before the last interval, or by a noise event in it.
     rested: f64,
-    /// Crossings and strays that the refractory period has swallowed so far.
+    /// Crossings and noise events lost to the refractory period so far.
     pub lost: u64,
-    /// How often it fired without a sign of its own (8), and said nothing.
+    /// How often it fired without a sign of its own (8), and so made no event.
     pub without_sign: u64,
     rule: PhantomData<M>,
 }
@@ -298,12 +298,12 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
     pub fn memory(&self) -> N::Held {
         let Memory { base, ups, downs } = self.memory;
         let ([on, off], number) = (self.thresholds(), self.setting.number);
-        // In this order nothing is lost where the two thresholds are equal.
+        // In this order no precision is lost where the two thresholds are equal.
         let up = number.hold_real(number.real(base) + N::Real::from_f64(ups - downs) * on);
         number.hold_real(number.real(up) + N::Real::from_f64(downs) * (on - off))
     }
 
-    /// Sees the later frame of a pair; the train between the two, if it fires.
+    /// Sees the later frame of an interval; returns the train in the interval, if it fires.
     ///
     /// Unlike the sensor, which refuses what it cannot count, it does not look at how many
     /// events there are, nor at whether a distance is a number.
@@ -338,9 +338,9 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         })
     }
 
-    /// Whether a stray event at `u` in the pair (0 at the earlier frame, 1 at the later) is heard
-    /// beside the cell's own `train`. It must lie a refractory period from all events of the
-    /// cell; strays are told in order.
+    /// Whether a noise event at `u` in the interval (0 at the earlier frame, 1 at the later)
+    /// survives beside the cell's own `train`. It must lie a refractory period from all events of
+    /// the cell; noise events must be passed in order of time.
     pub fn hears(&mut self, u: f64, train: Option<&Train>, interval: Interval) -> bool {
         let dt = interval.duration();
         let r = self.setting.refractory.us * 1e-6 / dt * (1.0 - 1e-9);
@@ -372,10 +372,10 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         (own != N::Real::ZERO).then_some(Train { polarity, ..events })
     }
 
-    /// (9), one crossing after the other; all times in units of the pair.
+    /// The dead time (9), one crossing after the other; all times in units of the interval.
     fn awake(&mut self, events: Train, interval: Interval) -> Option<Train> {
         let dt = interval.duration();
-        // A crossing that rounding puts a hair before the end of the dead time is kept.
+        // The tolerance keeps a crossing that rounding puts just before the end of the dead time.
         let r = self.setting.refractory.us * 1e-6 / dt * (1.0 - 1e-9);
         if r == 0.0 {
             return Some(events);
@@ -401,7 +401,7 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         })
     }
 
-    /// (10) to (13), in the order of the released code.
+    /// The authors' rule (10) to (13), with the operations in the order of the released code.
     fn authors(&self, d: f64, interval: Interval) -> Option<Train> {
         let (dt, r) = (interval.duration(), self.setting.refractory.us * 1e-6);
         let theta = self.thresholds()[usize::from(d < 0.0)].to_f64();

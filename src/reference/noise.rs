@@ -41,7 +41,7 @@ use super::{
     train::Train,
 };
 
-/// What disturbs the cells of a sensor.
+/// The noise of a sensor's cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// ON events a second that leakage makes in a cell.
@@ -71,7 +71,7 @@ impl Default for Noise {
 /// The light at which `shot-at-white` holds: white in 8-bit video.
 const WHITE: f64 = 255.0;
 
-/// A cell that fires more often than once a microsecond has no times.
+/// The highest rate of events in hertz: times have microseconds.
 const FASTEST: f64 = 1e6;
 
 /// A key of `[noise]`: a number from 0 on.
@@ -198,13 +198,13 @@ impl Noise {
         Ok(noise)
     }
 
-    /// Whether cells fire for other reasons than what they see.
+    /// Whether cells may fire for other reasons than the scene.
     #[must_use]
     pub fn fires(&self) -> bool {
         self.shot_hz > 0.0 || (self.hot_hz > 0.0 && self.hot_fraction > 0.0)
     }
 
-    /// How far the memory of a cell falls in a second, in the unit of its threshold.
+    /// How far the leak lowers the memory of a cell in a second, in the unit of its threshold.
     pub(super) fn leak(&self, place: Place, threshold: f64) -> f64 {
         let spread = if self.leak_spread > 0.0 {
             elementary::pow(10f64, self.leak_spread * place.normal(Reason::LeakRate, 0))
@@ -214,7 +214,7 @@ impl Noise {
         self.leak_hz * spread * threshold
     }
 
-    /// How much of a threshold a cell has leaked before its first frame.
+    /// How far, in thresholds, a cell's memory has leaked before its first frame.
     pub(super) fn leaked(place: Place) -> f64 {
         place.uniform(Reason::LeakPhase, 0)
     }
@@ -238,8 +238,9 @@ impl Noise {
         Train { first, ..train }
     }
 
-    /// How much of the way to its input a photoreceptor goes in `dt` seconds, 0 to 1: the exact
-    /// first-order low-pass with v2e's bandwidth, `cutoff-hz (light + 20) / 275`.
+    /// The step of the low-pass: the share of the way to its input that a photoreceptor goes in
+    /// `dt` seconds, 0 to 1. It is the exact first-order filter with v2e's bandwidth,
+    /// `cutoff-hz (light + 20) / 275`.
     #[must_use]
     pub fn low_pass(&self, light: f64, dt: f64) -> f64 {
         let bandwidth = self.cutoff_hz * (light.max(0.0) + 20.0) / 275.0;

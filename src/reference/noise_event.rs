@@ -1,4 +1,4 @@
-//! NoiseEvents: events that nothing in the scene made, from shot noise and hot pixels.
+//! Noise events, which nothing in the scene causes: shot noise and hot pixels.
 
 use crate::{elementary, event::Polarity};
 
@@ -7,21 +7,21 @@ use super::{
     reason::{Draws, Place, Reason},
 };
 
-/// The strays between two frames.
+/// The noise events of an interval.
 pub(super) struct NoiseEvents<'a> {
     noise: &'a Noise,
     interval: u64,
-    /// How many a cell has on average: with shot noise, and if it is hot.
+    /// Expected numbers for a cell: by shot noise, and if it is hot.
     shot: Mean,
     hot: Mean,
     wait: Draws,
 }
 
-/// A mean number of arrivals.
+/// An expected number of arrivals.
 #[derive(Clone, Copy)]
 struct Mean {
     mean: f64,
-    /// The probability of at least one, and a hair.
+    /// The probability of at least one arrival, rounded up by a tolerance.
     any: f64,
 }
 
@@ -30,14 +30,14 @@ impl Mean {
         let any = -elementary::exp_m1(-mean);
         Self {
             mean,
-            // Far more than rounding can do to a time, so that none is missed.
+            // Far above the rounding error of a time, so that no arrival is missed.
             any: any + any * 1e-9,
         }
     }
 }
 
 impl<'a> NoiseEvents<'a> {
-    /// In a pair of `dt` seconds.
+    /// The noise events of an interval of `dt` seconds.
     pub(super) fn new(noise: &'a Noise, seed: u64, interval: u64, dt: f64) -> Self {
         Self {
             noise,
@@ -48,7 +48,8 @@ impl<'a> NoiseEvents<'a> {
         }
     }
 
-    /// Whether a cell may have strays: most have none, which needs no logarithm to see.
+    /// A quick test of whether a cell may have noise events: most have none, and then no logarithm
+    /// is needed.
     #[inline]
     pub(super) fn may_be(&self, place: Place) -> bool {
         let Mean { any, .. } = if self.is_hot(place) {
@@ -65,10 +66,10 @@ impl<'a> NoiseEvents<'a> {
         share > 0.0 && place.uniform(Reason::HotPixel, 0) < share
     }
 
-    /// The strays of a cell, in order of time: 0 at the earlier frame, 1 at the later.
+    /// The noise events of a cell in order of time: 0 at the earlier frame, 1 at the later.
     ///
-    /// The waiting times of a Poisson process are exponential and forget, so every pair starts
-    /// anew. Shot noise is drawn at its rate in the dark and thinned by the light.
+    /// A Poisson process is memoryless, so every interval starts anew with an exponential waiting
+    /// time. Shot noise is drawn at its rate in the dark and thinned by the light.
     pub(super) fn of(
         &self,
         place: Place,
@@ -94,12 +95,13 @@ impl<'a> NoiseEvents<'a> {
         })
     }
 
-    /// When a process with so many arrivals on average has one, and the number of each from 1.
+    /// The arrivals of a Poisson process of mean number `mean`: their times, and their numbers from
+    /// 1.
     fn arrivals(&self, place: Place, mean: f64) -> impl Iterator<Item = (f64, u64)> {
         let Self { interval, wait, .. } = *self;
         let (mut u, mut turn) = (0.0, 0);
         std::iter::from_fn(move || {
-            // 1 - u is never 0. At a mean of 0 the wait is infinite, or not a number.
+            // 1 - u is never 0. For a mean of 0 the waiting time is infinite, or not a number.
             u -= elementary::ln(1.0 - wait.uniform_at(place, interval, turn)) / mean;
             turn += 1;
             (u < 1.0).then_some((u, turn))

@@ -1,4 +1,4 @@
-//! Refractory: how long a cell is silent after an event.
+//! Refractory periods: how long a cell is silent after an event.
 //!
 //! Two rules, named apart because they count differently:
 //!
@@ -29,8 +29,8 @@ use super::{
     train::{Interval, Train, TrainRow},
 };
 
-/// What a dead time of `seconds` leaves of a row of trains; `fired` says when each cell last
-/// fired, in seconds.
+/// Removes the events of a row of trains that a dead time of `seconds` loses; `fired` has the time
+/// at which each cell last fired, in seconds.
 ///
 /// Division by a spacing of 0, of a train that is one event, gives infinity, as it should. No
 /// branch depends on the cells, so that the loop is vectorised.
@@ -42,7 +42,7 @@ pub(super) fn dead_time<R: Real>(
     row: &mut TrainRow<R>,
 ) {
     let dt = interval.duration();
-    // A crossing that rounding puts a hair before the end of the dead time is kept.
+    // The tolerance keeps a crossing that rounding puts just before the end of the dead time.
     let r = seconds / dt * (1.0 - 1e-9);
     let cells = fired.len();
     let (counts, first, spacing) = (
@@ -78,8 +78,8 @@ pub(super) fn dead_time<R: Real>(
     }
 }
 
-/// Whether a cell is awake for a stray event at `u`, given what the scene made it fire in this
-/// pair and when it fired last before; all in units of the pair's duration.
+/// Whether a noise event at `u` survives, given the scene's events of the cell in this interval and
+/// the time at which it last fired before; all in units of the interval.
 ///
 /// It must not come within a dead time after an event, and gives way to an event of the scene
 /// within a dead time after it.
@@ -88,7 +88,7 @@ pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool 
     let Some(train) = scene else {
         return u - before >= r;
     };
-    // How many of the scene's events lie before.
+    // Number of the scene's events before it.
     let passed = if u < train.first {
         0
     } else if train.spacing > 0.0 {
@@ -103,8 +103,8 @@ pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool 
     u - last >= r && (passed == train.count || train.at(passed) - u >= r)
 }
 
-/// The released simulator's trains of a row, from the distances of its cells; whether all
-/// could be counted. `fired` says when each cell last fired, in seconds.
+/// The released simulator's trains of a row, from the distances of its cells. Returns whether all
+/// could be counted. `fired` has the time at which each cell last fired, in seconds.
 ///
 /// The operations are in the order of the published definition, in double precision, so that
 /// the counts agree to the last event.
@@ -135,7 +135,7 @@ pub(super) fn authors<R: Real>(
         let alpha_r = ((r / alpha).floor() + 1.0) * alpha;
         let beta_r = ((r - since) / alpha).floor() * alpha;
         let beta_r = if beta_r > 0.0 { beta_r } else { 0.0 };
-        // The sign of 0 is 0 in the code.
+        // In the released code the sign of 0 is 0.
         let fires = distance > 0.0 && alpha_r <= dt - beta_r;
         let count = if fires {
             ((dt - beta_r) / alpha_r).floor()
@@ -151,7 +151,7 @@ pub(super) fn authors<R: Real>(
             fired[x]
         };
         let most = f64::from(memory::MAX_STEPS) + 1.0;
-        // A distance that is no number is not counted either.
+        // A NaN is not counted either.
         let counted = count < most && distance < f64::INFINITY;
         let count = if counted { count } else { most };
         counts[x] = if d >= 0.0 { count } else { -count }.to_i32_in_range();

@@ -1,4 +1,4 @@
-//! Sinks side by side: one that may not be wanted, and several at once.
+//! Composite sinks: an optional one, and several at once.
 
 use std::ops::Range;
 

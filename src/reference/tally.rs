@@ -1,4 +1,4 @@
-//! Tally: how many events of each kind and sign.
+//! Tally: the total number of events of each kind and sign.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::{number::Real, sensor::SensorError};
 
 use super::train::{BandSink, Interval, Sink, TrainRow};
 
-/// Events of each channel, `(on, off)`, over all pairs told.
+/// Events of each channel, `(on, off)`, over all intervals.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally {
     kinds: Vec<(u64, u64)>,

@@ -28,7 +28,7 @@ use super::{
 };
 use crate::event::Event;
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "npz",
     extension: "npz",
@@ -57,7 +57,7 @@ fn wrong(why: impl Into<String>) -> Stop {
     Stop::layout(Format::Npz, 0, why)
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     let input = BufReader::new(origin.open()?);
     let mut archive =
@@ -113,7 +113,7 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     }))
 }
 
-/// Holds the end of an archive, its list of members and their own headers to each other.
+/// Cross-checks an archive: its end record, its central directory and the members' own headers.
 fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(), Stop> {
     let start = archive.central_directory_start();
     let mut input = origin.open()?;
@@ -180,7 +180,7 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
         if part(6, 8) != member.head(8, 10) || part(8, 10) != member.head(10, 12) {
             return unlike("compression");
         }
-        // Sizes that come behind the data, or with more digits, are elsewhere.
+        // Sizes in a data descriptor behind the data, or of 64 bits, are not in this header.
         let later = part(6, 7).first().is_some_and(|flags| flags & 8 != 0);
         if !later && part(14, 18) != member.head(16, 20) {
             return unlike("check sum");
@@ -196,24 +196,24 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
     Ok(())
 }
 
-/// No list of a few arrays is longer, with its remark.
+/// The longest central directory with its comment, in bytes: there are few arrays.
 const LONGEST_LIST: u64 = 1 << 20;
 
-/// The list of members of an archive, and what its end says of it.
+/// The central directory of an archive, and its end record.
 struct Listed {
     members: Vec<Member>,
-    /// Bytes of the list, and from its start to the remark behind its end.
+    /// Bytes of the directory, and from its start to the comment behind the end record.
     bytes: usize,
     end: usize,
-    /// Members, bytes of the list, bytes of the remark.
+    /// As the end record states: number of members, bytes of the directory, bytes of the comment.
     stated: (u64, u64, u64),
 }
 
-/// A member of an archive as it is listed.
+/// An entry of the central directory.
 struct Member {
     head: [u8; 46],
     name: Vec<u8>,
-    /// Where its own header is.
+    /// Place of the member's own (local) header.
     at: u64,
 }
 
@@ -224,7 +224,7 @@ impl Member {
 }
 
 impl Listed {
-    /// From the bytes that start with the list.
+    /// Parses the bytes from the directory's start on.
     fn read(bytes: &[u8]) -> Option<Self> {
         /// `N` bytes of a number.
         fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<u64> {
@@ -276,7 +276,7 @@ impl Listed {
     }
 }
 
-/// One array of the archive, with a hand of its own on the file.
+/// Opens one array of the archive, with a file handle of its own.
 fn member(
     origin: &Origin,
     archive: &mut ZipArchive<impl Read + Seek>,
@@ -311,12 +311,12 @@ fn member(
     })))
 }
 
-/// Bytes whose sum is checked at their end.
+/// A reader that verifies a checksum at its end.
 struct Checked {
     bytes: Box<dyn Read + Send>,
     sum: flate2::Crc,
     crc: u32,
-    /// Bytes that should still come.
+    /// Bytes still expected.
     left: u64,
 }
 
@@ -338,7 +338,7 @@ impl Read for Checked {
     }
 }
 
-/// The columns side by side.
+/// Reads the columns side by side.
 struct Reading {
     about: About,
     /// t, x, y, p, and perhaps the channel.
@@ -391,8 +391,8 @@ impl Source for Reading {
     }
 }
 
-/// Takes all that it is given, and remembers the first error: a `ZipWriter` that hears of one
-/// panics, or prints.
+/// A writer that never fails, and remembers the first error: a `ZipWriter` that meets one panics,
+/// or prints.
 struct Steady<'a> {
     out: &'a mut dyn Out,
     lost: Option<io::Error>,
@@ -410,7 +410,7 @@ impl<'a> Steady<'a> {
         }
     }
 
-    /// Does it, unless something is lost already.
+    /// Tries `work`, unless an error came before.
     fn attempt<T>(&mut self, work: impl FnOnce(&mut dyn Out) -> io::Result<T>) -> Option<T> {
         if self.lost.is_some() {
             return None;
@@ -447,7 +447,7 @@ impl Seek for Steady<'_> {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> io::Result<Writing> {
     let count = if head.channels > 1 { 5 } else { 4 };
     let columns = (0..count).map(|_| tempfile::tempfile().map(BufWriter::new));
@@ -487,7 +487,7 @@ impl Sink for Writing {
     fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         let mut steady = Steady::new(out);
         let written = self.archive(&mut steady, about);
-        // What went wrong first.
+        // The first error.
         steady.lost.map_or(written, Err)
     }
 }

@@ -1,4 +1,4 @@
-//! Which format a file has: by its name, its first bytes, or what it is called.
+//! Recognising the format of a file: by its extension, its first bytes, or a given name.
 
 use std::{path::Path, str::FromStr};
 

@@ -1,4 +1,4 @@
-//! The cells of a channel at their first frame.
+//! The state of a channel's cells after the first frame.
 
 use std::ops::Range;
 
@@ -83,7 +83,7 @@ impl<N: Number> Cells<N> {
             }
         };
         let refractory = plan.refractory();
-        // Before its first event a cell is ready, whenever its first frame is.
+        // A cell that has never fired is not refractory.
         let fired = if refractory > 0.0 {
             vec![f64::NEG_INFINITY; cells]
         } else {

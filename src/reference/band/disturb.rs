@@ -1,4 +1,4 @@
-//! What noise makes cells fire besides what the scene does.
+//! Noise events in a row of cells.
 
 use crate::{
     number::Number,
@@ -14,8 +14,8 @@ use crate::{
 use super::{Band, Plan, Scratch};
 
 impl<N: Number> Band<N> {
-    /// Tells of what noise makes the cells of a row fire, besides what the scene did: a row
-    /// with the first such event of each cell, one with the second, and so on.
+    /// Passes the noise events of a row to the sink: first a row with the first such event of each
+    /// cell, then one with the second, and so on, as a row has one train a cell.
     pub(super) fn disturb<S: BandSink>(
         &mut self,
         plan: &Plan<N>,

@@ -1,5 +1,5 @@
-//! A band of rows: its cells' state, and one pair of frames for all of them, row by row, with
-//! the row in cache: drive, distance from memory, fire, refractory, what it does to the memory.
+//! A band of rows: the state of its cells, and one interval for all of them. The work goes row by
+//! row while the row is in cache: drive, distance from memory, events, refractory period, memory.
 
 mod cells;
 mod disturb;
@@ -34,7 +34,7 @@ pub(super) use self::plan::{IntervalInput, Plan};
 pub(super) struct Band<N: Number> {
     pub(super) rows: Range<usize>,
     width: usize,
-    /// What its cells see of the last frame.
+    /// The signal of the last frame, with the rim that the kernels reach.
     pub(super) signal: Padded<N::Held>,
     channels: Vec<Cells<N>>,
     scratch: Scratch<N>,
@@ -45,17 +45,17 @@ pub(super) struct Band<N: Number> {
 #[derive(Clone, Debug)]
 struct Cells<N: Number> {
     memory: Memory<N>,
-    /// What the weights make of the signal, for a memory of what they see.
+    /// Intermediate results of the kernel, shared by the rows.
     made: Made<N::Held>,
-    /// `W * u` at the frame before, for a memory that steps.
+    /// The drive `W * u` at the frame before, for a memory that steps.
     before: Aligned<N::Held>,
     /// When each cell last fired, in seconds; only with a refractory period.
     fired: Vec<f64>,
-    /// How far each memory falls in a second; only with leak.
+    /// How far the leak lowers each memory in a second, in the unit of the drive; only with leak.
     leak: Vec<N::Real>,
 }
 
-/// One row of everything.
+/// Working memory for one row.
 #[derive(Clone, Debug)]
 struct Scratch<N: Number> {
     drive: Vec<N::Held>,
@@ -63,12 +63,12 @@ struct Scratch<N: Number> {
     memory: Vec<N::Held>,
     to: Vec<N::Real>,
     trains: TrainRow<N::Real>,
-    /// When each cell had last fired before this pair, in seconds.
+    /// When each cell last fired before this interval, in seconds.
     rested: Vec<f64>,
 }
 
 impl<N: Number> Band<N> {
-    /// A band whose memory is what it sees at the first frame.
+    /// A band after the first frame, which sets its memories.
     ///
     /// # Errors
     /// As [`Band::see`].
@@ -102,7 +102,7 @@ impl<N: Number> Band<N> {
         })
     }
 
-    /// Takes in a frame.
+    /// Computes the signal of a frame.
     ///
     /// # Errors
     /// When it holds light that the response is not defined for.
@@ -123,20 +123,20 @@ impl<N: Number> Band<N> {
         }
     }
 
-    /// How far each memory of row `y` falls in a second; empty without leak.
+    /// How far the leak lowers each memory of row `y` in a second; empty without leak.
     pub(super) fn leak_row(&self, channel: usize, y: usize) -> &[N::Real] {
         let leak = &self.channels[channel].leak;
         leak.get(self.range(y)).unwrap_or_default()
     }
 
-    /// The cells of row `y` in the band's own arrays.
+    /// The indices of row `y` in the band's arrays.
     fn range(&self, y: usize) -> Range<usize> {
         let start = (y - self.rows.start) * self.width;
         start..start + self.width
     }
 
-    /// One pair of frames: row by row, and for each row channel by channel, while what they
-    /// see is in cache.
+    /// Advances all cells through one interval: row by row, and in each row channel by channel,
+    /// while the signal is in cache.
     pub(super) fn advance<S: BandSink>(
         &mut self,
         plan: &Plan<N>,
@@ -287,7 +287,7 @@ impl<N: Number> Band<N> {
         }
         if authors {
             let fired = if fired.is_empty() {
-                // Without a refractory period all cells are always rested.
+                // Without a refractory period no cell is ever refractory.
                 rested.fill(f64::NEG_INFINITY);
                 &mut rested[..]
             } else {
@@ -314,7 +314,7 @@ impl<N: Number> Band<N> {
                     if trains.counts[x] == 0 {
                         continue;
                     }
-                    // The leak goes on from here.
+                    // The leak goes on from the time of the event.
                     let fallen = leak
                         .get(cell)
                         .map_or(N::Real::ZERO, |leak| *leak * N::Real::from_f64(elapsed));
@@ -386,14 +386,14 @@ fn see<N: Number>(
     rows.try_for_each(|y| signal.fill(y, border, N::ZERO, |row| light.row(y, row)))
 }
 
-/// The memory has fallen, so the drive stands higher above it.
+/// The memory has fallen by the leak, so the drive lies that much higher above it.
 fn fall<R: Real>(distances: &mut [R], leak: &[R], seconds: f64) {
     for (d, leak) in distances.iter_mut().zip(leak) {
         *d = *d + *leak * R::from_f64(seconds);
     }
 }
 
-/// Gives an event the sign of the pixel's own change; without one there is no event.
+/// Gives an event the sign of the pixel's own change (8); without a change there is no event.
 fn sign<R: Real>(count: &mut i32, own: R, report: &mut Report) {
     *count = if own > R::ZERO {
         count.abs()

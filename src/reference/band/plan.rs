@@ -1,4 +1,4 @@
-//! What all bands of a sensor share, and what they see.
+//! The constants of a sensor, which its bands share, and their input in an interval.
 
 use crate::{
     number::Number,
@@ -13,7 +13,7 @@ use crate::{
     },
 };
 
-/// What all bands of a sensor share.
+/// The constants of a sensor, which all of its bands share.
 #[derive(Clone, Debug)]
 pub(in crate::reference) struct Plan<N: Number> {
     pub(in crate::reference) number: N,
@@ -65,15 +65,15 @@ impl<N: Number> Plan<N> {
     }
 }
 
-/// What all bands see of a pair of frames.
+/// The input of all bands in an interval.
 #[derive(Debug)]
 pub(in crate::reference) struct IntervalInput<'a, N: Number> {
-    /// The frame; none if the bands have taken it in already.
+    /// The frame; `None` if the bands have its signal already.
     pub(in crate::reference) light: Option<Light<'a, N>>,
     /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
     /// distance from it if it snaps.
     pub(in crate::reference) pixels: &'a [Padded<N::Held>],
-    /// Resistor sheets, where channels see through them.
+    /// The resistive grids, for channels that see through one.
     pub(in crate::reference) sheets: Option<&'a Sheets>,
     pub(in crate::reference) interval: Interval,
     /// Seconds since the first frame.
@@ -82,7 +82,7 @@ pub(in crate::reference) struct IntervalInput<'a, N: Number> {
     pub(in crate::reference) times: bool,
 }
 
-/// Derived, it would ask for a number that can be copied held.
+/// Implemented by hand: derived, it would require `N: Copy`.
 impl<N: Number> Copy for IntervalInput<'_, N> {}
 
 #[expect(clippy::expl_impl_clone_on_copy, reason = "as above")]

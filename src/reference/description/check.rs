@@ -1,4 +1,4 @@
-//! What is written in a sensor file, checked and built.
+//! Checks a sensor file, and builds its description.
 
 use crate::{
     config::{Fault, Faults, Node, Place, Read, Section},

@@ -117,9 +117,10 @@ pub(super) fn scaled(kernel: &Kernel, gain: f64, place: Place) -> Read<Kernel> {
     })
 }
 
-/// Events move the pixels' memory by what the filtered difference was, which moves that
-/// difference by the kernel's answer to it: what is left of a pattern of spatial frequency
-/// f is 1 - W(f) of it. Above 1 in size it grows.
+/// Checks that a pixel memory that is stepped by filtered thresholds is stable. Events move the
+/// pixels' memory by the filtered difference, which moves that difference by the kernel's response
+/// to it: in a frame, a pattern of spatial frequency f is multiplied by 1 - W(f). Above 1 in
+/// magnitude it grows.
 fn stable(kernel: &Kernel, place: Place) -> Read<()> {
     let worst = growth(kernel);
     if worst <= MOST_GROWTH {

@@ -1,4 +1,4 @@
-//! Blocks: the cells of some columns of a row, and the notes of their events.
+//! Blocks: the packed events of the cells in some columns of a row.
 
 use multiversion::multiversion;
 
@@ -6,28 +6,28 @@ use crate::{bits, number::Real, reference::train::TrainRow};
 
 use super::{packed_event::PackedEvent, time_quantiser::TimeQuantiser};
 
-/// Columns that are worked on at a time.
+/// Columns of a block.
 const BLOCK: usize = 64;
 
-/// Events of a cell that are written at a time, whether there are as many or fewer.
+/// Events of a cell that are written at a time, however many it has.
 pub(super) const FEW: usize = 4;
 
-/// Their numbers.
+/// The numbers of these events.
 const LANES: [f64; FEW] = [0.0, 1.0, 2.0, 3.0];
 
-/// What the events of each cell are made of, whether it fires or not.
+/// The parameters of each cell's events, whether it fires or not.
 struct Block {
-    /// When its first one happens, as [`TimeQuantiser::since`].
+    /// Time of its first event, as [`TimeQuantiser::since`].
     since: [f64; BLOCK],
-    /// From one to the next, in microseconds.
+    /// The spacing of its events, in microseconds.
     step: [f64; BLOCK],
-    /// The note of an event at the clock's start.
+    /// Its packed event at the quantiser's start.
     packed: [PackedEvent; BLOCK],
-    /// How many there are.
+    /// The number of its events.
     count: [u32; BLOCK],
 }
 
-/// Notes the events of a row of trains; `out` has room for [`FEW`] more than there are.
+/// Packs the events of a row of trains; `out` has room for [`FEW`] more than there are.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn expand<R: Real>(
     row: &TrainRow<R>,
@@ -64,8 +64,8 @@ pub(super) fn expand<R: Real>(
 // What is not inlined is not compiled for the wide vectors.
 #[allow(clippy::inline_always)]
 impl Block {
-    /// Notes the events of some columns from that of `note` on; the room behind them. As good as
-    /// no branch depends on how many events each cell has: mostly few.
+    /// Packs the events of some columns, beginning with that of `packed`; returns the room behind
+    /// them. Almost no branch depends on the number of events, as most cells have few.
     #[inline(always)]
     fn expand<'a, R: Real>(
         &mut self,
@@ -106,13 +106,13 @@ impl Block {
         out
     }
 
-    /// Event `i` of a cell.
+    /// Event `i` of cell `x`, packed.
     #[inline(always)]
     fn event(&self, x: usize, i: f64, quantiser: &TimeQuantiser) -> PackedEvent {
         self.packed[x].after(quantiser.whole(self.since[x] + self.step[x] * i))
     }
 
-    /// The events of a cell after the first few, so many or a few more.
+    /// Packs the events of a cell beyond the first few; may write a few more than there are.
     #[inline(always)]
     fn more(&self, x: usize, quantiser: &TimeQuantiser, out: &mut [PackedEvent], count: usize) {
         let mut told = FEW as f64;

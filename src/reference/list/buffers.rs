@@ -1,4 +1,4 @@
-//! What lists are made in, kept from pair to pair.
+//! Buffers in which lists are made, kept from interval to interval.
 
 use rayon::prelude::*;
 
@@ -8,25 +8,25 @@ use super::{
     sorted::{Sorted, merge},
 };
 
-/// Fewer events are not worth sharing out.
+/// With fewer events one thread is faster than several.
 pub(super) const ENOUGH: usize = 1 << 12;
 
-/// Notes in a microsecond, on average, from which on merging takes less time than sorting in
+/// Events in a microsecond, on average, from which on merging takes less time than sorting in
 /// groups saves.
 const DENSE: usize = 4;
 
-/// What bands of rows have said, and what it is sorted in.
+/// The events of all bands, and the buffers in which they are sorted.
 #[derive(Clone, Debug, Default)]
 pub struct Buffers {
     pub(super) parts: Vec<Part>,
-    /// The notes of neighbouring parts in order, a group for each thread; or one of all.
+    /// The sorted events of neighbouring bands, a group for each thread; or one group of all.
     groups: Vec<Sorted>,
-    /// The notes of all parts in order; the buffer is longer.
+    /// The sorted events of all bands; the buffer is longer.
     merged: Vec<PackedEvent>,
 }
 
 impl Buffers {
-    /// The notes of all parts in order, told within so many microseconds.
+    /// Sorts the events of all bands, which lie within so many microseconds.
     pub(super) fn sorted(&mut self, microseconds: usize) -> &[PackedEvent] {
         let total = self.parts.iter().map(|part| part.packed().len()).sum();
         if microseconds > 4 * total {

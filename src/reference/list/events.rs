@@ -1,4 +1,5 @@
-//! The list of events as a sink: bands note their events, and a pair's notes are then sorted.
+//! The list of events as a sink: bands pack their events, which are then sorted interval by
+//! interval.
 
 use std::ops::Range;
 
@@ -20,12 +21,13 @@ use super::{
 
 /// Appends trains to a packet as single events.
 ///
-/// A pair of frames whose events do not all fit is an error, or is dropped whole: which
-/// events are missing must not depend on how the work was shared out.
+/// An interval whose events do not all fit is an error, or is dropped whole: which events are
+/// missing must not depend on how the work was divided between threads.
 ///
-/// Each band of rows notes its events as it is told of them, 8 bytes each. Notes are sorted by
-/// counting, which keeps what happens in the same microsecond in the order in which it was told:
-/// all at once, or where there are many by several threads, each those of its own bands, and
+/// Each band of rows packs its events into 8 bytes each as they come. They are sorted by a counting
+/// sort, which is stable: what happens in the same microsecond stays in the order in which it came.
+/// It sorts all at once, or, where there are many, by several threads, each those of its own bands,
+/// and then merges them.
 /// then merged.
 #[derive(Debug)]
 pub struct EventList<'a> {
@@ -35,13 +37,12 @@ pub struct EventList<'a> {
     buffers: Buffers,
 }
 
-/// The part of a list that one band of rows is told to.
+/// The sink of one band of rows.
 #[derive(Debug)]
 pub struct ListBand<'a>(&'a mut Part);
 
 impl<'a> EventList<'a> {
-    /// A list that goes on where the packet ends. It may be told of many pairs, and then
-    /// makes their events in the same buffers.
+    /// A list that continues the packet. It may take many intervals, and reuses its buffers.
     pub fn new(packet: &'a mut Packet, limit: Limit) -> Self {
         Self::with_buffers(packet, limit, Buffers::default())
     }
@@ -68,7 +69,7 @@ impl<'a> EventList<'a> {
         self.limit.events.saturating_sub(self.packet.events.len()) as u64
     }
 
-    /// Appends the events of all parts in order.
+    /// Appends the events of all bands in order of time.
     fn sort(&mut self) {
         let (quantiser, events) = (self.quantiser, &mut self.packet.events);
         if quantiser.is_long() {

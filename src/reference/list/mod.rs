@@ -1,5 +1,5 @@
-//! Events as a list, in order of time: within a pair of frames, ties row by row, then by
-//! channel, then by column.
+//! Events as a list, in order of time; those of one microsecond row by row, then by channel, then
+//! by column.
 
 mod block;
 mod buffers;

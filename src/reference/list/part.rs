@@ -1,4 +1,4 @@
-//! What one band of rows has said in a pair of frames.
+//! The packed events of one band of rows in an interval.
 
 use crate::{event::Event, number::Real, reference::train::TrainRow};
 
@@ -8,7 +8,7 @@ use super::{
     time_quantiser::TimeQuantiser,
 };
 
-/// The events of one band in the current pair, in the order in which they were told.
+/// The events of one band in the current interval, in the order in which they came.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     quantiser: TimeQuantiser,
@@ -16,23 +16,23 @@ pub(super) struct Part {
     room: u64,
     /// How many there are.
     pub(super) total: u64,
-    /// As notes; the buffer is longer.
+    /// The packed events; the buffer is longer.
     packed: Vec<PackedEvent>,
-    /// How many notes there are.
+    /// The number of packed events.
     len: usize,
-    /// The events of a pair that is too long for notes.
+    /// The events of an interval that is too long for packed times.
     pub(super) events: Vec<Event>,
 }
 
 impl Part {
-    /// Forgets what was said.
+    /// Clears it for a new interval.
     pub(super) fn begin(&mut self, quantiser: TimeQuantiser, room: u64) {
         (self.quantiser, self.room) = (quantiser, room);
         (self.total, self.len) = (0, 0);
         self.events.clear();
     }
 
-    /// Keeps the events of a row of trains, if they fit: a single cell may say 2^30 events.
+    /// Packs the events of a row of trains, if they fit: a single cell may have 2^30.
     pub(super) fn take<R: Real>(&mut self, row: &TrainRow<R>) {
         let events = row.events();
         self.total = self.total.saturating_add(events);

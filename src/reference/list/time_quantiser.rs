@@ -1,4 +1,4 @@
-//! From places between two frames to whole microseconds.
+//! Quantising times: from places between two frames to whole microseconds.
 
 use crate::{
     event::Event,
@@ -8,38 +8,39 @@ use crate::{
 
 use super::packed_event::PackedEvent;
 
-/// From places between two frames to microseconds.
+/// Quantises the times of an interval: places between two frames become whole microseconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TimeQuantiser {
-    /// The last whole microsecond not after the earlier frame.
+    /// The last whole microsecond not after the earlier frame, from which times are counted.
     start: u64,
-    /// From frame to frame, in microseconds.
+    /// The interval's length, in microseconds.
     duration: f64,
-    /// From the start to the earlier frame, in microseconds, a hair late.
+    /// From the start to the earlier frame, in microseconds, plus the rounding bias.
     from: f64,
-    /// The same, or time 0 if the frame is before that.
+    /// The least time since the start: `from`, or time 0 if the frame is before that.
     least: f64,
-    /// From the start to the later frame, in microseconds, a hair late.
+    /// From the start to the later frame, in microseconds, plus the rounding bias.
     to: f64,
     /// From the start to the later frame, in whole microseconds.
     span: u64,
 }
 
-/// So late, in microseconds, that half a microsecond is rounded up, as a frame's own time is,
-/// and so is what rounding has left just below it. In pairs too long for notes it is lost.
+/// Added to all times, in microseconds, so that half a microsecond is rounded up, as a frame's own
+/// time is, and so is what rounding has left just below a half. In intervals too long for packed
+/// times it is lost.
 const ROUNDING_BIAS: f64 = 1.0 / (1 << 28) as f64;
 
 impl TimeQuantiser {
     pub(super) fn of(interval: Interval) -> Self {
         let (from, to) = (interval.from * 1e6, interval.to * 1e6);
         let start = from.floor().max(0.0);
-        // Seventy years.
+        // 71 years.
         let most = TWO_52 / 2.0;
         let duration = (to - from).clamp(0.0, most);
         let to = (to - start).clamp(0.0, most) + ROUNDING_BIAS;
         let from = to - duration;
         let quantiser = Self {
-            // So that no sum of times overflows.
+            // Bounded so that no sum of times overflows.
             start: (start as u64).min(1 << 63),
             duration,
             from,
@@ -53,22 +54,24 @@ impl TimeQuantiser {
         }
     }
 
-    /// Whether the pair is too long for notes: eight seconds and more.
+    /// Whether the interval is too long for packed times: 8 seconds and more.
     pub(super) const fn is_long(&self) -> bool {
         self.span >> PackedEvent::TIME_BITS != 0
     }
 
-    /// How many microseconds there are, from the start to the later frame.
+    /// Number of whole microseconds from the start to the later frame, both included.
     pub(super) const fn microseconds(&self) -> usize {
         self.span as usize + 1
     }
 
-    /// Microseconds from the start to the nearest to a place, none after the later frame.
+    /// The time of a place (0 to 1), rounded to microseconds since the start; not after the later
+    /// frame.
     pub(super) fn at(&self, place: f64) -> u64 {
         (self.since(place).min(self.to) + 0.5).floor() as u64
     }
 
-    /// Microseconds from the start to a place, a hair late, not yet rounded.
+    /// The time of a place in microseconds since the start, plus the rounding bias, not yet
+    /// rounded.
     #[inline]
     pub(super) fn since(&self, place: f64) -> f64 {
         let since = self.from + self.steps(place);
@@ -79,17 +82,18 @@ impl TimeQuantiser {
         }
     }
 
-    /// Microseconds from one place to another.
+    /// The length of a stretch of the interval, in microseconds.
     #[inline]
     pub(super) fn steps(&self, places: f64) -> f64 {
         places * self.duration
     }
 
-    /// Such a time rounded, none after the later frame, in the lowest bits, and others above.
+    /// A time rounded to whole microseconds, not after the later frame, in the lowest bits of the
+    /// result; the bits above are those of 2^52.
     #[inline]
     pub(super) fn whole(&self, since: f64) -> u64 {
         let since = if since < self.to { since } else { self.to };
-        // Added to 2^52, what is next to it stands in the lowest bits.
+        // Adding 2^52 rounds, and leaves the integer in the lowest bits of the mantissa.
         (since + TWO_52).to_bits()
     }
 
@@ -103,7 +107,7 @@ impl TimeQuantiser {
         packed.at(self.time(packed.since()))
     }
 
-    /// Appends the events of some notes, eight in a turn of the loop as far as they go.
+    /// Appends the unpacked events; eight in an iteration, as far as they go.
     pub(super) fn emit(self, packed: &[PackedEvent], events: &mut Vec<Event>) {
         let (eights, rest) = packed.as_chunks::<8>();
         events.reserve(packed.len());

@@ -1,4 +1,4 @@
-//! Scenes that many points watch: read once, held in memory while they are small enough.
+//! Scenes that many points watch: read once, kept in memory while they are small enough.
 
 use std::{fmt::Write as _, ops::ControlFlow, path::Path, sync::Arc};
 
@@ -28,7 +28,7 @@ pub(super) struct Wanted {
 #[derive(Debug)]
 pub(super) struct CachedScene {
     wanted: Wanted,
-    /// What is opened.
+    /// The name under which it is opened.
     spec: String,
     pub size: Size,
     /// Frames, those that were inserted among them.
@@ -38,7 +38,7 @@ pub(super) struct CachedScene {
     held: Option<Arc<Vec<Frame>>>,
 }
 
-/// What one scene may take in memory, in bytes.
+/// The most memory that one scene may take, bytes.
 const HELD: usize = 512 << 20;
 
 impl CachedScene {
