@@ -8,7 +8,6 @@
 //!   the times are uniform between its first and last.
 //! - A **permutation** keeps when, and forgets where: all cells of a pixel move to another pixel,
 //!   each pixel to exactly one, silent ones too.
-//!     pixel, each pixel to exactly one, silent ones too.
 //!
 //! Random numbers are a hash of the seed, the cell and the event's number in it.
 

@@ -173,8 +173,7 @@ impl PlanBuilder {
             sum = self.halved(sum);
         }
         if self.held.len() == 1 && self.minus.is_none() {
-            // The goal may be stored twice to cancel a transfer error: one word more, one register
-            // less.
+            // Doubling step by step takes a word more for each, and a register less.
             for _ in 0..up {
                 sum = self.doubled(sum, 1);
             }

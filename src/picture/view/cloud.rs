@@ -36,6 +36,10 @@ impl Box3 {
             a.y + a.height * DEPTH.1 + y * down - x * a.height * DEPTH.1,
         )
     }
+
+    fn corner(&self, (t, x, y): Corner) -> Point {
+        self.at(t.into(), x.into(), y.into())
+    }
 }
 
 /// The cloud with its box, labels and caption.
@@ -50,36 +54,62 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         height: panel.height - 2.0 * line,
     };
     let space = Box3 { area };
-    let corner = |t: u8, x: u8, y: u8| space.at(t.into(), x.into(), y.into());
     let every = packet.events.len().div_ceil(DOTS).max(1);
     drawing.pixels(area, dots(packet, &space, every));
-    for (from, to) in [
-        ((0, 1, 1), (1, 1, 1)),
-        ((0, 1, 0), (0, 1, 1)),
-        ((0, 0, 1), (0, 1, 1)),
-    ] {
-        let ends = [from, to].map(|(t, x, y)| corner(t, x, y));
-        drawing.line(ends[0], ends[1], 1.0, ink::MATCHED);
+    edges(drawing, &space);
+    labels(drawing, &space, packet);
+    let note = if every > 1 {
+        format!("every {every}th event; blue ON, vermilion OFF")
+    } else {
+        "all events; blue ON, vermilion OFF".into()
+    };
+    let whole = Area {
+        x: panel.x,
+        height: panel.height,
+        ..area
+    };
+    caption(drawing, whole, "events in x, y and time", &[&note]);
+}
+
+/// A corner of the box: 0 or 1 along t, x and y.
+type Corner = (u8, u8, u8);
+
+/// Edges behind the dots, drawn pale.
+const HIDDEN: [(Corner, Corner); 3] = [
+    ((0, 1, 1), (1, 1, 1)),
+    ((0, 1, 0), (0, 1, 1)),
+    ((0, 0, 1), (0, 1, 1)),
+];
+
+/// The other edges.
+const VISIBLE: [(Corner, Corner); 9] = [
+    ((0, 0, 0), (1, 0, 0)),
+    ((0, 0, 1), (1, 0, 1)),
+    ((0, 0, 0), (0, 0, 1)),
+    ((1, 0, 0), (1, 0, 1)),
+    ((0, 0, 0), (0, 1, 0)),
+    ((1, 0, 0), (1, 1, 0)),
+    ((1, 0, 1), (1, 1, 1)),
+    ((0, 1, 0), (1, 1, 0)),
+    ((1, 1, 0), (1, 1, 1)),
+];
+
+fn edges(drawing: &mut Drawing, space: &Box3) {
+    for (edges, ink) in [(&HIDDEN[..], ink::MATCHED), (&VISIBLE[..], ink::CAPTION)] {
+        for (from, to) in edges {
+            drawing.line(space.corner(*from), space.corner(*to), 1.0, ink);
+        }
     }
-    for (from, to) in [
-        ((0, 0, 0), (1, 0, 0)),
-        ((0, 0, 1), (1, 0, 1)),
-        ((0, 0, 0), (0, 0, 1)),
-        ((1, 0, 0), (1, 0, 1)),
-        ((0, 0, 0), (0, 1, 0)),
-        ((1, 0, 0), (1, 1, 0)),
-        ((1, 0, 1), (1, 1, 1)),
-        ((0, 1, 0), (1, 1, 0)),
-        ((1, 1, 0), (1, 1, 1)),
-    ] {
-        let ends = [from, to].map(|(t, x, y)| corner(t, x, y));
-        drawing.line(ends[0], ends[1], 1.0, ink::CAPTION);
-    }
+}
+
+/// The names of the axes and the values at their ends.
+fn labels(drawing: &mut Drawing, space: &Box3, packet: &Packet) {
+    let line = f64::from(LINE);
     let (from, to) = packet.span;
     let mut word = |at: Point, anchor, ink, text: String| {
         drawing.text(at, anchor, Weight::Plain, ink, text);
     };
-    let (left, right) = (corner(0, 0, 1), corner(1, 0, 1));
+    let (left, right) = (space.corner((0, 0, 1)), space.corner((1, 0, 1)));
     let below = left.1 + 3.0;
     let middle = f64::midpoint(left.0, right.0);
     word(
@@ -95,13 +125,13 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         ink::CAPTION,
         format!("{:.2}", to.seconds()),
     );
-    let far = corner(1, 1, 1);
+    let far = space.corner((1, 1, 1));
     let along = (
         f64::midpoint(right.0, far.0) + 8.0,
         f64::midpoint(right.1, far.1) - 4.0,
     );
     word(along, Anchor::Start, ink::TEXT, "x (px)".into());
-    let top = corner(0, 0, 0);
+    let top = space.corner((0, 0, 0));
     let beside = top.0 - 5.0;
     word((beside, top.1 - 6.0), Anchor::End, ink::CAPTION, "0".into());
     let half = f64::midpoint(top.1, left.1) - line / 2.0;
@@ -122,17 +152,6 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         ink::CAPTION,
         farthest,
     );
-    let note = if every > 1 {
-        format!("every {every}th event; blue ON, vermilion OFF")
-    } else {
-        "all events; blue ON, vermilion OFF".into()
-    };
-    let whole = Area {
-        x: panel.x,
-        height: panel.height,
-        ..area
-    };
-    caption(drawing, whole, "events in x, y and time", &[&note]);
 }
 
 /// A picture of the dots, those farther back drawn first; every `every`-th event.

@@ -83,100 +83,141 @@ const PANEL: f64 = 360.0;
 pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
     super::error::check_size(packet.size)?;
     let shown = Window::new(packet, look);
-    let line = f64::from(LINE);
-    let top = MARGIN + 2.0 * line + 16.0;
-    let page = |width: f64, height: f64| {
-        let mut drawing = Drawing::new(width + 2.0 * MARGIN, top + height + MARGIN);
-        head(&mut drawing, packet, look.title);
-        drawing
-    };
-    let column = |n: f64| MARGIN + n * (PANEL + GAP);
-    let square = Area {
-        x: 0.0,
-        y: 0.0,
-        width: PANEL,
-        height: PANEL,
-    };
-    // As high as the sensor's shape asks; but a cloud needs some room.
-    let tall = fitted(square, packet).height.max(PANEL / 2.0);
-    let panel = |n: f64, top: f64| Area {
-        x: column(n),
-        y: top + line + 4.0,
-        height: tall,
-        ..square
-    };
-    let high = tall + 3.0 * line + 4.0;
-    // Beside the panels, plots have their ticks at the left.
-    let plot = |n: f64, top: f64, width: f64, height: f64| Area {
-        x: column(n) + LEFT,
-        y: top + 2.0 * line + 12.0,
-        width,
-        height,
-    };
+    let layout = Layout::new(packet);
+    let top = layout.top;
+    let page = |width, height| layout.page((width, height), packet, look.title);
     let wide = 2.0 * PANEL;
-    let low = PANEL * 0.62;
+    let plot = layout.plot(0.0, top, wide - 12.0);
     Ok(match look.view {
         View::Frame => {
-            let mut d = page(PANEL, high);
-            frame::draw(&mut d, panel(0.0, top), packet, &shown, None);
+            let mut d = page(PANEL, layout.panel_height());
+            frame::draw(&mut d, layout.panel(0.0), packet, &shown, None);
             d
         }
         View::Surface => {
-            let mut d = page(PANEL, high);
-            surface::draw(&mut d, panel(0.0, top), packet, &shown);
+            let mut d = page(PANEL, layout.panel_height());
+            surface::draw(&mut d, layout.panel(0.0), packet, &shown);
             d
         }
         View::Cloud => {
-            let mut d = page(wide, high);
-            let area = panel(0.0, top);
-            cloud::draw(
-                &mut d,
-                Area {
-                    width: wide,
-                    ..area
-                },
-                packet,
-            );
+            let mut d = page(wide, layout.panel_height());
+            let area = Area {
+                width: wide,
+                ..layout.panel(0.0)
+            };
+            cloud::draw(&mut d, area, packet);
             d
         }
         View::Rate => {
-            let mut d = page(wide + LEFT, low + BELOW + 2.0 * line + 12.0);
-            rate::draw(&mut d, plot(0.0, top, wide - 12.0, low), packet);
+            let mut d = page(wide + LEFT, layout.plot_height());
+            rate::draw(&mut d, plot, packet);
             d
         }
         View::Intervals => {
-            let mut d = page(wide + LEFT, low + BELOW + 2.0 * line + 12.0);
-            intervals::draw(&mut d, plot(0.0, top, wide - 12.0, low), packet);
+            let mut d = page(wide + LEFT, layout.plot_height());
+            intervals::draw(&mut d, plot, packet);
             d
         }
         View::Kinds => kinds::page(packet, &shown, look.title),
-        View::Overview => {
-            let second = top + high + GAP / 2.0;
-            let kinds = if packet.channels > 1 {
-                kinds::height(packet) + GAP
-            } else {
-                0.0
-            };
-            let bottom = second + low + BELOW + 2.0 * line + 12.0 - top;
-            let width = 3.0 * PANEL + 2.0 * GAP;
-            let mut d = page(width, bottom + kinds);
-            frame::draw(&mut d, panel(0.0, top), packet, &shown, None);
-            surface::draw(&mut d, panel(1.0, top), packet, &shown);
-            cloud::draw(&mut d, panel(2.0, top), packet);
-            let half = (width - GAP) / 2.0 - LEFT;
-            let left = plot(0.0, second, half - 8.0, low);
-            rate::draw(&mut d, left, packet);
-            let right = Area {
-                x: left.right() + 8.0 + GAP + LEFT,
-                ..left
-            };
-            intervals::draw(&mut d, right, packet);
-            if packet.channels > 1 {
-                kinds::draw(&mut d, MARGIN, top + bottom + GAP, packet, &shown);
-            }
-            d
-        }
+        View::Overview => layout.overview(packet, &shown, look.title),
     })
+}
+
+/// Positions on a page, in points: the head, panels side by side below it, plots below these.
+struct Layout {
+    /// Height of a line of text.
+    line: f64,
+    /// The upper edge of what is below the head.
+    top: f64,
+    /// Height of a panel, without heading and captions.
+    tall: f64,
+}
+
+/// Height of a plot, without heading and axis.
+const LOW: f64 = PANEL * 0.62;
+
+impl Layout {
+    fn new(packet: &Packet) -> Self {
+        let line = f64::from(LINE);
+        let square = Area {
+            x: 0.0,
+            y: 0.0,
+            width: PANEL,
+            height: PANEL,
+        };
+        Self {
+            line,
+            top: MARGIN + 2.0 * line + 16.0,
+            // As high as the sensor's shape asks; but a cloud needs some room.
+            tall: fitted(square, packet).height.max(PANEL / 2.0),
+        }
+    }
+
+    /// A page with room for `width` by `height` below its head.
+    fn page(&self, (width, height): (f64, f64), packet: &Packet, title: &str) -> Drawing {
+        let mut drawing = Drawing::new(width + 2.0 * MARGIN, self.top + height + MARGIN);
+        head(&mut drawing, packet, title);
+        drawing
+    }
+
+    /// Panel number `n` of the row of panels.
+    fn panel(&self, n: f64) -> Area {
+        Area {
+            x: MARGIN + n * (PANEL + GAP),
+            y: self.top + self.line + 4.0,
+            width: PANEL,
+            height: self.tall,
+        }
+    }
+
+    /// Height of a panel with its heading and captions.
+    fn panel_height(&self) -> f64 {
+        self.tall + 3.0 * self.line + 4.0
+    }
+
+    /// A plot below `top`, in the column of panel number `n`. Its ticks are at its left.
+    fn plot(&self, n: f64, top: f64, width: f64) -> Area {
+        Area {
+            x: MARGIN + n * (PANEL + GAP) + LEFT,
+            y: top + 2.0 * self.line + 12.0,
+            width,
+            height: LOW,
+        }
+    }
+
+    /// Height of a plot with its heading and axis.
+    fn plot_height(&self) -> f64 {
+        LOW + BELOW + 2.0 * self.line + 12.0
+    }
+
+    /// All views: three panels, two plots below them, then the kinds, where there are several.
+    fn overview(&self, packet: &Packet, shown: &Window, title: &str) -> Drawing {
+        let top = self.top;
+        let second = top + self.panel_height() + GAP / 2.0;
+        let kinds = if packet.channels > 1 {
+            kinds::height(packet) + GAP
+        } else {
+            0.0
+        };
+        let bottom = second + LOW + BELOW + 2.0 * self.line + 12.0 - top;
+        let width = 3.0 * PANEL + 2.0 * GAP;
+        let mut d = self.page((width, bottom + kinds), packet, title);
+        frame::draw(&mut d, self.panel(0.0), packet, shown, None);
+        surface::draw(&mut d, self.panel(1.0), packet, shown);
+        cloud::draw(&mut d, self.panel(2.0), packet);
+        let half = (width - GAP) / 2.0 - LEFT;
+        let left = self.plot(0.0, second, half - 8.0);
+        rate::draw(&mut d, left, packet);
+        let right = Area {
+            x: left.right() + 8.0 + GAP + LEFT,
+            ..left
+        };
+        intervals::draw(&mut d, right, packet);
+        if packet.channels > 1 {
+            kinds::draw(&mut d, MARGIN, top + bottom + GAP, packet, shown);
+        }
+        d
+    }
 }
 
 /// Draws the title, and below it what the packet is: events, size, span, rates.
