@@ -109,86 +109,111 @@ impl LiveRanges {
 /// Registers for all values, the goals in those of `pinned`; a goal without one is copied to its
 /// place last.
 fn assign_all(plan: &Plan, file: &RegisterFile, pinned: &[Option<Analog>]) -> Option<Allocated> {
-    let LiveRanges {
-        mut ranges,
-        of_value,
-        spare,
-    } = LiveRanges::new(plan, file.input)?;
-    let end = plan.words.len() as isize;
-    // Goals live to the end, in the registers they are wanted in. One that cannot be there all
-    // the time is copied there last.
-    let mut last = Vec::new();
-    for (goal, (value, pin)) in plan.goals.iter().zip(pinned).enumerate() {
-        let range = *of_value.get(*value)?;
-        let taken = plan.goals[..goal].contains(value);
-        ranges[range].read = end;
-        let own = ranges[range].pinned;
-        if own.is_some() && own != *pin || pin.is_none() || taken {
-            last.push((range, *file.into.get(goal)?));
-        } else {
-            ranges[range].pinned = *pin;
-        }
-    }
+    let mut live = LiveRanges::new(plan, file.input)?;
+    let copies = live.pin_goals(plan, file, pinned)?;
     let mut tries = TRIES;
-    let mut registers = vec![None; ranges.len()];
-    assign(&ranges, &mut registers, 0, file, &mut tries)?.then_some(())?;
+    let mut registers = vec![None; live.ranges.len()];
+    assign(&live.ranges, &mut registers, 0, file, &mut tries)?.then_some(())?;
     let registers: Vec<Analog> = registers.into_iter().collect::<Option<_>>()?;
-    // The words again, with registers in place of values.
-    let mut out = Allocated {
-        words: Vec::new(),
-        live: Vec::new(),
-    };
-    let mut stored = 0;
-    for (i, word) in plan.words.iter().enumerate() {
-        let mut targets = Vec::new();
-        if let Store::Register | Store::Both(_) = word.store {
-            stored += 1;
-            targets.push(Target::Register(registers[*of_value.get(stored)?]));
-        }
-        if let Store::News(to) | Store::Both(to) = word.store {
-            targets.push(to.map_or(Target::Register(file.news), Target::Neighbour));
-        }
-        if word.halved {
-            let other = spare[i].map_or(file.news, |range| registers[range]);
-            targets.push(Target::Register(other));
-        }
-        let views = word
-            .views
-            .iter()
-            .map(|view| view.map_or(Source::Register(file.news), Source::Neighbour));
-        let values = word
-            .values
-            .iter()
-            .map(|value| Source::Register(registers[of_value[*value]]));
-        out.words.push(Primitive::Bus {
-            targets,
-            sources: views.chain(values).collect(),
-        });
-        out.live
-            .push(live(&ranges, &registers, &of_value, i as isize));
-    }
-    // The goal is copied from where it is; the targets written before are not needed as sources any
-    // more.
-    for (range, to) in &last {
-        if registers[*range] == *to {
-            continue;
-        }
-        let conflict = last
-            .iter()
-            .any(|(other, _)| registers[*other] == *to && other != range);
-        if conflict {
-            return None;
-        }
-        let bus = |target, source| Primitive::Bus {
-            targets: vec![Target::Register(target)],
-            sources: vec![Source::Register(source)],
-        };
-        out.words.push(bus(file.news, registers[*range]));
-        out.words.push(bus(*to, file.news));
-        let held = live(&ranges, &registers, &of_value, end);
-        out.live.extend([held.clone(), held]);
-    }
+    let mut out = live.words(plan, file, &registers)?;
+    live.copy_goals(&copies, file, &registers, &mut out)?;
     Some(out)
+}
+
+impl LiveRanges {
+    /// Makes the goals live to the end, in the registers of `pinned`. Returns the ranges of those
+    /// that cannot be there all the time, and where they are to be copied.
+    fn pin_goals(
+        &mut self,
+        plan: &Plan,
+        file: &RegisterFile,
+        pinned: &[Option<Analog>],
+    ) -> Option<Vec<(usize, Analog)>> {
+        let mut copies = Vec::new();
+        for (goal, (value, pin)) in plan.goals.iter().zip(pinned).enumerate() {
+            let range = *self.of_value.get(*value)?;
+            let taken = plan.goals[..goal].contains(value);
+            self.ranges[range].read = plan.words.len() as isize;
+            let own = self.ranges[range].pinned;
+            if own.is_some() && own != *pin || pin.is_none() || taken {
+                copies.push((range, *file.into.get(goal)?));
+            } else {
+                self.ranges[range].pinned = *pin;
+            }
+        }
+        Some(copies)
+    }
+
+    /// The words of a plan, with registers in place of values.
+    fn words(&self, plan: &Plan, file: &RegisterFile, registers: &[Analog]) -> Option<Allocated> {
+        let mut out = Allocated {
+            words: Vec::new(),
+            live: Vec::new(),
+        };
+        let mut stored = 0;
+        for (i, word) in plan.words.iter().enumerate() {
+            let mut targets = Vec::new();
+            if let Store::Register | Store::Both(_) = word.store {
+                stored += 1;
+                targets.push(Target::Register(registers[*self.of_value.get(stored)?]));
+            }
+            if let Store::News(to) | Store::Both(to) = word.store {
+                targets.push(to.map_or(Target::Register(file.news), Target::Neighbour));
+            }
+            if word.halved {
+                let other = self.spare[i].map_or(file.news, |range| registers[range]);
+                targets.push(Target::Register(other));
+            }
+            let views = word
+                .views
+                .iter()
+                .map(|view| view.map_or(Source::Register(file.news), Source::Neighbour));
+            let values = word
+                .values
+                .iter()
+                .map(|value| Source::Register(registers[self.of_value[*value]]));
+            out.words.push(Primitive::Bus {
+                targets,
+                sources: views.chain(values).collect(),
+            });
+            let now = i as isize;
+            out.live
+                .push(live(&self.ranges, registers, &self.of_value, now));
+        }
+        Some(out)
+    }
+
+    /// Adds the words that copy goals to their registers, by way of NEWS, which keeps their sign.
+    /// `None` where a copy would overwrite the source of another.
+    fn copy_goals(
+        &self,
+        copies: &[(usize, Analog)],
+        file: &RegisterFile,
+        registers: &[Analog],
+        out: &mut Allocated,
+    ) -> Option<()> {
+        let end = out.words.len() as isize;
+        for (range, to) in copies {
+            if registers[*range] == *to {
+                continue;
+            }
+            let conflict = copies
+                .iter()
+                .any(|(other, _)| registers[*other] == *to && other != range);
+            if conflict {
+                return None;
+            }
+            let bus = |target, source| Primitive::Bus {
+                targets: vec![Target::Register(target)],
+                sources: vec![Source::Register(source)],
+            };
+            out.words.push(bus(file.news, registers[*range]));
+            out.words.push(bus(*to, file.news));
+            let held = live(&self.ranges, registers, &self.of_value, end);
+            out.live.extend([held.clone(), held]);
+        }
+        Some(())
+    }
 }
 
 /// Whether NEWS is dead at word `at`, so that it can take the unread half of a halving store.

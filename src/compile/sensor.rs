@@ -88,29 +88,8 @@ impl SensorProgram {
         let device = request.device;
         let all = ordinary_registers(device);
         let count = kinds.len();
-        // One register for each memory, or one in which bit memories are assembled in turn.
-        let (remembered, each) = match memory {
-            DriveMemory::Analogue => (count, "a drive and a memory"),
-            DriveMemory::Bits(_) => (1, "a drive, and a memory"),
-        };
-        let needed = count + remembered + 2;
-        if all.len() < needed {
-            return Err(CompileError::Kinds {
-                count,
-                each,
-                needed,
-                free: all.len(),
-            });
-        }
-        if let DriveMemory::Bits(bits) = memory
-            && !(1..=MEMORY.len()).contains(&(usize::from(bits) * count))
-        {
-            return Err(CompileError::Bits {
-                count,
-                bits,
-                free: MEMORY.len(),
-            });
-        }
+        let remembered = memory_registers(memory, count, all.len())?;
+        // From the first register on: drives, a scratch; the threshold and the memories are last.
         let memories = all[all.len() - remembered..].to_vec();
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
         let light = device.value(Figure::LightScale) * 255.0;
@@ -168,6 +147,38 @@ impl SensorProgram {
             steps,
         })
     }
+}
+
+/// How many of `free` analogue registers hold memories of `count` kinds.
+///
+/// # Errors
+/// When there are too few registers, analogue or of one bit.
+fn memory_registers(memory: DriveMemory, count: usize, free: usize) -> Result<usize, CompileError> {
+    // One register for each memory, or one in which bit memories are assembled in turn.
+    let (remembered, each) = match memory {
+        DriveMemory::Analogue => (count, "a drive and a memory"),
+        DriveMemory::Bits(_) => (1, "a drive, and a memory"),
+    };
+    // Besides, a threshold and a scratch.
+    let needed = count + remembered + 2;
+    if free < needed {
+        return Err(CompileError::Kinds {
+            count,
+            each,
+            needed,
+            free,
+        });
+    }
+    if let DriveMemory::Bits(bits) = memory
+        && !(1..=MEMORY.len()).contains(&(usize::from(bits) * count))
+    {
+        return Err(CompileError::Bits {
+            count,
+            bits,
+            free: MEMORY.len(),
+        });
+    }
+    Ok(remembered)
 }
 
 impl BitMemory {

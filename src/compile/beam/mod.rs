@@ -148,7 +148,7 @@ struct Search<'a> {
     /// The goal that ends in the register of the input.
     over: Option<LinearForm>,
     /// Hashes of the states seen before.
-    known: HashSet<u64>,
+    visited: HashSet<u64>,
     seen: u64,
     /// The sets of NEWS cells that a word can read, each as a mask and its offsets.
     shapes: Vec<(u8, Vec<(i16, i16)>)>,
@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
             over: task
                 .over_input
                 .and_then(|goal| task.goals.get(goal).cloned()),
-            known: HashSet::new(),
+            visited: HashSet::new(),
             seen: 0,
             shapes: (1u8..32)
                 .map(shape)
@@ -271,6 +271,8 @@ impl<'a> Search<'a> {
         if during > self.task.registers {
             return;
         }
+        // Right up to the border: a form may be read from a neighbour only where no tap points back
+        // from beyond the array.
         if self.task.border
             && let Some(news) = &news
         {
@@ -297,6 +299,7 @@ impl<'a> Search<'a> {
             _ => self.item(form),
         });
         // A state that another order of words has led to is kept once.
+        // The sum does not depend on the order of the values.
         let mut hash = u64::from(open);
         for item in &live {
             hash = hash.wrapping_add(item.hash.wrapping_mul(0x9E37_79B9_7F4A_7C15));
@@ -308,7 +311,7 @@ impl<'a> Search<'a> {
                     .wrapping_mul(0xC2B2_AE3D_27D4_EB4F),
             );
         }
-        if !self.known.insert(hash) {
+        if !self.visited.insert(hash) {
             return;
         }
         let before = State { live, news, open };

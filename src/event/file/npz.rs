@@ -147,50 +147,62 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
         }
     }
     for member in &list.members {
-        let name = String::from_utf8_lossy(&member.name);
-        let at = member.at.saturating_add(archive.offset());
-        if at >= length {
-            let one = format!("its list says that `{name}` is at byte {at}");
-            let other = format!("the file has {length} bytes");
-            return Err(Stop::twice(Format::Npz, start, one, other));
-        }
-        let local = input.seek(SeekFrom::Start(at)).and_then(|_| {
-            let mut local = vec![0; 30 + member.name.len()];
-            input.read_exact(&mut local).map(|()| local)
-        });
-        let unlike = |what: &str| {
-            let one = format!("its list says one thing of the {what} of `{name}`");
-            Err(Stop::twice(
-                Format::Npz,
-                at,
-                one,
-                "the array's own header another",
-            ))
-        };
-        let Ok(local) = local else {
-            return unlike("place");
-        };
-        let part = |from, to| local.get(from..to).unwrap_or_default();
-        if part(0, 4) != b"PK\x03\x04" {
-            return unlike("place");
-        }
-        if part(30, local.len()) != member.name || part(26, 28) != member.head(28, 30) {
-            return unlike("name");
-        }
-        if part(6, 8) != member.head(8, 10) || part(8, 10) != member.head(10, 12) {
-            return unlike("compression");
-        }
-        // Sizes in a data descriptor behind the data, or of 64 bits, are not in this header.
-        let later = part(6, 7).first().is_some_and(|flags| flags & 8 != 0);
-        if !later && part(14, 18) != member.head(16, 20) {
-            return unlike("check sum");
-        }
-        let elsewhere = |size: &[u8]| size == [0xFF; 4];
-        for (own, listed) in [((18, 22), (20, 24)), ((22, 26), (24, 28))] {
-            let (own, listed) = (part(own.0, own.1), member.head(listed.0, listed.1));
-            if !later && own != listed && !elsewhere(own) && !elsewhere(listed) {
-                return unlike("size");
-            }
+        hold_member(member, archive.offset(), (start, length), &mut input)?;
+    }
+    Ok(())
+}
+
+/// Cross-checks an entry of the central directory, which begins at byte `start` of a file of
+/// `length` bytes, and the member's own header; `offset` is where the archive begins.
+fn hold_member(
+    member: &Member,
+    offset: u64,
+    (start, length): (u64, u64),
+    input: &mut (impl Read + Seek),
+) -> Result<(), Stop> {
+    let name = String::from_utf8_lossy(&member.name);
+    let at = member.at.saturating_add(offset);
+    if at >= length {
+        let one = format!("its list says that `{name}` is at byte {at}");
+        let other = format!("the file has {length} bytes");
+        return Err(Stop::twice(Format::Npz, start, one, other));
+    }
+    let local = input.seek(SeekFrom::Start(at)).and_then(|_| {
+        let mut local = vec![0; 30 + member.name.len()];
+        input.read_exact(&mut local).map(|()| local)
+    });
+    let unlike = |what: &str| {
+        let one = format!("its list says one thing of the {what} of `{name}`");
+        Err(Stop::twice(
+            Format::Npz,
+            at,
+            one,
+            "the array's own header another",
+        ))
+    };
+    let Ok(local) = local else {
+        return unlike("place");
+    };
+    let part = |from, to| local.get(from..to).unwrap_or_default();
+    if part(0, 4) != b"PK\x03\x04" {
+        return unlike("place");
+    }
+    if part(30, local.len()) != member.name || part(26, 28) != member.head(28, 30) {
+        return unlike("name");
+    }
+    if part(6, 8) != member.head(8, 10) || part(8, 10) != member.head(10, 12) {
+        return unlike("compression");
+    }
+    // Sizes in a data descriptor behind the data, or of 64 bits, are not in this header.
+    let later = part(6, 7).first().is_some_and(|flags| flags & 8 != 0);
+    if !later && part(14, 18) != member.head(16, 20) {
+        return unlike("check sum");
+    }
+    let elsewhere = |size: &[u8]| size == [0xFF; 4];
+    for (own, listed) in [((18, 22), (20, 24)), ((22, 26), (24, 28))] {
+        let (own, listed) = (part(own.0, own.1), member.head(listed.0, listed.1));
+        if !later && own != listed && !elsewhere(own) && !elsewhere(listed) {
+            return unlike("size");
         }
     }
     Ok(())

@@ -29,6 +29,7 @@ impl<N: Number> Cells<N> {
         let (number, description) = (&plan.number, &plan.description);
         let width = scratch.drive.len();
         let cells = rows.len() * width;
+        // The memory is what the cells see of the first frame, so that a still scene is silent.
         let mut filtered = Vec::with_capacity(cells);
         let mut pixels = Vec::with_capacity(cells);
         for y in rows.clone() {
@@ -60,6 +61,8 @@ impl<N: Number> Cells<N> {
             let (on, _) = thresholds.row(rows.start + cell / width);
             on[cell % width]
         };
+        // Each cell has leaked for a random part of its first leak interval, so that the leak's
+        // events do not come in step.
         if noise.leak_hz > 0.0 {
             for (cell, memory) in filtered.iter_mut().enumerate() {
                 let fallen = N::Real::from_f64(Noise::leaked(place(cell))) * on(cell);
