@@ -28,7 +28,7 @@ impl Counts {
         }
     }
 
-    /// The counts of the current pair, one plane for each channel.
+    /// The counts of the current interval, one plane for each channel.
     #[must_use]
     pub fn planes(&self) -> &[Plane<i32>] {
         &self.planes

@@ -1,7 +1,7 @@
 //! The model of one cell, from its drive to its train, in the order of the paper (So &
 //! Wetzstein, *Neural Ganglion Sensors*, arXiv 2504.13457).
 //!
-//! It is the definition: one cell, one pair of frames, one operation after the other. The
+//! It is the definition: one cell, one interval, one operation after the other. The
 //! other files of this folder compute the same for whole rows, and `tests/reference_twin.rs`
 //! holds them to it, to the bit, in every number format.
 //!
@@ -37,8 +37,8 @@
 //!
 //! The cell is given its drive (1): the sum over pixels is a step of its own. Drives, memories
 //! and their differences are held in the number format and rounded once an operation; (3) to
-//! (5) are computed in its [`Number::Real`], times in double precision. When noise makes stray
-//! events, and how it jitters a train, is not part of it.
+//! (5) are computed in its [`Number::Real`], times in double precision. Noise events, and
+//! the jitter of a train, are not part of it.
 //!
 //! ```
 //! use amacrine::number::F64;
@@ -55,8 +55,8 @@
 //! };
 //! let seen = |drive| Seen { signal: drive, drive, memory: 0.0 };
 //! let mut cell = Cell::<_, FilteredStep>::new(setting, 0.0, seen(0.0), 0.0);
-//! let pair = Interval { index: 0, from: 0.0, to: 0.01 };
-//! let train = cell.see(seen(0.8), pair).unwrap();
+//! let interval = Interval { index: 0, from: 0.0, to: 0.01 };
+//! let train = cell.see(seen(0.8), interval).unwrap();
 //! assert_eq!((train.count, train.first, train.spacing), (4, 0.25, 0.25));
 //! assert_eq!(cell.memory(), 0.8);
 //! ```

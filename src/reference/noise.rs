@@ -1,5 +1,5 @@
 //! Noise: what disturbs a cell. Each is off by default; each is a hash of
-//! (seed, reason, channel, pixel, pair), so the same seed gives the same events in any order
+//! (seed, reason, channel, pixel, interval), so the same seed gives the same events in any order
 //! of work.
 //!
 //! | key of `[noise]` | unit | what it does | rate on a still scene |
@@ -9,7 +9,7 @@
 //! | `shot-hz` | events/s | noise events in the dark, half ON half OFF, a Poisson process in each cell | `shot-hz` |
 //! | `shot-at-white` | - | the share of it that is left at light 255; a straight line between, constant above | `shot-hz (1 + (shot-at-white - 1) I / 255)` |
 //! | `hot-fraction`, `hot-hz` | -, events/s | this share of the cells fires ON at this rate instead, a Poisson process, whatever it sees | `hot-fraction hot-hz` per cell |
-//! | `jitter-us` | us | the events of a cell in a pair move together by a normal draw, reflected at the pair's frames | |
+//! | `jitter-us` | us | the events of a cell in an interval move together by a normal draw, reflected at the interval's ends | |
 //! | `cutoff-hz` | Hz | the photoreceptor is a first-order low-pass whose bandwidth grows with light, `cutoff-hz (I + 20) / 275` (v2e's law) | |
 //!
 //! The threshold's own mismatch is `sigma` of a channel's `threshold`.
@@ -20,7 +20,7 @@
 //!
 //! **Shot noise and hot pixels** leave the memory alone. Under a dead time a cell is deaf to
 //! them for that time after each of its events, and they give way to an event of the scene
-//! that follows within it in the same pair of frames.
+//! that follows within it in the same interval.
 //!
 //! **Low-pass.** The light of a frame is held since the frame before, so a step is followed as
 //! `1 - exp(-2π f t)` at any frame rate. It starts settled.
@@ -225,7 +225,7 @@ impl Noise {
         1.0 + (self.shot_at_white - 1.0) * (light / WHITE).clamp(0.0, 1.0)
     }
 
-    /// Moves a train by the cell's jitter, reflected so that it stays within the pair.
+    /// Moves a train by the cell's jitter, reflected so that it stays within the interval.
     pub(super) fn jitter(&self, train: Train, place: Place, interval: u64, dt: f64) -> Train {
         let shift = self.jitter_us * 1e-6 / dt * place.normal(Reason::Jitter, interval);
         let room = 1.0 - (train.last() - train.first);

@@ -172,7 +172,7 @@ pub trait Sink {
     /// Ends the interval.
     ///
     /// # Errors
-    /// When the sink cannot hold what it was told.
+    /// When the sink cannot hold what it has taken.
     fn end(&mut self) -> Result<(), SensorError>;
 }
 

@@ -1,6 +1,6 @@
 //! Binning: events into voxels, in closed form.
 //!
-//! Bins are centred on the frames. An event at `u` (0 at the earlier frame of its pair, 1 at
+//! Bins are centred on the frames. An event at `u` (0 at the earlier frame of its interval, 1 at
 //! the later) gives `1 - u` to the earlier bin and `u` to the later, as in the paper's Eq. 5-8
 //! (bilinear binning). A train of `N` events at `u_0 + i s` therefore gives, without a loop,
 //!

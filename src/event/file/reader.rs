@@ -46,7 +46,7 @@ impl Reader {
     /// Opens a file and reads what stands before its events.
     ///
     /// # Errors
-    /// When the format cannot be told, the file cannot be opened, or its header is not as the
+    /// When the format is not known, the file cannot be opened, or its header is not as the
     /// format says.
     pub fn open(path: &Path, how: &Opening) -> Result<Self, FileError> {
         Self::new(path, &Origin::File(path.to_owned()), how)

@@ -53,7 +53,7 @@ impl Format {
     /// first bytes.
     ///
     /// # Errors
-    /// When neither tells.
+    /// When neither says which.
     pub fn of_content(path: &Path, start: &[u8]) -> Result<Self, FileError> {
         let known = Self::by_extension(&extension(path));
         match known[..] {

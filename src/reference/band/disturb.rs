@@ -68,12 +68,12 @@ impl<N: Number> Band<N> {
         self.report.events += noise_events.len() as u64;
         while !noise_events.is_empty() {
             trains.counts.fill(0);
-            let mut told = None;
+            let mut passed = None;
             noise_events.retain(|(x, train)| {
-                if told == Some(*x) {
+                if passed == Some(*x) {
                     return true;
                 }
-                told = Some(*x);
+                passed = Some(*x);
                 trains.set(*x, Some(*train));
                 false
             });

@@ -115,11 +115,11 @@ impl Block {
     /// Packs the events of a cell beyond the first few; may write a few more than there are.
     #[inline(always)]
     fn more(&self, x: usize, quantiser: &TimeQuantiser, out: &mut [PackedEvent], count: usize) {
-        let mut told = FEW as f64;
+        let mut written = FEW as f64;
         let (fews, _) = out.as_chunks_mut::<FEW>();
         for few in fews.iter_mut().take(count.div_ceil(FEW)) {
-            *few = LANES.map(|i| self.event(x, told + i, quantiser));
-            told += FEW as f64;
+            *few = LANES.map(|i| self.event(x, written + i, quantiser));
+            written += FEW as f64;
         }
     }
 }

@@ -137,7 +137,7 @@ mod tests {
             prop_assert_eq!(time(1.0), Micros::from_seconds(to));
             prop_assert!(time(place) <= time(1.0));
             prop_assert!(time(0.0).0.abs_diff(Micros::from_seconds(from).0) <= 1);
-            // What notes say.
+            // What packed events hold.
             prop_assert_eq!(quantiser.whole(quantiser.since(place)) - TWO_52.to_bits(), quantiser.at(place));
         }
 

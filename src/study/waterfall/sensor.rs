@@ -208,7 +208,7 @@ mod tests {
     use super::*;
     use crate::{event::Polarity, plane::Plane};
 
-    /// Says what it was told to, frame by frame.
+    /// Emits the given events, frame by frame.
     struct Script(Vec<Vec<Event>>);
 
     impl Sensor for Script {
