@@ -10,7 +10,7 @@ use crate::{
     compare::{
         Comparison, Pair,
         equality::Side,
-        ruler::{Scales, Score, scores},
+        score::{Scales, Score, scores},
     },
     event::file::Loaded,
     plane::Size,
@@ -19,7 +19,9 @@ use crate::{
 
 /// What `compare` is asked to do.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: amacrine compare out/reference.npy out/device.npy --within 1ms")]
+#[command(
+    after_help = "Example: amacrine compare out/reference.npy out/device.npy --within 1ms\n\nBeside each metric stand its floor, its value for identical packets, and its ceilings, its values for agreement by accident: a redraw (right pixels, times drawn anew) and a permutation (right times, wrong pixels). docs/ruler.md has every metric."
+)]
 pub struct Arguments {
     /// The reference: an event file of any format
     a: files::Input,
@@ -27,7 +29,7 @@ pub struct Arguments {
     b: files::Input,
     #[command(flatten)]
     recording: Recording,
-    /// Events of one pixel, kind and sign match when their times differ by at most this
+    /// Events of one pixel, kind (which of its ganglion cells) and sign match when their times differ by at most this
     #[arg(long, default_value = "1ms", value_name = "TIME")]
     within: Micros,
     /// Bins of the voxel grids

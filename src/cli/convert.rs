@@ -48,7 +48,7 @@ pub struct Arguments {
     /// Only the events from FROM on and before TO, each with its unit; either may be left out
     #[arg(long, value_name = "FROM..TO", value_parser = slice)]
     slice: Option<(Micros, Micros)>,
-    /// Only this kind of cell, from 0
+    /// Only this kind of cell (which of the ganglion cells of a pixel), from 0
     #[arg(long, value_name = "N", conflicts_with = "each_kind")]
     kind: Option<u8>,
     /// One file for each kind of cell: B.kind0.EXT, B.kind1.EXT, …

@@ -33,12 +33,12 @@ pub struct Arguments {
     /// Length of a bit map's frame, and of the window that peaks are measured in
     #[arg(long, default_value = "10ms", value_name = "TIME")]
     window: Micros,
-    /// Make the code book from these frequencies of kinds, instead of the packet's own
+    /// Make the code book from these frequencies of kinds (ganglion cells of a pixel), instead of the packet's own
     #[arg(long, value_name = "N,N,…", value_delimiter = ',')]
     frequencies: Vec<u64>,
     #[command(flatten)]
     readout: readout::Choice,
-    /// Write the packet behind the readout
+    /// Write the packet behind the readout: the events that arrive
     #[arg(short, long, value_name = "FILE", requires = "readout", value_parser = Content::Events)]
     output: Option<Output>,
     /// Print one JSON object instead of the table

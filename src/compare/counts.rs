@@ -80,7 +80,7 @@ impl Measured<'_> {
     }
 }
 
-/// Counts of one kind of cell, [reference, judged].
+/// Counts of one kind of cell; pairs are [reference, judged].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Kind {
     /// Which, from 0.

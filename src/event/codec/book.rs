@@ -1,4 +1,4 @@
-//! Huffman's code for kinds: short words for what is frequent.
+//! Huffman codes for kinds of cells: short code words for frequent kinds.
 //!
 //! Lengths are Huffman's (1952), so no code of whole bits a kind is shorter in the mean; the
 //! mean lies from the entropy `H = -sum p log2 p` up to `H + 1`. Words are canonical: in order
@@ -12,17 +12,17 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use super::{BookFault, CodecError, wire::Reader};
 use crate::elementary;
 
-/// Stands for "no word" where a length would be.
+/// Stands for "no code word" in the list of lengths.
 const NONE: u8 = u8::MAX;
-/// The longest word. Counts of 64 bits give at most 91 bits.
+/// The longest code word, in bits. Counts of 64 bits lead to at most 91.
 const LONGEST: u8 = 127;
 
 /// A canonical Huffman code for kinds of cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CodeBook {
-    /// Of each kind; `None` for one that never comes.
+    /// Length of each kind's code word in bits; `None` for a kind that never comes.
     lengths: Vec<Option<u8>>,
-    /// Word of each kind, in the lowest bits.
+    /// Code word of each kind, in the lowest bits.
     words: Vec<u128>,
     /// Kinds in the order of their words.
     order: Vec<u8>,
@@ -117,7 +117,7 @@ impl CodeBook {
         Ok(book)
     }
 
-    /// A book from the beginning of words.
+    /// Reads a book from the beginning of a coded packet.
     pub(super) fn read(input: &mut Reader<'_>, kinds: u8) -> Result<Self, CodecError> {
         let bad = |byte, fault| CodecError::Book { byte, fault };
         let mut bytes = Vec::new();
@@ -146,7 +146,7 @@ impl CodeBook {
             return Err(bad(end, BookFault::Checksum { found, want }));
         }
         let lengths = bytes.get(1..end).unwrap_or_default();
-        // Kraft's sum in units of the longest word.
+        // Kraft's sum, in units of 2^-127.
         let mut room = 1_u128 << LONGEST;
         for (byte, length) in (1..).zip(lengths).filter(|(_, length)| **length != NONE) {
             if *length > LONGEST {
@@ -164,12 +164,13 @@ impl CodeBook {
         Ok(Self::with_lengths(lengths))
     }
 
-    /// The kind whose word comes next, bit by bit. A book is complete, so one does.
+    /// Decodes one kind, bit by bit. A book is complete, so every sequence of bits begins with a
+    /// code word.
     pub(super) fn decode<E>(&self, mut bit: impl FnMut() -> Result<bool, E>) -> Result<u8, E> {
         let (mut word, mut length) = (0_u128, 0);
         let mut at = 0;
         loop {
-            // Among the words of this length, which are consecutive numbers.
+            // The code words of one length are consecutive numbers.
             let kind = self.order.get(at).copied();
             match kind.and_then(|kind| Some((kind, self.word(kind)?))) {
                 Some((kind, (long, code))) if long == length => {
@@ -189,9 +190,9 @@ impl CodeBook {
     }
 }
 
-/// Lengths of Huffman's words: the two rarest become one, again and again, and each time all
-/// kinds in them get a bit longer. Among equally rare ones the earlier go first, so that the
-/// same counts give the same book everywhere.
+/// Huffman's algorithm: the two rarest groups are merged again and again, which makes the code
+/// words of all kinds in them one bit longer. Ties go to the earlier group, so that equal counts
+/// give the same book everywhere.
 fn lengths(counts: &[u64]) -> Vec<Option<u8>> {
     let mut lengths: Vec<Option<u8>> = counts.iter().map(|c| (*c > 0).then_some(0)).collect();
     let mut heap: BinaryHeap<_> = counts

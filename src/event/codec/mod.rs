@@ -215,7 +215,7 @@ impl Coded {
     }
 }
 
-/// Whether a row goes before this event.
+/// Whether an event begins a new burst, so that its row is sent.
 fn opens_burst(before: Option<&Event>, e: &Event) -> bool {
     before.is_none_or(|before| (before.t, before.y) != (e.t, e.y))
 }

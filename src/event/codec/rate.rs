@@ -1,4 +1,4 @@
-//! What a link must carry: bits over time.
+//! The bit rate of a packet: what a link must carry.
 
 use crate::{
     event::{Event, Packet, readout::Frame},
@@ -64,7 +64,7 @@ impl Rate {
     }
 }
 
-/// The most bits in a window, and when it begins.
+/// The most bits in a window, and the start of that window.
 fn busiest(events: &[Event], costs: &[u32], window: Micros) -> (u64, Option<Micros>) {
     let (mut most, mut from, mut inside) = (0, None, 0);
     let mut first = events.iter().zip(costs).peekable();

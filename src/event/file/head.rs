@@ -1,4 +1,4 @@
-//! What a writer is told before the events.
+//! What a writer needs to know before the events.
 
 use super::about::About;
 use crate::{

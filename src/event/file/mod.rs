@@ -6,7 +6,7 @@
 //!
 //! Time is absolute, y runs down. What a format cannot hold is refused, never clipped or
 //! flattened. A file that does not say its size gets the smallest that holds its events, and
-//! [`Loaded`] tells so.
+//! [`Loaded`] says so.
 //!
 //! A new format is a file beside these and a line of the list in `format.rs`;
 //! `docs/extending.md` walks through it.
@@ -122,13 +122,13 @@ pub fn write_as(
 /// several formats share the extension.
 ///
 /// # Errors
-/// When the format cannot be told, the file cannot be opened, or anything in it is not as the
+/// When the format is not known, the file cannot be opened, or anything in it is not as the
 /// format says; the message names the line and column, or the byte.
 pub fn read(path: &Path) -> Result<Loaded, FileError> {
     read_as(path, &Opening::default())
 }
 
-/// Reads an event file as it is told.
+/// Reads an event file, with what `how` says about it.
 ///
 /// # Errors
 /// As [`read`].

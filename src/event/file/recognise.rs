@@ -1,4 +1,4 @@
-//! Which format a file has: by its name, its first bytes, or what it is called.
+//! Recognising the format of a file: by its extension, its first bytes, or a given name.
 
 use std::{path::Path, str::FromStr};
 
@@ -53,7 +53,7 @@ impl Format {
     /// first bytes.
     ///
     /// # Errors
-    /// When neither tells.
+    /// When neither says which.
     pub fn of_content(path: &Path, start: &[u8]) -> Result<Self, FileError> {
         let known = Self::by_extension(&extension(path));
         match known[..] {

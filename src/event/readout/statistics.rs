@@ -1,4 +1,4 @@
-//! What a readout did to a packet.
+//! Statistics of a readout: events, latency, utilisation.
 
 use super::time::picos;
 use crate::{
@@ -6,7 +6,7 @@ use crate::{
     unit::Picos,
 };
 
-/// What a readout did to a packet.
+/// Statistics of a readout.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Statistics {
     /// Its name.
@@ -17,29 +17,29 @@ pub struct Statistics {
     pub dropped: Dropped,
     /// Time from firing to arrival, of the events that arrived; `None` when none did.
     pub latency: Option<Latency>,
-    /// What was busy, and how many waited for it.
+    /// Its stages: how busy they were, and how many events waited.
     pub stages: Vec<Stage>,
     /// Events at SCAMP-5's address (0,0), which a host may take for the end of its list.
     pub ambiguous: u64,
 }
 
-/// Times from firing to arrival. A quantile is the smallest latency that this part of the
-/// events does not exceed. What is [`Latency::BEYOND`] is that or longer: it is not written as
-/// a number, and there is no mean.
+/// Latencies, from firing to arrival. A quantile is the smallest latency that this part of the
+/// events does not exceed. [`Latency::BEYOND`] stands for that time or longer: it is written as
+/// `null`, and there is then no mean.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Latency {
     /// Mean, in seconds; infinite where one of them is not known.
     pub mean_s: f64,
-    /// Half of the events.
+    /// Median.
     #[serde(rename = "p50_ps", serialize_with = "known")]
     pub p50: Picos,
-    /// Nine of ten.
+    /// Quantile of 90 %.
     #[serde(rename = "p90_ps", serialize_with = "known")]
     pub p90: Picos,
-    /// All but one of a hundred.
+    /// Quantile of 99 %.
     #[serde(rename = "p99_ps", serialize_with = "known")]
     pub p99: Picos,
-    /// The longest.
+    /// Maximum.
     #[serde(rename = "max_ps", serialize_with = "known")]
     pub max: Picos,
 }
@@ -80,7 +80,7 @@ impl Latency {
     }
 }
 
-/// A part of a readout that serves one at a time.
+/// A stage of a readout, which serves one event at a time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Stage {
     /// Its name.

@@ -1,4 +1,4 @@
-//! Where a chip comes from: the shipped ones by name, any other from its folder.
+//! Finding a chip: the shipped ones by name, any other by its folder.
 
 use std::{
     path::{Path, PathBuf},

@@ -41,7 +41,7 @@ type Shipped = (
 // Every folder of `isa/` that has a `device.toml`, in order of names: `build.rs` lists them.
 pub(super) const SHIPPED: &[Shipped] = include!(concat!(env!("OUT_DIR"), "/chips.rs"));
 
-/// `a` extends `b` extends `c` …, at most.
+/// The longest chain of `extends`.
 const CHAIN: usize = 8;
 
 /// What a chip's folder holds.

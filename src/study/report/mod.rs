@@ -15,7 +15,7 @@ mod part;
 mod power;
 mod quantisation;
 mod reproduce;
-mod sight;
+mod snapshot;
 mod verdict;
 mod weights;
 
@@ -31,7 +31,7 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 
 /// The whole page.
 #[must_use]
-pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
+pub fn page(all: &Feasibility, snapshot: &Snapshot) -> String {
     let title = format!("Feasibility of {} on {}", all.kernel.name, all.chip.name);
     let whole = html! {
         (DOCTYPE)
@@ -52,7 +52,7 @@ pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
                 }
                 main {
                     (verdict::section(all))
-                    (sight::section(all, sight))
+                    (snapshot::section(all, snapshot))
                     (events::section(all))
                     (fall::section(all))
                     (chip::section(all))

@@ -1,4 +1,4 @@
-//! One point: its sensor is made, watches its scene, and is measured.
+//! Measuring a point: its sensor is made, watches its scene, and is compared.
 
 use serde_json::json;
 
@@ -135,7 +135,7 @@ fn watch(
     Ok((packet, f64::max(spent, 1e-9)))
 }
 
-/// A scene or a sensor stopped.
+/// Why a scene or a sensor stopped.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum Stop {
     #[error(transparent)]

@@ -37,7 +37,7 @@ const SENSOR: [&str; 18] = [
     "schedule",
 ];
 
-/// What error is weighed against.
+/// The columns that error may be weighed against.
 pub const COSTS: [&str; 4] = ["seconds_per_frame", "bits", "words", "state_memory_bytes"];
 
 /// The answer.
@@ -233,7 +233,7 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
     })
 }
 
-/// Says who is beaten by whom.
+/// Marks each sensor with the one that dominates it.
 fn judged(tasks: usize, mut sensors: Vec<Standing>) -> Group {
     sensors.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error)));
     let costs: Vec<Cost> = sensors

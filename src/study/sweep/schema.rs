@@ -67,7 +67,7 @@ fn of_side(side: Side) -> Json {
 }
 
 fn axis(key: &Key) -> Json {
-    let one = schema::kind(&key.kind.written());
+    let one = schema::kind(&key.kind.value_kind());
     let mut ways = vec![
         one.clone(),
         json!({"type": "array", "minItems": 1, "items": one}),

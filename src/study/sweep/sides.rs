@@ -1,4 +1,4 @@
-//! The sides of a study file, each with its axes.
+//! The sides of a study file: which sensors it varies, each with its axes.
 
 use super::{
     grid::{Axes, Axis},

@@ -1,7 +1,7 @@
 //! The waterfall: where the events of the float sensor go on the way to the chip.
 //!
 //! Every [`Cause`] is a switch on a sensor that runs: the first three on the float model, the
-//! others on the compiled program. Each step is told in both orders:
+//! others on the compiled program. Each step is measured in both orders:
 //!
 //! - **forward**: what adding it changes, given the steps before it. The sensors `f_0 … f_n`
 //!   have the first 0 … n steps on; step i is `f_(i-1)` against `f_i`.
@@ -225,7 +225,7 @@ pub fn ask(
             wide: Micros((1e6 / fps).ceil() as u64).max(question.within),
         },
     };
-    packets.told(question, &plan, &levels, &program)
+    packets.assemble(question, &plan, &levels, &program)
 }
 
 impl Plan {
@@ -318,7 +318,7 @@ impl Packets {
         ))
     }
 
-    fn told(
+    fn assemble(
         &self,
         question: &Question<'_>,
         plan: &Plan,

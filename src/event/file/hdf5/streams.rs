@@ -1,4 +1,4 @@
-//! The events of such a file, read and written.
+//! Reader and writer of event files in HDF5.
 
 use std::{
     io::{self, Seek, SeekFrom},
@@ -27,7 +27,7 @@ fn wrong(why: impl Into<String>) -> Stop {
     Stop::layout(Format::Hdf5, 0, why)
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     let unreadable = |e: Error| wrong(format!("cannot be read: {e}"));
     let file = match origin {
@@ -72,8 +72,8 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     })
 }
 
-/// `ms_to_idx`, which says the times of `t` again: for each millisecond the first event at or
-/// after it.
+/// A check of `ms_to_idx`, which repeats the times of `t`: the index of the first event at or after
+/// each millisecond.
 struct Index {
     entries: Dataset,
     length: u64,
@@ -99,7 +99,7 @@ impl Index {
         })
     }
 
-    /// What stands at a millisecond.
+    /// The entry of a millisecond.
     fn at(&mut self, millisecond: u64) -> Result<Option<i64>, Stop> {
         if millisecond >= self.length {
             return Ok(None);
@@ -118,18 +118,18 @@ impl Index {
         Ok(inside(self.from, &self.here))
     }
 
-    /// Holds the milliseconds up to this one to the event that is the first after them.
+    /// Checks the entries up to millisecond `to`, for which event `event` is the first.
     fn hold(&mut self, to: u64, event: u64) -> Result<(), Stop> {
         // Of a long silence the end says enough.
         self.next = self.next.max(to.saturating_sub(BLOCK as u64));
         while self.next <= to {
-            let Some(said) = self.at(self.next)? else {
+            let Some(stated) = self.at(self.next)? else {
                 return Ok(());
             };
-            if u64::try_from(said) != Ok(event) {
+            if u64::try_from(stated) != Ok(event) {
                 let millisecond = self.next;
                 let one = format!(
-                    "`ms_to_idx` says that event {said} is the first after {millisecond} ms"
+                    "`ms_to_idx` says that event {stated} is the first after {millisecond} ms"
                 );
                 let fault = Fault::twice(Format::Hdf5, one, format!("`t` says {event}"));
                 return Err(Stop::Fault(Place::Event(event), fault));
@@ -139,8 +139,8 @@ impl Index {
         Ok(())
     }
 
-    /// At the end: entries behind the last event say that no event comes, and the index of a
-    /// file of this program has none of them, and no fewer than there are.
+    /// Checks the entries behind the last event, which must say that no event comes; a file of this
+    /// program has no such entries, and no fewer than needed.
     fn end(&mut self, events: u64, ours: bool) -> Result<(), Stop> {
         let last = self.length.saturating_sub(1).min(self.next + BLOCK as u64);
         if ours && self.length != self.next {
@@ -155,7 +155,7 @@ impl Index {
     }
 }
 
-/// The columns side by side.
+/// Reads the columns side by side.
 pub(super) struct Reading {
     columns: Vec<Dataset>,
     index: Option<Index>,
@@ -215,7 +215,7 @@ impl Source for Reading {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) const fn sink(head: &Head) -> Writing {
     Writing {
         head: *head,
@@ -228,7 +228,7 @@ pub(super) const fn sink(head: &Head) -> Writing {
     }
 }
 
-/// A file in the making.
+/// A file being written.
 struct Open {
     place: Spool,
     file: File,
@@ -289,7 +289,7 @@ impl Writing {
         Ok(())
     }
 
-    /// Writes what waits.
+    /// Writes the events that wait.
     fn write(&mut self) -> Result<(), Error> {
         let Some(Open { file, .. }) = &self.open else {
             return Ok(());
