@@ -37,7 +37,7 @@ pub fn check(need: &Need, what: &str, help: &str) -> miette::Result<()> {
 
 /// How a scene is opened: within what may be held.
 pub fn opening(fps: Option<f64>) -> OpenOptions {
-    let memory = Some(Need::new().left(budget()));
+    let memory = Some(budget());
     OpenOptions { fps, memory }
 }
 

@@ -10,7 +10,7 @@ use crate::{
     compare::{
         Comparison, Pair,
         equality::Side,
-        ruler::{Scales, Score, scores},
+        score::{Scales, Score, scores},
     },
     event::file::Loaded,
     plane::Size,
@@ -19,7 +19,9 @@ use crate::{
 
 /// What `compare` is asked to do.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: amacrine compare out/reference.npy out/device.npy --within 1ms")]
+#[command(
+    after_help = "Example: amacrine compare out/reference.npy out/device.npy --within 1ms\n\nBeside each metric stand its floor, its value for identical packets, and its ceilings, its values for agreement by accident: a redraw (right pixels, times drawn anew) and a permutation (right times, wrong pixels). docs/ruler.md has every metric."
+)]
 pub struct Arguments {
     /// The reference: an event file of any format
     a: files::Input,
@@ -27,7 +29,7 @@ pub struct Arguments {
     b: files::Input,
     #[command(flatten)]
     recording: Recording,
-    /// Events of one pixel, kind and sign match when their times differ by at most this
+    /// Events of one pixel, kind (which of its ganglion cells) and sign match when their times differ by at most this
     #[arg(long, default_value = "1ms", value_name = "TIME")]
     within: Micros,
     /// Bins of the voxel grids
@@ -54,8 +56,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut judged = arguments.recording.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
-    let pair = Pair::of(&reference.packet, &judged.packet)?;
-    let comparison = Comparison::of(&pair, arguments.within);
+    let pair = Pair::new(&reference.packet, &judged.packet)?;
+    let comparison = Comparison::from_pair(&pair, arguments.within);
     let mut scales = Scales {
         bins: arguments.bins.into(),
         seed: arguments.seed,
@@ -70,8 +72,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     if arguments.json {
         let json = Json {
-            reference: Input::of(&arguments.a, &reference),
-            judged: Input::of(&arguments.b, &judged),
+            reference: Input::new(&arguments.a, &reference),
+            judged: Input::new(&arguments.b, &judged),
             comparison: &comparison,
             ruler: &ruler,
         };
@@ -110,7 +112,7 @@ impl serde::Serialize for Ruler {
         map.serialize_entry("bins", &self.scales.bins)?;
         map.serialize_entry("seed", &self.scales.seed)?;
         for score in &self.scores {
-            map.serialize_entry(&score.metric.key(), &ScoreJson::of(score))?;
+            map.serialize_entry(&score.metric.key(), &ScoreJson::new(score))?;
         }
         map.end()
     }
@@ -129,7 +131,7 @@ struct ScoreJson {
 }
 
 impl ScoreJson {
-    fn of(score: &Score) -> Self {
+    fn new(score: &Score) -> Self {
         Self {
             value: score.value,
             identical: score.identical,
@@ -197,7 +199,7 @@ struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    const fn of(file: &'a Path, loaded: &Loaded) -> Self {
+    const fn new(file: &'a Path, loaded: &Loaded) -> Self {
         Self {
             file,
             size: loaded.packet.size,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use image::{RgbImage, imageops};
-use miette::{Diagnostic as _, miette};
+use miette::miette;
 
 use crate::{
     compare::metric::Short,
@@ -11,7 +11,7 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{self, Change, Quantised, Quantiser, QuantiserNameError, Sum},
+        quantise::{self, Change, Quantised, Quantiser},
     },
     picture::{panel, write_png},
     plane::Plane,
@@ -28,6 +28,7 @@ use super::{
     content::Content,
     files::{Named, Output},
     progress::Progress,
+    quantiser::{Total, quantiser},
     window::Window,
 };
 
@@ -65,55 +66,13 @@ pub struct Arguments {
     #[arg(long, default_value = "scamp5", requires = "threshold")]
     chip: Named,
     /// How long to search for each program, in seconds of two cores of 2024, with --threshold
-    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds, requires = "threshold")]
+    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds, requires = "threshold")]
     effort: f64,
     #[command(flatten)]
     window: Window,
     /// Print one JSON object instead
     #[arg(long)]
     json: bool,
-}
-
-/// [`Sum`], as it is written.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum Total {
-    /// Whatever comes
-    Free,
-    /// 0: uniform light gives nothing
-    Zero,
-    /// That of the kernel, as near as the levels allow
-    Kept,
-}
-
-impl Total {
-    /// As it is written.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Free => "free",
-            Self::Zero => "zero",
-            Self::Kept => "kept",
-        }
-    }
-}
-
-impl From<Total> for Sum {
-    fn from(total: Total) -> Self {
-        match total {
-            Total::Free => Self::Free,
-            Total::Zero => Self::Zero,
-            Total::Kept => Self::Kept,
-        }
-    }
-}
-
-/// A quantiser, for the command line, which shows no help beside a message.
-pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
-    name.parse().map_err(|error: QuantiserNameError| {
-        let known = error
-            .help()
-            .map_or(String::new(), |help| format!("; known are {help}"));
-        format!("{error}{known}")
-    })
 }
 
 /// The end of its help.
@@ -176,7 +135,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         .to
         .iter()
         .zip(&all)
-        .map(|(to, quantised)| Row::of(*to, kernel, quantised))
+        .map(|(to, quantised)| Row::new(*to, kernel, quantised))
         .collect();
     if arguments.output.is_some() && all.len() != 1 {
         return Err(miette!(
@@ -340,7 +299,7 @@ fn tuned_table(answer: &Answer) -> String {
 }
 
 impl Row {
-    fn of(to: Quantiser, kernel: &Kernel, quantised: &Quantised) -> Self {
+    fn new(to: Quantiser, kernel: &Kernel, quantised: &Quantised) -> Self {
         let levels = quantised.levels.weights();
         Self {
             to: to.to_string(),

@@ -2,7 +2,7 @@
 //!
 //! Which events match depends on the window, and so does what matches by accident. So F1 is told
 //! for windows from 1 us to 1 s, with its **floor**: that of redraws of the reference, which have
-//! the right places and rates and times by accident ([`null`]). The **ceiling** is 1, that of
+//! the right places and rates and times by accident ([`baseline`]). The **ceiling** is 1, that of
 //! the reference itself. What lies between is *kept*:
 //!
 //! ```text
@@ -17,7 +17,7 @@
 
 use serde::Serialize;
 
-use super::{Pair, matching, null};
+use super::{Pair, baseline, matching};
 use crate::unit::Micros;
 
 /// Windows of the curve: 1, 2 and 5 of each decade from 1 us to 1 s.
@@ -89,7 +89,7 @@ impl Redraws {
     #[must_use]
     pub fn new(pair: &Pair, seed: u64) -> Self {
         let draws = (200_000 / pair.events()[0].max(1)).clamp(1, 16);
-        let draw = |k| null::redraw(pair, seed.wrapping_add(k));
+        let draw = |k| baseline::redraw(pair, seed.wrapping_add(k));
         Self((0..draws).map(draw).collect())
     }
 

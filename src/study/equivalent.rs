@@ -126,7 +126,7 @@ impl Ladder {
         fps: f64,
         seed: u64,
     ) -> Result<Self, CompareError> {
-        let own = Pair::of(&reference, &reference)?;
+        let own = Pair::new(&reference, &reference)?;
         let floor = Redraws::new(&own, seed).floor(window);
         let mut rungs = vec![Rung {
             part: 1.0,
@@ -137,7 +137,7 @@ impl Ladder {
             rungs.push(Rung {
                 part: *part,
                 events: packet.events.len() as u64,
-                f1: window::f1(&Pair::of(&reference, packet)?, window),
+                f1: window::f1(&Pair::new(&reference, packet)?, window),
             });
         }
         rungs.sort_by(|a, b| a.part.total_cmp(&b.part));
@@ -168,7 +168,7 @@ impl Ladder {
     /// # Errors
     /// When it is of another sensor.
     pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
-        let pair = Pair::of(&self.reference, packet)?;
+        let pair = Pair::new(&self.reference, packet)?;
         let point = Point::above(window::f1(&pair, self.window), self.floor, self.window);
         let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
@@ -226,7 +226,7 @@ impl Ladder {
         packet: &Packet,
         (part, tuned): (f64, &Packet),
     ) -> Result<(), CompareError> {
-        let pair = Pair::of(tuned, packet)?;
+        let pair = Pair::new(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
         let as_kept = self.floor + point.kept * (1.0 - self.floor);
         let (equivalent, is_least) = self.equivalent(as_kept);

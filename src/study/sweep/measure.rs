@@ -1,4 +1,4 @@
-//! One point: its sensor is made, watches its scene, and is measured.
+//! Measuring a point: its sensor is made, watches its scene, and is compared.
 
 use serde_json::json;
 
@@ -84,7 +84,7 @@ fn run(
         Some(Err(refusal)) => return Err(refusal.clone()),
         None => return Err(Refusal::Cannot("the f64 sensor was not made".to_owned())),
     };
-    let pair = Pair::of(truth, &packet)?;
+    let pair = Pair::new(truth, &packet)?;
     let frames = entry.scene.frames as f64;
     let on = packet
         .events
@@ -135,7 +135,7 @@ fn watch(
     Ok((packet, f64::max(spent, 1e-9)))
 }
 
-/// A scene or a sensor stopped.
+/// Why a scene or a sensor stopped.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum Stop {
     #[error(transparent)]

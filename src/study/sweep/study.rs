@@ -290,11 +290,11 @@ impl Reader<'_> {
         } else {
             None
         };
-        let Some(written) = sides else {
+        let Some(section) = sides else {
             self.faults.push(no_side());
             return None;
         };
-        let sides = self.sides(written, &axes, root.get("sample").is_some());
+        let sides = self.sides(section, &axes, root.get("sample").is_some());
         self.unused(&axes, &sides);
         let (settings, sample) = read?;
         let title = root.get("title").and_then(Node::as_text);
@@ -311,14 +311,14 @@ impl Reader<'_> {
     }
 }
 
-fn settings_of(written: &Section<'_>) -> Read<Settings> {
-    let times = |key: &str, usual: u64| match written.get(key) {
+fn settings_of(section: &Section<'_>) -> Read<Settings> {
+    let times = |key: &str, usual: u64| match section.get(key) {
         None => vec![Micros(usual)],
         Some(node) => each_once(node, |text| text.parse().ok()),
     };
     let metric = |text: &str| NAMES.into_iter().find(|name| *name == text);
-    let metrics = written.get("metrics");
-    let against = written.text("against")?;
+    let metrics = section.get("metrics");
+    let against = section.text("against")?;
     let against = AGAINST.into_iter().find(|name| *name == against);
     Ok(Settings {
         metrics: metrics.map_or(USUAL.to_vec(), |node| each_once(node, metric)),
@@ -326,7 +326,7 @@ fn settings_of(written: &Section<'_>) -> Read<Settings> {
         van_rossum: times("van-rossum", 5_000),
         victor_purpura: times("victor-purpura", 5_000),
         against: against.unwrap_or(AGAINST[0]),
-        effort: Effort::seconds(written.number("effort")?).states,
+        effort: Effort::seconds(section.number("effort")?).states,
     })
 }
 
