@@ -14,6 +14,7 @@ pub mod feasibility;
 mod fidelity;
 pub mod files;
 mod kernels;
+mod light;
 pub mod merge;
 pub mod mesh;
 mod opened;

@@ -26,6 +26,11 @@ pub fn bundled_with(options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError>
     if let Some(fps) = options.fps.filter(|fps| !rate::usable(*fps)) {
         return Err(SceneError::BadRate { fps });
     }
+    // It is small, and in memory anyway.
+    let options = &OpenOptions {
+        memory: None,
+        ..*options
+    };
     let (scene, source) = animation::play_apng(name, CLIP, *options)?;
     source.decode(scene, name, options)
 }

@@ -17,7 +17,10 @@ use crate::{
     number::Format,
     plane::Size,
     reference::MemoryRule,
-    rig::{self, RigError},
+    rig::{
+        self, RigError,
+        guard::{Guard, Warning},
+    },
     scene::{Frame, Scene},
     sensor::Sensor,
     unit::Micros,
@@ -103,6 +106,9 @@ pub struct Answer {
     pub reference_events: u64,
     /// A row for each quantiser.
     pub rows: Vec<Row>,
+    /// What makes these figures mean something else than they seem to.
+    #[serde(skip)]
+    pub warnings: Vec<Warning>,
 }
 
 /// Why there is no answer.
@@ -133,7 +139,7 @@ pub enum QuantisationError {
 pub fn ask(
     question: &Question<'_>,
     scene: &mut dyn Scene,
-    seen: impl FnMut(&Frame),
+    mut seen: impl FnMut(&Frame),
 ) -> Result<Answer, QuantisationError> {
     let size = scene.size();
     let design = question.design();
@@ -153,9 +159,15 @@ pub fn ask(
             );
         }
     }
-    let mut packets = rig::watch(scene, &mut sensors, seen)?.into_iter();
+    let mut guard = Guard::new();
+    let mut packets = rig::watch(scene, &mut sensors, |frame| {
+        guard.frame(frame);
+        seen(frame);
+    })?
+    .into_iter();
     let missing = |of: &str| QuantisationError::Packet(of.to_owned());
     let truth = packets.next().ok_or_else(|| missing("float"))?;
+    guard.packet("the float sensor", &truth);
     let mut rows = Vec::new();
     for Built {
         to,
@@ -165,9 +177,12 @@ pub fn ask(
     {
         let outcome = match program {
             Err(why) => Outcome::Refused(why),
-            Ok(Chips { cost, .. }) => {
+            Ok(Chips { cost, chips }) => {
+                let mut domains = chips.iter().map(|chip| chip.domain());
                 let mut score = || -> Result<Score, QuantisationError> {
                     let packet = packets.next().ok_or_else(|| missing(&to))?;
+                    let domain = domains.next().unwrap_or_default();
+                    guard.packet(&format!("{to} {domain}"), &packet);
                     let comparison = compare::compare(&truth, &packet, question.within)?;
                     Ok(Score::of(&comparison))
                 };
@@ -187,6 +202,7 @@ pub fn ask(
     Ok(Answer {
         reference_events: truth.events.len() as u64,
         rows,
+        warnings: guard.warnings(),
     })
 }
 
