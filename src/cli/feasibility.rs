@@ -8,8 +8,9 @@ use crate::{
     compile::Effort,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
+    rig::guard::Warning,
     save::save,
-    scene::{self, Scene, SceneError, part::Retimed},
+    scene::{Observation, Scene as _},
     study::{
         feasibility::{self, Feasibility, Fit, Question, Stream},
         report,
@@ -21,6 +22,7 @@ use super::{
     budget,
     content::Content,
     files::{Named, Output},
+    light::{self, Samples, Shown},
     progress::Progress,
     quantiser::Total,
     readout::Choice,
@@ -42,6 +44,8 @@ pub struct Arguments {
     /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long)]
     scene: Option<Named>,
+    #[command(flatten)]
+    samples: Samples,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
     /// best of the candidates
     #[arg(long, value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
@@ -109,7 +113,11 @@ const SENSORS: usize = 20;
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernel = kernel(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
-    let open = || arguments.open();
+    let observation = Observation::new();
+    let open = || {
+        let scene = arguments.scene.as_deref();
+        arguments.samples.open(scene, arguments.fps, &observation)
+    };
     let scene = open()?;
     budget::check_study(&*scene, SENSORS)?;
     let (frames, fps) = (scene.frames(), scene.fps());
@@ -137,17 +145,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let progress = Progress::new("watching", frames.map(|frames| 4 * frames));
     let answer = feasibility::ask(&question, &open, |_| progress.tick());
     progress.finish();
-    let (all, sight) = answer?;
+    let mut warnings = Warning::of_scene(&observation, 255.0);
+    light::warn(&warnings);
+    let (mut all, sight) = answer?;
+    light::warn(&all.warnings);
+    warnings.append(&mut all.warnings);
+    all.warnings = warnings;
     if let Some(path) = &arguments.output {
         let page = report::page(&all, &sight);
         save(path, |out| out.write_all(page.as_bytes()))?;
     }
     if arguments.json {
-        let json = serde_json::to_string(&all).into_diagnostic()?;
+        let json = serde_json::to_string(&Shown::new(&all, &observation)).into_diagnostic()?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = summary(&all);
+    let mut text = summary(&all) + &light::line(&observation);
     if let Some(path) = &arguments.output {
         let _ = writeln!(text, "\nwrote {}", path.display());
     }
@@ -169,15 +182,6 @@ fn kernel(name: &str) -> miette::Result<Kernel> {
 }
 
 impl Arguments {
-    fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        let options = budget::opening(self.fps);
-        match (&self.scene, self.fps) {
-            (Some(scene), _) => scene::open(scene, &options),
-            (None, None) => scene::bundled(),
-            (None, Some(fps)) => Ok(Box::new(Retimed::new(scene::bundled()?, fps)?)),
-        }
-    }
-
     /// The command that gives the same page again, every default written out.
     fn command(&self) -> String {
         let mut text = format!(
@@ -190,6 +194,9 @@ impl Arguments {
         };
         if let Some(scene) = &self.scene {
             add("scene", scene);
+        }
+        for (name, value) in self.samples.written() {
+            add(name, &value);
         }
         if let Some(to) = self.to {
             add("to", &to.to_string());

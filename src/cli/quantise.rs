@@ -15,8 +15,9 @@ use crate::{
     },
     picture::{panel, write_png},
     plane::Plane,
+    rig::guard::Warning,
     save::save,
-    scene::{self, Scene as _},
+    scene::{Observation, Scene as _},
     study::{
         equivalent::{self, Likeness},
         quantisation::{self, Answer, Outcome, Question},
@@ -27,6 +28,7 @@ use super::{
     budget,
     content::Content,
     files::{Named, Output},
+    light::{self, Samples},
     progress::Progress,
     quantiser::{Total, quantiser},
     window::Window,
@@ -62,6 +64,8 @@ pub struct Arguments {
     /// What they watch, with --threshold: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long, requires = "threshold")]
     scene: Option<Named>,
+    #[command(flatten)]
+    samples: Samples,
     /// A shipped chip by name, or the folder of another, with --threshold
     #[arg(long, default_value = "scamp5", requires = "threshold")]
     chip: Named,
@@ -103,6 +107,10 @@ struct Json {
     quantised: Vec<Row>,
     #[serde(skip_serializing_if = "Option::is_none")]
     chip: Option<Answer>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    light: Option<serde_json::Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    warnings: Option<Vec<Warning>>,
 }
 
 /// Runs the verb.
@@ -150,8 +158,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "--within is of no use without --threshold"
         ));
     }
+    let observation = Observation::new();
     let answer = match arguments.threshold {
-        Some(threshold) => Some(on_chip(arguments, kernel, threshold)?),
+        Some(threshold) => Some(on_chip(arguments, kernel, threshold, &observation)?),
         None => None,
     };
     if let (Some(path), [quantised]) = (&arguments.output, &all[..]) {
@@ -162,6 +171,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     if arguments.json {
         let json = Json {
+            light: answer.as_ref().map(|_| light::json(&observation)),
+            warnings: answer.as_ref().map(|answer| answer.warnings.clone()),
             chip: answer,
             kernel: rows_of(kernel.weights()),
             sum: kernel.sum(),
@@ -181,13 +192,19 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     text += &table(&rows);
     if let Some(answer) = &answer {
         text += &chip_table(arguments, answer);
+        text += &light::line(&observation);
     }
     super::say(&text);
     Ok(())
 }
 
 /// Each compiled, and run beside the float kernel.
-fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Result<Answer> {
+fn on_chip(
+    arguments: &Arguments,
+    kernel: &Kernel,
+    threshold: f64,
+    observation: &Observation,
+) -> miette::Result<Answer> {
     if !(threshold > 0.0 && threshold.is_finite()) {
         return Err(miette!(
             help = "give a positive number",
@@ -195,9 +212,9 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
         ));
     }
     let device = Device::find(&arguments.chip)?;
-    let open = || match &arguments.scene {
-        Some(scene) => scene::open(scene, &budget::opening(None)),
-        None => scene::bundled(),
+    let open = || {
+        let scene = arguments.scene.as_deref();
+        arguments.samples.open(scene, None, observation)
     };
     let scene = open()?;
     let sensors = 1 + equivalent::RUNGS.len() + 3 * arguments.to.len();
@@ -218,7 +235,12 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
     let progress = Progress::new("watching", frames.map(|frames| 2 * frames));
     let answer = quantisation::ask(&question, &open, |_| progress.tick());
     progress.finish();
-    Ok(answer?)
+    let warnings = Warning::of_scene(observation, 255.0);
+    light::warn(&warnings);
+    let mut answer = answer?;
+    light::warn(&answer.warnings);
+    answer.warnings.splice(0..0, warnings);
+    Ok(answer)
 }
 
 fn chip_table(arguments: &Arguments, answer: &Answer) -> String {

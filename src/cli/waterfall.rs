@@ -10,7 +10,8 @@ use crate::{
     compile::Effort,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
-    scene::{self, Scene as _},
+    rig::guard::Warning,
+    scene::{Observation, Scene as _},
     study::{
         design::Design,
         waterfall::{Question, Shares, Waterfall, ask},
@@ -21,6 +22,7 @@ use super::{
     budget,
     content::Content,
     files::{Named, Output},
+    light::{self, Samples, Shown},
     progress::Progress,
     quantiser::Total,
     readout::Choice,
@@ -47,6 +49,8 @@ pub struct Arguments {
     /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long)]
     scene: Option<Named>,
+    #[command(flatten)]
+    samples: Samples,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
@@ -116,10 +120,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for (figure, value) in &arguments.sets {
         device = device.what_if(*figure, *value)?;
     }
-    let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &budget::opening(None))?,
-        None => scene::bundled()?,
-    };
+    let observation = Observation::new();
+    let mut scene = arguments
+        .samples
+        .open(arguments.scene.as_deref(), None, &observation)?;
     let readout = arguments.readout.open_compiled()?;
     let question = Question {
         design: Design {
@@ -139,10 +143,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let progress = Progress::new("watching", scene.frames());
     let answer = ask(&question, &mut scene, |_| progress.tick());
     progress.finish();
-    let answer = answer.map_err(|error| {
+    let mut warnings = Warning::of_scene(&observation, 255.0);
+    light::warn(&warnings);
+    let mut answer = answer.map_err(|error| {
         let what = format!("no waterfall of {} on {}", arguments.kernel, arguments.chip);
         miette::Report::new(error).wrap_err(what)
     })?;
+    light::warn(&answer.warnings);
+    warnings.append(&mut answer.warnings);
+    answer.warnings = warnings;
     if let Some(path) = &arguments.output {
         let scene = arguments.scene.as_deref().unwrap_or("the bundled clip");
         let title = format!(
@@ -152,10 +161,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         path.draw(&answer.drawing(&title))?;
     }
     if arguments.json {
-        let json = serde_json::to_string(&answer).map_err(|e| miette!("{e}"))?;
+        let shown = Shown::new(&answer, &observation);
+        let json = serde_json::to_string(&shown).map_err(|e| miette!("{e}"))?;
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&table(&answer, readout.name()));
+        super::say(&(table(&answer, readout.name()) + &light::line(&observation)));
     }
     Ok(())
 }

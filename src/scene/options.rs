@@ -1,5 +1,6 @@
 //! Options for opening a scene.
 
+use super::Coding;
 use crate::memory::Budget;
 
 /// Options that every scene takes.
@@ -11,4 +12,6 @@ pub struct OpenOptions {
     /// What the program may hold, the reader included; `None` leaves it to the limits of frames.
     /// Frames of a few MiB are read in any case.
     pub memory: Option<Budget>,
+    /// What its samples mean, where the file is not to decide.
+    pub coding: Coding,
 }

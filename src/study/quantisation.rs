@@ -17,7 +17,10 @@ use crate::{
     number::Format,
     plane::Size,
     reference::MemoryRule,
-    rig::{self, RigError},
+    rig::{
+        self, RigError,
+        guard::{Guard, Warning},
+    },
     scene::{Frame, Scene, SceneError},
     sensor::Sensor,
     unit::Micros,
@@ -128,6 +131,9 @@ pub struct Answer {
     pub window_us: Micros,
     /// A row for each quantiser.
     pub rows: Vec<Row>,
+    /// What makes these figures mean something else than they seem to.
+    #[serde(skip)]
+    pub warnings: Vec<Warning>,
 }
 
 /// Why there is no answer.
@@ -188,11 +194,20 @@ pub fn ask(
     {
         sensors.push(chip);
     }
-    let packets = rig::watch(&mut *scene, &mut sensors, &mut seen)?;
+    let mut guard = Guard::new();
+    let packets = rig::watch(&mut *scene, &mut sensors, |frame| {
+        guard.frame(frame);
+        seen(frame);
+    })?;
     let (rungs, chips) = packets.split_at(floats.len());
     let [truth, rungs @ ..] = rungs else {
         return Err(QuantisationError::Packet("float".to_owned()));
     };
+    guard.packet("the float sensor", truth);
+    let names = built.iter().flat_map(Built::names);
+    for (name, packet) in names.zip(chips) {
+        guard.packet(&name, packet);
+    }
     let ladder = Ladder::new(truth.clone(), rungs, question.within, fps, question.seed)?;
     let mut judged = Vec::new();
     for packet in chips {
@@ -216,6 +231,7 @@ pub fn ask(
         fps,
         window_us: question.within,
         rows,
+        warnings: guard.warnings(),
     })
 }
 
@@ -230,6 +246,16 @@ struct Built {
 }
 
 impl Built {
+    /// What warnings call its chips.
+    fn names(&self) -> Vec<String> {
+        let chips = self
+            .program
+            .as_ref()
+            .map_or(&[][..], |program| &program.chips);
+        let name = |chip: &Box<dyn Array + Send>| format!("{} {}", self.to, chip.domain());
+        chips.iter().map(name).collect()
+    }
+
     /// The row of it, with the next two judgements: in exact arithmetic, and as silicon.
     fn judged(self, all: &mut impl Iterator<Item = Likeness>) -> Result<Row, QuantisationError> {
         let (headline, outcome) = match self.program {

@@ -6,6 +6,7 @@ use super::super::{
     content::Content,
     figure::figure,
     files::{Named, Output},
+    light::Samples,
     opened::Source,
 };
 use crate::{array::Arithmetic, event::file::Format, isa::Figure, limit::THREADS};
@@ -25,6 +26,8 @@ pub struct Arguments {
     /// The light: a picture, a clip, or pattern:NAME?key=value; a still picture is shown again and again
     #[arg(long)]
     pub(super) image: Option<Named>,
+    #[command(flatten)]
+    pub(super) samples: Samples,
     /// How many frames to run; the first one runs `init`, the others `frame`
     #[arg(long)]
     pub(super) frames: Option<u64>,

@@ -4,15 +4,12 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::{
-    super::{budget, files},
-    arguments::Arguments,
-};
+use super::{super::files, arguments::Arguments};
 use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
     program::Program,
-    scene::{ASSUMED_FPS, Frame, Scene, SceneError, open},
+    scene::{ASSUMED_FPS, Frame, Observation, Scene, SceneError},
 };
 
 /// The light, as it is asked for.
@@ -23,7 +20,11 @@ pub struct Light {
 }
 
 impl Light {
-    pub fn open(arguments: &Arguments, program: &Program) -> miette::Result<Self> {
+    pub fn open(
+        arguments: &Arguments,
+        program: &Program,
+        observation: &Observation,
+    ) -> miette::Result<Self> {
         let own = program.settings.image.as_ref().map(|image| {
             if image.starts_with("pattern:") {
                 return image.clone();
@@ -36,7 +37,7 @@ impl Light {
             files::reads(Path::new(image))?;
         }
         let scene = image
-            .map(|spec| open(spec, &budget::opening(asked)))
+            .map(|spec| arguments.samples.open(Some(spec), asked, observation))
             .transpose()?;
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let frames = arguments.frames.or(program.settings.frames);

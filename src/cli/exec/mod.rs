@@ -21,7 +21,7 @@ use self::{
     strip::Strip,
 };
 use super::files;
-use crate::picture::write_png;
+use crate::{picture::write_png, rig::guard::Guard};
 
 /// Runs the verb.
 ///
@@ -49,24 +49,30 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut chip = bench.chip(arguments.seed)?;
     let mut strip = Strip::default();
+    let mut guard = Guard::new();
     let (packet, frames) = if arguments.debug {
         let mut debugger = Debugger::new(&bench.opened);
         let seen = bench.watch(&mut *chip, |chip, moment, packet| {
+            guard.frame_at(moment.t);
             debugger.frame(chip, moment, packet)
         })?;
         debugger.end(&*chip)?;
         seen
     } else if arguments.strip.is_some() {
         bench.watch(&mut *chip, |chip, moment, packet| {
+            guard.frame_at(moment.t);
             strip.frame(&bench.opened, chip, moment, packet)?;
             Ok(ControlFlow::Continue(()))
         })?
     } else {
         bench.watch(&mut *chip, |chip, moment, packet| {
+            guard.frame_at(moment.t);
             moment.run(chip, packet)?;
             Ok(ControlFlow::Continue(()))
         })?
     };
+    let warnings = bench.warnings(guard, &*chip, &packet, frames);
+    super::light::warn(&warnings);
 
     // Before anything is written: it may have nothing to show.
     let strip = match &arguments.strip {
@@ -88,6 +94,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         arithmetic: bench.arithmetic,
         frames,
         packet: &packet,
+        light: &bench.observation,
+        warnings: &warnings,
     };
     if arguments.json {
         super::say(&format!("{}\n", report.json()));

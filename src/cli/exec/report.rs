@@ -2,10 +2,12 @@
 
 use serde_json::json;
 
-use super::reading;
+use super::{super::light, reading};
 use crate::{
     array::{Arithmetic, Array, Ledger, Readings},
     event::{Packet, Polarity},
+    rig::guard::Warning,
+    scene::Observation,
 };
 
 /// What the run gave.
@@ -15,6 +17,8 @@ pub struct Report<'a> {
     pub arithmetic: Arithmetic,
     pub frames: u64,
     pub packet: &'a Packet,
+    pub light: &'a Observation,
+    pub warnings: &'a [Warning],
 }
 
 impl Report<'_> {
@@ -72,6 +76,8 @@ impl Report<'_> {
             "dropped": self.packet.dropped,
             "ambiguous": ledger.ambiguous,
             "readings": readings,
+            "light": light::json(self.light),
+            "warnings": self.warnings,
         })
     }
 
@@ -104,6 +110,10 @@ impl Report<'_> {
                 cost.array_us, cost.host_us
             ),
         ];
+        let light = light::line(self.light);
+        if !light.is_empty() {
+            lines.push(light.trim_end().to_owned());
+        }
         if ledger.slots > 0 {
             lines.push(format!(
                 "events   {} ({on} ON, {off} OFF) in {} slots",

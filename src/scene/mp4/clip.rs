@@ -14,6 +14,7 @@ use openh264::{
 };
 
 use super::{
+    colour::Colour,
     parameters::Pictures,
     table::Sample,
     track::{NoTrack, Track},
@@ -23,6 +24,7 @@ use crate::{
     plane::{Plane, Size},
     scene::{
         Frame, OpenOptions, Scene, SceneError,
+        decoded::Source,
         light::{self, MemoryLimit},
         rate::Rate,
     },
@@ -40,6 +42,8 @@ pub(super) struct H264 {
     /// The memory limit, and the bytes that the decoder needs (`held`).
     room: MemoryLimit,
     held: u128,
+    /// What the container says, and the first parameter set that says anything.
+    colour: Colour,
     /// Length of the size field before each NAL unit, in bytes.
     length_bytes: usize,
     /// Decoded luma planes not yet given, in the order in which they are shown.
@@ -85,8 +89,9 @@ impl H264 {
         let room = MemoryLimit::new(options);
         let mut parameters = Vec::new();
         let mut held = 0;
+        let mut colour = track.colour;
         for unit in &track.parameters {
-            check_size(path, unit, room, &mut held)?;
+            check_set(path, unit, room, &mut held, &mut colour)?;
             push_unit(&mut parameters, unit);
         }
         decoder
@@ -100,6 +105,7 @@ impl H264 {
             samples_read: 0,
             room,
             held,
+            colour,
             length_bytes: track.length_bytes,
             ready: VecDeque::new(),
             flushed: false,
@@ -116,6 +122,11 @@ impl H264 {
         };
         clip.size = Size::of(first);
         Ok(clip)
+    }
+
+    /// What its samples are.
+    pub fn source(&self) -> Source {
+        self.colour.source()
     }
 
     fn wrong(&self, what: impl Into<String>) -> SceneError {
@@ -196,7 +207,13 @@ impl H264 {
             let Some(Some((unit, after))) = unit else {
                 return Err(self.wrong(format!("sample {} has a damaged unit", self.samples_read)));
             };
-            check_size(&self.path, unit, self.room, &mut self.held)?;
+            check_set(
+                &self.path,
+                unit,
+                self.room,
+                &mut self.held,
+                &mut self.colour,
+            )?;
             push_unit(&mut coded, unit);
             rest = after;
         }
@@ -251,16 +268,18 @@ impl Scene for H264 {
 }
 
 /// Where a NAL unit is a sequence parameter set, refuses pictures that are too large, before the
-/// decoder allocates them.
-fn check_size(
+/// decoder allocates them, and notes what their samples mean.
+fn check_set(
     path: &Path,
     unit: &[u8],
     room: MemoryLimit,
     held: &mut u128,
+    colour: &mut Colour,
 ) -> Result<(), SceneError> {
     let Some(pictures) = Pictures::from_unit(unit) else {
         return Ok(());
     };
+    *colour = colour.or(pictures.colour);
     let side = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let size = light::checked_size(path, side(pictures.height), side(pictures.width))?;
     *held = (*held).max(pictures.bytes());

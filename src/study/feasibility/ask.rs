@@ -56,7 +56,7 @@ pub fn ask(
     let program = compiled.as_ref().ok();
 
     let mut scene = open()?;
-    let (runs, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
+    let (mut runs, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
     let scene = SceneSummary::new(question.scene, &*scene, frames, &runs.float);
     let streams = runs.streams(question, scene.fps)?;
     let waterfall = match program {
@@ -108,6 +108,7 @@ pub fn ask(
         quantisation: table.into_iter().map(|(_, row)| row).collect(),
         mesh: meshes(question.kernel),
         assumptions: Assumption::all(question, &scene),
+        warnings: std::mem::take(&mut runs.warnings),
         scene,
     };
     feasibility.verdict = Verdict::new(&feasibility);

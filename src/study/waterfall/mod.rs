@@ -30,7 +30,10 @@ use crate::{
         fate::{Fate, Windows},
     },
     event::Packet,
-    rig::{self, RigError},
+    rig::{
+        self, RigError,
+        guard::{Guard, Warning},
+    },
     scene::{Frame, Scene},
     sensor::Sensor,
     unit::Micros,
@@ -56,6 +59,8 @@ pub struct Waterfall {
     pub steps: Vec<Step>,
     /// The float sensor against what leaves the chip, at once.
     pub ends: Fate,
+    /// What makes these figures mean something else than they seem to.
+    pub warnings: Vec<Warning>,
 }
 
 /// What the chip's program takes.
@@ -157,7 +162,9 @@ pub enum WaterfallError {
     Compare(#[from] CompareError),
     /// No event to follow.
     #[error("the float sensor has no event on this scene")]
-    #[diagnostic(help("lower the threshold, now {threshold}, or show a scene that moves"))]
+    #[diagnostic(help(
+        "lower the threshold, now {threshold}, or show a scene that moves, its light on the scale 0 to 255"
+    ))]
     Silent {
         /// The threshold.
         threshold: f64,
@@ -192,7 +199,7 @@ struct Pairs {
 pub fn ask(
     question: &Question<'_>,
     scene: &mut dyn Scene,
-    seen: impl FnMut(&Frame),
+    mut seen: impl FnMut(&Frame),
 ) -> Result<Waterfall, WaterfallError> {
     let (size, fps) = (scene.size(), scene.fps());
     let design = question.design;
@@ -208,7 +215,11 @@ pub fn ask(
     for sensor in &mut sensors {
         watching.push(sensor);
     }
-    let packets = rig::watch(scene, &mut watching, seen)?;
+    let mut guard = Guard::new();
+    let packets = rig::watch(scene, &mut watching, |frame| {
+        guard.frame(frame);
+        seen(frame);
+    })?;
     let packets = Packets {
         read: packets
             .iter()
@@ -225,7 +236,9 @@ pub fn ask(
             wide: Micros((1e6 / fps).ceil() as u64).max(question.within),
         },
     };
-    packets.assemble(question, &plan, &levels, &program)
+    guard.packet("the float sensor", packets.at(plan.float)?);
+    guard.packet("the chip", packets.at(plan.chip)?);
+    packets.assemble(question, &plan, &levels, &program, guard)
 }
 
 impl Plan {
@@ -324,6 +337,7 @@ impl Packets {
         plan: &Plan,
         levels: &Design<'_>,
         program: &Compiled,
+        guard: Guard,
     ) -> Result<Waterfall, WaterfallError> {
         let float_events = self.at(plan.float)?.events.len() as u64;
         if float_events == 0 {
@@ -363,6 +377,7 @@ impl Packets {
             },
             steps,
             ends: self.fate([plan.float, plan.chip])?,
+            warnings: guard.warnings(),
         })
     }
 }
