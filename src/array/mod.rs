@@ -14,6 +14,7 @@
 
 mod arithmetic;
 mod bits;
+mod border;
 mod check;
 mod chip;
 mod domain;
@@ -35,6 +36,7 @@ mod symbolic;
 
 pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use bits::BitPlane;
+pub use border::AtBorder;
 pub use check::{CodeError, CodeProblem, check};
 pub use chip::{Array, Chip, RunError, ShapeError};
 pub use domain::{Domain, Place, RowOps, Share, Undecided};

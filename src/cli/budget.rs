@@ -38,7 +38,11 @@ pub fn check(need: &Need, what: &str, help: &str) -> miette::Result<()> {
 /// How a scene is opened: within what may be held.
 pub fn opening(fps: Option<f64>) -> OpenOptions {
     let memory = Some(Need::new().left(budget()));
-    OpenOptions { fps, memory }
+    OpenOptions {
+        fps,
+        memory,
+        ..OpenOptions::default()
+    }
 }
 
 /// What a scene holds.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use crate::{
-    array::{Arithmetic, Array, Settings},
+    array::{Arithmetic, Array, AtBorder, Settings},
     compare::{Comparison, compare},
     event::{Packet, address, file},
     isa::Device,
@@ -13,9 +13,12 @@ use crate::{
     plane::Plane,
     program::{Cost, Overrides, Program},
     reference::{Description, Reference},
-    rig,
+    rig::{
+        self,
+        guard::{Guard, Warning},
+    },
     scene::{
-        Frame, Scene, bundled,
+        Frame, Observation, Observed, Scene, bundled,
         upsample::{Bound, Upsampled, Upsampling},
     },
     sensor::Sensor,
@@ -25,6 +28,7 @@ use crate::{
 use super::{
     content::Content,
     files::{self, Output},
+    light,
     progress::Progress,
     timed::Timed,
 };
@@ -91,7 +95,9 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     files::writes(events(&arguments.out).into_iter().flatten())?;
     files::writes(pictures(&arguments.out))?;
-    let mut scene = Upsampled::new(bundled()?, UPSAMPLING)?;
+    let observation = Observation::new();
+    let clip: Box<dyn Scene> = Box::new(Observed::new(bundled()?, &observation));
+    let mut scene = Upsampled::new(clip, UPSAMPLING)?;
     let size = scene.size();
     let mut reference = Timed::new(Reference::new(description()?, size, arguments.seed)?);
     let device = Device::scamp5();
@@ -111,7 +117,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         chips.push(Timed::new(chip));
     }
 
-    let mut moments = Moments::default();
+    let (mut moments, mut guard) = (Moments::default(), Guard::new());
     let progress = Progress::new("watching", None);
     let mut sensors: Vec<&mut (dyn Sensor + Send)> = vec![&mut reference];
     sensors.extend(
@@ -121,10 +127,25 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     );
     let mut packets = rig::watch(&mut scene, &mut sensors, |frame| {
         moments.see(frame);
+        guard.frame(frame);
         progress.tick();
     })?;
     progress.finish();
     let truth = packets.remove(0);
+    guard.packet("float", &truth);
+    for (((domain, _), packet), chip) in DOMAINS.iter().zip(&packets).zip(&chips) {
+        let subject = format!("array {domain}");
+        guard.packet(&subject, packet);
+        let ends = domain.parse::<Arithmetic>()?.ends(&device, &settings);
+        for at in ends.map_or(Vec::new(), |ends| AtBorder::registers(&*chip.sensor, ends)) {
+            let place = format!("{} after the last frame", at.register);
+            let counted = (at.pixels, at.of);
+            guard.warn(Warning::saturation(&subject, &place, counted, at.ends));
+        }
+    }
+    let mut warnings = Warning::of_scene(&observation, 255.0);
+    warnings.append(&mut guard.warnings());
+    light::warn(&warnings);
 
     let mut scores = Vec::new();
     for packet in &packets {
@@ -142,6 +163,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         scores: &scores,
         cost,
         scene: &scene,
+        observation: &observation,
+        warnings: &warnings,
         written,
     };
     if arguments.json {
@@ -244,6 +267,8 @@ struct Story<'a> {
     scores: &'a [[Comparison; 2]],
     cost: Cost,
     scene: &'a Upsampled<Box<dyn Scene>>,
+    observation: &'a Observation,
+    warnings: &'a [Warning],
     written: Vec<PathBuf>,
 }
 
@@ -282,6 +307,12 @@ impl Story<'_> {
         );
         let mut lines = vec![
             scene,
+            format!(
+                "light      {}",
+                light::line(self.observation)
+                    .trim_start_matches("light")
+                    .trim()
+            ),
             "           (linear in light between two frames: things fade, they do not move)"
                 .to_owned(),
             format!(
@@ -393,6 +424,8 @@ impl Story<'_> {
             },
             "devices": devices.collect::<Vec<_>>(),
             "written": self.written,
+            "light": light::json(self.observation),
+            "warnings": self.warnings,
         })
     }
 }

@@ -8,8 +8,9 @@ use crate::{
     compile::Effort,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
+    rig::guard::Warning,
     save::save,
-    scene::{self, Scene, SceneError, part::Retimed},
+    scene::{Observation, Scene as _},
     study::{
         feasibility::{self, Feasibility, Fit, Question, Stream},
         report,
@@ -19,8 +20,10 @@ use crate::{
 
 use super::{
     budget,
+    clip::Clip,
     content::Content,
     files::{Named, Output},
+    light::{self, Shown},
     progress::Progress,
     quantise::Total,
     readout::Choice,
@@ -39,9 +42,8 @@ pub struct Arguments {
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
-    /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
-    #[arg(long)]
-    scene: Option<Named>,
+    #[command(flatten)]
+    clip: Clip,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
     /// best of the candidates
     #[arg(long, value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
@@ -50,14 +52,11 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = "ternary,po2-2,po2-4,int-3,int-5", value_parser = super::quantise::quantiser)]
     candidates: Vec<Quantiser>,
     /// What quantised kernels must sum to
-    #[arg(long, value_enum, default_value = "kept")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
-    /// Frames a second of the scene, with which the chip must keep up; instead of what it says
-    #[arg(long)]
-    fps: Option<f64>,
     /// How long each frame is exposed, such as 2ms
     #[arg(long)]
     exposure: Option<Micros>,
@@ -96,9 +95,6 @@ fn energy(text: &str) -> Result<Energy, String> {
     }
 }
 
-/// What the scene is called where none was given.
-const BUNDLED: &str = "the bundled clip";
-
 /// Sensors that watch side by side, at most: those of the waterfall.
 const SENSORS: usize = 20;
 
@@ -109,7 +105,8 @@ const SENSORS: usize = 20;
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernel = kernel(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
-    let open = || arguments.open();
+    let observation = Observation::new();
+    let open = || arguments.clip.open(&observation);
     let scene = open()?;
     budget::check_study(&*scene, SENSORS)?;
     let (frames, fps) = (scene.frames(), scene.fps());
@@ -130,24 +127,29 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         seed: arguments.seed,
         readout: Choice::default().open_compiled()?.readout()?,
         within: arguments.window.at(fps),
-        scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
+        scene: arguments.clip.name(),
         command: &command,
     };
     // For the table twice, for the sensors and for the waterfall.
     let progress = Progress::new("watching", frames.map(|frames| 4 * frames));
     let answer = feasibility::ask(&question, &open, |_| progress.tick());
     progress.finish();
-    let (all, sight) = answer?;
+    let mut warnings = Warning::of_scene(&observation, 255.0);
+    light::warn(&warnings);
+    let (mut all, sight) = answer?;
+    light::warn(&all.warnings);
+    warnings.append(&mut all.warnings);
+    all.warnings = warnings;
     if let Some(path) = &arguments.output {
         let page = report::page(&all, &sight);
         save(path, |out| out.write_all(page.as_bytes()))?;
     }
     if arguments.json {
-        let json = serde_json::to_string(&all).into_diagnostic()?;
+        let json = serde_json::to_string(&Shown::new(&all, &observation)).into_diagnostic()?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = summary(&all);
+    let mut text = light::of_kernels(&all.warnings) + &summary(&all) + &light::line(&observation);
     if let Some(path) = &arguments.output {
         let _ = writeln!(text, "\nwrote {}", path.display());
     }
@@ -169,15 +171,6 @@ fn kernel(name: &str) -> miette::Result<Kernel> {
 }
 
 impl Arguments {
-    fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        let options = budget::opening(self.fps);
-        match (&self.scene, self.fps) {
-            (Some(scene), _) => scene::open(scene, &options),
-            (None, None) => scene::bundled(),
-            (None, Some(fps)) => Ok(Box::new(Retimed::new(scene::bundled()?, fps)?)),
-        }
-    }
-
     /// The command that gives the same page again, every default written out.
     fn command(&self) -> String {
         let mut text = format!(
@@ -188,8 +181,8 @@ impl Arguments {
         let mut add = |name: &str, value: &str| {
             let _ = write!(text, " --{name} {}", quoted(value));
         };
-        if let Some(scene) = &self.scene {
-            add("scene", scene);
+        for (name, value) in self.clip.written() {
+            add(name, &value);
         }
         if let Some(to) = self.to {
             add("to", &to.to_string());
@@ -198,9 +191,6 @@ impl Arguments {
         add("candidates", &candidates.join(","));
         add("sum", self.sum.name());
         add("chip", &self.chip);
-        if let Some(fps) = self.fps {
-            add("fps", &fps.to_string());
-        }
         if let Some(exposure) = self.exposure {
             add("exposure", &format!("{}us", exposure.0));
         }

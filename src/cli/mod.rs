@@ -2,6 +2,7 @@
 
 pub mod asm;
 mod budget;
+mod clip;
 pub mod compare;
 pub mod compile;
 pub mod content;
@@ -14,6 +15,7 @@ pub mod feasibility;
 mod fidelity;
 pub mod files;
 mod kernels;
+mod light;
 pub mod merge;
 pub mod mesh;
 mod opened;

@@ -12,14 +12,18 @@ use crate::{
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
     number::{Format, Number, Visitor},
+    photoreceptor::{Curve, Response},
     plane::Size,
     reference::{
-        Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Tally, VoxelGrid,
-        WhenFull,
+        Counts, Description, EventList, Firing, Limit, Reference, RefractoryRule, Report, Tally,
+        VoxelGrid, WhenFull,
     },
-    rig,
+    rig::{
+        self,
+        guard::{Crowd, Guard, Warning},
+    },
     save::Stack,
-    scene::{Scene, open, upsample},
+    scene::{Frame, Observation, Scene, upsample},
     source,
     study::plan::{Effect, Plan, cost},
     unit::Micros,
@@ -30,6 +34,7 @@ use super::{
     content::Content,
     fidelity::Fidelity,
     files::{self, Input, Named, Output},
+    light::{self, Samples},
     progress::Progress,
     readout,
 };
@@ -49,6 +54,8 @@ pub struct Arguments {
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
+    #[command(flatten)]
+    samples: Samples,
     /// Insert frames so that no pixel's light changes by more than this from one to the next, in ln units
     #[arg(long, value_name = "CONTRAST")]
     upsample: Option<f64>,
@@ -131,7 +138,7 @@ impl Arguments {
             ));
         }
         let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
-        let options = budget::opening(self.fps);
+        let options = self.samples.opening(self.fps);
         let plan = self.fidelity.plan(
             &self.scene,
             &options,
@@ -150,7 +157,10 @@ fn watched(
     description: &Description,
     plan: Option<&Plan>,
 ) -> miette::Result<()> {
-    let scene = open(&arguments.scene, &budget::opening(arguments.fps))?;
+    let observation = Observation::new();
+    let scene = arguments
+        .samples
+        .open(Some(&arguments.scene), arguments.fps, &observation)?;
     let sensor = description.clone();
     let scene = upsample::by_contrast(scene, arguments.upsample)?;
     let watched = arguments.format.visit(Run {
@@ -158,16 +168,22 @@ fn watched(
         description: sensor,
         scene,
     });
-    let watched = watched
+    let mut warnings = Warning::of_scene(&observation, white(description.response));
+    light::warn(&warnings);
+    let mut watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
+    light::warn(&watched.warnings);
+    warnings.append(&mut watched.warnings);
     if arguments.json {
         let mut json = watched.json(arguments, description);
+        json["light"] = light::json(&observation);
+        json["warnings"] = json!(warnings);
         if let Some(plan) = plan {
             json["fidelity"] = arguments.fidelity.json(plan)?;
         }
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&watched.table(arguments, description));
+        super::say(&watched.table(arguments, description, &light::line(&observation)));
         if let Some(plan) = plan {
             super::say(&arguments.fidelity.lines(plan));
         }
@@ -215,6 +231,7 @@ struct Watched {
     dropped: u64,
     read_out: Option<(ReadoutDescription, Statistics)>,
     paper_metric: Option<f64>,
+    warnings: Vec<Warning>,
 }
 
 /// The run, in whatever number format is asked for.
@@ -241,6 +258,8 @@ fn watch<N: Number>(
     let size = scene.size();
     let channels = description.channels.len();
     let refractory = description.refractory;
+    let response = description.response;
+    let name = description.name.clone();
     let limit = Limit {
         events: events(
             arguments,
@@ -276,6 +295,9 @@ fn watch<N: Number>(
     let progress = Progress::new("watching", scene.frames());
 
     let (mut first, mut last, mut too_short) = (None, 0.0, 0);
+    let mut firing = Firing::new();
+    let mut crowd = Crowd::new((channels * size.pixels()) as u64);
+    let mut border = Border::new(arguments.format, response);
     let mut list = arguments
         .events
         .as_ref()
@@ -283,8 +305,14 @@ fn watch<N: Number>(
     let frames = rig::play(&mut scene, |frame| {
         reference.watch_into(
             &frame,
-            &mut ((&mut tally, &mut list), (&mut counts, &mut grid)),
+            &mut (
+                ((&mut tally, &mut firing), &mut list),
+                (&mut counts, &mut grid),
+            ),
         )?;
+        // The first frame sets the memory.
+        crowd.see(if first.is_some() { firing.cells() } else { 0 });
+        border.see(&frame);
         if first.is_some() {
             if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
                 stack.push(counts.planes().iter().cloned())?;
@@ -319,6 +347,21 @@ fn watch<N: Number>(
         packet = read.packet;
         read_out = Some((chosen, read.statistics));
     }
+    let mut guard = Guard::new();
+    if tally.total() == 0 {
+        guard.warn(Warning::no_events(&name, Some(frames)));
+    }
+    if crowd.over > 0 {
+        guard.warn(Warning::most_cells(&name, &crowd));
+    }
+    let lost = packet.dropped.no_slot;
+    if lost > 0 {
+        let kept = packet.events.len() as u64;
+        guard.warn(Warning::slots("the readout", lost, kept));
+    }
+    if let Some(warning) = border.warning(&name) {
+        guard.warn(warning);
+    }
     if let Some(path) = &arguments.events {
         path.write(&packet)?;
     }
@@ -336,7 +379,66 @@ fn watch<N: Number>(
         dropped,
         read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
+        warnings: guard.warnings(),
     })
+}
+
+/// The light that a sensor takes for white; 255 where its response does not say.
+fn white(response: Response) -> f64 {
+    match response.curve {
+        Curve::Linear { white } | Curve::Log { white, .. } => white,
+        Curve::Identity | Curve::LinLog { .. } => 255.0,
+    }
+}
+
+/// Counts the signals that a fixed-point format cannot hold.
+struct Border {
+    /// The ends of the format.
+    ends: Option<[f64; 2]>,
+    format: Format,
+    response: Response,
+    at: u64,
+    all: u64,
+}
+
+impl Border {
+    fn new(format: Format, response: Response) -> Self {
+        let ends = match format {
+            Format::Fixed(fixed) => {
+                let most = f64::from(1_u32 << (fixed.integer() - 1));
+                Some([-most, most])
+            }
+            _ => None,
+        };
+        Self {
+            ends,
+            format,
+            response,
+            at: 0,
+            all: 0,
+        }
+    }
+
+    fn see(&mut self, frame: &Frame) {
+        let Some([low, high]) = self.ends else {
+            return;
+        };
+        let signals = frame.light.iter().map(|light| self.response.apply(*light));
+        let beyond = signals.filter(|signal| {
+            signal
+                .as_ref()
+                .is_ok_and(|signal| *signal < low || *signal >= high)
+        });
+        self.at += beyond.count() as u64;
+        self.all += frame.light.len() as u64;
+    }
+
+    fn warning(&self, subject: &str) -> Option<Warning> {
+        let place = format!("the signals, held in {}", self.format);
+        let ends = self.ends.filter(|_| self.at > 0)?;
+        let counted = (self.at, self.all);
+        Some(Warning::saturation(subject, &place, counted, ends))
+    }
 }
 
 /// How many events the list may hold, after all that a run holds besides.
@@ -461,7 +563,7 @@ impl Watched {
         })
     }
 
-    fn table(&self, arguments: &Arguments, description: &Description) -> String {
+    fn table(&self, arguments: &Arguments, description: &Description, light: &str) -> String {
         let kinds = self.tally.kinds();
         let total = self.tally.total();
         let (on, off) = kinds
@@ -488,6 +590,7 @@ impl Watched {
                 "scene    {}, {}, {} frames in {:.6} s, {} frames/s{assumed}",
                 arguments.scene, self.size, self.frames, self.seconds, self.fps
             ),
+            light.trim_end().to_owned(),
             format!(
                 "events   {total} ({on} ON, {off} OFF), {:.4} per pixel per second",
                 self.per_pixel_second()

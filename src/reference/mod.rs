@@ -18,6 +18,7 @@ mod counts;
 mod description;
 mod drive;
 mod fire;
+mod firing;
 mod list;
 mod low_pass;
 mod memory;
@@ -44,6 +45,7 @@ pub use description::{
     Border, Channel, Description, MemoryRule, PolarityRule, ReadFile, Refractory, RefractoryRule,
     Threshold, keys,
 };
+pub use firing::{Firing, FiringBand};
 pub use list::{EventList, Limit, ListBand, WhenFull};
 pub use noise::Noise;
 pub use report::Report;

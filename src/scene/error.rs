@@ -429,6 +429,18 @@ pub enum SceneError {
         offset: f64,
     },
 
+    /// Samples cannot be what the caller says.
+    #[error("{path}: {what}")]
+    #[diagnostic(help("{help}"))]
+    Coding {
+        /// The scene.
+        path: PathBuf,
+        /// What was asked for.
+        what: String,
+        /// What to do.
+        help: &'static str,
+    },
+
     /// A bound of the upsampling that bounds nothing.
     #[error("upsampling: {name} is {got}, expected {want}")]
     #[diagnostic(help("a contrast of 0.1 and an offset of 1 suit 8-bit video"))]

@@ -10,6 +10,7 @@ use std::{
 
 use super::{
     Frame, OpenOptions, Scene, SceneError,
+    decoded::Source,
     light::{self, MemoryLimit},
     rate::Rate,
     still,
@@ -33,8 +34,11 @@ struct Folder {
     rate: Rate,
 }
 
-/// Opens a folder.
-pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
+/// Opens a folder. The bits of a sample are those of the first picture.
+pub(super) fn open(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<(impl Scene + use<>, Source), SceneError> {
     let unreadable = |cause| SceneError::unreadable(path, cause);
     let mut pictures = Vec::new();
     for entry in fs::read_dir(path).map_err(unreadable)? {
@@ -65,8 +69,8 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
             missing: "picture",
         });
     };
-    let light = still::read(&path.join(first), 0, room)?;
-    Ok(Folder {
+    let (light, bits) = still::read_with_bits(&path.join(first), 0, room)?;
+    let folder = Folder {
         path: path.into(),
         room,
         left,
@@ -79,7 +83,8 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
             light,
         }),
         rate: Rate::asked_or_assumed(options.fps),
-    })
+    };
+    Ok((folder, Source::pictures(bits)))
 }
 
 impl Scene for Folder {

@@ -1,4 +1,4 @@
-//! `.npy` arrays of shape `(frames, height, width)`: light as given, never rescaled.
+//! `.npy` arrays of shape `(frames, height, width)`: numbers as given.
 //!
 //! The numbers are read frame by frame; `ndarray-npy`, which reads whole arrays, would hold
 //! the clip in memory. Format: `numpy.lib.format`, versions 1 to 3.
@@ -8,7 +8,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Frame, OpenOptions, Scene, SceneError, light, light::MemoryLimit, rate::Rate};
+use super::{
+    Frame, OpenOptions, Scene, SceneError, decoded::Source, light, light::MemoryLimit, rate::Rate,
+};
 use crate::plane::Size;
 
 /// The first bytes of every file.
@@ -30,7 +32,10 @@ pub(super) struct Npy<R> {
 }
 
 /// Opens an `.npy` file.
-pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
+pub(super) fn open(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<(impl Scene + use<>, Source), SceneError> {
     let stream = light::open_file(path)?;
     let length = stream
         .get_ref()
@@ -38,7 +43,9 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
         .ok()
         .filter(std::fs::Metadata::is_file)
         .map(|data| data.len());
-    Npy::new(path, stream, length, options)
+    let npy = Npy::new(path, stream, length, options)?;
+    let source = npy.number.source();
+    Ok((npy, source))
 }
 
 impl<R: Read + Send> Npy<R> {
@@ -238,6 +245,16 @@ impl Number {
             kind,
             big_end_first,
         })
+    }
+
+    /// What such numbers are as samples; those with a sign have no range.
+    fn source(self) -> Source {
+        match self.kind {
+            Kind::F2 | Kind::F4 | Kind::F8 => Source::floats(),
+            Kind::U1 => Source::integers(Some(8)),
+            Kind::U2 => Source::integers(Some(16)),
+            _ => Source::integers(None),
+        }
     }
 
     fn bytes(self) -> usize {

@@ -1,5 +1,7 @@
 //! Options for opening a scene.
 
+use super::Coding;
+
 /// Options that every scene takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OpenOptions {
@@ -8,4 +10,6 @@ pub struct OpenOptions {
     pub fps: Option<f64>,
     /// The most bytes that the reader may hold; `None` leaves it to the limits of frames.
     pub memory: Option<u64>,
+    /// What its samples mean, where the file is not to decide.
+    pub coding: Coding,
 }

@@ -1,6 +1,6 @@
 //! Scenes made of another scene: its first frames, or its frames at another rate.
 
-use super::{Frame, Scene, SceneError};
+use super::{Frame, Light, Scene, SceneError};
 use crate::plane::Size;
 
 /// The first frames of a scene.
@@ -44,6 +44,10 @@ impl<S: Scene> Scene for First<S> {
         self.left -= 1;
         self.source.next_frame()
     }
+
+    fn coding(&self) -> Light {
+        self.source.coding()
+    }
 }
 
 /// A scene whose frames come at another rate.
@@ -86,5 +90,9 @@ impl<S: Scene> Scene for Retimed<S> {
             seconds: frame.index as f64 / self.fps,
             ..frame
         }))
+    }
+
+    fn coding(&self) -> Light {
+        self.source.coding()
     }
 }

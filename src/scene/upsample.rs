@@ -8,7 +8,7 @@
 
 use ndarray::Zip;
 
-use super::{Frame, Scene, SceneError, light};
+use super::{Frame, Light, Scene, SceneError, light};
 use crate::{
     elementary,
     plane::{Plane, Size},
@@ -173,6 +173,10 @@ impl<S: Scene> Scene for Upsampled<S> {
 
     fn fps_is_assumed(&self) -> bool {
         self.source.fps_is_assumed()
+    }
+
+    fn coding(&self) -> Light {
+        self.source.coding()
     }
 
     /// Not known beforehand; [`source`](Upsampled::source) knows how many it has.

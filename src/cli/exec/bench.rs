@@ -15,14 +15,17 @@ use super::{
     light::{Lasting, size},
 };
 use crate::{
-    array::{Arithmetic, Array, RunError, Schedule, Settings},
+    array::{Arithmetic, Array, AtBorder, RunError, Schedule, Settings},
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,
     memory::Need,
     program::{Expansion, Program},
-    rig,
-    scene::Scene,
+    rig::{
+        self,
+        guard::{Guard, Warning},
+    },
+    scene::{Observation, Scene},
     unit::Micros,
 };
 
@@ -45,7 +48,8 @@ impl<'a> Bench<'a> {
             Assignment::Figure(..) => None,
         });
         let planes = registers.collect::<miette::Result<Vec<_>>>()?;
-        let light = Light::open(arguments, program)?;
+        let observation = Observation::new();
+        let light = Light::open(arguments, program, &observation)?;
         let size = size(&planes, light.scene.as_deref(), program, device)?;
         // One step at a time has no use for any other.
         let schedule = match &arguments.schedule {
@@ -60,6 +64,7 @@ impl<'a> Bench<'a> {
                 .unwrap_or_else(rayon::current_num_threads)
                 .min(THREADS),
             size,
+            observation,
             frames: light.scene.as_ref().map_or(0, Scene::bytes),
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
@@ -125,6 +130,35 @@ impl<'a> Bench<'a> {
         Ok(chip)
     }
 
+    /// What there is to warn of after a run of so many frames.
+    pub fn warnings(
+        &self,
+        mut guard: Guard,
+        chip: &dyn Array,
+        packet: &Packet,
+        frames: u64,
+    ) -> Vec<Warning> {
+        let program = &self.opened.program.file;
+        for warning in Warning::of_scene(&self.observation, 255.0) {
+            guard.warn(warning);
+        }
+        // A program that reads no events out, and a single frame, have none to miss.
+        if chip.ledger().slots > 0 && frames > 1 {
+            guard.packet(program, packet);
+        } else if packet.dropped.no_slot > 0 {
+            let kept = packet.events.len() as u64;
+            guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));
+        }
+        if let Some(ends) = self.arithmetic.ends(&self.opened.device, &self.settings) {
+            for at in AtBorder::registers(chip, ends) {
+                let counted = (at.pixels, at.of);
+                let place = format!("{} after the last frame", at.register);
+                guard.warn(Warning::saturation(program, &place, counted, at.ends));
+            }
+        }
+        guard.warnings()
+    }
+
     /// Shows the light to the chip; what it said, and how many frames it saw. `run` runs each
     /// frame's steps, and can end it.
     ///
@@ -135,7 +169,7 @@ impl<'a> Bench<'a> {
         chip: &mut dyn Array,
         mut run: impl FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>>,
     ) -> miette::Result<(Packet, u64)> {
-        let light = Light::open(self.arguments, &self.opened.program)?;
+        let light = Light::open(self.arguments, &self.opened.program, &self.observation)?;
         let Expansion { code, bare, .. } = &self.opened.expansion;
         let mut light = Lasting::new(light, self.size, if *bare { 1 } else { 2 });
         let mut packet = Packet::new(chip.size(), chip.channels());

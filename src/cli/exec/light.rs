@@ -7,7 +7,7 @@ use ndarray::ArrayView2;
 use ndarray_npy::{ReadNpyError, ReadableElement, ViewElement, ViewNpyError, npy::header::Header};
 
 use super::{
-    super::{budget, files, registers::Register},
+    super::{files, registers::Register},
     Arguments, Light, Set,
 };
 use crate::{
@@ -16,7 +16,7 @@ use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
     program::Program,
-    scene::{ASSUMED_FPS, Frame, Scene, SceneError, open},
+    scene::{ASSUMED_FPS, Frame, Observation, Scene, SceneError},
     source,
 };
 
@@ -66,7 +66,11 @@ impl Set {
 }
 
 impl Light {
-    pub(super) fn open(arguments: &Arguments, program: &Program) -> miette::Result<Self> {
+    pub(super) fn open(
+        arguments: &Arguments,
+        program: &Program,
+        observation: &Observation,
+    ) -> miette::Result<Self> {
         let own = program.settings.image.as_ref().map(|image| {
             if image.starts_with("pattern:") {
                 return image.clone();
@@ -79,7 +83,7 @@ impl Light {
             files::reads(Path::new(image))?;
         }
         let scene = image
-            .map(|spec| open(spec, &budget::opening(asked)))
+            .map(|spec| arguments.samples.open(Some(spec), asked, observation))
             .transpose()?;
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let frames = arguments.frames.or(program.settings.frames);

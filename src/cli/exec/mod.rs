@@ -18,6 +18,7 @@ pub(super) use self::{light::read_plane, report::reading};
 use super::{
     content::Content,
     files::{self, Named, Output},
+    light::Samples,
     opened::Opened,
     registers::Register,
     strip::Strip,
@@ -31,8 +32,9 @@ use crate::{
     picture::{panel, write_png},
     plane::{Plane, Size},
     program::Step,
+    rig::guard::{Guard, Warning},
     save::save,
-    scene::Scene,
+    scene::{Observation, Scene},
     unit::Micros,
 };
 
@@ -51,6 +53,8 @@ pub struct Arguments {
     /// The light: a picture, a clip, or pattern:NAME?key=value; a still picture is shown again and again
     #[arg(long)]
     image: Option<Named>,
+    #[command(flatten)]
+    samples: Samples,
     /// How many frames to run; the first one runs `init`, the others `frame`
     #[arg(long)]
     frames: Option<u64>,
@@ -186,6 +190,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut chip = bench.chip(arguments.seed)?;
     let mut strip = Strip::default();
+    let mut guard = Guard::new();
     let (packet, frames) = if arguments.debug {
         let mut debugger = super::debug::Debugger::new(&bench.opened);
         let seen = bench.watch(&mut *chip, |chip, moment, packet| {
@@ -195,15 +200,19 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         seen
     } else if arguments.strip.is_some() {
         bench.watch(&mut *chip, |chip, moment, packet| {
+            guard.frame_at(moment.t);
             strip.frame(&bench.opened, chip, moment, packet)?;
             Ok(ControlFlow::Continue(()))
         })?
     } else {
         bench.watch(&mut *chip, |chip, moment, packet| {
+            guard.frame_at(moment.t);
             moment.run(chip, packet)?;
             Ok(ControlFlow::Continue(()))
         })?
     };
+    let warnings = bench.warnings(guard, &*chip, &packet, frames);
+    super::light::warn(&warnings);
 
     // Before anything is written: it may have nothing to show.
     let strip = match &arguments.strip {
@@ -225,6 +234,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         arithmetic: bench.arithmetic,
         frames,
         packet: &packet,
+        light: &bench.observation,
+        warnings: &warnings,
     };
     if arguments.json {
         super::say(&format!("{}\n", report.json()));
@@ -243,6 +254,8 @@ pub(super) struct Bench<'a> {
     pub opened: Opened,
     planes: Vec<Set>,
     size: Size,
+    /// What was seen of its light.
+    observation: Observation,
     /// Bytes of the frames of its light.
     frames: u128,
     arithmetic: Arithmetic,
@@ -344,4 +357,6 @@ struct Report<'a> {
     arithmetic: Arithmetic,
     frames: u64,
     packet: &'a Packet,
+    light: &'a Observation,
+    warnings: &'a [Warning],
 }

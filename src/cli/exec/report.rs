@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::Report;
+use super::{super::light, Report};
 use crate::{
     array::{Ledger, Reading, Readings},
     event::Polarity,
@@ -63,6 +63,8 @@ impl Report<'_> {
             "dropped": self.packet.dropped,
             "ambiguous": ledger.ambiguous,
             "readings": readings,
+            "light": light::json(self.light),
+            "warnings": self.warnings,
         })
     }
 
@@ -95,6 +97,10 @@ impl Report<'_> {
                 cost.array_us, cost.host_us
             ),
         ];
+        let light = light::line(self.light);
+        if !light.is_empty() {
+            lines.push(light.trim_end().to_owned());
+        }
         if ledger.slots > 0 {
             lines.push(format!(
                 "events   {} ({on} ON, {off} OFF) in {} slots",

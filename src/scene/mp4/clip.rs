@@ -13,6 +13,7 @@ use openh264::{
 };
 
 use super::{
+    colour::Colour,
     parameters::Pictures,
     table::Sample,
     track::{NoTrack, Track},
@@ -22,6 +23,7 @@ use crate::{
     plane::{Plane, Size},
     scene::{
         Frame, OpenOptions, Scene, SceneError,
+        decoded::Source,
         light::{self, MemoryLimit},
         rate::Rate,
     },
@@ -39,6 +41,8 @@ pub(super) struct H264 {
     /// What there is to hold pictures in, and what the decoder's take of it.
     room: MemoryLimit,
     held: u128,
+    /// What the container says, and the first parameter set that says anything.
+    colour: Colour,
     /// Bytes of the length before each unit.
     length_bytes: usize,
     /// Decoded pictures still to be given, in the order of time.
@@ -84,8 +88,9 @@ impl H264 {
         let room = MemoryLimit::new(options);
         let mut parameters = Vec::new();
         let mut held = 0;
+        let mut colour = track.colour;
         for unit in &track.parameters {
-            check_size(path, unit, room, &mut held)?;
+            check_set(path, unit, room, &mut held, &mut colour)?;
             push_unit(&mut parameters, unit);
         }
         decoder
@@ -99,6 +104,7 @@ impl H264 {
             numbers: 0,
             room,
             held,
+            colour,
             length_bytes: track.length_bytes,
             ready: VecDeque::new(),
             flushed: false,
@@ -114,6 +120,11 @@ impl H264 {
         };
         clip.size = Size::of(first);
         Ok(clip)
+    }
+
+    /// What its samples are.
+    pub fn source(&self) -> Source {
+        self.colour.source()
     }
 
     fn wrong(&self, what: impl Into<String>) -> SceneError {
@@ -194,7 +205,13 @@ impl H264 {
             let Some(Some((unit, after))) = unit else {
                 return Err(self.wrong(format!("sample {} has a damaged unit", self.numbers)));
             };
-            check_size(&self.path, unit, self.room, &mut self.held)?;
+            check_set(
+                &self.path,
+                unit,
+                self.room,
+                &mut self.held,
+                &mut self.colour,
+            )?;
             push_unit(&mut coded, unit);
             rest = after;
         }
@@ -248,16 +265,19 @@ impl Scene for H264 {
     }
 }
 
-/// Refuses pictures that are too large, before the decoder makes room for them.
-fn check_size(
+/// Refuses pictures that are too large, before the decoder makes room for them, and notes what
+/// their samples mean.
+fn check_set(
     path: &Path,
     unit: &[u8],
     room: MemoryLimit,
     held: &mut u128,
+    colour: &mut Colour,
 ) -> Result<(), SceneError> {
     let Some(pictures) = Pictures::from_unit(unit) else {
         return Ok(());
     };
+    *colour = colour.or(pictures.colour);
     let side = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let size = light::checked_size(path, side(pictures.height), side(pictures.width))?;
     *held = (*held).max(pictures.bytes());

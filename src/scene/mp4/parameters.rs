@@ -1,9 +1,12 @@
-//! How large the pictures of an H.264 stream are: read before the decoder makes room for them.
+//! How large the pictures of an H.264 stream are, read before the decoder makes room for them,
+//! and what their samples mean.
 //!
-//! A sequence parameter set, as far as the size and the number of pictures that are kept
-//! (ITU-T H.264, 7.3.2.1.1).
+//! A sequence parameter set, as far as the size, the number of pictures that are kept (ITU-T
+//! H.264, 7.3.2.1.1) and the description of the video signal (E.1.1).
 
 use bitstream_io::{BigEndian, BitRead, BitReader};
+
+use super::colour::Colour;
 
 /// What a decoder must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +17,8 @@ pub(super) struct Pictures {
     pub width: u64,
     /// Pictures that are kept because others refer to them.
     pub kept: u64,
+    /// What the set says about range and transfer.
+    pub colour: Colour,
 }
 
 impl Pictures {
@@ -101,7 +106,42 @@ impl Bits<'_> {
             height: 16 * rows * fields,
             width: 16 * width,
             kept,
+            // A set that ends here has said enough to be decoded.
+            colour: self.colour(fields == 2).unwrap_or_default(),
         })
+    }
+
+    /// The rest of a set, up to the description of the video signal.
+    fn colour(&mut self, has_fields: bool) -> Option<Colour> {
+        self.bits(if has_fields { 2 } else { 1 })?;
+        // The part that is shown.
+        if self.bits(1)? == 1 {
+            for _ in 0..4 {
+                self.number()?;
+            }
+        }
+        let mut colour = Colour::default();
+        if self.bits(1)? == 0 {
+            return Some(colour);
+        }
+        // The shape of a pixel: 255 says it in numbers.
+        if self.bits(1)? == 1 && self.bits(8)? == 255 {
+            self.bits(32)?;
+        }
+        // Whether overscan may be shown.
+        if self.bits(1)? == 1 {
+            self.bits(1)?;
+        }
+        if self.bits(1)? == 1 {
+            self.bits(3)?;
+            colour.is_full = Some(self.bits(1)? == 1);
+            if self.bits(1)? == 1 {
+                self.bits(8)?;
+                colour.transfer = self.bits(8)?.try_into().ok();
+                self.bits(8)?;
+            }
+        }
+        Some(colour)
     }
 
     fn scales(&mut self, lists: usize) -> Option<()> {
@@ -155,6 +195,7 @@ mod tests {
                 height: 32,
                 width: 48,
                 kept,
+                colour: Colour::default(),
             };
             assert_eq!(pictures, want);
             // The last bit that counts, whether frames or fields are coded, is in the seventh
@@ -164,6 +205,57 @@ mod tests {
                 assert!(part.is_none_or(|part| end > 6 && part == want), "{end}");
             }
             assert_eq!(Pictures::from_unit(&[0x68, 1, 2]), None);
+        }
+    }
+
+    /// A set with a description of the video signal, written bit by bit.
+    fn described(is_full: bool, transfer: Option<u8>) -> Vec<u8> {
+        // Baseline, level 1; six numbers of 0 (a bit of 1 each) but for the widths.
+        let mut bits = String::from("01100111");
+        for byte in [66_u8, 0, 10] {
+            bits += &format!("{byte:08b}");
+        }
+        // Set 0; frame numbers and order 0 with its length; 1 picture kept; no gaps.
+        bits += "1";
+        bits += "1";
+        bits += "1";
+        bits += "1";
+        bits += "010";
+        bits += "0";
+        // 3 macroblocks wide, 2 high; frames only; one more bit; no cropping.
+        bits += "011";
+        bits += "010";
+        bits += "1";
+        bits += "1";
+        bits += "0";
+        // VUI: no shape, no overscan, a signal of format 5.
+        bits += "1001101";
+        bits += if is_full { "1" } else { "0" };
+        match transfer {
+            Some(transfer) => bits += &format!("1{:08b}{transfer:08b}{:08b}", 1, 1),
+            None => bits += "0",
+        }
+        bits += "1";
+        while bits.len() % 8 != 0 {
+            bits += "0";
+        }
+        let byte = |at: usize| u8::from_str_radix(&bits[at..at + 8], 2).unwrap();
+        (0..bits.len()).step_by(8).map(byte).collect()
+    }
+
+    #[test]
+    fn range_and_transfer_are_read() {
+        for is_full in [false, true] {
+            for transfer in [None, Some(1), Some(13)] {
+                let set = described(is_full, transfer);
+                let pictures = Pictures::from_unit(&set).unwrap();
+                assert_eq!((pictures.width, pictures.height), (48, 32));
+                let want = Colour {
+                    is_full: Some(is_full),
+                    transfer,
+                };
+                assert_eq!(pictures.colour, want);
+            }
         }
     }
 

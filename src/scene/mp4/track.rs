@@ -4,6 +4,7 @@ use std::io::{Read, Seek, SeekFrom};
 
 use super::{
     boxes::{Boxes, Head, Name, Wrong, u32_at},
+    colour::Colour,
     fragment::{Defaults, Follow},
     table::{self, Sample},
 };
@@ -19,6 +20,8 @@ pub(super) struct Track {
     pub length_bytes: usize,
     /// Sequence and picture parameter sets, in order.
     pub parameters: Vec<Vec<u8>>,
+    /// Of the box `colr`.
+    pub colour: Colour,
 }
 
 /// Why there is no track.
@@ -107,6 +110,8 @@ impl Track {
             timescale: timescale.ok_or_else(|| short(*b"mdhd"))?,
             length_bytes,
             parameters,
+            // Of boxes behind the parameters, damaged or not, nothing else is taken.
+            colour: colour(boxes),
         };
         Ok((track, id))
     }
@@ -114,6 +119,14 @@ impl Track {
 
 fn short(name: [u8; 4]) -> Wrong {
     format!("box {} is too short", Name(name))
+}
+
+/// What the first box `colr` that states a colour says.
+fn colour(boxes: &[u8]) -> Colour {
+    let found = Boxes(boxes).map_while(Result::ok);
+    let found = found.filter(|(name, _)| name == b"colr");
+    let mut stated = found.map(|(_, content)| Colour::from_colr(content));
+    stated.find(|c| *c != Colour::default()).unwrap_or_default()
 }
 
 /// What `avcC` holds: bytes of a length, and the parameter sets.

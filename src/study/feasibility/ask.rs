@@ -16,6 +16,7 @@ use crate::{
     mesh::{self, Fitting},
     plane::Size,
     reference::MemoryRule,
+    rig::guard::Warning,
     scene::{Frame, Scene, SceneError},
     study::{
         design::{Compiled, Design},
@@ -56,7 +57,7 @@ pub fn ask(
     let program = compiled.as_ref().ok();
 
     let mut scene = open()?;
-    let (runs, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
+    let (mut runs, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
     let scene = SceneSummary::new(question.scene, &*scene, frames, &runs.float);
     let streams = runs.streams(question, scene.fps)?;
     let waterfall = match program {
@@ -108,6 +109,10 @@ pub fn ask(
         quantisation: table.into_iter().map(|(_, row)| row).collect(),
         mesh: meshes(question.kernel),
         assumptions: Assumption::all(question, &scene),
+        warnings: { quantised.erasures(question.kernel).into_iter() }
+            .map(|erasure| Warning::erased(&to.to_string(), erasure))
+            .chain(std::mem::take(&mut runs.warnings))
+            .collect(),
         scene,
     };
     feasibility.verdict = Verdict::new(&feasibility);

@@ -29,7 +29,10 @@ use crate::{
     },
     event::{Packet, readout::Readout},
     kernel::quantise::{Quantiser, Sum},
-    rig::{self, RigError},
+    rig::{
+        self, RigError,
+        guard::{Guard, Warning},
+    },
     scene::{Frame, Scene},
     sensor::Sensor,
     unit::Micros,
@@ -72,6 +75,8 @@ pub struct Waterfall {
     pub steps: Vec<Step>,
     /// The float sensor against what leaves the chip, at once.
     pub ends: Fate,
+    /// What makes these figures mean something else than they seem to.
+    pub warnings: Vec<Warning>,
 }
 
 /// What the chip's program takes.
@@ -173,7 +178,9 @@ pub enum WaterfallError {
     Compare(#[from] CompareError),
     /// No event to follow.
     #[error("the float sensor has no event on this scene")]
-    #[diagnostic(help("lower the threshold, now {threshold}, or show a scene that moves"))]
+    #[diagnostic(help(
+        "lower the threshold, now {threshold}, or show a scene that moves, its light on the scale 0 to 255"
+    ))]
     Silent {
         /// The threshold.
         threshold: f64,
@@ -208,7 +215,7 @@ struct Pairs {
 pub fn ask(
     question: &Question<'_>,
     scene: &mut dyn Scene,
-    seen: impl FnMut(&Frame),
+    mut seen: impl FnMut(&Frame),
 ) -> Result<Waterfall, WaterfallError> {
     let (size, fps) = (scene.size(), scene.fps());
     let design = question.design;
@@ -224,7 +231,14 @@ pub fn ask(
     for sensor in &mut sensors {
         watching.push(sensor);
     }
-    let packets = rig::watch(scene, &mut watching, seen)?;
+    let mut guard = Guard::new();
+    for erasure in quantised.erasures(design.kernel) {
+        guard.warn(Warning::erased(&question.to.to_string(), erasure));
+    }
+    let packets = rig::watch(scene, &mut watching, |frame| {
+        guard.frame(frame);
+        seen(frame);
+    })?;
     let packets = Packets {
         read: packets
             .iter()
@@ -241,7 +255,9 @@ pub fn ask(
             wide: Micros((1e6 / fps).ceil() as u64).max(question.within),
         },
     };
-    packets.told(question, &plan, &levels, &program)
+    guard.packet("the float sensor", packets.at(plan.float)?);
+    guard.packet("the chip", packets.at(plan.chip)?);
+    packets.told(question, &plan, &levels, &program, guard)
 }
 
 impl Plan {
@@ -337,6 +353,7 @@ impl Packets {
         plan: &Plan,
         levels: &Design<'_>,
         program: &Compiled,
+        guard: Guard,
     ) -> Result<Waterfall, WaterfallError> {
         let float_events = self.at(plan.float)?.events.len() as u64;
         if float_events == 0 {
@@ -376,6 +393,7 @@ impl Packets {
             },
             steps,
             ends: self.fate([plan.float, plan.chip])?,
+            warnings: guard.warnings(),
         })
     }
 }
