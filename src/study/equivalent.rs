@@ -23,7 +23,7 @@ use crate::{
     event::Packet,
     number::Format,
     plane::Size,
-    reference::MemoryRule,
+    reference::{Description, MemoryRule},
     rig::{self, RigError},
     scene::{Frame, Scene},
     sensor::Sensor,
@@ -113,6 +113,24 @@ pub fn sensors(
         .collect()
 }
 
+/// The parts of the threshold that the equivalent is told by: those of [`RUNGS`] above 1.
+pub fn higher() -> impl Iterator<Item = f64> {
+    RUNGS.into_iter().filter(|part| *part > 1.0)
+}
+
+/// Any sensor with its thresholds at a part of what they are.
+#[must_use]
+pub fn at_part(description: &Description, part: f64) -> Description {
+    let mut other = description.clone();
+    for channel in &mut other.channels {
+        for threshold in &mut channel.thresholds {
+            threshold.on *= part;
+            threshold.off *= part;
+        }
+    }
+    other
+}
+
 impl Ladder {
     /// Of the packets of the reference and of [`sensors`], in their order, at a number of frames
     /// a second.
@@ -126,22 +144,29 @@ impl Ladder {
         fps: f64,
         seed: u64,
     ) -> Result<Self, CompareError> {
+        let mut ladder = Self::bare(reference, window, fps, seed)?;
+        for (part, packet) in RUNGS.iter().zip(packets) {
+            ladder.add(*part, packet)?;
+        }
+        Ok(ladder)
+    }
+
+    /// Of the packet of the reference alone.
+    ///
+    /// # Errors
+    /// When the packet is inconsistent.
+    pub fn bare(
+        reference: Packet,
+        window: Micros,
+        fps: f64,
+        seed: u64,
+    ) -> Result<Self, CompareError> {
         let redraws = Redraws::new(&Pair::of(&reference, &reference)?, seed);
-        let floor = redraws.floor(window);
-        let mut rungs = vec![Rung {
+        let rungs = vec![Rung {
             part: 1.0,
             events: reference.events.len() as u64,
             kept: 1.0,
         }];
-        for (part, packet) in RUNGS.iter().zip(packets) {
-            let f1 = window::f1(&Pair::of(&reference, packet)?, window);
-            rungs.push(Rung {
-                part: *part,
-                events: packet.events.len() as u64,
-                kept: window::kept(f1, floor),
-            });
-        }
-        rungs.sort_by(|a, b| a.part.total_cmp(&b.part));
         Ok(Self {
             reference,
             redraws,
@@ -150,6 +175,28 @@ impl Ladder {
             seed,
             rungs,
         })
+    }
+
+    /// Adds the packet of the float sensor at a part of the threshold.
+    ///
+    /// # Errors
+    /// When the packet is of another sensor.
+    pub fn add(&mut self, part: f64, packet: &Packet) -> Result<(), CompareError> {
+        let f1 = window::f1(&Pair::of(&self.reference, packet)?, self.window);
+        let rung = Rung {
+            part,
+            events: packet.events.len() as u64,
+            kept: window::kept(f1, self.redraws.floor(self.window)),
+        };
+        let above = self.rungs.partition_point(|known| known.part < part);
+        self.rungs.insert(above, rung);
+        Ok(())
+    }
+
+    /// Redraws of the reference.
+    #[must_use]
+    pub const fn redraws(&self) -> &Redraws {
+        &self.redraws
     }
 
     /// The packet of the reference.

@@ -33,6 +33,8 @@ pub(super) struct Footage {
     pub size: Size,
     /// Frames, those that were inserted among them.
     pub frames: u64,
+    /// Frames a second of the source.
+    pub fps: f64,
     /// A digest of its light: two files of the same pictures are one scene.
     pub digest: String,
     held: Option<Arc<Vec<Frame>>>,
@@ -49,7 +51,7 @@ impl Footage {
         let mut held = Some(Vec::new());
         let (mut frames, mut size) = (0, Size::new(0, 0));
         let mut bytes = Vec::new();
-        play(&spec, wanted, &mut |frame| {
+        let fps = play(&spec, wanted, &mut |frame| {
             size = Size::of(&frame.light);
             bytes.clear();
             bytes.extend(frame.seconds.to_le_bytes());
@@ -70,6 +72,7 @@ impl Footage {
             spec,
             size,
             frames,
+            fps,
             digest: hex(&digest.finalize()),
             held: held.map(Arc::new),
         })
@@ -88,7 +91,7 @@ impl Footage {
     ) -> Result<(), E> {
         match &self.held {
             Some(held) => held.iter().try_for_each(see),
-            None => play(&self.spec, &self.wanted, &mut |frame| see(&frame)),
+            None => play(&self.spec, &self.wanted, &mut |frame| see(&frame)).map(|_| ()),
         }
     }
 }
@@ -101,12 +104,12 @@ fn located(spec: &str, folder: &Path) -> String {
     folder.join(spec).display().to_string()
 }
 
-/// Plays a scene from its start.
+/// Plays a scene from its start; its frames a second.
 fn play<E: From<SceneError>>(
     spec: &str,
     wanted: &Wanted,
     see: &mut dyn FnMut(Frame) -> Result<(), E>,
-) -> Result<(), E> {
+) -> Result<f64, E> {
     let scene = if spec == "bundled" && wanted.fps.is_none() {
         bundled()?
     } else if spec == "bundled" {
@@ -123,10 +126,11 @@ fn play<E: From<SceneError>>(
     };
     let read = First::new(scene, wanted.frames.unwrap_or(u64::MAX));
     let mut scene = upsample::by_contrast(read, wanted.upsample)?;
+    let fps = scene.fps();
     rig::play(&mut scene, |frame| {
         see(frame).map(|()| ControlFlow::Continue(()))
     })?;
-    Ok(())
+    Ok(fps)
 }
 
 /// Bytes as text.
