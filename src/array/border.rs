@@ -24,7 +24,7 @@ pub struct AtBorder {
 const NEAR: f64 = 0.5 / 256.0;
 
 /// The smallest share of the pixels that is told of.
-const SHARE: f64 = 0.01;
+const SHARE: f64 = 0.05;
 
 impl Arithmetic {
     /// The least and the most that a register holds, in LSB; none where it holds any number.
@@ -44,7 +44,7 @@ impl Arithmetic {
 }
 
 impl AtBorder {
-    /// The registers of a chip that hold a picture of which at least a hundredth is at an end of
+    /// The registers of a chip that hold a picture of which at least a twentieth is at an end of
     /// the range. What every pixel holds alike is a constant, and no picture.
     #[must_use]
     pub fn registers(chip: &dyn Array, ends: [f64; 2]) -> Vec<Self> {

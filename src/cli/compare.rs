@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{
-    files,
+    files, light,
     recording::{self, Recording},
 };
 use crate::{
@@ -14,6 +14,7 @@ use crate::{
     },
     event::file::Loaded,
     plane::Size,
+    rig::guard::{Guard, Warning},
     unit::Micros,
 };
 
@@ -56,6 +57,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     judged.widen_to(&reference.packet);
     let pair = Pair::of(&reference.packet, &judged.packet)?;
     let comparison = Comparison::of(&pair, arguments.within);
+    let mut guard = Guard::new();
+    for (subject, loaded) in [("the reference", &reference), ("the judged", &judged)] {
+        guard.recording(subject, &loaded.packet);
+    }
+    let warnings = guard.warnings();
+    light::warn(&warnings);
     let mut scales = Scales {
         bins: arguments.bins.into(),
         seed: arguments.seed,
@@ -74,6 +81,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             judged: Input::of(&arguments.b, &judged),
             comparison: &comparison,
             ruler: &ruler,
+            warnings: &warnings,
         };
         let json = serde_json::to_string(&json).map_err(|e| miette::miette!("{e}"))?;
         super::say(&format!("{json}\n"));
@@ -93,6 +101,7 @@ struct Json<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
     ruler: &'a Ruler,
+    warnings: &'a [Warning],
 }
 
 /// Every metric with its floor and ceiling.

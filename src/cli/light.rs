@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{budget, complain, files::Named};
+use super::{budget, complain};
 use crate::{
     rig::guard::Warning,
     scene::{

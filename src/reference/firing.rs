@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use crate::{number::Real, sensor::SensorError};
 
 use super::train::{BandSink, Pair, Sink, TrainRow};
@@ -17,8 +19,8 @@ pub struct Firing {
 #[derive(Clone, Debug, Default)]
 pub struct FiringBand {
     cells: u64,
-    /// Which cells of the row told last have fired: a row may be told again.
-    row: Vec<bool>,
+    /// The events of the row told last: it may be told again.
+    row: Vec<i32>,
     last: Option<(usize, usize)>,
 }
 
@@ -56,16 +58,24 @@ impl Sink for Firing {
 
 impl BandSink for &mut FiringBand {
     fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
-        if self.last.replace((row.y, row.channel)) != Some((row.y, row.channel)) {
+        if self.last.replace((row.y, row.channel)) == Some((row.y, row.channel)) {
+            for (fired, count) in self.row.iter_mut().zip(&row.counts) {
+                self.cells += u64::from(*count != 0 && *fired == 0);
+                *fired |= count;
+            }
+        } else {
             self.row.clear();
-            self.row.resize(row.counts.len(), false);
-        }
-        for (fired, count) in self.row.iter_mut().zip(&row.counts) {
-            self.cells += u64::from(*count != 0 && !*fired);
-            *fired |= *count != 0;
+            self.row.extend_from_slice(&row.counts);
+            self.cells += firing(&row.counts);
         }
         Ok(())
     }
+}
+
+/// How many are not 0.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn firing(counts: &[i32]) -> u64 {
+    counts.iter().map(|count| u64::from(*count != 0)).sum()
 }
 
 #[cfg(test)]

@@ -370,6 +370,17 @@ impl Guard {
         }
     }
 
+    /// What is in a file of events, of which no frames are known.
+    pub fn recording(&mut self, subject: &str, packet: &Packet) {
+        let lost = packet.dropped.no_slot;
+        let kept = packet.events.len() as u64;
+        if lost > 0 {
+            self.warn(Warning::slots(subject, lost, kept));
+        } else if kept == 0 {
+            self.warn(Warning::no_events(subject, None));
+        }
+    }
+
     /// Another warning. Who is warned of the same is named with the first.
     pub fn warn(&mut self, warning: Warning) {
         let same = self.warnings.iter_mut().find(|w| w.about == warning.about);

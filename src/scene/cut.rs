@@ -23,6 +23,9 @@ const FEWEST: usize = 256;
 /// Pixels of a frame that are looked at, about.
 const LOOKED_AT: usize = 4096;
 
+/// Frames that are looked at; a clip that is longer is not looked at to its end.
+const MOST: usize = 1 << 20;
+
 /// A frame that does not go on from the one before.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Cut {
@@ -56,7 +59,7 @@ impl Cuts {
     /// The next frame.
     pub fn see(&mut self, light: &Plane<f64>, seconds: f64) {
         let pixels = light.len();
-        if pixels < FEWEST {
+        if pixels < FEWEST || self.changes.len() == MOST {
             return;
         }
         let step = (pixels as f64 / LOOKED_AT as f64).sqrt().ceil().max(1.0) as usize;

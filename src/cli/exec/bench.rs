@@ -95,7 +95,7 @@ impl<'a> Bench<'a> {
                 "registers that are set",
                 8 * pixels * self.planes.len() as u128,
             )
-            .and("registers that are looked at", looked * pixels)
+            .and("registers that are looked at", (8 + looked) * pixels)
     }
 
     /// Refuses an array for which there is no room.

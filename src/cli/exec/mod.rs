@@ -194,6 +194,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let (packet, frames) = if arguments.debug {
         let mut debugger = super::debug::Debugger::new(&bench.opened);
         let seen = bench.watch(&mut *chip, |chip, moment, packet| {
+            guard.frame_at(moment.t);
             debugger.frame(chip, moment, packet)
         })?;
         debugger.end(&*chip)?;

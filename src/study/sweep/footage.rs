@@ -6,11 +6,10 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     plane::Size,
-    rig,
+    rig::{self, guard::Warning},
     scene::{
-        Frame, OpenOptions, SceneError, bundled, open,
-        part::{First, Retimed},
-        upsample,
+        Coding, Frame, Observation, Observed, OpenOptions, SceneError, bundled_with, open,
+        part::First, upsample,
     },
 };
 
@@ -21,6 +20,7 @@ pub(super) struct Wanted {
     pub spec: String,
     pub fps: Option<f64>,
     pub frames: Option<u64>,
+    pub coding: Coding,
     pub upsample: Option<f64>,
 }
 
@@ -37,6 +37,7 @@ pub(super) struct Footage {
     pub fps: f64,
     /// A digest of its light: two files of the same pictures are one scene.
     pub digest: String,
+    observation: Observation,
     held: Option<Arc<Vec<Frame>>>,
 }
 
@@ -51,7 +52,8 @@ impl Footage {
         let mut held = Some(Vec::new());
         let (mut frames, mut size) = (0, Size::new(0, 0));
         let mut bytes = Vec::new();
-        let fps = play(&spec, wanted, &mut |frame| {
+        let observation = Observation::new();
+        let fps = play(&spec, wanted, &observation, &mut |frame| {
             size = Size::of(&frame.light);
             bytes.clear();
             bytes.extend(frame.seconds.to_le_bytes());
@@ -74,6 +76,7 @@ impl Footage {
             frames,
             fps,
             digest: hex(&digest.finalize()),
+            observation,
             held: held.map(Arc::new),
         })
     }
@@ -84,6 +87,15 @@ impl Footage {
         (frames * self.size.pixels() * size_of::<f64>()) as u128
     }
 
+    /// What the scene warns of, under its own name.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = Warning::of_scene(&self.observation, 255.0);
+        for warning in &mut warnings {
+            warning.subjects = vec![self.wanted.spec.clone()];
+        }
+        warnings
+    }
+
     /// Shows every frame.
     pub fn play<E: From<SceneError>>(
         &self,
@@ -91,7 +103,10 @@ impl Footage {
     ) -> Result<(), E> {
         match &self.held {
             Some(held) => held.iter().try_for_each(see),
-            None => play(&self.spec, &self.wanted, &mut |frame| see(&frame)).map(|_| ()),
+            None => {
+                let see = &mut |frame: Frame| see(&frame);
+                play(&self.spec, &self.wanted, &self.observation, see).map(|_| ())
+            }
         }
     }
 }
@@ -108,23 +123,21 @@ fn located(spec: &str, folder: &Path) -> String {
 fn play<E: From<SceneError>>(
     spec: &str,
     wanted: &Wanted,
+    observation: &Observation,
     see: &mut dyn FnMut(Frame) -> Result<(), E>,
 ) -> Result<f64, E> {
-    let scene = if spec == "bundled" && wanted.fps.is_none() {
-        bundled()?
-    } else if spec == "bundled" {
-        // Only its times are others.
-        Box::new(Retimed::new(bundled()?, wanted.fps.unwrap_or(1.0))?)
-    } else {
-        open(
-            spec,
-            &OpenOptions {
-                fps: wanted.fps,
-                ..OpenOptions::default()
-            },
-        )?
+    let options = OpenOptions {
+        fps: wanted.fps,
+        coding: wanted.coding,
+        ..OpenOptions::default()
     };
-    let read = First::new(scene, wanted.frames.unwrap_or(u64::MAX));
+    let scene = if spec == "bundled" {
+        bundled_with(&options)?
+    } else {
+        open(spec, &options)?
+    };
+    let observed = Observed::new(scene, observation);
+    let read = First::new(observed, wanted.frames.unwrap_or(u64::MAX));
     let mut scene = upsample::by_contrast(read, wanted.upsample)?;
     let fps = scene.fps();
     rig::play(&mut scene, |frame| {

@@ -178,6 +178,30 @@ pub const KEYS: &[Key] = &[
         what: "only so many frames of the scene, at least 2; all when left out",
     },
     Key {
+        name: "range",
+        sides: ANY,
+        kind: Kind::Choice(&["auto", "limited", "full"]),
+        default: Absent::Is("\"auto\""),
+        what: "which samples are black and white: 16 and 235, or all; `auto` takes what the file says, as `--range` of `amacrine run`",
+    },
+    Key {
+        name: "transfer",
+        sides: ANY,
+        kind: Kind::Choice(&["as-coded", "auto", "linear", "srgb", "bt709"]),
+        default: Absent::Is("\"as-coded\""),
+        what: "how the light was coded, to be undone; as `--transfer` of `amacrine run`",
+    },
+    Key {
+        name: "scale",
+        sides: ANY,
+        kind: Kind::Number {
+            least: 0.0,
+            above: true,
+        },
+        default: Absent::None,
+        what: "what the numbers of a `.npy` are multiplied by: 255 where they are 0 to 1",
+    },
+    Key {
         name: "upsample",
         sides: ANY,
         kind: Kind::Number {

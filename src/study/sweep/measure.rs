@@ -18,6 +18,7 @@ use crate::{
     event::{Packet, Polarity, address},
     plane::Size,
     reference::{Description, Reference},
+    rig::guard::{Guard, Warning},
     scene::SceneError,
     sensor::{Sensor, SensorError},
     study::equivalent::{self, Ladder},
@@ -79,7 +80,7 @@ fn run(
         Side::Reference | Side::Mesh => float(entry, row)?,
         Side::Array => array(settings, entry, shared, row)?,
     };
-    let (packet, seconds) = watch(entry, &mut *sensor, limits)?;
+    let (packet, seconds, warnings) = watch(entry, &mut *sensor, limits)?;
     let made = shared.truth(&entry.task, || ladder(settings, entry, limits));
     let ladder = match made.get() {
         Some(Ok(ladder)) => ladder,
@@ -98,6 +99,10 @@ fn run(
     put("on", json!(on));
     put("off", json!(packet.events.len() - on));
     put("dropped", json!(packet.dropped.total()));
+    if !warnings.is_empty() {
+        let names: Vec<&str> = warnings.iter().map(|w| w.about.name()).collect();
+        put("warnings", json!(names.join(" ")));
+    }
     put("bits", json!(address::bits(&packet)));
     put("reference_events", json!(ladder.reference().events.len()));
     let headline = Point::new(&pair, ladder.redraws(), ladder.window());
@@ -119,18 +124,19 @@ fn run(
     Ok(())
 }
 
-/// Shows the scene; the packet, and the seconds that the sensor took.
+/// Shows the scene; the packet, the seconds that the sensor took, and what there is to warn of.
 fn watch(
     entry: &Entry,
     sensor: &mut (dyn Sensor + Send),
     limits: Limits<'_>,
-) -> Result<(Packet, f64), Refusal> {
+) -> Result<(Packet, f64, Vec<Warning>), Refusal> {
     let begin = (limits.clock)();
     let mut packet = Packet::new(sensor.size(), sensor.channels());
-    let mut spent = 0.0;
+    let (mut spent, mut guard) = (0.0, Guard::new());
     let played = entry.scene.play(|frame| {
         let start = (limits.clock)();
         sensor.watch(frame, &mut packet)?;
+        guard.frame(frame);
         let now = (limits.clock)();
         spent += now - start;
         limits.hold(now - begin, entry.scene.size, packet.events.len())?;
@@ -140,8 +146,9 @@ fn watch(
         Err(Stop::Exhausted(exhausted)) => return Err(exhausted.given_up()),
         played => played?,
     }
+    guard.packet(sensor.name(), &packet);
     // A clock may be too coarse for a small scene.
-    Ok((packet, f64::max(spent, 1e-9)))
+    Ok((packet, f64::max(spent, 1e-9), guard.warnings()))
 }
 
 /// A scene or a sensor stopped.

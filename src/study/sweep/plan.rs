@@ -31,6 +31,8 @@ use crate::{
     config::{Fault, Faults, Place},
     isa::Device,
     kernel::Kernel,
+    rig::guard::Warning,
+    scene::{Coding, Range, Transfer},
     source,
 };
 
@@ -114,6 +116,18 @@ impl Plan {
         })
     }
 
+    /// What the scenes warn of, by the name of each.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut scenes: Vec<&Arc<Footage>> = Vec::new();
+        for entry in &self.entries {
+            if !scenes.iter().any(|known| Arc::ptr_eq(known, &entry.scene)) {
+                scenes.push(&entry.scene);
+            }
+        }
+        scenes.iter().flat_map(|scene| scene.warnings()).collect()
+    }
+
     /// What a folder of results says about itself.
     #[must_use]
     pub fn manifest(&self) -> Manifest {
@@ -154,6 +168,27 @@ fn place(sides: &[Axes], point: &Point, key: &str) -> Place {
     found
         .or_else(|| own.next().map(|axes| axes.place))
         .unwrap_or_default()
+}
+
+/// What a point says about the samples of its scene.
+fn coding(point: &Point) -> Coding {
+    let range = match point.word("range") {
+        Some("limited") => Some(Range::Limited),
+        Some("full") => Some(Range::Full),
+        _ => None,
+    };
+    let transfer = match point.word("transfer") {
+        Some("auto") => None,
+        Some("linear") => Some(Transfer::Linear),
+        Some("srgb") => Some(Transfer::Srgb),
+        Some("bt709") => Some(Transfer::Bt709),
+        _ => Some(Transfer::AsCoded),
+    };
+    Coding {
+        range,
+        transfer,
+        scale: point.number("scale"),
+    }
 }
 
 impl Opened<'_> {
@@ -198,6 +233,7 @@ impl Opened<'_> {
             spec: point.word("scene").unwrap_or_default().to_owned(),
             fps: point.number("fps"),
             frames: point.whole("frames"),
+            coding: coding(point),
             upsample: point.number("upsample"),
         };
         if let Some((_, footage)) = self.scenes.iter().find(|(known, _)| *known == wanted) {

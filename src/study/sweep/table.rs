@@ -45,7 +45,7 @@ const fn real(name: &'static str, what: &'static str) -> (&'static str, Holds, &
 }
 
 /// What the point is.
-const POINT: [(&str, Holds, &str); 33] = [
+const POINT: [(&str, Holds, &str); 36] = [
     whole("index", "number of the point in the fixed order, from 0"),
     text(
         "id",
@@ -59,6 +59,15 @@ const POINT: [(&str, Holds, &str); 33] = [
     text("scene", "as it is named in the study"),
     real("fps", "frames per second of the scene, before any are inserted"),
     whole("frames", "frames of the source, where the study says so"),
+    text(
+        "range",
+        "which samples are black and white, where the study says so",
+    ),
+    text(
+        "transfer",
+        "the transfer that is undone, where the study says so",
+    ),
+    real("scale", "what the numbers of an array are multiplied by"),
     real(
         "upsample",
         "largest change of light between frames, in ln units; empty: no frames inserted",
@@ -115,7 +124,7 @@ const POINT: [(&str, Holds, &str); 33] = [
 ];
 
 /// What came of it, before the metrics.
-const FIGURES: [(&str, Holds, &str); 21] = [
+const FIGURES: [(&str, Holds, &str); 22] = [
     text(
         "outcome",
         "done; refused: the point cannot be; failed: it was given up, and is computed again by the next run",
@@ -131,6 +140,10 @@ const FIGURES: [(&str, Holds, &str); 21] = [
     whole("on", "ON events"),
     whole("off", "OFF events"),
     whole("dropped", "events that were made and not delivered"),
+    text(
+        "warnings",
+        "what makes these figures mean something else than they seem to: no-events, most-cells, slots",
+    ),
     whole("bits", "bits of all events as fixed address words"),
     whole("reference_events", "events of the f64 sensor"),
     whole("words", "instruction words of a frame on the chip"),
