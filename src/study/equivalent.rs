@@ -378,7 +378,7 @@ impl Likeness {
     /// The threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        equivalent(
+        percents(
             self.threshold_equivalent_percent,
             self.threshold_equivalent_is_least,
         )
@@ -389,14 +389,16 @@ impl Tuned {
     /// The threshold equivalent in a few characters.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        equivalent(
+        percents(
             self.threshold_equivalent_percent,
             self.threshold_equivalent_is_least,
         )
     }
 }
 
-fn equivalent(percent: f64, is_least: bool) -> String {
+/// A threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
+#[must_use]
+pub fn percents(percent: f64, is_least: bool) -> String {
     let least = if is_least { "> " } else { "" };
     if percent < 9.95 {
         format!("{least}{percent:.1} %")
