@@ -25,7 +25,9 @@ fn levels_and_scale_are_the_best() {
     let folder = folder();
     let said = json(
         folder.path(),
-        &["quantise", "k.toml", "--to", "ternary", "--json"],
+        &[
+            "quantise", "k.toml", "--to", "ternary", "--sum", "free", "--json",
+        ],
     );
     let row = &said["quantised"][0];
     assert_eq!(row["scale"], 2.0);
@@ -85,7 +87,7 @@ fn compiled_thresholds_are_divided_by_the_scale() {
     ];
     let ternary = json(
         folder.path(),
-        &[&compile[..], &["--to", "ternary"]].concat(),
+        &[&compile[..], &["--to", "ternary", "--sum", "free"]].concat(),
     );
     assert_eq!(ternary["quantised_scales"][0], 2.0);
     assert_eq!(ternary["kernel"][1], serde_json::json!([0.0, 1.0, 0.0]));
@@ -134,6 +136,8 @@ fn the_chip_table_says_what_is_lost() {
         "k.toml",
         "--to",
         "q3.1,binary",
+        "--sum",
+        "free",
         "--threshold",
         "20",
         "--scene",
@@ -181,7 +185,7 @@ fn a_window_without_a_table_is_refused() {
     let folder = folder();
     refused(
         folder.path(),
-        &["quantise", "k.toml", "--to", "binary", "--within", "9ms"],
+        &["quantise", "k.toml", "--to", "ternary", "--within", "9ms"],
         &["--within", "--threshold"],
     );
 }
@@ -250,7 +254,7 @@ fn bad_input_is_named() {
                 "quantise",
                 "k.toml",
                 "--to",
-                "binary",
+                "ternary",
                 "--threshold",
                 threshold,
             ],
@@ -259,7 +263,7 @@ fn bad_input_is_named() {
     }
     refused(
         at,
-        &["quantise", "k.toml", "--to", "binary", "--scene", SCENE],
+        &["quantise", "k.toml", "--to", "ternary", "--scene", SCENE],
         &["--threshold"],
     );
     refused(
@@ -268,7 +272,7 @@ fn bad_input_is_named() {
             "quantise",
             "k.toml",
             "--to",
-            "binary",
+            "ternary",
             "--threshold",
             "9",
             "--chip",
