@@ -973,7 +973,7 @@ mod verb {
     fn a_sensor_and_its_scene_tell_the_threshold_equivalent() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-        let scene = "pattern:grating?width=48&height=40&frames=40&speed=0.7";
+        let scene = "pattern:noise?width=48&height=40&frames=40&speed=90&fps=30";
         let made = |name: &str, threshold: f64| {
             let sensor = path(&format!("{name}.toml"));
             let text = format!("response = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = \"csdvs-3\"\nthreshold = {{ on = {threshold}, off = {threshold} }}\n");
@@ -984,8 +984,8 @@ mod verb {
             common::amacrine(here, &run).assert().success();
             (sensor, events)
         };
-        let (sensor, reference) = made("float", 9.0);
-        let (other, higher) = made("higher", 9.0 * 1.2);
+        let (sensor, reference) = made("float", 6.0);
+        let (other, higher) = made("higher", 6.0 * 1.2);
         let ask = [&reference, &higher, "--scene", scene, "--json", "--sensor"];
         let out = amacrine(&[&ask[..], &[&sensor]].concat()).assert().success();
         let said: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();

@@ -23,7 +23,7 @@ const MEMORY: MemoryRule = MemoryRule::FilteredSnap;
 fn open() -> Box<dyn Scene> {
     let options = OpenOptions::default();
     scene::open(
-        "pattern:grating?width=64&height=48&frames=60&speed=0.7",
+        "pattern:noise?width=64&height=48&frames=60&speed=90&fps=30",
         &options,
     )
     .unwrap()
@@ -53,7 +53,7 @@ fn with_ladder(see: impl FnOnce(&Design<'_>, &Ladder)) {
     let (kernel, device) = (Kernel::builtin("csdvs-3").unwrap(), Device::scamp5());
     let design = Design {
         kernel: &kernel,
-        threshold: 9.0,
+        threshold: 6.0,
         device: &device,
         effort: Effort { states: 1 },
         seed: 0,

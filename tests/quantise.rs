@@ -143,7 +143,7 @@ fn the_chip_table_says_what_is_lost() {
         "--scene",
         SCENE,
     ];
-    let ask = [&ask[..], &["--effort", "0.01"]].concat();
+    let ask = [&ask[..], &["--effort", "0.01", "--within", "5ms"]].concat();
     let said = json(folder.path(), &[&ask[..], &["--json"]].concat());
     let (rows, all) = (&said["chip"]["rows"], &said["chip"]["reference_events"]);
     assert!(all.as_u64().unwrap() > 100, "{all}");
@@ -153,7 +153,7 @@ fn the_chip_table_says_what_is_lost() {
     assert!(exact(1) < 0.9, "{}", exact(1));
     let silicon = &rows[0]["on_chip"]["silicon"];
     let kept = silicon["kept"].as_f64().unwrap();
-    assert!((0.1..1.0).contains(&kept), "{silicon}");
+    assert!((-0.5..0.9).contains(&kept), "{silicon}");
     for key in ["kept", "window_us", "fps", "threshold_equivalent_percent"] {
         assert_eq!(rows[0][key], silicon[key], "{key}");
         assert!(rows[0][key].is_number(), "{key}");
@@ -162,8 +162,12 @@ fn the_chip_table_says_what_is_lost() {
         rows[0]["on_chip"]["exact"]["threshold_equivalent_percent"],
         0.0
     );
-    let apart = silicon["tuned"]["kept"].as_f64().unwrap();
-    assert!(apart > 0.0, "{silicon}");
+    // As many events as the float kernel itself: there is no gain to tell from shape.
+    let tuned = &rows[0]["on_chip"]["exact"]["tuned"];
+    assert_eq!(
+        (tuned["kept"].as_f64(), tuned["threshold_percent"].as_f64()),
+        (Some(1.0), Some(0.0))
+    );
     for row in 0..2 {
         let chip = &rows[row]["on_chip"];
         assert!(chip["words"].as_u64() > chip["filter_words"].as_u64());
@@ -237,14 +241,7 @@ fn bad_input_is_named() {
     );
     refused(
         at,
-        &[
-            "quantise",
-            "k.toml",
-            "--to",
-            "binary,ternary",
-            "-o",
-            "x.toml",
-        ],
+        &["quantise", "k.toml", "--to", "q3.1,ternary", "-o", "x.toml"],
         &["2 were asked for", "give one quantiser"],
     );
     for (threshold, said) in [("0", "threshold is 0"), ("-3", "threshold is -3")] {

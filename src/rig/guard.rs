@@ -30,6 +30,8 @@ pub enum About {
     Scale,
     /// The clip shows another picture from one frame to the next.
     Cut,
+    /// Nearly everything matches by accident within the window.
+    Window,
     /// A kernel in few values has lost its surround.
     Surround,
     /// A symmetric kernel is not symmetric in few values.
@@ -47,6 +49,7 @@ impl About {
             Self::Saturation => "saturation",
             Self::Scale => "scale",
             Self::Cut => "cut",
+            Self::Window => "window",
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
         }
@@ -148,6 +151,22 @@ impl Warning {
         )
     }
 
+    /// A window within which accident scores this much; none where a score still says something.
+    #[must_use]
+    pub fn window(within: Micros, floor: f64) -> Option<Self> {
+        /// From which floor on a few events decide what is kept.
+        const MOST: f64 = 0.95;
+        (floor >= MOST).then(|| {
+            Self::new(
+                About::Window,
+                "what is kept",
+                format!("within {within} accident scores {floor:.3} of 1"),
+                "the events last little longer than the window, or cells speak more often than that",
+                "take a shorter --within, or a longer scene",
+            )
+        })
+    }
+
     /// What a kernel in few values has lost of its shape.
     #[must_use]
     pub fn erased(subject: &str, erasure: Erasure) -> Self {
@@ -155,12 +174,12 @@ impl Warning {
             Erasure::Surround { .. } | Erasure::Sign { .. } => (
                 About::Surround,
                 "its weights are too small for so few values",
-                "take more values, such as int-5",
+                "take more values (another --to)",
             ),
             Erasure::Lopsided { .. } => (
                 About::Lopsided,
                 "too few weights are left to keep the sum evenly",
-                "take more values, such as int-5, or leave the sum free",
+                "take more values (another --to), or leave the sum free",
             ),
         };
         Self::new(about, subject, erasure.to_string(), why, change)

@@ -78,7 +78,7 @@ struct Rung {
     /// Its threshold as a part of the reference's.
     part: f64,
     events: u64,
-    kept: f64,
+    f1: f64,
 }
 
 /// What the float sensor says at other thresholds.
@@ -165,7 +165,7 @@ impl Ladder {
         let rungs = vec![Rung {
             part: 1.0,
             events: reference.events.len() as u64,
-            kept: 1.0,
+            f1: 1.0,
         }];
         Ok(Self {
             reference,
@@ -182,15 +182,20 @@ impl Ladder {
     /// # Errors
     /// When the packet is of another sensor.
     pub fn add(&mut self, part: f64, packet: &Packet) -> Result<(), CompareError> {
-        let f1 = window::f1(&Pair::of(&self.reference, packet)?, self.window);
         let rung = Rung {
             part,
             events: packet.events.len() as u64,
-            kept: window::kept(f1, self.redraws.floor(self.window)),
+            f1: window::f1(&Pair::of(&self.reference, packet)?, self.window),
         };
         let above = self.rungs.partition_point(|known| known.part < part);
         self.rungs.insert(above, rung);
         Ok(())
+    }
+
+    /// F1 of a redraw of the reference.
+    #[must_use]
+    pub fn floor(&self) -> f64 {
+        self.redraws.floor(self.window)
     }
 
     /// Redraws of the reference.
@@ -218,7 +223,7 @@ impl Ladder {
     pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
         let pair = Pair::of(&self.reference, packet)?;
         let point = Point::new(&pair, &self.redraws, self.window);
-        let (percent, is_least) = self.equivalent(point.kept);
+        let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
         Ok(Likeness {
             kept: point.kept,
@@ -233,19 +238,17 @@ impl Ladder {
         })
     }
 
-    /// The change of the threshold, in per cent, that costs as much as keeping only this share;
-    /// and whether it is at least that, being beyond the last rung.
+    /// The change of the threshold, in per cent, that costs as much as this F1; and whether it is
+    /// at least that, being beyond the last rung. F1 and what is kept rise together, and F1 tells
+    /// packets apart also where accident scores as much.
     #[must_use]
-    pub fn equivalent(&self, kept: f64) -> (f64, bool) {
+    pub fn equivalent(&self, f1: f64) -> (f64, bool) {
         let (mut part, mut best) = (1.0, 1.0_f64);
         for rung in self.rungs.iter().filter(|rung| rung.part > 1.0) {
-            // A rung that keeps more than one before it, by chance, is passed over.
-            let here = rung.kept.min(best);
-            if kept >= here {
-                return (
-                    percent(between((best, part), (here, rung.part), kept)),
-                    false,
-                );
+            // A rung that scores more than one before it, by chance, is passed over.
+            let here = rung.f1.min(best);
+            if f1 >= here {
+                return (percent(between((best, part), (here, rung.part), f1)), false);
             }
             (part, best) = (rung.part, here);
         }
@@ -279,7 +282,9 @@ impl Ladder {
     ) -> Result<(), CompareError> {
         let pair = Pair::of(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
-        let (equivalent, is_least) = self.equivalent(point.kept);
+        let floor = self.floor();
+        let as_kept = floor + point.kept * (1.0 - floor);
+        let (equivalent, is_least) = self.equivalent(as_kept);
         likeness.tuned = Some(Tuned {
             threshold_percent: percent(part),
             kept: point.kept,

@@ -213,6 +213,11 @@ pub fn ask(
     };
     let ladder = Ladder::new(truth.clone(), rungs, question.within, fps, question.seed)?;
     guard.packet("the float sensor", truth);
+    if !truth.events.is_empty()
+        && let Some(warning) = Warning::window(question.within, ladder.floor())
+    {
+        guard.warn(warning);
+    }
     let mut judged = Vec::new();
     for (packet, subject) in chips.iter().zip(subjects) {
         guard.packet(&subject, packet);

@@ -12,6 +12,7 @@ use crate::{
         window::{self, Point, Redraws},
     },
     picture::{CurvePoint, CurveShow, Drawing, curve},
+    rig::guard::Warning,
     scene::SceneError,
     study::equivalent,
     unit::Micros,
@@ -86,9 +87,18 @@ impl Headline {
         self.point.window_us
     }
 
-    /// What of F1 is more than accident.
-    pub(super) const fn kept(&self) -> f64 {
-        self.point.kept
+    /// F1 within the window.
+    pub(super) const fn f1(&self) -> f64 {
+        self.point.f1
+    }
+
+    /// That accident scores as much as anything, where it does.
+    pub(super) fn warning(&self, pair: &Pair) -> Option<Warning> {
+        let Point {
+            window_us, floor, ..
+        } = self.point;
+        let [reference, _] = pair.events();
+        { (reference > 0).then(|| Warning::window(window_us, floor)) }.flatten()
     }
 
     /// The curve of a pair.

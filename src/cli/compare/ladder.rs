@@ -29,8 +29,7 @@ impl Arguments {
         Ok(upsample::by_contrast(scene, self.upsample)?)
     }
 
-    /// The change of the sensor's threshold that costs as much as keeping only this share within
-    /// a window.
+    /// The change of the sensor's threshold that costs as much as this F1 within a window.
     ///
     /// # Errors
     /// When the reference is not what this sensor says of the scene, or sensor or scene cannot go
@@ -39,7 +38,7 @@ impl Arguments {
         &self,
         sensor: &Input,
         reference: &Packet,
-        (kept, window): (f64, Micros),
+        (f1, window): (f64, Micros),
     ) -> miette::Result<Equivalent> {
         let description = read_sensor(sensor)?;
         let observation = Observation::new();
@@ -67,7 +66,7 @@ impl Arguments {
         if let Some(first) = equality::first_divergence(&pair) {
             return Err(miette!(
                 help = "give the scene, --fps, --upsample and --seed with which the reference was made, or leave --sensor out",
-                "{} is not what {} says of {}: they part at {} us, x {} y {} channel {}",
+                "{} is not what {} says of {}: they part at {}, x {} y {} channel {}",
                 self.a.display(),
                 sensor.display(),
                 self.clip.name(),
@@ -81,7 +80,7 @@ impl Arguments {
         for (part, packet) in parts.into_iter().zip(packets) {
             ladder.add(part, &packet)?;
         }
-        let (percent, is_least) = ladder.equivalent(kept);
+        let (percent, is_least) = ladder.equivalent(f1);
         Ok(Equivalent { percent, is_least })
     }
 }

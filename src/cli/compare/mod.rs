@@ -84,14 +84,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let redraws = Redraws::new(&pair, arguments.seed);
     let mut headline = Headline::new(arguments, &pair, &redraws, arguments.fps()?)?;
     if let Some(sensor) = &arguments.sensor {
-        let lost = (headline.kept(), headline.window());
-        headline = headline.with(arguments.equivalent(sensor, &reference.packet, lost)?);
+        let score = (headline.f1(), headline.window());
+        headline = headline.with(arguments.equivalent(sensor, &reference.packet, score)?);
     }
     let curve = headline.curve(&pair, &redraws);
     let comparison = Comparison::of(&pair, headline.window());
     let mut guard = Guard::new();
     for (subject, loaded) in [("the reference", &reference), ("the judged", &judged)] {
         guard.recording(subject, &loaded.packet);
+    }
+    if let Some(warning) = headline.warning(&pair) {
+        guard.warn(warning);
     }
     let warnings = guard.warnings();
     light::warn(&warnings);
@@ -257,6 +260,8 @@ impl Ruler {
 fn number(value: Option<f64>) -> String {
     match value {
         None => "-".into(),
+        // Sums that cancel but for their rounding.
+        Some(v) if v.abs() < 1e-14 => "0".into(),
         Some(v) if v.fract() == 0.0 && v.abs() < 1e10 => format!("{v:.0}"),
         Some(v) if (1e-3..1e5).contains(&v.abs()) => format!("{v:.4}"),
         Some(v) => format!("{v:.2e}"),

@@ -111,7 +111,7 @@ fn run(
     put("floor", json!(headline.floor));
     put("error", json!(1.0 - headline.kept));
     if settings.threshold_equivalent {
-        let (percent, _) = ladder.equivalent(headline.kept);
+        let (percent, _) = ladder.equivalent(headline.f1);
         put("threshold_equivalent_percent", json!(percent));
     }
     let measured = Measured::new(&pair, Bins::over(&pair, BINS), ladder.redraws());
