@@ -47,7 +47,7 @@ enum Undo {
     AsCoded,
     /// The samples are light already
     Linear,
-    /// IEC 61966-2-1, as EventCV undoes it
+    /// IEC 61966-2-1, the curve of most pictures
     Srgb,
     /// ITU-R BT.709
     Bt709,

@@ -14,6 +14,7 @@ pub mod exec;
 pub mod feasibility;
 mod fidelity;
 pub mod files;
+mod guards;
 mod kernels;
 mod light;
 pub mod merge;

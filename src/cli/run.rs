@@ -12,18 +12,14 @@ use crate::{
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
     number::{Format, Number, Visitor},
-    photoreceptor::{Curve, Response},
     plane::Size,
     reference::{
-        Counts, Description, EventList, Firing, Limit, Reference, RefractoryRule, Report, Tally,
-        VoxelGrid, WhenFull,
+        Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Tally, VoxelGrid,
+        WhenFull,
     },
-    rig::{
-        self,
-        guard::{Crowd, Guard, Warning},
-    },
+    rig::{self, guard::Warning},
     save::Stack,
-    scene::{Frame, Observation, Scene, upsample},
+    scene::{Observation, Scene, upsample},
     source,
     study::plan::{Effect, Plan, cost},
     unit::Micros,
@@ -34,6 +30,7 @@ use super::{
     content::Content,
     fidelity::Fidelity,
     files::{self, Input, Named, Output},
+    guards::{RunGuard, white},
     light::{self, Samples},
     progress::Progress,
     readout,
@@ -258,8 +255,7 @@ fn watch<N: Number>(
     let size = scene.size();
     let channels = description.channels.len();
     let refractory = description.refractory;
-    let response = description.response;
-    let name = description.name.clone();
+    let mut guard = RunGuard::new(&description, size, arguments.format);
     let limit = Limit {
         events: events(
             arguments,
@@ -275,29 +271,20 @@ fn watch<N: Number>(
     let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
     let mut packet = Packet::new(size, channels as u8);
     let mut tally = Tally::new(channels);
-    let mut counts = arguments
-        .counts
-        .as_ref()
-        .map(|_| Counts::new(size, channels));
-    let mut count_stack = arguments
-        .counts
-        .as_ref()
-        .map(|path| Stack::<i32>::create(path, channels, size))
-        .transpose()?;
+    let counts = arguments.counts.as_ref();
+    let mut counts = counts.map(|_| Counts::new(size, channels));
+    let counts_path = arguments.counts.as_ref();
+    let count_stack = counts_path.map(|path| Stack::<i32>::create(path, channels, size));
+    let mut count_stack = count_stack.transpose()?;
     let mut grid =
         (arguments.voxels.is_some() || arguments.json).then(|| VoxelGrid::new(size, channels));
-    let mut voxel_stack = arguments
-        .voxels
-        .as_ref()
-        .map(|path| Stack::<f32>::create(path, channels, size))
-        .transpose()?;
+    let voxels_path = arguments.voxels.as_ref();
+    let voxel_stack = voxels_path.map(|path| Stack::<f32>::create(path, channels, size));
+    let mut voxel_stack = voxel_stack.transpose()?;
     let mut paper = PaperMetric::default();
     let progress = Progress::new("watching", scene.frames());
 
     let (mut first, mut last, mut too_short) = (None, 0.0, 0);
-    let mut firing = Firing::new();
-    let mut crowd = Crowd::new((channels * size.pixels()) as u64);
-    let mut border = Border::new(arguments.format, response);
     let mut list = arguments
         .events
         .as_ref()
@@ -306,13 +293,11 @@ fn watch<N: Number>(
         reference.watch_into(
             &frame,
             &mut (
-                ((&mut tally, &mut firing), &mut list),
+                ((&mut tally, &mut guard.firing), &mut list),
                 (&mut counts, &mut grid),
             ),
         )?;
-        // The first frame sets the memory.
-        crowd.see(if first.is_some() { firing.cells() } else { 0 });
-        border.see(&frame);
+        guard.see(&frame);
         if first.is_some() {
             if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
                 stack.push(counts.planes().iter().cloned())?;
@@ -347,21 +332,6 @@ fn watch<N: Number>(
         packet = read.packet;
         read_out = Some((chosen, read.statistics));
     }
-    let mut guard = Guard::new();
-    if tally.total() == 0 {
-        guard.warn(Warning::no_events(&name, Some(frames)));
-    }
-    if crowd.over > 0 {
-        guard.warn(Warning::most_cells(&name, &crowd));
-    }
-    let lost = packet.dropped.no_slot;
-    if lost > 0 {
-        let kept = packet.events.len() as u64;
-        guard.warn(Warning::slots("the readout", lost, kept));
-    }
-    if let Some(warning) = border.warning(&name) {
-        guard.warn(warning);
-    }
     if let Some(path) = &arguments.events {
         path.write(&packet)?;
     }
@@ -373,72 +343,14 @@ fn watch<N: Number>(
         fps: scene.fps(),
         fps_is_assumed: scene.fps_is_assumed(),
         seconds: last - first,
+        warnings: guard.warnings(&tally, &packet),
         tally,
         report: reference.report(),
         too_short,
         dropped,
         read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
-        warnings: guard.warnings(),
     })
-}
-
-/// The light that a sensor takes for white; 255 where its response does not say.
-fn white(response: Response) -> f64 {
-    match response.curve {
-        Curve::Linear { white } | Curve::Log { white, .. } => white,
-        Curve::Identity | Curve::LinLog { .. } => 255.0,
-    }
-}
-
-/// Counts the signals that a fixed-point format cannot hold.
-struct Border {
-    /// The ends of the format.
-    ends: Option<[f64; 2]>,
-    format: Format,
-    response: Response,
-    at: u64,
-    all: u64,
-}
-
-impl Border {
-    fn new(format: Format, response: Response) -> Self {
-        let ends = match format {
-            Format::Fixed(fixed) => {
-                let most = f64::from(1_u32 << (fixed.integer() - 1));
-                Some([-most, most])
-            }
-            _ => None,
-        };
-        Self {
-            ends,
-            format,
-            response,
-            at: 0,
-            all: 0,
-        }
-    }
-
-    fn see(&mut self, frame: &Frame) {
-        let Some([low, high]) = self.ends else {
-            return;
-        };
-        let signals = frame.light.iter().map(|light| self.response.apply(*light));
-        let beyond = signals.filter(|signal| {
-            signal
-                .as_ref()
-                .is_ok_and(|signal| *signal < low || *signal >= high)
-        });
-        self.at += beyond.count() as u64;
-        self.all += frame.light.len() as u64;
-    }
-
-    fn warning(&self, subject: &str) -> Option<Warning> {
-        let place = format!("the signals, held in {}", self.format);
-        let ends = self.ends.filter(|_| self.at > 0)?;
-        let counted = (self.at, self.all);
-        Some(Warning::saturation(subject, &place, counted, ends))
-    }
 }
 
 /// How many events the list may hold, after all that a run holds besides.

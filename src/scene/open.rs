@@ -47,10 +47,6 @@ pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneEr
     }
     let kind = FileKind::from_path(path)?;
     kind.check_content(path)?;
-    /// A reader, and what it says about its samples.
-    fn made<S: Scene + 'static>((scene, source): (S, Source)) -> (Box<dyn Scene>, Source) {
-        (Box::new(scene), source)
-    }
     let (scene, source) = match kind {
         FileKind::Y4m => made(y4m::open(path, *options)?),
         FileKind::Npy => made(npy::open(path, *options)?),
@@ -60,6 +56,11 @@ pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneEr
         FileKind::Mp4 => mp4::open(path, *options)?,
     };
     source.decode(scene, path, options)
+}
+
+/// A reader, and what it says about its samples.
+fn made<S: Scene + 'static>((scene, source): (S, Source)) -> (Box<dyn Scene>, Source) {
+    (Box::new(scene), source)
 }
 
 /// The formats of files, by their name and by their first bytes.

@@ -37,8 +37,8 @@ impl Colour {
         }
     }
 
-    /// The samples of the clip. Where nothing is stated the range is limited, as FFmpeg and
-    /// `OpenCV` take it.
+    /// The samples of the clip. Where nothing is stated the range is limited, as `FFmpeg`
+    /// and `OpenCV` take it.
     pub fn source(self) -> Source {
         let range = |is_full| if is_full { Range::Full } else { Range::Limited };
         Source {

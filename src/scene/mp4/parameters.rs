@@ -177,6 +177,8 @@ impl Bits<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write as _;
+
     use proptest::prelude::*;
 
     use super::*;
@@ -213,7 +215,7 @@ mod tests {
         // Baseline, level 1; six numbers of 0 (a bit of 1 each) but for the widths.
         let mut bits = String::from("01100111");
         for byte in [66_u8, 0, 10] {
-            bits += &format!("{byte:08b}");
+            let _ = write!(bits, "{byte:08b}");
         }
         // Set 0; frame numbers and order 0 with its length; 1 picture kept; no gaps.
         bits += "1";
@@ -232,7 +234,9 @@ mod tests {
         bits += "1001101";
         bits += if is_full { "1" } else { "0" };
         match transfer {
-            Some(transfer) => bits += &format!("1{:08b}{transfer:08b}{:08b}", 1, 1),
+            Some(transfer) => {
+                bits += &["1", "00000001", &format!("{transfer:08b}"), "00000001"].concat();
+            }
             None => bits += "0",
         }
         bits += "1";
