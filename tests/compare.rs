@@ -921,8 +921,14 @@ mod verb {
         let said = json(&[]);
         let headline = &said["headline"];
         assert_eq!(headline["frame_interval_us"], 40_000);
-        assert_eq!((&headline["window_us"], &said["within_us"]), (&100_000.into(), &100_000.into()));
-        assert_eq!((&headline["kept"], &headline["f1"]), (&1.0.into(), &1.0.into()));
+        assert_eq!(
+            (&headline["window_us"], &said["within_us"]),
+            (&100_000.into(), &100_000.into())
+        );
+        assert_eq!(
+            (&headline["kept"], &headline["f1"]),
+            (&1.0.into(), &1.0.into())
+        );
         assert!(headline["fps"].is_null());
         let curve = said["curve"].as_array().unwrap();
         assert_eq!(curve.len(), 19);
@@ -948,9 +954,15 @@ mod verb {
         let drawn = path("curve.svg");
         let out = amacrine(&[&a, &b, "-o", &drawn]).assert().success();
         let table = String::from_utf8_lossy(&out.get_output().stdout).into_owned();
-        assert!(table.starts_with("kept 1.0000 within 100ms: F1 1.0000, by accident "), "{table}");
+        assert!(
+            table.starts_with("kept 1.0000 within 100ms: F1 1.0000, by accident "),
+            "{table}"
+        );
         assert!(table.contains("; a frame every 40ms\n"), "{table}");
-        assert!(table.contains("     1us*    10us*   100us*     1ms*    10ms*    100ms       1s\n"), "{table}");
+        assert!(
+            table.contains("     1us*    10us*   100us*     1ms*    10ms*    100ms       1s\n"),
+            "{table}"
+        );
         assert!(table.contains("says which frame, not when"), "{table}");
         let svg = std::fs::read_to_string(&drawn).unwrap();
         for text in ["b.npy against a.npy", "which frame, not when", "100 ms"] {
@@ -976,18 +988,24 @@ mod verb {
         let scene = "pattern:noise?width=48&height=40&frames=40&speed=90&fps=30";
         let made = |name: &str, threshold: f64| {
             let sensor = path(&format!("{name}.toml"));
-            let text = format!("response = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = \"csdvs-3\"\nthreshold = {{ on = {threshold}, off = {threshold} }}\n");
+            let text = format!(
+                "response = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = \"csdvs-3\"\nthreshold = {{ on = {threshold}, off = {threshold} }}\n"
+            );
             std::fs::write(&sensor, text).unwrap();
             let events = path(&format!("{name}.npy"));
             let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-            let run = ["run", "--scene", scene, "--sensor", &sensor, "--events", &events];
+            let run = [
+                "run", "--scene", scene, "--sensor", &sensor, "--events", &events,
+            ];
             common::amacrine(here, &run).assert().success();
             (sensor, events)
         };
         let (sensor, reference) = made("float", 6.0);
         let (other, higher) = made("higher", 6.0 * 1.2);
         let ask = [&reference, &higher, "--scene", scene, "--json", "--sensor"];
-        let out = amacrine(&[&ask[..], &[&sensor]].concat()).assert().success();
+        let out = amacrine(&[&ask[..], &[&sensor]].concat())
+            .assert()
+            .success();
         let said: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
         let headline = &said["headline"];
         let percent = headline["threshold_equivalent_percent"].as_f64().unwrap();

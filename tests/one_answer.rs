@@ -21,7 +21,14 @@ const EFFORT: &str = "0.05";
 
 /// The options that say the question; no other default is told.
 const ASKED: [&str; 8] = [
-    "--scene", SCENE, "--fps", FPS, "--threshold", THRESHOLD, "--effort", EFFORT,
+    "--scene",
+    SCENE,
+    "--fps",
+    FPS,
+    "--threshold",
+    THRESHOLD,
+    "--effort",
+    EFFORT,
 ];
 
 /// What is asked.
@@ -35,7 +42,11 @@ struct Answer {
 
 #[track_caller]
 fn answer(row: &Value) -> Answer {
-    let number = |key: &str| row[key].as_f64().unwrap_or_else(|| panic!("no {key}: {row}"));
+    let number = |key: &str| {
+        row[key]
+            .as_f64()
+            .unwrap_or_else(|| panic!("no {key}: {row}"))
+    };
     Answer {
         kept: number("kept"),
         window_us: row["window_us"].as_u64().unwrap(),
@@ -76,11 +87,22 @@ fn by_hand(folder: &Path) -> Value {
     );
     fs::write(folder.join("float.toml"), sensor).unwrap();
     let compile = ["compile", KERNEL, "--to", TO, "--threshold", THRESHOLD];
-    good(folder, &[&compile[..], &["--effort", EFFORT, "-o", "p.scamp"]].concat());
+    good(
+        folder,
+        &[&compile[..], &["--effort", EFFORT, "-o", "p.scamp"]].concat(),
+    );
     let exec = ["exec", "p.scamp", "--domain", "silicon", "--image", SCENE];
     let frames = ["--fps", FPS, "--frames", "10", "--events", "chip.npy"];
     good(folder, &[&exec[..], &frames].concat());
-    let run = ["run", "--sensor", "float.toml", "--scene", SCENE, "--fps", FPS];
+    let run = [
+        "run",
+        "--sensor",
+        "float.toml",
+        "--scene",
+        SCENE,
+        "--fps",
+        FPS,
+    ];
     good(folder, &[&run[..], &["--events", "float.npy"]].concat());
     let compare = ["compare", "float.npy", "chip.npy", "--sensor", "float.toml"];
     let shown = ["--scene", SCENE, "--fps", FPS];
@@ -167,7 +189,8 @@ fn what_few_values_erase_is_told_first() {
     };
     let abouts = |said: &Value| -> Vec<String> {
         let all = said["warnings"].as_array().unwrap().iter();
-        all.map(|warning| warning["about"].as_str().unwrap().to_owned()).collect()
+        all.map(|warning| warning["about"].as_str().unwrap().to_owned())
+            .collect()
     };
     let plain = ["quantise", "csdvs-3", "--to", "ternary", "--sum", "free"];
     assert!(first(&plain).contains("plain DVS"), "{}", first(&plain));
@@ -187,7 +210,11 @@ fn what_few_values_erase_is_told_first() {
         &["quantise", "csdvs-3"],
     ] {
         let ask = [verb, &ASKED, &few].concat();
-        assert!(first(&ask).contains("plain DVS"), "{verb:?}: {}", first(&ask));
+        assert!(
+            first(&ask).contains("plain DVS"),
+            "{verb:?}: {}",
+            first(&ask)
+        );
         let told = abouts(&json(at, &ask));
         assert!(told.contains(&"surround".to_owned()), "{verb:?}: {told:?}");
     }
@@ -208,7 +235,10 @@ fn an_impossible_candidate_is_a_row() {
     assert!(rows[0].get("levels").is_none());
     assert!(rows[1]["relative_error"].is_number());
     let table = good(at, &both);
-    assert!(table.contains("binary           no choice of levels"), "{table}");
+    assert!(
+        table.contains("binary           no choice of levels"),
+        "{table}"
+    );
     assert!(table.contains("\nint-5  "), "{table}");
     let picture = [&both[..], &["--picture", "k.png"]].concat();
     amacrine(at, &picture).assert().success();

@@ -355,7 +355,10 @@ fn the_headline_s_window_is_that_of_the_scene() {
             let row: Value = serde_json::from_str(line).unwrap();
             assert!(row["threshold_equivalent_percent"].is_null());
             assert!(row["f1_100ms"].is_number() && row["kept_100ms"].is_number());
-            (row["fps"].as_f64().unwrap(), row["window_us"].as_u64().unwrap())
+            (
+                row["fps"].as_f64().unwrap(),
+                row["window_us"].as_u64().unwrap(),
+            )
         })
         .collect();
     assert_eq!(windows, [(5.0, 200_000), (40.0, 100_000)]);

@@ -11,9 +11,7 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{
-            self, Change, QuantiseError, Quantised, Quantiser, QuantiserNameError, Sum,
-        },
+        quantise::{self, Change, QuantiseError, Quantised, Quantiser, QuantiserNameError, Sum},
     },
     picture::{panel, write_png},
     plane::Plane,

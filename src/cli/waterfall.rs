@@ -163,7 +163,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let json = serde_json::to_string(&shown).map_err(|e| miette!("{e}"))?;
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&(light::of_kernels(&answer.warnings) + &table(&answer, readout.name()) + &light::line(&observation)));
+        super::say(
+            &(light::of_kernels(&answer.warnings)
+                + &table(&answer, readout.name())
+                + &light::line(&observation)),
+        );
     }
     Ok(())
 }

@@ -243,7 +243,11 @@ mod tests {
         for text in ["F1", "1 us", "1 ms", "1 s", "kept 0.429 within 1ms"] {
             assert!(texts.contains(&text), "{text} in {texts:?}");
         }
-        assert!(texts.iter().any(|text| text.contains("which frame, not when")));
+        assert!(
+            texts
+                .iter()
+                .any(|text| text.contains("which frame, not when"))
+        );
         let picture = raster(&drawing, 1);
         let top = MARGIN + 6.0 * f64::from(LINE) + 12.0;
         let up = |score: f64| (top + HEIGHT * (1.0 - score / 1.05)) as u32;

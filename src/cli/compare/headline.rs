@@ -143,7 +143,10 @@ impl Headline {
             score: point.f1,
             floor: point.floor,
         };
-        let points: Vec<_> = curve_of.iter().map(|flagged| shown(&flagged.point)).collect();
+        let points: Vec<_> = curve_of
+            .iter()
+            .map(|flagged| shown(&flagged.point))
+            .collect();
         let name = |path: &Path| match path.file_name() {
             Some(name) => name.to_string_lossy().into_owned(),
             None => path.display().to_string(),
@@ -166,7 +169,11 @@ pub(super) fn table(curve: &[Flagged]) -> String {
     let decades: Vec<_> = curve.iter().step_by(3).collect();
     let mut text = format!("\n{:<8}", "window");
     for flagged in &decades {
-        let mark = if flagged.below_frame_interval { "*" } else { "" };
+        let mark = if flagged.below_frame_interval {
+            "*"
+        } else {
+            ""
+        };
         let window = format!("{}{mark}", Short(flagged.point.window_us));
         let _ = write!(text, "{window:>9}");
     }

@@ -169,7 +169,11 @@ mod tests {
             panic!("{gone:?}");
         };
         assert!((share - 0.5).abs() < 1e-12);
-        assert!(gone[0].to_string().contains("8 weights off the centre, 50 %"));
+        assert!(
+            gone[0]
+                .to_string()
+                .contains("8 weights off the centre, 50 %")
+        );
     }
 
     #[test]
@@ -188,7 +192,14 @@ mod tests {
         let kernel = Kernel::from_rows(&[vec![-0.2, -0.3, 1.0, 1.0, 1.0]]).unwrap();
         let levels = Quantiser::TERNARY.quantise(&kernel, Sum::Free, 0).unwrap();
         let gone = levels.erasures(&kernel);
-        let [Erasure::Sign { negative: true, weights: 2, share }] = gone[..] else {
+        let [
+            Erasure::Sign {
+                negative: true,
+                weights: 2,
+                share,
+            },
+        ] = gone[..]
+        else {
             panic!("{gone:?}");
         };
         assert!((share - 0.5 / 3.5).abs() < 1e-12);

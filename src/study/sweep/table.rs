@@ -57,7 +57,10 @@ const POINT: [(&str, Holds, &str); 36] = [
     ),
     text("side", "reference, array or mesh"),
     text("scene", "as it is named in the study"),
-    real("fps", "frames per second of the scene, before any are inserted"),
+    real(
+        "fps",
+        "frames per second of the scene, before any are inserted",
+    ),
     whole("frames", "frames of the source, where the study says so"),
     text(
         "range",
@@ -167,8 +170,14 @@ const FIGURES: [(&str, Holds, &str); 22] = [
         "window_us",
         "window of the headline, microseconds: the first of `within`, else 100 ms or the time from frame to frame",
     ),
-    real("kept", "what of F1 is more than accident, within that window"),
-    real("floor", "F1 of a redraw of the f64 sensor, within that window"),
+    real(
+        "kept",
+        "what of F1 is more than accident, within that window",
+    ),
+    real(
+        "floor",
+        "F1 of a redraw of the f64 sensor, within that window",
+    ),
     real(
         "threshold_equivalent_percent",
         "change of the f64 sensor's threshold that costs as much; 900: at least that",
