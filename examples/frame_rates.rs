@@ -106,7 +106,7 @@ fn judged(
     let ladder = Ladder::new(truth, &rungs, headline(fps), fps, 0)?;
     { judged.iter() }
         .map(|packet| {
-            let pair = Pair::of(ladder.reference(), packet)?;
+            let pair = Pair::new(ladder.reference(), packet)?;
             let likeness = ladder.judge(packet)?;
             Ok((window::f1(&pair, SHORT), likeness))
         })

@@ -7,12 +7,12 @@ mod common;
 
 use amacrine::{
     compare::{
-        Comparison, Pair, compare, counts,
+        Comparison, Pair, baseline, compare, counts,
         equality::Side,
         intervals, matching,
         metric::Metric,
-        null, rates,
-        ruler::{Scales, measure, scores},
+        rates,
+        score::{Scales, measure, scores},
         van_rossum, victor_purpura,
         voxel::{self, Bins, voxels},
         window::{self, Redraws},
@@ -328,7 +328,7 @@ mod scales {
     use super::*;
 
     fn pair(a: &Packet, b: &Packet) -> Pair {
-        Pair::of(a, b).unwrap()
+        Pair::new(a, b).unwrap()
     }
 
     /// Small scales, as the packets are short.
@@ -547,7 +547,7 @@ mod scales {
 
         #[test]
         fn a_redraw_keeps_the_counts_and_takes_times_from_other_cells(a in crowded(), seed: u64) {
-            let drawn = null::redraw(&pair(&a, &a), seed);
+            let drawn = baseline::redraw(&pair(&a, &a), seed);
             let given = cells(&a);
             for (cell, reference, judged) in drawn.cells() {
                 prop_assert_eq!(reference.len(), judged.len());
@@ -575,7 +575,7 @@ mod scales {
                     });
                 }
             }
-            let moved = null::permute(&pair(&packet, &packet), seed);
+            let moved = baseline::permute(&pair(&packet, &packet), seed);
             let mut seen = Vec::new();
             let mut signs = BTreeMap::new();
             for (cell, reference, judged) in moved.cells() {

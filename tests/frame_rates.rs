@@ -83,7 +83,7 @@ fn judged(times: u32) -> [(f64, f64); 2] {
     let packets = rig::watch(&mut scene, &mut watching, |_| ()).unwrap();
     assert!(packets[0].events.len() > 10_000);
     [1, 2].map(|other| {
-        let pair = Pair::of(&packets[0], &packets[other]).unwrap();
+        let pair = Pair::new(&packets[0], &packets[other]).unwrap();
         if times > 1 {
             // The frames are those that were inserted, and every one is used.
             let told = window::frame_interval(&pair).unwrap();

@@ -753,13 +753,14 @@ fn the_schema_is_what_is_read() {
             .as_array()
             .unwrap(),
     ) {
-        let mut keys: HashSet<String> = Key::of(*side).map(|key| key.name.to_owned()).collect();
+        let mut keys: HashSet<String> =
+            Key::on_side(*side).map(|key| key.name.to_owned()).collect();
         top.extend(keys.iter().cloned());
         keys.insert("side".to_owned());
         assert_eq!(names(own), keys);
         // What the schema names is read, each at the value that it has when it is left out.
         let mut text = String::new();
-        for key in Key::of(*side) {
+        for key in Key::on_side(*side) {
             match (key.default, key.name) {
                 (Absent::Is(value), name) => writeln!(text, "{name} = {value}").unwrap(),
                 (_, "scene") => writeln!(text, "scene = \"{SCENE}\"").unwrap(),

@@ -108,12 +108,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let cost = Cost::of(&code.frame, &device);
     let settings = Settings {
         clip: true,
-        ..Settings::of(&device)
+        ..Settings::from_device(&device)
     };
     let mut chips = Vec::new();
     for (domain, _) in DOMAINS {
         let arithmetic = domain.parse::<Arithmetic>()?.with_seed(arguments.seed);
-        let chip = arithmetic.chip(domain, code.clone(), &device, size, settings)?;
+        let chip = arithmetic.chip(domain, &code, &device, size, settings)?;
         chips.push(Timed::new(chip));
     }
 

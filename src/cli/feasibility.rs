@@ -25,7 +25,7 @@ use super::{
     files::{Named, Output},
     light::{self, Shown},
     progress::Progress,
-    quantise::Total,
+    quantiser::Total,
     readout::Choice,
     window::Window,
 };
@@ -46,10 +46,10 @@ pub struct Arguments {
     clip: Clip,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
     /// best of the candidates
-    #[arg(long, value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
+    #[arg(long, value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Option<Quantiser>,
     /// Rows of the table of quantisers
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = "ternary,po2-2,po2-4,int-3,int-5", value_parser = super::quantise::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = "ternary,po2-2,po2-4,int-3,int-5", value_parser = super::quantiser::quantiser)]
     candidates: Vec<Quantiser>,
     /// What quantised kernels must sum to
     #[arg(long, value_enum, default_value_t)]
@@ -66,7 +66,7 @@ pub struct Arguments {
     #[command(flatten)]
     window: Window,
     /// How long to search for each program, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
+    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
     #[arg(long, default_value_t = 0)]

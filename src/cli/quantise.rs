@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use image::{RgbImage, imageops};
-use miette::{Diagnostic as _, miette};
+use miette::miette;
 
 use crate::{
     compare::metric::Short,
@@ -11,7 +11,7 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{self, Change, QuantiseError, Quantised, Quantiser, QuantiserNameError, Sum},
+        quantise::{self, Change, QuantiseError, Quantised, Quantiser},
     },
     picture::{panel, write_png},
     plane::Plane,
@@ -31,6 +31,7 @@ use super::{
     files::{Named, Output},
     light,
     progress::Progress,
+    quantiser::{Total, quantiser},
     window::Window,
 };
 
@@ -67,56 +68,13 @@ pub struct Arguments {
     #[arg(long, default_value = "scamp5", requires = "threshold")]
     chip: Named,
     /// How long to search for each program, in seconds of two cores of 2024, with --threshold
-    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds, requires = "threshold")]
+    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds, requires = "threshold")]
     effort: f64,
     #[command(flatten)]
     window: Window,
     /// Print one JSON object instead
     #[arg(long)]
     json: bool,
-}
-
-/// [`Sum`], as it is written. All verbs that quantise have the same default.
-#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
-pub(super) enum Total {
-    /// Whatever comes
-    Free,
-    /// 0: uniform light gives nothing
-    Zero,
-    /// That of the kernel, as near as the levels allow
-    #[default]
-    Kept,
-}
-
-impl Total {
-    /// As it is written.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Free => "free",
-            Self::Zero => "zero",
-            Self::Kept => "kept",
-        }
-    }
-}
-
-impl From<Total> for Sum {
-    fn from(total: Total) -> Self {
-        match total {
-            Total::Free => Self::Free,
-            Total::Zero => Self::Zero,
-            Total::Kept => Self::Kept,
-        }
-    }
-}
-
-/// A quantiser, for the command line, which shows no help beside a message.
-pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
-    name.parse().map_err(|error: QuantiserNameError| {
-        let known = error
-            .help()
-            .map_or(String::new(), |help| format!("; known are {help}"));
-        format!("{error}{known}")
-    })
 }
 
 /// The end of its help.

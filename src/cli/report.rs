@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             arguments.folder.display()
         ));
     }
-    let report = Report::of(&manifest, &rows, &arguments.cost, arguments.pool);
+    let report = Report::new(&manifest, &rows, &arguments.cost, arguments.pool);
     if let Some(path) = &arguments.output {
         path.draw(&fronts(&shows(&report)))?;
     }

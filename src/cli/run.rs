@@ -59,8 +59,7 @@ pub struct Arguments {
     /// Chooses mismatch and noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// The number format of signals, weights and memory: f64, f32, f16, bf16, q8.8, …
-    #[arg(long, default_value = "f64")]
+    #[arg(long, default_value = "f64", help = format!("The number format of signals, weights and memory: {}", Format::names()))]
     format: Format,
     #[arg(long, help = format!("Write the events; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
     events: Option<Output>,
@@ -436,7 +435,7 @@ impl Watched {
     }
 
     fn bits_per_event(&self) -> u32 {
-        AddressWord::of(self.size, self.tally.kinds().len() as u8).bits()
+        AddressWord::new(self.size, self.tally.kinds().len() as u8).bits()
     }
 
     fn json(&self, arguments: &Arguments, description: &Description) -> serde_json::Value {

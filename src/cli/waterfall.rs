@@ -25,7 +25,7 @@ use super::{
     files::{Named, Output},
     light::{self, Shown},
     progress::Progress,
-    quantise::Total,
+    quantiser::Total,
     readout::Choice,
     window::Window,
 };
@@ -42,7 +42,7 @@ pub struct Arguments {
     #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
     /// How the kernel comes into few values
-    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
+    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Quantiser,
     /// What the quantised kernel must sum to
     #[arg(long, value_enum, default_value_t)]
@@ -56,9 +56,7 @@ pub struct Arguments {
     /// once
     #[arg(long = "set", value_name = "FIGURE=NUMBER", value_parser = figure)]
     sets: Vec<(Figure, f64)>,
-    /// What the chip's cells hold: silicon, or numbers (f32, f16, q8.8 …), which err by their
-    /// format alone
-    #[arg(long, default_value = "silicon", value_parser = arithmetic)]
+    #[arg(long, default_value = "silicon", value_parser = arithmetic, help = format!("What the chip's cells hold: {}; numbers err by their format alone", Arithmetic::names()))]
     format: Arithmetic,
     /// How events leave the chip; unless said otherwise the scan that a compiled program asks for
     #[command(flatten)]
@@ -69,7 +67,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// How long to search for the program, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
+    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
     effort: f64,
     /// Draw it
     #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
@@ -95,7 +93,7 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| format!("`{text}` is not FIGURE=NUMBER, such as error.noise=0.1"))?;
-    super::exec::figure(name, value)
+    super::figure::figure(name, value)
 }
 
 /// Sensors that watch side by side: one a step, and in all but one of them.

@@ -2,7 +2,7 @@
 //!
 //! Which events match depends on the window, and so does what matches by accident. So F1 is told
 //! for windows from 1 us to 1 s, with its **floor**: that of redraws of the reference, which have
-//! the right places and rates and times by accident ([`null`]). The **ceiling** is 1, that of
+//! the right places and rates and times by accident ([`baseline`]). The **ceiling** is 1, that of
 //! the reference itself. What lies between is *kept*:
 //!
 //! ```text
@@ -23,9 +23,9 @@ use std::{
 use serde::Serialize;
 
 use super::{
-    Pair,
+    Pair, baseline,
     entry::{Entry, Scale},
-    matching, null,
+    matching,
 };
 use crate::unit::Micros;
 
@@ -126,7 +126,7 @@ impl Redraws {
     /// Of the reference of a pair.
     #[must_use]
     pub fn new(pair: &Pair, seed: u64) -> Self {
-        let draw = |k| null::redraw(pair, seed.wrapping_add(k));
+        let draw = |k| baseline::redraw(pair, seed.wrapping_add(k));
         Self {
             draws: (0..Self::number(pair)).map(draw).collect(),
             floors: Arc::default(),

@@ -1,4 +1,4 @@
-//! Firing: how many cells fire in a pair of frames.
+//! Firing: how many cells fire in an interval.
 
 use std::ops::Range;
 
@@ -6,9 +6,9 @@ use multiversion::multiversion;
 
 use crate::{number::Real, sensor::SensorError};
 
-use super::train::{BandSink, Pair, Sink, TrainRow};
+use super::train::{BandSink, Interval, Sink, TrainRow};
 
-/// How many cells have fired in the pair that was told last.
+/// How many cells have fired in the interval that was told last.
 #[derive(Clone, Debug, Default)]
 pub struct Firing {
     cells: u64,
@@ -31,7 +31,7 @@ impl Firing {
         Self::default()
     }
 
-    /// Cells, of all kinds, that have fired in the pair that was told last.
+    /// Cells, of all kinds, that have fired in the interval that was told last.
     #[must_use]
     pub const fn cells(&self) -> u64 {
         self.cells
@@ -45,7 +45,7 @@ impl Sink for Firing {
         false
     }
 
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<&mut FiringBand> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<&mut FiringBand> {
         self.bands = vec![FiringBand::default(); bands.len()];
         self.bands.iter_mut().collect()
     }
@@ -85,13 +85,13 @@ mod tests {
     #[test]
     fn a_cell_told_twice_is_one() {
         let mut firing = Firing::new();
-        let pair = Pair {
+        let interval = Interval {
             index: 0,
             from: 0.0,
             to: 1.0,
         };
         let mut row = TrainRow::<f64>::new(4);
-        for mut band in firing.begin(pair, &[0..1, 1..2]) {
+        for mut band in firing.begin(interval, &[0..1, 1..2]) {
             row.counts = vec![3, 0, -1, 0];
             band.row(&row).unwrap();
             row.counts = vec![1, 1, 0, 0];

@@ -1,9 +1,9 @@
 //! Animations, GIF and APNG: decoded frame by frame onto a canvas.
 //!
-//! The delays must be even to within the unit in which they are written (a GIF of 30
-//! frames/s says 3, 3, 4 hundredths); the rate is then their mean. The last frame's delay
-//! says when the animation begins again and does not count. To know all this beforehand the
-//! file is read twice. Where nothing is drawn there is black.
+//! The delays must be equal to within the unit in which they are written (a GIF of 30 frames/s has
+//! delays of 3, 3, 4 hundredths); the rate is then the inverse of their mean. The last frame's
+//! delay says when the animation begins again and does not count. The file is read twice, as all
+//! delays must be known before the first frame. Pixels that are never drawn are black.
 
 use std::{
     io::{BufRead, Cursor, Seek},
@@ -22,12 +22,12 @@ use super::{
 };
 use crate::plane::Size;
 
-/// Bytes of a pixel: as it is coded, as a patch, on the canvas now and before, as light.
+/// Bytes held per pixel: as it is coded, as a patch, on the canvas now and before, as light.
 const HELD: u128 = MOST_CODED + 16 + 3 * light::PIXEL_BYTES;
 
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 
-/// A file of patches.
+/// A decoder that gives an animation as patches.
 trait Patches: Send {
     /// Size of the canvas.
     fn size(&self) -> Size;

@@ -17,13 +17,13 @@ use super::{
 };
 use crate::{limit::PICTURES, plane::Size};
 
-/// Endings of pictures that are read.
+/// Extensions of the pictures that are read.
 pub(super) const ENDINGS: [&str; 4] = ["png", "pgm", "ppm", "pnm"];
 
-/// Pictures still to be read.
+/// A folder being read.
 struct Folder {
     path: PathBuf,
-    /// Their names.
+    /// Names of the pictures still to be read, in order.
     left: VecDeque<OsString>,
     room: MemoryLimit,
     count: u64,
@@ -154,7 +154,7 @@ fn natural(a: &str, b: &str) -> Ordering {
     }
 }
 
-/// The first run of digits, or of anything else, and what follows.
+/// Splits off the first run of digits, or of anything but digits.
 fn word(text: &str) -> (&str, &str) {
     let is_digit = |c: char| c.is_ascii_digit();
     let first = text.starts_with(is_digit);

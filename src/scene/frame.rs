@@ -1,4 +1,4 @@
-//! A frame, and the trait of all that gives frames.
+//! A frame, and the trait of all sources of frames.
 
 use super::{coding::Light, error::SceneError, light};
 use crate::plane::{Plane, Size};
@@ -43,8 +43,8 @@ pub trait Scene: Send {
         Light::DRAWN
     }
 
-    /// Bytes that the source holds at most while frames are taken from it, the frame that it
-    /// gives included.
+    /// The most bytes that the source holds while frames are taken from it, the frame that it gives
+    /// included.
     fn bytes(&self) -> u128 {
         light::PIXEL_BYTES_HELD * self.size().pixels() as u128
     }

@@ -19,7 +19,7 @@ pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 /// The longest header that is read; `numpy` itself stops at 10 000.
 const LONGEST_HEADER: u64 = 65_535;
 
-/// A stream of numbers.
+/// A stream of frames in an `.npy` file.
 pub(super) struct Npy<R> {
     path: PathBuf,
     stream: R,
@@ -81,7 +81,7 @@ impl<R: Read + Send> Npy<R> {
         }
         let axis = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
         let size = light::checked_size(path, axis(height), axis(width))?;
-        // With one axis longer than 1 the two orders are the same bytes.
+        // With at most one axis longer than 1, row-major and column-major order are the same bytes.
         if header.fortran && header.shape.iter().filter(|n| **n > 1).count() > 1 {
             return Err(SceneError::FortranOrder { path: path.into() });
         }
@@ -184,12 +184,12 @@ impl<R: Read + Send> Scene for Npy<R> {
     }
 }
 
-/// Bytes of a frame as it is stored, and as light.
+/// Bytes held for a frame: as it is stored, and as light.
 fn held(number: Number, size: Size) -> u128 {
     (number.bytes() as u128 + light::PIXEL_BYTES_HELD) * size.pixels() as u128
 }
 
-/// How one number is stored.
+/// The type of the array's numbers.
 #[derive(Clone, Copy, Debug)]
 struct Number {
     kind: Kind,
@@ -355,7 +355,7 @@ struct Header {
     shape: Vec<u64>,
 }
 
-/// A field that is wrong, and what was expected.
+/// A field that is wrong, and what was expected instead.
 type Wrong = (&'static str, &'static str);
 
 impl Header {
@@ -419,7 +419,7 @@ impl Header {
     }
 }
 
-/// A word in quotes at the start of `text`, and what follows it.
+/// A quoted string at the start of `text`, and what follows it.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
     text[1..].split_once(quote)

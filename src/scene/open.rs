@@ -1,4 +1,4 @@
-//! From what the user wrote to a scene: by name, then by the first bytes.
+//! Opening a scene: the format follows from the name, and the first bytes must agree.
 
 use std::{io::Read, path::Path};
 
@@ -63,7 +63,7 @@ fn made<S: Scene + 'static>((scene, source): (S, Source)) -> (Box<dyn Scene>, So
     (Box::new(scene), source)
 }
 
-/// The formats of files, by their name and by their first bytes.
+/// The formats of files, by extension and by first bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum FileKind {
     Y4m,
@@ -108,7 +108,7 @@ impl FileKind {
         }
     }
 
-    /// Whether a file that begins so is of this kind.
+    /// Whether a file of this format can begin with `start`.
     fn begins(self, start: &[u8]) -> bool {
         match self {
             Self::Y4m => start.starts_with(y4m::MAGIC),
@@ -141,7 +141,7 @@ impl FileKind {
         let found = Self::ALL.into_iter().find(|kind| kind.begins(&start));
         Err(SceneError::Disguised {
             path: path.into(),
-            said: self.name(),
+            stated: self.name(),
             found: found.map_or("something else", Self::name),
         })
     }

@@ -11,7 +11,7 @@ pub struct First<S> {
 }
 
 impl<S: Scene> First<S> {
-    /// At most so many.
+    /// The first `frames` frames of `source`, or all where it has fewer.
     pub const fn new(source: S, frames: u64) -> Self {
         Self {
             source,
@@ -58,7 +58,7 @@ pub struct Retimed<S> {
 }
 
 impl<S: Scene> Retimed<S> {
-    /// So many frames a second.
+    /// The frames of `source` at `fps` frames a second.
     ///
     /// # Errors
     /// When the rate is not a finite number above 0.

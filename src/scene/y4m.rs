@@ -203,7 +203,7 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
     }
 }
 
-/// Bytes of a frame as it is coded, and as light.
+/// Bytes held for a frame: as it is coded, and as light.
 fn held(samples: Samples, size: Size) -> u128 {
     u128::from(samples.frame) + light::PIXEL_BYTES_HELD * size.pixels() as u128
 }
@@ -288,7 +288,7 @@ fn ratio(text: &str) -> Option<f64> {
     Some(a as f64 / b as f64)
 }
 
-/// The layout that a colour space means; `None` where it is not known.
+/// The sample layout of a colour space; `None` where it is not known.
 fn samples(colour: &str, size: Size) -> Option<Samples> {
     let (layout, bits) = match colour {
         "420" | "420jpeg" | "420mpeg2" | "420paldv" => ("420", 8),
@@ -326,11 +326,11 @@ fn samples(colour: &str, size: Size) -> Option<Samples> {
     })
 }
 
-/// What stood where a line was expected.
+/// The result of reading a line.
 enum Line {
     /// A line of text, without its end.
     Whole(String),
-    /// No end of line, or no text: how it begins.
+    /// No end of line within the limit, or not text: its first bytes.
     Broken(String),
     /// The end of the stream.
     Nothing,

@@ -161,7 +161,7 @@ impl Ladder {
         fps: f64,
         seed: u64,
     ) -> Result<Self, CompareError> {
-        let redraws = Redraws::new(&Pair::of(&reference, &reference)?, seed);
+        let redraws = Redraws::new(&Pair::new(&reference, &reference)?, seed);
         let rungs = vec![Rung {
             part: 1.0,
             events: reference.events.len() as u64,
@@ -185,7 +185,7 @@ impl Ladder {
         let rung = Rung {
             part,
             events: packet.events.len() as u64,
-            f1: window::f1(&Pair::of(&self.reference, packet)?, self.window),
+            f1: window::f1(&Pair::new(&self.reference, packet)?, self.window),
         };
         let above = self.rungs.partition_point(|known| known.part < part);
         self.rungs.insert(above, rung);
@@ -221,7 +221,7 @@ impl Ladder {
     /// # Errors
     /// When it is of another sensor.
     pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
-        let pair = Pair::of(&self.reference, packet)?;
+        let pair = Pair::new(&self.reference, packet)?;
         let point = Point::new(&pair, &self.redraws, self.window);
         let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
@@ -280,7 +280,7 @@ impl Ladder {
         packet: &Packet,
         (part, tuned): (f64, &Packet),
     ) -> Result<(), CompareError> {
-        let pair = Pair::of(tuned, packet)?;
+        let pair = Pair::new(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
         let floor = self.floor();
         let as_kept = floor + point.kept * (1.0 - floor);

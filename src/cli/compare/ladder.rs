@@ -62,7 +62,7 @@ impl Arguments {
         let mut packets = packets?.into_iter();
         let own = packets.next().unwrap_or_else(|| Packet::new(size, 1));
         let seen = || format!("{} seen by {}", self.clip.name(), sensor.display());
-        let pair = Pair::of(reference, &own).wrap_err_with(seen)?;
+        let pair = Pair::new(reference, &own).wrap_err_with(seen)?;
         if let Some(first) = equality::first_divergence(&pair) {
             return Err(miette!(
                 help = "give the scene, --fps, --upsample and --seed with which the reference was made, or leave --sensor out",

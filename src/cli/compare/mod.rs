@@ -19,7 +19,7 @@ use crate::{
     compare::{
         Comparison, Pair,
         equality::Side,
-        ruler::{Scales, Score, scores_beside},
+        score::{Scales, Score, scores_beside},
         window::Redraws,
     },
     event::file::Loaded,
@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut judged = arguments.recording.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
-    let pair = Pair::of(&reference.packet, &judged.packet)?;
+    let pair = Pair::new(&reference.packet, &judged.packet)?;
     let redraws = Redraws::new(&pair, arguments.seed);
     let mut headline = Headline::new(arguments, &pair, &redraws, arguments.fps()?)?;
     if let Some(sensor) = &arguments.sensor {
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         headline = headline.with(arguments.equivalent(sensor, &reference.packet, score)?);
     }
     let curve = headline.curve(&pair, &redraws);
-    let comparison = Comparison::of(&pair, headline.window());
+    let comparison = Comparison::from_pair(&pair, headline.window());
     let mut guard = Guard::new();
     for (subject, loaded) in [("the reference", &reference), ("the judged", &judged)] {
         guard.recording(subject, &loaded.packet);
@@ -115,8 +115,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     if arguments.json {
         let json = Json {
-            reference: Input::of(&arguments.a, &reference),
-            judged: Input::of(&arguments.b, &judged),
+            reference: Input::new(&arguments.a, &reference),
+            judged: Input::new(&arguments.b, &judged),
             headline: &headline,
             curve: &curve,
             comparison: &comparison,
@@ -189,7 +189,7 @@ impl serde::Serialize for Ruler {
         map.serialize_entry("bins", &self.scales.bins)?;
         map.serialize_entry("seed", &self.scales.seed)?;
         for score in &self.scores {
-            map.serialize_entry(&score.metric.key(), &ScoreJson::of(score))?;
+            map.serialize_entry(&score.metric.key(), &ScoreJson::new(score))?;
         }
         map.end()
     }
@@ -208,7 +208,7 @@ struct ScoreJson {
 }
 
 impl ScoreJson {
-    fn of(score: &Score) -> Self {
+    fn new(score: &Score) -> Self {
         Self {
             value: score.value,
             identical: score.identical,
@@ -278,7 +278,7 @@ struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    const fn of(file: &'a Path, loaded: &Loaded) -> Self {
+    const fn new(file: &'a Path, loaded: &Loaded) -> Self {
         Self {
             file,
             size: loaded.packet.size,

@@ -12,7 +12,7 @@ use super::{
     content::Content,
     files::{self, Named, Output},
     light,
-    quantise::Total,
+    quantiser::Total,
 };
 use crate::{
     array::{
@@ -80,7 +80,7 @@ pub struct Arguments {
     #[arg(long, default_value = "scamp5")]
     chip: Named,
     /// How long to search, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 2.5, value_parser = seconds)]
+    #[arg(long, default_value_t = 2.5, value_parser = super::effort::seconds)]
     effort: f64,
     /// Another seed may find another program
     #[arg(long, default_value_t = 0)]
@@ -101,16 +101,6 @@ fn interval(text: &str) -> Result<(f64, f64), String> {
     match (number(low), number(high)) {
         (Some(low), Some(high)) if low < high => Ok((low, high)),
         _ => Err(wrong()),
-    }
-}
-
-/// An effort, for the command line.
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(value) if (0.0..=3600.0).contains(&value) => Ok(value),
-        _ => Err(format!(
-            "`{text}` is not a number of seconds from 0 to 3600"
-        )),
     }
 }
 
@@ -176,7 +166,7 @@ impl std::str::FromStr for To {
         if name == "exact" {
             return Ok(Self(None));
         }
-        super::quantise::quantiser(name).map(|to| Self(Some(to)))
+        super::quantiser::quantiser(name).map(|to| Self(Some(to)))
     }
 }
 

@@ -6,7 +6,7 @@ use miette::{WrapErr, miette};
 use ndarray::Array3;
 use ndarray_npy::WriteNpyExt;
 
-use super::{Constants, Show};
+use super::{constants::Constants, output::Show};
 use crate::{
     cli::{
         budget,

@@ -1,4 +1,4 @@
-//! How a question is answered: the sensors run, and all parts of the answer are put together.
+//! Answering a question: the sensors run, and all parts of the answer are put together.
 
 use super::{
     Assumption, ChipSummary, Chosen, Estimate, Feasibility, FeasibilityError, Fit, KernelSummary,
@@ -24,7 +24,7 @@ use crate::{
     },
 };
 
-/// Of the mesh fits: what is added to the squared relative error for each squared gain.
+/// The ridge of the mesh fits: added to the squared relative error for each squared gain.
 const RIDGE: f64 = 1e-4;
 
 /// Asks the question of a scene that can be opened again: it is watched for the table, for the
@@ -119,7 +119,7 @@ pub fn ask(
     Ok((feasibility, snapshot))
 }
 
-/// The kernel as one sheet and as two have it; nothing of a kernel of zeros.
+/// The kernel fitted by one resistive grid and by two; nothing for a kernel of zeros.
 fn meshes(kernel: &Kernel) -> Vec<mesh::Fit> {
     let fit = |sheets| {
         let how = Fitting {

@@ -10,7 +10,7 @@ use crate::{
     },
 };
 
-/// Two scores that are closer than this are one: then fewer words win.
+/// Scores closer than this are a tie: then fewer words win.
 const ALIKE: f64 = 0.005;
 
 impl Question<'_> {

@@ -96,7 +96,7 @@ fn one_pixel() -> Kernel {
     Kernel::new(Plane::ones((1, 1))).expect("one finite weight is a kernel")
 }
 
-/// The packets of all sensors.
+/// The packets of all sensors on the scene.
 pub(super) struct Runs {
     pub float: Packet,
     pub dvs: Packet,

@@ -2,7 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{bars, number, part, wide};
+use super::{
+    bars, number,
+    part::{part, wide},
+};
 use crate::study::feasibility::{Feasibility, Stream, stream::Scored};
 
 /// Two tables: how much is said, and how much of it is right.

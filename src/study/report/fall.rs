@@ -2,7 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{image, number, part, wide};
+use super::{
+    image, number,
+    part::{part, wide},
+};
 use crate::study::{
     feasibility::Feasibility,
     waterfall::{Shares, Step, Waterfall},
@@ -12,11 +15,17 @@ use crate::study::{
 pub(super) fn section(all: &Feasibility) -> Markup {
     all.waterfall.as_ref().map_or_else(
         || html! {},
-        |waterfall| part("waterfall", "Where the events went", &told(all, waterfall)),
+        |waterfall| {
+            part(
+                "waterfall",
+                "Where the events went",
+                &content(all, waterfall),
+            )
+        },
     )
 }
 
-fn told(all: &Feasibility, waterfall: &Waterfall) -> Markup {
+fn content(all: &Feasibility, waterfall: &Waterfall) -> Markup {
     let title = format!("Where the events of {} went", all.kernel.name);
     let alt = format!(
         "{title}: a bar for each step from the float sensor to the chip; the table below has its numbers."

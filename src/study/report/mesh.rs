@@ -2,7 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{number, part, wide};
+use super::{
+    number,
+    part::{part, wide},
+};
 use crate::{mesh::Fit, study::feasibility::Feasibility};
 
 /// What one sheet and two make of the kernel.

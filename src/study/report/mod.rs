@@ -11,10 +11,11 @@ mod fall;
 mod image;
 mod mesh;
 mod number;
+mod part;
 mod power;
 mod quantisation;
 mod reproduce;
-mod sight;
+mod snapshot;
 mod verdict;
 mod weights;
 
@@ -30,7 +31,7 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 
 /// The whole page.
 #[must_use]
-pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
+pub fn page(all: &Feasibility, snapshot: &Snapshot) -> String {
     let title = format!("Feasibility of {} on {}", all.kernel.name, all.chip.name);
     let whole = html! {
         (DOCTYPE)
@@ -51,7 +52,7 @@ pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
                 }
                 main {
                     (verdict::section(all))
-                    (sight::section(all, sight))
+                    (snapshot::section(all, snapshot))
                     (events::section(all))
                     (fall::section(all))
                     (chip::section(all))
@@ -89,22 +90,5 @@ fn asked(all: &Feasibility) -> Markup {
             "), with an event where kernel times light, 0 to 255, has moved by more than "
             (number::plain("/threshold", all.threshold)) "."
         }
-    }
-}
-
-/// A part of the page.
-fn part(id: &str, heading: &str, inside: &Markup) -> Markup {
-    html! {
-        section aria-labelledby=(id) {
-            h2 id=(id) { (heading) }
-            (inside)
-        }
-    }
-}
-
-/// A table that scrolls by itself where the screen is narrower.
-fn wide(label: &str, table: &Markup) -> Markup {
-    html! {
-        div.wide role="region" aria-label=(label) tabindex="0" { (table) }
     }
 }

@@ -2,7 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{number, part, wide};
+use super::{
+    number,
+    part::{part, wide},
+};
 use crate::study::feasibility::{Feasibility, power::Power};
 
 /// Both tables.

@@ -2,7 +2,11 @@
 
 use maud::{Markup, html};
 
-use super::{number, part, weights, wide};
+use super::{
+    number,
+    part::{part, wide},
+    weights,
+};
 use crate::study::{
     equivalent::Likeness,
     feasibility::Feasibility,

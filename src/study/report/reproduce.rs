@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{number, part};
+use super::{number, part::part};
 use crate::study::feasibility::Feasibility;
 
 /// Everything that was taken as given.

@@ -1,4 +1,4 @@
-//! One point: its sensor is made, watches its scene, and is measured.
+//! Measuring a point: its sensor is made, watches its scene, and is compared.
 
 use serde_json::json;
 
@@ -87,7 +87,7 @@ fn run(
         Some(Err(refusal)) => return Err(refusal.clone()),
         None => return Err(Refusal::Cannot("the f64 sensor was not made".to_owned())),
     };
-    let pair = Pair::of(ladder.reference(), &packet)?;
+    let pair = Pair::new(ladder.reference(), &packet)?;
     let frames = entry.scene.frames as f64;
     let on = packet
         .events
@@ -151,7 +151,7 @@ fn watch(
     Ok((packet, f64::max(spent, 1e-9), guard.warnings()))
 }
 
-/// A scene or a sensor stopped.
+/// Why a scene or a sensor stopped.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum Stop {
     #[error(transparent)]

@@ -37,7 +37,7 @@ const SENSOR: [&str; 18] = [
     "schedule",
 ];
 
-/// What error is weighed against.
+/// The columns that error may be weighed against.
 pub const COSTS: [&str; 4] = ["seconds_per_frame", "bits", "words", "state_memory_bytes"];
 
 /// The answer.
@@ -111,7 +111,7 @@ impl Report {
     /// Weighs error against a cost, a column of [`COSTS`]. `pool` compares all sensors,
     /// whatever their tasks.
     #[must_use]
-    pub fn of(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {
+    pub fn new(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {
         let varying = varying(rows);
         let mut sensors: BTreeMap<Vec<String>, Vec<&Row>> = BTreeMap::new();
         for row in rows {
@@ -237,7 +237,7 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
     })
 }
 
-/// Says who is beaten by whom.
+/// Marks each sensor with the one that dominates it.
 fn judged(tasks: usize, mut sensors: Vec<Standing>) -> Group {
     sensors.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error)));
     let costs: Vec<Cost> = sensors
@@ -290,7 +290,7 @@ mod tests {
             row("reference", "f16", "b", 0.5, 5.0),
             row("reference", "bf16", "a", 0.9, 9.0),
         ];
-        let report = Report::of(&manifest(8), &rows, "seconds_per_frame", false);
+        let report = Report::new(&manifest(8), &rows, "seconds_per_frame", false);
         assert_eq!((report.points, report.finished), (8, 7));
         let names = |group: &Group| -> Vec<(String, Option<String>)> {
             let both = |s: &Standing| (s.name.clone(), s.dominated_by.clone());
@@ -306,7 +306,7 @@ mod tests {
             ]
         );
         assert_eq!(names(&report.groups[1]), [(f("bf16"), None)]);
-        let pooled = Report::of(&manifest(8), &rows, "seconds_per_frame", true);
+        let pooled = Report::new(&manifest(8), &rows, "seconds_per_frame", true);
         assert_eq!(pooled.groups.len(), 1);
         assert_eq!(names(&pooled.groups[0])[3].1, Some(f("f64")));
     }

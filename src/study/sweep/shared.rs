@@ -1,4 +1,4 @@
-//! What several points need: made once, by whoever needs it first.
+//! A memo: what several points need is made once, by whichever needs it first.
 
 use std::{
     collections::VecDeque,
@@ -8,7 +8,7 @@ use std::{
 use super::refusal::Refusal;
 use crate::study::{design::Compiled, equivalent::Ladder};
 
-/// What several points need, made once.
+/// A memo of what several points need.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
     truths: Mutex<VecDeque<(String, Truth)>>,

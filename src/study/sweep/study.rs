@@ -315,11 +315,11 @@ impl Reader<'_> {
         } else {
             None
         };
-        let Some(written) = sides else {
+        let Some(section) = sides else {
             self.faults.push(no_side());
             return None;
         };
-        let sides = self.sides(written, &axes, root.get("sample").is_some());
+        let sides = self.sides(section, &axes, root.get("sample").is_some());
         self.unused(&axes, &sides);
         let (settings, sample) = read?;
         let title = root.get("title").and_then(Node::as_text);
@@ -336,15 +336,15 @@ impl Reader<'_> {
     }
 }
 
-fn settings_of(written: &Section<'_>) -> Read<Settings> {
-    let times = |key: &str, usual: &[Micros]| match written.get(key) {
+fn settings_of(section: &Section<'_>) -> Read<Settings> {
+    let times = |key: &str, usual: &[Micros]| match section.get(key) {
         None => usual.to_vec(),
         Some(node) => each_once(node, |text| text.parse().ok()),
     };
-    let equivalent = written.get("threshold-equivalent");
+    let equivalent = section.get("threshold-equivalent");
     let metric = |text: &str| NAMES.into_iter().find(|name| *name == text);
-    let metrics = written.get("metrics");
-    let against = written.text("against")?;
+    let metrics = section.get("metrics");
+    let against = section.text("against")?;
     let against = AGAINST.into_iter().find(|name| *name == against);
     Ok(Settings {
         metrics: metrics.map_or(USUAL.to_vec(), |node| each_once(node, metric)),
@@ -353,7 +353,7 @@ fn settings_of(written: &Section<'_>) -> Read<Settings> {
         victor_purpura: times("victor-purpura", &[Micros(5_000)]),
         against: against.unwrap_or(AGAINST[0]),
         threshold_equivalent: equivalent.and_then(Node::as_flag).unwrap_or(true),
-        effort: Effort::seconds(written.number("effort")?).states,
+        effort: Effort::seconds(section.number("effort")?).states,
     })
 }
 

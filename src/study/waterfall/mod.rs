@@ -1,7 +1,7 @@
 //! The waterfall: where the events of the float sensor go on the way to the chip.
 //!
 //! Every [`Cause`] is a switch on a sensor that runs: the first three on the float model, the
-//! others on the compiled program. Each step is told in both orders:
+//! others on the compiled program. Each step is measured in both orders:
 //!
 //! - **forward**: what adding it changes, given the steps before it. The sensors `f_0 … f_n`
 //!   have the first 0 … n steps on; step i is `f_(i-1)` against `f_i`.
@@ -13,9 +13,11 @@
 
 mod cause;
 mod chart;
+mod question;
 mod sensor;
 
 pub use cause::Cause;
+pub use question::Question;
 
 use serde::Serialize;
 
@@ -27,8 +29,7 @@ use crate::{
         CompareError, Pair,
         fate::{Fate, Windows},
     },
-    event::{Packet, readout::Readout},
-    kernel::quantise::{Quantiser, Sum},
+    event::Packet,
     rig::{
         self, RigError,
         guard::{Guard, Warning},
@@ -37,23 +38,6 @@ use crate::{
     sensor::Sensor,
     unit::Micros,
 };
-
-/// What is asked.
-#[derive(Clone, Copy, Debug)]
-pub struct Question<'a> {
-    /// The float cell, and the chip.
-    pub design: Design<'a>,
-    /// How its kernel comes into few values.
-    pub to: Quantiser,
-    /// What they must sum to.
-    pub sum: Sum,
-    /// What the chip's cells hold: `silicon`, or numbers, which err by their format alone.
-    pub arithmetic: Arithmetic,
-    /// How events leave the chip.
-    pub readout: Readout,
-    /// Events of one cell that are closer than this are the same.
-    pub within: Micros,
-}
 
 /// The answer. Shares are of the float sensor's events.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -257,7 +241,7 @@ pub fn ask(
     };
     guard.packet("the float sensor", packets.at(plan.float)?);
     guard.packet("the chip", packets.at(plan.chip)?);
-    packets.told(question, &plan, &levels, &program, guard)
+    packets.assemble(question, &plan, &levels, &program, guard)
 }
 
 impl Plan {
@@ -344,10 +328,13 @@ impl Packets {
                 ..Fate::default()
             });
         }
-        Ok(Fate::of(&Pair::of(reference, judged)?, self.windows))
+        Ok(Fate::from_pair(
+            &Pair::new(reference, judged)?,
+            self.windows,
+        ))
     }
 
-    fn told(
+    fn assemble(
         &self,
         question: &Question<'_>,
         plan: &Plan,

@@ -1,4 +1,4 @@
-//! Scenes that many points watch: read once, held in memory while they are small enough.
+//! Scenes that many points watch: read once, kept in memory while they are small enough.
 
 use std::{fmt::Write as _, ops::ControlFlow, path::Path, sync::Arc};
 
@@ -26,9 +26,9 @@ pub(super) struct Wanted {
 
 /// A scene that can be watched again and again.
 #[derive(Debug)]
-pub(super) struct Footage {
+pub(super) struct CachedScene {
     wanted: Wanted,
-    /// What is opened.
+    /// The name under which it is opened.
     spec: String,
     pub size: Size,
     /// Frames, those that were inserted among them.
@@ -41,10 +41,10 @@ pub(super) struct Footage {
     held: Option<Arc<Vec<Frame>>>,
 }
 
-/// What one scene may take in memory, in bytes.
+/// The most memory that one scene may take, bytes.
 const HELD: usize = 512 << 20;
 
-impl Footage {
+impl CachedScene {
     /// Opens a scene; files are looked for in `folder`. It is watched once, for its digest.
     pub fn open(wanted: &Wanted, folder: &Path) -> Result<Self, SceneError> {
         let spec = located(&wanted.spec, folder);
