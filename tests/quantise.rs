@@ -87,7 +87,7 @@ fn compiled_thresholds_are_divided_by_the_scale() {
     ];
     let ternary = json(
         folder.path(),
-        &[&compile[..], &["--to", "ternary"]].concat(),
+        &[&compile[..], &["--to", "ternary", "--sum", "free"]].concat(),
     );
     assert_eq!(ternary["quantised_scales"][0], 2.0);
     assert_eq!(ternary["kernel"][1], serde_json::json!([0.0, 1.0, 0.0]));

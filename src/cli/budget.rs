@@ -37,10 +37,9 @@ pub fn check(need: &Need, what: &str, help: &str) -> miette::Result<()> {
 
 /// How a scene is opened: within what may be held.
 pub fn opening(fps: Option<f64>) -> OpenOptions {
-    let memory = Some(budget());
     OpenOptions {
         fps,
-        memory,
+        memory: Some(budget()),
         ..OpenOptions::default()
     }
 }

@@ -20,9 +20,10 @@ use crate::{
 
 use super::{
     budget,
+    clip::Clip,
     content::Content,
     files::{Named, Output},
-    light::{self, Samples, Shown},
+    light::{self, Shown},
     progress::Progress,
     quantiser::Total,
     readout::Choice,
@@ -41,11 +42,8 @@ pub struct Arguments {
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
-    /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
-    #[arg(long)]
-    scene: Option<Named>,
     #[command(flatten)]
-    samples: Samples,
+    clip: Clip,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
     /// best of the candidates
     #[arg(long, value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
@@ -54,14 +52,11 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = "ternary,po2-2,po2-4,int-3,int-5", value_parser = super::quantiser::quantiser)]
     candidates: Vec<Quantiser>,
     /// What quantised kernels must sum to
-    #[arg(long, value_enum, default_value = "kept")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
-    /// Frames a second of the scene, with which the chip must keep up; instead of what it says
-    #[arg(long)]
-    fps: Option<f64>,
     /// How long each frame is exposed, such as 2ms
     #[arg(long)]
     exposure: Option<Micros>,
@@ -100,9 +95,6 @@ fn energy(text: &str) -> Result<Energy, String> {
     }
 }
 
-/// What the scene is called where none was given.
-const BUNDLED: &str = "the bundled clip";
-
 /// Sensors that watch side by side, at most: those of the waterfall.
 const SENSORS: usize = 20;
 
@@ -114,10 +106,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernel = kernel(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
     let observation = Observation::new();
-    let open = || {
-        let scene = arguments.scene.as_deref();
-        arguments.samples.open(scene, arguments.fps, &observation)
-    };
+    let open = || arguments.clip.open(&observation);
     let scene = open()?;
     budget::check_study(&*scene, SENSORS)?;
     let (frames, fps) = (scene.frames(), scene.fps());
@@ -138,7 +127,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         seed: arguments.seed,
         readout: Choice::default().open_compiled()?.readout()?,
         within: arguments.window.at(fps),
-        scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
+        scene: arguments.clip.name(),
         command: &command,
     };
     // For the table twice, for the sensors and for the waterfall.
@@ -160,7 +149,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = summary(&all) + &light::line(&observation);
+    let mut text = light::of_kernels(&all.warnings) + &summary(&all) + &light::line(&observation);
     if let Some(path) = &arguments.output {
         let _ = writeln!(text, "\nwrote {}", path.display());
     }
@@ -192,10 +181,7 @@ impl Arguments {
         let mut add = |name: &str, value: &str| {
             let _ = write!(text, " --{name} {}", quoted(value));
         };
-        if let Some(scene) = &self.scene {
-            add("scene", scene);
-        }
-        for (name, value) in self.samples.written() {
+        for (name, value) in self.clip.written() {
             add(name, &value);
         }
         if let Some(to) = self.to {
@@ -205,9 +191,6 @@ impl Arguments {
         add("candidates", &candidates.join(","));
         add("sum", self.sum.name());
         add("chip", &self.chip);
-        if let Some(fps) = self.fps {
-            add("fps", &fps.to_string());
-        }
         if let Some(exposure) = self.exposure {
             add("exposure", &format!("{}us", exposure.0));
         }

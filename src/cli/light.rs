@@ -149,11 +149,21 @@ pub fn json(observation: &Observation) -> Value {
     json
 }
 
-/// Says each warning beside the output.
+/// Says each warning beside the output, but for those that are its first lines.
 pub fn warn(warnings: &[Warning]) {
-    for warning in warnings {
+    for warning in warnings.iter().filter(|w| !w.about.is_of_kernel()) {
         complain(&format!("warning: {warning}\n"));
     }
+}
+
+/// What the output begins with: what few values have taken from a kernel.
+pub fn of_kernels(warnings: &[Warning]) -> String {
+    let of_kernels = warnings.iter().filter(|w| w.about.is_of_kernel());
+    let mut text = String::new();
+    for warning in of_kernels {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
 }
 
 /// An answer for machines, and what is said of its light.

@@ -2,6 +2,7 @@
 
 pub mod asm;
 mod budget;
+mod clip;
 pub mod compare;
 pub mod compile;
 pub mod content;

@@ -11,11 +11,11 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{self, Change, Quantised, Quantiser},
+        quantise::{self, Change, QuantiseError, Quantised, Quantiser},
     },
     picture::{panel, write_png},
     plane::Plane,
-    rig::guard::Warning,
+    rig::guard::{Guard, Warning},
     save::save,
     scene::{Observation, Scene as _},
     study::{
@@ -26,9 +26,10 @@ use crate::{
 
 use super::{
     budget,
+    clip::Clip,
     content::Content,
     files::{Named, Output},
-    light::{self, Samples},
+    light,
     progress::Progress,
     quantiser::{Total, quantiser},
     window::Window,
@@ -46,7 +47,7 @@ pub struct Arguments {
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,
     /// What the quantised kernel must sum to
-    #[arg(long, value_enum, default_value = "kept")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// Seed of stochastic rounding
     #[arg(long, default_value_t = 0)]
@@ -61,11 +62,8 @@ pub struct Arguments {
     /// light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: Option<f64>,
-    /// What they watch, with --threshold: a clip, image folder, .npy or pattern; the bundled clip
-    #[arg(long, requires = "threshold")]
-    scene: Option<Named>,
     #[command(flatten)]
-    samples: Samples,
+    clip: Clip,
     /// A shipped chip by name, or the folder of another, with --threshold
     #[arg(long, default_value = "scamp5", requires = "threshold")]
     chip: Named,
@@ -91,6 +89,21 @@ fn after_help() -> String {
 #[derive(serde::Serialize)]
 struct Row {
     to: String,
+    #[serde(flatten)]
+    few: Few,
+}
+
+/// The kernel in few values, or why it is not to be had in them.
+#[derive(serde::Serialize)]
+#[serde(untagged)]
+enum Few {
+    Levels(Levels),
+    Refused { refused: String },
+}
+
+/// A kernel in few values, in numbers.
+#[derive(serde::Serialize)]
+struct Levels {
     levels: Vec<Vec<f64>>,
     scale: f64,
     relative_error: f64,
@@ -109,15 +122,16 @@ struct Json {
     chip: Option<Answer>,
     #[serde(skip_serializing_if = "Option::is_none")]
     light: Option<serde_json::Value>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    warnings: Option<Vec<Warning>>,
+    warnings: Vec<Warning>,
 }
 
 /// Runs the verb.
 ///
 /// # Errors
-/// When the kernel cannot be read or not quantised as asked, or a file not be written.
+/// When the kernel cannot be read or not quantised in any of the ways that were asked for, or a
+/// file not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    arguments.check()?;
     let (kernels, _) = super::kernels::read(&arguments.kernel)?;
     let [kernel] = &kernels[..] else {
         return Err(miette!(
@@ -127,52 +141,32 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             kernels.len()
         ));
     };
-    let sum = arguments.sum.into();
-    let quantise = |to: &Quantiser| -> miette::Result<Quantised> {
-        let quantised = to.quantise(kernel, sum, arguments.seed);
-        quantised.map_err(|error| {
-            miette::Report::new(error).wrap_err(format!("{} cannot be {to}", arguments.kernel))
-        })
-    };
-    let all: Vec<Quantised> = arguments
-        .to
-        .iter()
-        .map(quantise)
-        .collect::<Result<_, _>>()?;
-    let rows: Vec<Row> = arguments
-        .to
-        .iter()
-        .zip(&all)
-        .map(|(to, quantised)| Row::new(*to, kernel, quantised))
+    let all = arguments.quantised(kernel)?;
+    let rows: Vec<Row> = { all.iter() }
+        .map(|(to, quantised)| Row::new(*to, kernel, quantised.as_ref()))
         .collect();
-    if arguments.output.is_some() && all.len() != 1 {
-        return Err(miette!(
-            help = "give one quantiser with --to",
-            "--output writes one kernel, and {} were asked for",
-            all.len()
-        ));
-    }
-    if arguments.threshold.is_none() && arguments.window.within.is_some() {
-        return Err(miette!(
-            help = "give a threshold, too: then each is run on the chip",
-            "--within is of no use without --threshold"
-        ));
-    }
     let observation = Observation::new();
     let answer = match arguments.threshold {
         Some(threshold) => Some(on_chip(arguments, kernel, threshold, &observation)?),
         None => None,
     };
-    if let (Some(path), [quantised]) = (&arguments.output, &all[..]) {
+    let warnings = match &answer {
+        Some(answer) => answer.warnings.clone(),
+        None => erased(kernel, &all),
+    };
+    let good: Vec<&Quantised> = { all.iter() }
+        .filter_map(|(_, quantised)| quantised.as_ref().ok())
+        .collect();
+    if let (Some(path), [quantised]) = (&arguments.output, &good[..]) {
         write(path, arguments, quantised)?;
     }
     if let Some(path) = &arguments.picture {
-        write_png(path, &picture(kernel, &all))?;
+        write_png(path, &picture(kernel, &good))?;
     }
     if arguments.json {
         let json = Json {
             light: answer.as_ref().map(|_| light::json(&observation)),
-            warnings: answer.as_ref().map(|answer| answer.warnings.clone()),
+            warnings,
             chip: answer,
             kernel: rows_of(kernel.weights()),
             sum: kernel.sum(),
@@ -182,9 +176,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = format!("{}, sum {}\n", arguments.kernel, short(kernel.sum()));
+    let mut text = light::of_kernels(&warnings);
+    let _ = writeln!(text, "{}, sum {}", arguments.kernel, short(kernel.sum()));
     text += &drawn(kernel.weights());
-    if let ([quantised], [row]) = (&all[..], &rows[..]) {
+    if let ([quantised], [row]) = (&good[..], &rows[..]) {
         let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
         text += &written(quantised.levels.weights());
         text += &drawn(quantised.levels.weights());
@@ -196,6 +191,63 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     super::say(&text);
     Ok(())
+}
+
+impl Arguments {
+    /// Refuses options that would be of no use.
+    fn check(&self) -> miette::Result<()> {
+        if self.output.is_some() && self.to.len() != 1 {
+            return Err(miette!(
+                help = "give one quantiser with --to",
+                "--output writes one kernel, and {} were asked for",
+                self.to.len()
+            ));
+        }
+        if self.threshold.is_some() {
+            return Ok(());
+        }
+        let within = self.window.within.map(|_| "within");
+        let shown = self.clip.written().into_iter().map(|(name, _)| name);
+        match within.into_iter().chain(shown).next() {
+            None => Ok(()),
+            Some(name) => Err(miette!(
+                help = "give a threshold, too: then each is run on the chip",
+                "--{name} is of no use without --threshold"
+            )),
+        }
+    }
+
+    /// The kernel in each of the ways that were asked for, or why not.
+    ///
+    /// # Errors
+    /// When it is not to be had in any of them.
+    fn quantised(&self, kernel: &Kernel) -> miette::Result<Vec<Tried>> {
+        let sum = self.sum.into();
+        let mut all: Vec<Tried> = { self.to.iter() }
+            .map(|to| (*to, to.quantise(kernel, sum, self.seed)))
+            .collect();
+        if all.iter().all(|(_, quantised)| quantised.is_err())
+            && let Some((to, Err(error))) = all.drain(..).next()
+        {
+            let what = format!("{} cannot be {to}", self.kernel);
+            return Err(miette::Report::new(error).wrap_err(what));
+        }
+        Ok(all)
+    }
+}
+
+/// A quantiser, and what it makes of the kernel.
+type Tried = (Quantiser, Result<Quantised, QuantiseError>);
+
+/// What few values have taken from the kernel.
+fn erased(kernel: &Kernel, all: &[Tried]) -> Vec<Warning> {
+    let mut guard = Guard::new();
+    for (to, quantised) in all {
+        for erasure in quantised.iter().flat_map(|q| q.erasures(kernel)) {
+            guard.warn(Warning::erased(&to.to_string(), erasure));
+        }
+    }
+    guard.warnings()
 }
 
 /// Each compiled, and run beside the float kernel.
@@ -212,10 +264,7 @@ fn on_chip(
         ));
     }
     let device = Device::find(&arguments.chip)?;
-    let open = || {
-        let scene = arguments.scene.as_deref();
-        arguments.samples.open(scene, None, observation)
-    };
+    let open = || arguments.clip.open(observation);
     let scene = open()?;
     let sensors = 1 + equivalent::RUNGS.len() + 3 * arguments.to.len();
     budget::check_study(&*scene, sensors)?;
@@ -249,7 +298,7 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
         "\non {}, against the float kernel's {} events on {} at {} frames/s (matched within {})\n{:<16} {:>6} {:>6} {:>6} {:>9}  {scores}  {scores}\n{:<16} {:>6} {:>6} {:>6} {:>9}  {:>24}  {:>24}\n",
         arguments.chip,
         answer.reference_events,
-        arguments.scene.as_deref().unwrap_or("the bundled clip"),
+        arguments.clip.name(),
         equivalent::rate(answer.fps),
         Short(answer.window_us),
         "quantiser",
@@ -321,10 +370,23 @@ fn tuned_table(answer: &Answer) -> String {
 }
 
 impl Row {
-    fn new(to: Quantiser, kernel: &Kernel, quantised: &Quantised) -> Self {
-        let levels = quantised.levels.weights();
+    fn new(to: Quantiser, kernel: &Kernel, quantised: Result<&Quantised, &QuantiseError>) -> Self {
         Self {
             to: to.to_string(),
+            few: match quantised {
+                Ok(quantised) => Few::Levels(Levels::new(kernel, quantised)),
+                Err(error) => Few::Refused {
+                    refused: error.to_string(),
+                },
+            },
+        }
+    }
+}
+
+impl Levels {
+    fn new(kernel: &Kernel, quantised: &Quantised) -> Self {
+        let levels = quantised.levels.weights();
+        Self {
             levels: rows_of(levels),
             scale: quantised.scale,
             relative_error: quantised.relative_error(kernel),
@@ -364,19 +426,24 @@ fn table(rows: &[Row]) -> String {
         "quantiser", "rel error", "taps", "scale", "sum", "response", "most at (v, u) cycles/pixel"
     );
     for row in rows {
-        let Change { largest, at, .. } = row.response;
-        let _ = writeln!(
-            text,
-            "{:<16} {:>9.4} {:>6} {:>9} {:>9} {:>9.1}%  ({:.3}, {:.3})",
-            row.to,
-            row.relative_error,
-            row.taps,
-            short(row.scale),
-            short(row.sum),
-            100.0 * largest,
-            at.0,
-            at.1
-        );
+        let _ = match &row.few {
+            Few::Refused { refused } => writeln!(text, "{:<16} {refused}", row.to),
+            Few::Levels(few) => {
+                let Change { largest, at, .. } = few.response;
+                writeln!(
+                    text,
+                    "{:<16} {:>9.4} {:>6} {:>9} {:>9} {:>9.1}%  ({:.3}, {:.3})",
+                    row.to,
+                    few.relative_error,
+                    few.taps,
+                    short(few.scale),
+                    short(few.sum),
+                    100.0 * largest,
+                    at.0,
+                    at.1
+                )
+            }
+        };
     }
     text + "rel error: |w - scale l| / |w|. response: the largest change of the frequency response, as a part of its largest value\n"
 }
@@ -432,7 +499,7 @@ fn short(value: f64) -> String {
 }
 
 /// The kernel, and each of the quantised ones at its scale, all in the same colours.
-fn picture(kernel: &Kernel, all: &[Quantised]) -> RgbImage {
+fn picture(kernel: &Kernel, all: &[&Quantised]) -> RgbImage {
     let planes: Vec<Plane<f64>> = std::iter::once(kernel.weights().clone())
         .chain(
             all.iter()

@@ -4,14 +4,15 @@ use miette::Diagnostic as _;
 
 use crate::kernel::quantise::{Quantiser, QuantiserNameError, Sum};
 
-/// [`Sum`], as it is written.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+/// [`Sum`], as it is written. All verbs that quantise have the same default.
+#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
 pub(super) enum Total {
     /// Whatever comes
     Free,
     /// 0: uniform light gives nothing
     Zero,
     /// That of the kernel, as near as the levels allow
+    #[default]
     Kept,
 }
 

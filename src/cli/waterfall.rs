@@ -20,9 +20,10 @@ use crate::{
 
 use super::{
     budget,
+    clip::Clip,
     content::Content,
     files::{Named, Output},
-    light::{self, Samples, Shown},
+    light::{self, Shown},
     progress::Progress,
     quantiser::Total,
     readout::Choice,
@@ -44,13 +45,10 @@ pub struct Arguments {
     #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Quantiser,
     /// What the quantised kernel must sum to
-    #[arg(long, value_enum, default_value = "kept")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
-    #[arg(long)]
-    scene: Option<Named>,
     #[command(flatten)]
-    samples: Samples,
+    clip: Clip,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
@@ -121,9 +119,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         device = device.what_if(*figure, *value)?;
     }
     let observation = Observation::new();
-    let mut scene = arguments
-        .samples
-        .open(arguments.scene.as_deref(), None, &observation)?;
+    let mut scene = arguments.clip.open(&observation)?;
     let readout = arguments.readout.open_compiled()?;
     let question = Question {
         design: Design {
@@ -153,7 +149,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     warnings.append(&mut answer.warnings);
     answer.warnings = warnings;
     if let Some(path) = &arguments.output {
-        let scene = arguments.scene.as_deref().unwrap_or("the bundled clip");
+        let scene = arguments.clip.name();
         let title = format!(
             "Where the events of {} went: {}, threshold {}, {scene}",
             arguments.kernel, arguments.chip, arguments.threshold
@@ -165,7 +161,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let json = serde_json::to_string(&shown).map_err(|e| miette!("{e}"))?;
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&(table(&answer, readout.name()) + &light::line(&observation)));
+        super::say(
+            &(light::of_kernels(&answer.warnings)
+                + &table(&answer, readout.name())
+                + &light::line(&observation)),
+        );
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::{any::Any, any::TypeId, cell::RefCell, collections::HashMap, fmt};
 
-use super::{Pair, bins::Bins};
+use super::{Pair, bins::Bins, window::Redraws};
 use crate::unit::Micros;
 
 /// The parameter of a metric.
@@ -47,6 +47,8 @@ pub struct Measured<'a> {
     pub pair: &'a Pair,
     /// The bins of voxel grids.
     pub(super) bins: Bins,
+    /// Redraws of its reference.
+    pub(super) redraws: &'a Redraws,
     /// The memo, by type and scale.
     shared: RefCell<HashMap<(TypeId, Micros), Box<dyn Any>>>,
 }
@@ -62,12 +64,14 @@ impl fmt::Debug for Measured<'_> {
 }
 
 impl<'a> Measured<'a> {
-    /// A pair to be measured, with its voxels in these bins.
+    /// A pair to be measured, with its voxels in these bins; what scores by accident is told by
+    /// redraws of its reference.
     #[must_use]
-    pub fn new(pair: &'a Pair, bins: Bins) -> Self {
+    pub fn new(pair: &'a Pair, bins: Bins, redraws: &'a Redraws) -> Self {
         Self {
             pair,
             bins,
+            redraws,
             shared: RefCell::default(),
         }
     }

@@ -7,8 +7,10 @@
 //!
 //! A metric is a file here, with its definition, a function of a [`Pair`], and a line of the list
 //! in [`metric`]. No single number will do: event rates are blind to wrong pixels, and counts are
-//! blind to delay. [`compare`] gives the plain ones, [`score::scores`] every metric, each with its
-//! value for the identical packet, for a redraw and for a permutation of the reference.
+//! blind to delay. [`compare`] gives the plain ones, [`window`] the headline, [`score::scores`]
+//! every metric, each with its value for the identical packet, for a redraw and for a permutation
+//! of the reference. The *floor* of a metric is what a redraw scores, its *ceiling* what the
+//! identical packet does.
 //!
 //! | metric | file | identical | nothing in common |
 //! |---|---|---|---|
@@ -16,7 +18,7 @@
 //! | fate: kept, mistimed, wrong sign, lost, extra | [`fate`] | all kept | all lost, all extra |
 //! | counts, Pearson, L1 | [`counts`] | 1, 0 | near 0, all events |
 //! | precision, recall, F1, time error | [`matching`] | 1, 1, 1, 0 | 0, 0, 0, none |
-//! | F1 over the window, with its floor, and what is kept | [`window`] | 1, 1 | the floor, 0 |
+//! | F1 over the window, and what of it is kept above the floor | [`window`] | 1, 1 | the floor, 0 |
 //! | van Rossum's distance per event | [`van_rossum`] | 0 | about 1 |
 //! | Victor and Purpura's distance per event | [`victor_purpura`] | 0 | at most 2 |
 //! | voxel L1 per event, RMSE | [`voxel`] | 0, 0 | at most 1, no bound |

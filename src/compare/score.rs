@@ -12,6 +12,7 @@ use super::{
     Pair, baseline,
     metric::{ENTRIES, Measured, Metric, Scale},
     voxel::Bins,
+    window::Redraws,
 };
 use crate::unit::Micros;
 
@@ -96,20 +97,26 @@ impl Score {
 /// Scores every metric.
 #[must_use]
 pub fn scores(pair: &Pair, scales: &Scales) -> Vec<Score> {
+    scores_beside(pair, scales, &Redraws::new(pair, scales.seed))
+}
+
+/// As [`scores`], with redraws of the reference that are there already; of the seed of the
+/// scales.
+#[must_use]
+pub fn scores_beside(pair: &Pair, scales: &Scales, redraws: &Redraws) -> Vec<Score> {
     let bins = Bins::over(pair, scales.bins);
-    let value = measure(pair, scales, bins);
-    let identical = measure(&pair.identical(), scales, bins);
-    let draws = (200_000 / pair.events()[0].max(1)).clamp(1, 16);
-    let mean = |draw: fn(&Pair, u64) -> Pair| {
-        let all: Vec<_> = (0..draws)
-            .map(|k| measure(&draw(pair, scales.seed.wrapping_add(k)), scales, bins))
-            .collect();
+    let measured = |pair: &Pair| measure(pair, scales, bins, redraws);
+    let (value, identical) = (measured(pair), measured(&pair.identical()));
+    let mean = |all: Vec<Vec<(Metric, Option<f64>)>>| {
         move |i: usize| {
             let sum: Option<f64> = all.iter().map(|draw| draw.get(i)?.1).sum();
-            sum.map(|sum| sum / draws as f64)
+            sum.map(|sum| sum / all.len() as f64)
         }
     };
-    let (redraw, permuted) = (mean(baseline::redraw), mean(baseline::permute));
+    let redraw = mean(redraws.pairs().iter().map(measured).collect());
+    let permutations = 0..Redraws::number(pair);
+    let permute = |k| measured(&baseline::permute(pair, scales.seed.wrapping_add(k)));
+    let permuted = mean(permutations.map(permute).collect());
     value
         .into_iter()
         .zip(identical)
@@ -124,10 +131,15 @@ pub fn scores(pair: &Pair, scales: &Scales) -> Vec<Score> {
         .collect()
 }
 
-/// Every metric of one pair, always in the same order.
+/// Every metric of one pair, always in the same order, beside redraws of its reference.
 #[must_use]
-pub fn measure(pair: &Pair, scales: &Scales, bins: Bins) -> Vec<(Metric, Option<f64>)> {
-    let measured = Measured::new(pair, bins);
+pub fn measure(
+    pair: &Pair,
+    scales: &Scales,
+    bins: Bins,
+    redraws: &Redraws,
+) -> Vec<(Metric, Option<f64>)> {
+    let measured = Measured::new(pair, bins, redraws);
     { scales.metrics().into_iter() }
         .map(|metric| (metric, metric.value(&measured)))
         .collect()

@@ -105,7 +105,7 @@ impl<'a> Plot<'a> {
                 scale,
             },
             y: Axis {
-                label: "error: 1 - F1 against the f64 sensor",
+                label: "error: 1 - kept, against the f64 sensor",
                 from: 0.0,
                 to: if worst > 0.0 { worst * 1.08 } else { 1.0 },
                 scale: Scale::Plain,

@@ -8,6 +8,7 @@ use std::fmt;
 
 use crate::{
     event::{Event, Packet},
+    kernel::quantise::Erasure,
     plane::Size,
     scene::{Cut, Frame, Light, Observation},
     unit::Micros,
@@ -29,6 +30,12 @@ pub enum About {
     Scale,
     /// The clip shows another picture from one frame to the next.
     Cut,
+    /// Nearly everything matches by accident within the window.
+    Window,
+    /// A kernel in few values has lost its surround.
+    Surround,
+    /// A symmetric kernel is not symmetric in few values.
+    Lopsided,
 }
 
 impl About {
@@ -42,7 +49,16 @@ impl About {
             Self::Saturation => "saturation",
             Self::Scale => "scale",
             Self::Cut => "cut",
+            Self::Window => "window",
+            Self::Surround => "surround",
+            Self::Lopsided => "lopsided",
         }
+    }
+
+    /// Whether it is about a kernel, whatever the scene.
+    #[must_use]
+    pub const fn is_of_kernel(self) -> bool {
+        matches!(self, Self::Surround | Self::Lopsided)
     }
 }
 
@@ -133,6 +149,40 @@ impl Warning {
             "the threshold is below what changes everywhere: noise, flicker, a cut, or a memory that fires again",
             "raise the threshold, give light on the scale of the sensor, use a memory that steps rather than snaps, or leave out the frames at which the whole picture changes",
         )
+    }
+
+    /// A window within which accident scores this much; none where a score still says something.
+    #[must_use]
+    pub fn window(within: Micros, floor: f64) -> Option<Self> {
+        /// From which floor on a few events decide what is kept.
+        const MOST: f64 = 0.95;
+        (floor >= MOST).then(|| {
+            Self::new(
+                About::Window,
+                "what is kept",
+                format!("within {within} accident scores {floor:.3} of 1"),
+                "the events last little longer than the window, or cells speak more often than that",
+                "take a shorter --within, or a longer scene",
+            )
+        })
+    }
+
+    /// What a kernel in few values has lost of its shape.
+    #[must_use]
+    pub fn erased(subject: &str, erasure: Erasure) -> Self {
+        let (about, why, change) = match erasure {
+            Erasure::Surround { .. } | Erasure::Sign { .. } => (
+                About::Surround,
+                "its weights are too small for so few values",
+                "take more values (another --to)",
+            ),
+            Erasure::Lopsided { .. } => (
+                About::Lopsided,
+                "too few weights are left to keep the sum evenly",
+                "take more values (another --to), or leave the sum free",
+            ),
+        };
+        Self::new(about, subject, erasure.to_string(), why, change)
     }
 
     /// A readout that lost events.

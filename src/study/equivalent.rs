@@ -23,7 +23,7 @@ use crate::{
     event::Packet,
     number::Format,
     plane::Size,
-    reference::MemoryRule,
+    reference::{Description, MemoryRule},
     rig::{self, RigError},
     scene::{Frame, Scene},
     sensor::Sensor,
@@ -85,7 +85,7 @@ struct Rung {
 #[derive(Clone, Debug)]
 pub struct Ladder {
     reference: Packet,
-    floor: f64,
+    redraws: Redraws,
     window: Micros,
     fps: f64,
     seed: u64,
@@ -113,6 +113,24 @@ pub fn sensors(
         .collect()
 }
 
+/// The parts of the threshold that the equivalent is told by: those of [`RUNGS`] above 1.
+pub fn higher() -> impl Iterator<Item = f64> {
+    RUNGS.into_iter().filter(|part| *part > 1.0)
+}
+
+/// Any sensor with its thresholds at a part of what they are.
+#[must_use]
+pub fn at_part(description: &Description, part: f64) -> Description {
+    let mut other = description.clone();
+    for channel in &mut other.channels {
+        for threshold in &mut channel.thresholds {
+            threshold.on *= part;
+            threshold.off *= part;
+        }
+    }
+    other
+}
+
 impl Ladder {
     /// Of the packets of the reference and of [`sensors`], in their order, at a number of frames
     /// a second.
@@ -126,29 +144,64 @@ impl Ladder {
         fps: f64,
         seed: u64,
     ) -> Result<Self, CompareError> {
-        let own = Pair::new(&reference, &reference)?;
-        let floor = Redraws::new(&own, seed).floor(window);
-        let mut rungs = vec![Rung {
+        let mut ladder = Self::bare(reference, window, fps, seed)?;
+        for (part, packet) in RUNGS.iter().zip(packets) {
+            ladder.add(*part, packet)?;
+        }
+        Ok(ladder)
+    }
+
+    /// Of the packet of the reference alone.
+    ///
+    /// # Errors
+    /// When the packet is inconsistent.
+    pub fn bare(
+        reference: Packet,
+        window: Micros,
+        fps: f64,
+        seed: u64,
+    ) -> Result<Self, CompareError> {
+        let redraws = Redraws::new(&Pair::new(&reference, &reference)?, seed);
+        let rungs = vec![Rung {
             part: 1.0,
             events: reference.events.len() as u64,
             f1: 1.0,
         }];
-        for (part, packet) in RUNGS.iter().zip(packets) {
-            rungs.push(Rung {
-                part: *part,
-                events: packet.events.len() as u64,
-                f1: window::f1(&Pair::new(&reference, packet)?, window),
-            });
-        }
-        rungs.sort_by(|a, b| a.part.total_cmp(&b.part));
         Ok(Self {
             reference,
-            floor,
+            redraws,
             window,
             fps,
             seed,
             rungs,
         })
+    }
+
+    /// Adds the packet of the float sensor at a part of the threshold.
+    ///
+    /// # Errors
+    /// When the packet is of another sensor.
+    pub fn add(&mut self, part: f64, packet: &Packet) -> Result<(), CompareError> {
+        let rung = Rung {
+            part,
+            events: packet.events.len() as u64,
+            f1: window::f1(&Pair::new(&self.reference, packet)?, self.window),
+        };
+        let above = self.rungs.partition_point(|known| known.part < part);
+        self.rungs.insert(above, rung);
+        Ok(())
+    }
+
+    /// F1 of a redraw of the reference.
+    #[must_use]
+    pub fn floor(&self) -> f64 {
+        self.redraws.floor(self.window)
+    }
+
+    /// Redraws of the reference.
+    #[must_use]
+    pub const fn redraws(&self) -> &Redraws {
+        &self.redraws
     }
 
     /// The packet of the reference.
@@ -169,7 +222,7 @@ impl Ladder {
     /// When it is of another sensor.
     pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
         let pair = Pair::new(&self.reference, packet)?;
-        let point = Point::above(window::f1(&pair, self.window), self.floor, self.window);
+        let point = Point::new(&pair, &self.redraws, self.window);
         let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
         Ok(Likeness {
@@ -188,7 +241,8 @@ impl Ladder {
     /// The change of the threshold, in per cent, that costs as much as this F1; and whether it is
     /// at least that, being beyond the last rung. F1 and what is kept rise together, and F1 tells
     /// packets apart also where accident scores as much.
-    fn equivalent(&self, f1: f64) -> (f64, bool) {
+    #[must_use]
+    pub fn equivalent(&self, f1: f64) -> (f64, bool) {
         let (mut part, mut best) = (1.0, 1.0_f64);
         for rung in self.rungs.iter().filter(|rung| rung.part > 1.0) {
             // A rung that scores more than one before it, by chance, is passed over.
@@ -228,7 +282,8 @@ impl Ladder {
     ) -> Result<(), CompareError> {
         let pair = Pair::new(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
-        let as_kept = self.floor + point.kept * (1.0 - self.floor);
+        let floor = self.floor();
+        let as_kept = floor + point.kept * (1.0 - floor);
         let (equivalent, is_least) = self.equivalent(as_kept);
         likeness.tuned = Some(Tuned {
             threshold_percent: percent(part),
@@ -328,7 +383,7 @@ impl Likeness {
     /// The threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        equivalent(
+        percents(
             self.threshold_equivalent_percent,
             self.threshold_equivalent_is_least,
         )
@@ -339,14 +394,16 @@ impl Tuned {
     /// The threshold equivalent in a few characters.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        equivalent(
+        percents(
             self.threshold_equivalent_percent,
             self.threshold_equivalent_is_least,
         )
     }
 }
 
-fn equivalent(percent: f64, is_least: bool) -> String {
+/// A threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
+#[must_use]
+pub fn percents(percent: f64, is_least: bool) -> String {
     let least = if is_least { "> " } else { "" };
     if percent < 9.95 {
         format!("{least}{percent:.1} %")

@@ -12,7 +12,7 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{Quantiser, Sum},
+        quantise::{Erasure, Quantiser, Sum},
     },
     number::Format,
     plane::Size,
@@ -182,6 +182,15 @@ pub fn ask(
     for to in question.quantisers {
         built.push(question.build(*to, size)?);
     }
+    let mut guard = Guard::new();
+    let mut subjects = Vec::new();
+    for one in &built {
+        for erasure in &one.erasures {
+            guard.warn(Warning::erased(&one.to, *erasure));
+        }
+        let chips = one.program.iter().flat_map(|program| &program.chips);
+        subjects.extend(chips.map(|chip| format!("{} {}", one.to, chip.domain())));
+    }
     let mut floats = vec![design.reference(size, MEMORY, Format::F64)?];
     floats.extend(equivalent::sensors(&design, size, MEMORY)?);
     let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
@@ -194,7 +203,6 @@ pub fn ask(
     {
         sensors.push(chip);
     }
-    let mut guard = Guard::new();
     let packets = rig::watch(&mut *scene, &mut sensors, |frame| {
         guard.frame(frame);
         seen(frame);
@@ -203,14 +211,16 @@ pub fn ask(
     let [truth, rungs @ ..] = rungs else {
         return Err(QuantisationError::Packet("float".to_owned()));
     };
-    guard.packet("the float sensor", truth);
-    let names = built.iter().flat_map(Built::names);
-    for (name, packet) in names.zip(chips) {
-        guard.packet(&name, packet);
-    }
     let ladder = Ladder::new(truth.clone(), rungs, question.within, fps, question.seed)?;
+    guard.packet("the float sensor", truth);
+    if !truth.events.is_empty()
+        && let Some(warning) = Warning::window(question.within, ladder.floor())
+    {
+        guard.warn(warning);
+    }
     let mut judged = Vec::new();
-    for packet in chips {
+    for (packet, subject) in chips.iter().zip(subjects) {
+        guard.packet(&subject, packet);
         judged.push(ladder.judge(packet)?);
     }
     let mut pairs: Vec<_> = chips.iter().zip(&mut judged).collect();
@@ -241,21 +251,12 @@ const MEMORY: MemoryRule = MemoryRule::FilteredSnap;
 struct Built {
     to: String,
     relative_error: Option<f64>,
+    erasures: Vec<Erasure>,
     /// Or why there is none.
     program: Result<Chips, String>,
 }
 
 impl Built {
-    /// What warnings call its chips.
-    fn names(&self) -> Vec<String> {
-        let chips = self
-            .program
-            .as_ref()
-            .map_or(&[][..], |program| &program.chips);
-        let name = |chip: &Box<dyn Array + Send>| format!("{} {}", self.to, chip.domain());
-        chips.iter().map(name).collect()
-    }
-
     /// The row of it, with the next two judgements: in exact arithmetic, and as silicon.
     fn judged(self, all: &mut impl Iterator<Item = Likeness>) -> Result<Row, QuantisationError> {
         let (headline, outcome) = match self.program {
@@ -312,25 +313,27 @@ impl Question<'_> {
 
     fn build(&self, to: Quantiser, size: Size) -> Result<Built, DesignError> {
         let design = self.design();
-        let refused = |relative_error, error: &DesignError| Built {
+        let mut built = Built {
             to: to.to_string(),
-            relative_error,
-            program: Err(error.to_string()),
+            relative_error: None,
+            erasures: Vec::new(),
+            program: Err(String::new()),
         };
         let quantised = match design.quantise(to, self.sum) {
-            Err(error @ DesignError::Quantise(_)) => return Ok(refused(None, &error)),
+            Err(error @ DesignError::Quantise(_)) => {
+                built.program = Err(error.to_string());
+                return Ok(built);
+            }
             quantised => quantised?,
         };
-        let relative_error = Some(quantised.relative_error(self.kernel));
-        match design.in_levels(&quantised).compile("quantised") {
-            Err(error) if error.is_refusal() => Ok(refused(relative_error, &error)),
-            Err(error) => Err(error),
-            Ok(compiled) => Ok(Built {
-                to: to.to_string(),
-                relative_error,
-                program: Ok(self.chips(&compiled, size)?),
-            }),
-        }
+        built.relative_error = Some(quantised.relative_error(self.kernel));
+        built.erasures = quantised.erasures(self.kernel);
+        built.program = match design.in_levels(&quantised).compile("quantised") {
+            Err(error) if error.is_refusal() => Err(error.to_string()),
+            Err(error) => return Err(error),
+            Ok(compiled) => Ok(self.chips(&compiled, size)?),
+        };
+        Ok(built)
     }
 
     fn chips(&self, compiled: &Compiled, size: Size) -> Result<Chips, DesignError> {

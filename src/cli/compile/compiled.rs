@@ -52,6 +52,7 @@ impl Compiled {
             "kernel": kernel,
             "scale": self.scale,
             "quantised_scales": asked.scales,
+            "warnings": asked.warnings,
             "prescale_bits": self.filter.prescale,
             "filter_words": self.filter.words.len(),
             "snake_words": self.snake,

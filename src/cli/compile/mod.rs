@@ -11,6 +11,7 @@ use miette::{IntoDiagnostic, miette};
 use super::{
     content::Content,
     files::{self, Named, Output},
+    light,
     quantiser::Total,
 };
 use crate::{
@@ -23,6 +24,7 @@ use crate::{
     kernel::{Kernel, quantise::Quantiser},
     plane::Plane,
     program::{Cost, Expansion, Program, Step},
+    rig::guard::Warning,
     save::save,
 };
 
@@ -43,7 +45,7 @@ pub struct Arguments {
     #[arg(long, default_value = "exact", value_name = "QUANTISER")]
     to: To,
     /// What quantised kernels must sum to
-    #[arg(long, value_enum, default_value = "free")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// Only the filter, from register A into A, as bare statements
     #[arg(long, conflicts_with_all = ["sensor", "threshold"])]
@@ -123,6 +125,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{}\n", compiled.json(&asked, &device, seconds)));
         return Ok(());
     }
+    super::say(&light::of_kernels(&asked.warnings));
     if arguments.output.is_none() {
         super::say(&compiled.text);
         super::say("\n");
@@ -143,6 +146,8 @@ struct Asked {
     kernels: Vec<Kernel>,
     /// What they are to be multiplied by.
     scales: Vec<f64>,
+    /// What few values have taken from them.
+    warnings: Vec<Warning>,
     /// Given as one array of three axes.
     stacked: bool,
     /// ON and OFF, in kernel times light.

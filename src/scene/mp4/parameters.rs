@@ -1,8 +1,8 @@
-//! The picture size of an H.264 stream, read before the decoder allocates pictures, and what its
+//! The picture size of an H.264 stream, read before the decoder allocates pictures, and what their
 //! samples mean.
 //!
 //! Parses a sequence parameter set (SPS; ITU-T H.264, 7.3.2.1.1) as far as the picture size and the
-//! description of the video signal (VUI; E.1.1).
+//! description of the video signal (E.1.1).
 
 use bitstream_io::{BigEndian, BitRead, BitReader};
 

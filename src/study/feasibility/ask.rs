@@ -16,6 +16,7 @@ use crate::{
     mesh::{self, Fitting},
     plane::Size,
     reference::MemoryRule,
+    rig::guard::Warning,
     scene::{Frame, Scene, SceneError},
     study::{
         design::{Compiled, Design},
@@ -108,7 +109,10 @@ pub fn ask(
         quantisation: table.into_iter().map(|(_, row)| row).collect(),
         mesh: meshes(question.kernel),
         assumptions: Assumption::all(question, &scene),
-        warnings: std::mem::take(&mut runs.warnings),
+        warnings: { quantised.erasures(question.kernel).into_iter() }
+            .map(|erasure| Warning::erased(&to.to_string(), erasure))
+            .chain(std::mem::take(&mut runs.warnings))
+            .collect(),
         scene,
     };
     feasibility.verdict = Verdict::new(&feasibility);

@@ -175,8 +175,8 @@ fn compiled(
         let to: Quantiser = name.parse()?;
         let sum = match point.word("sum") {
             Some("zero") => Sum::Zero,
-            Some("kept") => Sum::Kept,
-            _ => Sum::Free,
+            Some("free") => Sum::Free,
+            _ => Sum::Kept,
         };
         let quantised = to.quantise(kernel, sum, seed)?.within_one();
         let lost = quantised.relative_error(kernel);

@@ -33,6 +33,8 @@ pub(super) struct CachedScene {
     pub size: Size,
     /// Frames, those that were inserted among them.
     pub frames: u64,
+    /// Frames a second of the source.
+    pub fps: f64,
     /// A digest of its light: two files of the same pictures are one scene.
     pub digest: String,
     observation: Observation,
@@ -51,7 +53,7 @@ impl CachedScene {
         let (mut frames, mut size) = (0, Size::new(0, 0));
         let mut bytes = Vec::new();
         let observation = Observation::new();
-        play(&spec, wanted, &observation, &mut |frame| {
+        let fps = play(&spec, wanted, &observation, &mut |frame| {
             size = Size::of(&frame.light);
             bytes.clear();
             bytes.extend(frame.seconds.to_le_bytes());
@@ -72,6 +74,7 @@ impl CachedScene {
             spec,
             size,
             frames,
+            fps,
             digest: hex(&digest.finalize()),
             observation,
             held: held.map(Arc::new),
@@ -100,9 +103,10 @@ impl CachedScene {
     ) -> Result<(), E> {
         match &self.held {
             Some(held) => held.iter().try_for_each(see),
-            None => play(&self.spec, &self.wanted, &self.observation, &mut |frame| {
-                see(&frame)
-            }),
+            None => {
+                let see = &mut |frame: Frame| see(&frame);
+                play(&self.spec, &self.wanted, &self.observation, see).map(|_| ())
+            }
         }
     }
 }
@@ -115,13 +119,13 @@ fn located(spec: &str, folder: &Path) -> String {
     folder.join(spec).display().to_string()
 }
 
-/// Plays a scene from its start.
+/// Plays a scene from its start; its frames a second.
 fn play<E: From<SceneError>>(
     spec: &str,
     wanted: &Wanted,
     observation: &Observation,
     see: &mut dyn FnMut(Frame) -> Result<(), E>,
-) -> Result<(), E> {
+) -> Result<f64, E> {
     let options = OpenOptions {
         fps: wanted.fps,
         coding: wanted.coding,
@@ -135,10 +139,11 @@ fn play<E: From<SceneError>>(
     let observed = Observed::new(scene, observation);
     let read = First::new(observed, wanted.frames.unwrap_or(u64::MAX));
     let mut scene = upsample::by_contrast(read, wanted.upsample)?;
+    let fps = scene.fps();
     rig::play(&mut scene, |frame| {
         see(frame).map(|()| ControlFlow::Continue(()))
     })?;
-    Ok(())
+    Ok(fps)
 }
 
 /// Bytes as text.

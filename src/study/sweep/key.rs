@@ -329,7 +329,7 @@ pub const KEYS: &[Key] = &[
         name: "sum",
         sides: ARRAY,
         kind: Kind::Choice(&["free", "zero", "kept"]),
-        default: Absent::Is("\"free\""),
+        default: Absent::Is("\"kept\""),
         what: "what a quantised kernel must sum to",
     },
     Key {

@@ -35,9 +35,9 @@ impl fmt::Debug for Limits<'_> {
 /// memories, registers, counts).
 const PIXEL: u128 = 2 * 24 * 8;
 
-/// Memory per event in bytes: in its list as it grows, sorted by cell for comparison, and in the
-/// list of the sensor that it is measured against.
-const EVENT: u128 = 4 * size_of::<Event>() as u128;
+/// Memory per event in bytes: in its list as it grows, sorted by cell for comparison, in the list
+/// of the sensor that it is measured against, and drawn anew.
+const EVENT: u128 = 5 * size_of::<Event>() as u128;
 
 /// A limit was reached.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]

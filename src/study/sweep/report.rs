@@ -83,6 +83,9 @@ pub struct Standing {
     pub error: f64,
     /// Its worst error.
     pub worst_error: f64,
+    /// The mean change of the f64 sensor's threshold that costs as much, in per cent; none where
+    /// the study does not ask for it.
+    pub threshold_equivalent_percent: Option<f64>,
     /// Mean cost.
     pub cost: f64,
     /// Mean bits of a scene.
@@ -200,7 +203,7 @@ fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
             "threshold_sigma" => format!("sigma {value}"),
             "noise" if value == "none" => "no noise".to_owned(),
             "noise" => format!("noise {value}"),
-            "sum" if value == "free" => continue,
+            "sum" if value == "kept" => continue,
             "sum" => format!("sum {value}"),
             "readout" => format!("readout {value}"),
             "quantise" if value == "none" => "as is".to_owned(),
@@ -226,6 +229,7 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
         points: rows.len(),
         error: mean("error")?,
         worst_error: numbers("error").into_iter().fold(0.0, f64::max),
+        threshold_equivalent_percent: mean("threshold_equivalent_percent"),
         cost: mean(cost)?,
         bits: mean("bits")?,
         words: mean("words"),

@@ -57,7 +57,10 @@ const POINT: [(&str, Holds, &str); 36] = [
     ),
     text("side", "reference, array or mesh"),
     text("scene", "as it is named in the study"),
-    real("fps", "frames per second, where the study says so"),
+    real(
+        "fps",
+        "frames per second of the scene, before any are inserted",
+    ),
     whole("frames", "frames of the source, where the study says so"),
     text(
         "range",
@@ -124,7 +127,7 @@ const POINT: [(&str, Holds, &str); 36] = [
 ];
 
 /// What came of it, before the metrics.
-const FIGURES: [(&str, Holds, &str); 18] = [
+const FIGURES: [(&str, Holds, &str); 22] = [
     text(
         "outcome",
         "done; refused: the point cannot be; failed: it was given up, and is computed again by the next run",
@@ -163,7 +166,23 @@ const FIGURES: [(&str, Holds, &str); 18] = [
         "quantisation_error",
         "|w - scale levels| / |w| of the kernel",
     ),
-    real("error", "1 - F1 within the first window"),
+    whole(
+        "window_us",
+        "window of the headline, microseconds: the first of `within`, else 100 ms or the time from frame to frame",
+    ),
+    real(
+        "kept",
+        "what of F1 is more than accident, within that window",
+    ),
+    real(
+        "floor",
+        "F1 of a redraw of the f64 sensor, within that window",
+    ),
+    real(
+        "threshold_equivalent_percent",
+        "change of the f64 sensor's threshold that costs as much; 900: at least that",
+    ),
+    real("error", "1 - kept"),
 ];
 
 /// What differs between machines, or is named like it.
@@ -216,7 +235,7 @@ pub fn metrics(settings: &Settings) -> Vec<Metric> {
         .filter_map(|name| Entry::in_studies(name));
     let each = named.flat_map(|entry| {
         entry.metrics(match entry.scale {
-            Scale::Window => &settings.within,
+            Scale::Window => settings.windows(),
             Scale::TimeConstant => &settings.van_rossum,
             Scale::Shift => &settings.victor_purpura,
             Scale::None => &[],

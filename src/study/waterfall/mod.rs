@@ -216,6 +216,9 @@ pub fn ask(
         watching.push(sensor);
     }
     let mut guard = Guard::new();
+    for erasure in quantised.erasures(design.kernel) {
+        guard.warn(Warning::erased(&question.to.to_string(), erasure));
+    }
     let packets = rig::watch(scene, &mut watching, |frame| {
         guard.frame(frame);
         seen(frame);
