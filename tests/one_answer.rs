@@ -160,7 +160,7 @@ fn sums_are_kept_in_every_verb() {
     };
     let kept = levels(&["--sum", "kept"]);
     assert_eq!(levels(&[]), kept);
-    assert_eq!(kept["sum"].as_f64().unwrap().abs() < 1e-9, true);
+    assert!(kept["sum"].as_f64().unwrap().abs() < 1e-9);
     let compile = ["compile", "rgc-5x5", "--to", "ternary", "--filter-only"];
     let compile = [&compile[..], &["--effort", "0.01"]].concat();
     assert_eq!(json(at, &compile)["kernel"], kept["levels"]);

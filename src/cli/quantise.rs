@@ -97,13 +97,13 @@ struct Row {
 #[derive(serde::Serialize)]
 #[serde(untagged)]
 enum Few {
-    Levels(Levels),
+    Numbers(Numbers),
     Refused { refused: String },
 }
 
 /// A kernel in few values, in numbers.
 #[derive(serde::Serialize)]
-struct Levels {
+struct Numbers {
     levels: Vec<Vec<f64>>,
     scale: f64,
     relative_error: f64,
@@ -374,7 +374,7 @@ impl Row {
         Self {
             to: to.to_string(),
             few: match quantised {
-                Ok(quantised) => Few::Levels(Levels::new(kernel, quantised)),
+                Ok(quantised) => Few::Numbers(Numbers::new(kernel, quantised)),
                 Err(error) => Few::Refused {
                     refused: error.to_string(),
                 },
@@ -383,7 +383,7 @@ impl Row {
     }
 }
 
-impl Levels {
+impl Numbers {
     fn new(kernel: &Kernel, quantised: &Quantised) -> Self {
         let levels = quantised.levels.weights();
         Self {
@@ -428,7 +428,7 @@ fn table(rows: &[Row]) -> String {
     for row in rows {
         let _ = match &row.few {
             Few::Refused { refused } => writeln!(text, "{:<16} {refused}", row.to),
-            Few::Levels(few) => {
+            Few::Numbers(few) => {
                 let Change { largest, at, .. } = few.response;
                 writeln!(
                     text,

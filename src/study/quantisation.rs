@@ -96,7 +96,7 @@ impl From<Likeness> for Headline {
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// It runs.
-    OnChip(OnChip),
+    OnChip(Box<OnChip>),
     /// It does not fit; what is short, and by how much.
     Refused(String),
 }
@@ -273,7 +273,7 @@ impl Built {
                     exact,
                     silicon,
                 };
-                (Some(silicon.into()), Outcome::OnChip(on_chip))
+                (Some(silicon.into()), Outcome::OnChip(Box::new(on_chip)))
             }
         };
         Ok(Row {

@@ -177,15 +177,11 @@ pub(super) fn table(curve: &[Flagged]) -> String {
         let window = format!("{}{mark}", Short(flagged.point.window_us));
         let _ = write!(text, "{window:>9}");
     }
-    let rows: [(&str, fn(&Point) -> f64); 3] = [
-        ("F1", |point| point.f1),
-        ("floor", |point| point.floor),
-        ("kept", |point| point.kept),
-    ];
-    for (name, value) in rows {
+    for (row, name) in ["F1", "floor", "kept"].iter().enumerate() {
         let _ = write!(text, "\n{name:<8}");
-        for flagged in &decades {
-            let _ = write!(text, "{:>9.4}", value(&flagged.point));
+        for Flagged { point, .. } in &decades {
+            let values = [point.f1, point.floor, point.kept];
+            let _ = write!(text, "{:>9.4}", values[row]);
         }
     }
     if decades.iter().any(|flagged| flagged.below_frame_interval) {

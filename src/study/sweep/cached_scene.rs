@@ -101,13 +101,11 @@ impl CachedScene {
         &self,
         mut see: impl FnMut(&Frame) -> Result<(), E>,
     ) -> Result<(), E> {
-        match &self.held {
-            Some(held) => held.iter().try_for_each(see),
-            None => {
-                let see = &mut |frame: Frame| see(&frame);
-                play(&self.spec, &self.wanted, &self.observation, see).map(|_| ())
-            }
+        if let Some(held) = &self.held {
+            return held.iter().try_for_each(see);
         }
+        let see = &mut |frame: Frame| see(&frame);
+        play(&self.spec, &self.wanted, &self.observation, see).map(|_| ())
     }
 }
 
