@@ -34,8 +34,10 @@ mod rate;
 mod still;
 mod y4m;
 
+pub mod held;
 pub mod part;
 pub mod pattern;
+pub mod resample;
 pub mod upsample;
 
 pub use bundled::bundled;
