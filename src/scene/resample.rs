@@ -162,7 +162,10 @@ mod tests {
             for (i, (index, seconds, light)) in all.into_iter().enumerate() {
                 assert_eq!(index, i as u64);
                 assert!((seconds - i as f64 / fps).abs() < 1e-9);
-                assert!((light - 100.0 * seconds).abs() < 1e-9, "{light} at {seconds}");
+                assert!(
+                    (light - 100.0 * seconds).abs() < 1e-9,
+                    "{light} at {seconds}"
+                );
             }
         }
     }

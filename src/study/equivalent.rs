@@ -349,7 +349,10 @@ impl Tuned {
     }
 }
 
-fn equivalent(percent: f64, is_least: bool) -> String {
+/// A threshold equivalent in a few characters: the change in per cent, and whether it is at
+/// least that.
+#[must_use]
+pub fn equivalent(percent: f64, is_least: bool) -> String {
     let least = if is_least { "> " } else { "" };
     if percent < 9.95 {
         format!("{least}{percent:.1} %")

@@ -1,15 +1,19 @@
-//! The waterfall: where the events of the float sensor go on the way to the chip.
+//! The waterfall: where what the float sensor says goes on the way to the chip.
 //!
 //! Every [`Cause`] is a switch on a sensor that runs: the first three on the float model, the
-//! others on the compiled program. Each step is told in both orders:
+//! others on the compiled program. It is told in two ways:
 //!
-//! - **forward**: what adding it changes, given the steps before it. The sensors `f_0 … f_n`
-//!   have the first 0 … n steps on; step i is `f_(i-1)` against `f_i`.
-//! - **backward**: what it alone changes, given all the others. The sensor with every step on
-//!   but this one, against the one with all on; for the float model's steps, among themselves.
+//! - [`Fall::rates`]: what is *kept* at several frame rates, from the clip's own to the chip's
+//!   ceiling, and what of the rest each cause takes: its [Shapley value](fn@shapley) over all sets of
+//!   the chip's switches, on tiles of the scene and for many chips.
+//! - [`Fall::steps`], or [`ask`]: event by event at the clip's own rate, in both orders. *Forward* is what
+//!   adding a step changes, given the steps before it: the sensors `f_0 … f_n` have the first
+//!   0 … n steps on, and step i is `f_(i-1)` against `f_i`. *Backward* is what it alone changes,
+//!   given all the others: the sensor with every step on but this one, against the one with all
+//!   on; for the float model's steps, among themselves. Where the two differ, steps interact.
 //!
-//! Where the two differ, steps interact. Not every set of steps is a sensor: `docs/waterfall.md`
-//! says which are run, and what adds up and what does not.
+//! Not every set of steps is a sensor: `docs/waterfall.md` says which are run, and what adds up
+//! and what does not.
 
 mod cause;
 mod chart;
@@ -21,11 +25,12 @@ mod sample;
 mod sensor;
 mod shapley;
 mod steps;
+mod stretch;
 
 pub use cause::Cause;
 pub use noise::{Noise, NoiseAtRate};
-pub use question::{Fall, Question, WaterfallError, ask};
+pub use question::{Fall, Question, WaterfallError};
 pub use rates::{Choice, How, Rate, Rates, Share};
 pub use sample::{Sample, Tile};
 pub use shapley::shapley;
-pub use steps::{Shares, Step, Waterfall, Words};
+pub use steps::{Shares, Step, Waterfall, Words, ask};

@@ -1,13 +1,12 @@
 //! What is asked, what it is asked of, and why there may be no answer.
 
-use super::steps::Waterfall;
 use crate::{
     array::Arithmetic,
     compare::CompareError,
     event::readout::Readout,
     kernel::quantise::{Quantised, Quantiser, Sum},
     rig::RigError,
-    scene::{Frame, Scene, SceneError},
+    scene::SceneError,
     study::design::{Compiled, Design, DesignError},
     unit::Micros,
 };
@@ -86,18 +85,6 @@ impl<'a> Fall<'a> {
     }
 }
 
-/// The steps at the clip's own frame rate: shows the scene to all their sensors at once.
-///
-/// # Errors
-/// When a sensor cannot be made, scene or sensor cannot go on, or the float sensor is silent.
-pub fn ask(
-    question: &Question<'_>,
-    scene: &mut dyn Scene,
-    seen: impl FnMut(&Frame),
-) -> Result<Waterfall, WaterfallError> {
-    Fall::new(*question)?.steps(scene, seen)
-}
-
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum WaterfallError {
@@ -142,4 +129,3 @@ pub enum WaterfallError {
     #[diagnostic(help("this is a fault of amacrine: please report the command"))]
     Packet,
 }
-

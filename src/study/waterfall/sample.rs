@@ -251,9 +251,8 @@ mod tests {
         packet.events = [(2, 5), (3, 3), (18, 18), (19, 3), (24, 4), (25, 4), (30, 2)]
             .map(|(x, y)| event(x, y))
             .to_vec();
-        let left: Vec<_> = { sample.within(packet).events.iter() }
-            .map(|e| (e.x, e.y))
-            .collect();
+        let packet = sample.within(packet);
+        let left: Vec<_> = packet.events.iter().map(|e| (e.x, e.y)).collect();
         assert_eq!(left, [(3, 3), (18, 18), (25, 4)]);
     }
 

@@ -156,6 +156,18 @@ struct Pairs {
     backward: Option<[Place; 2]>,
 }
 
+/// The steps at the clip's own frame rate: shows the scene to all their sensors at once.
+///
+/// # Errors
+/// When a sensor cannot be made, scene or sensor cannot go on, or the float sensor is silent.
+pub fn ask(
+    question: &Question<'_>,
+    scene: &mut dyn Scene,
+    seen: impl FnMut(&Frame),
+) -> Result<Waterfall, WaterfallError> {
+    Fall::new(*question)?.steps(scene, seen)
+}
+
 impl Fall<'_> {
     /// The steps, on all of a scene: every sensor of them watches it at once.
     ///
