@@ -11,6 +11,7 @@ use crate::{
     compile::Effort,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
+    picture::share_text,
     scene::{self, Scene as _},
     study::{
         design::Design,
@@ -232,17 +233,15 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
     let mut text = format!("{program}\n\n{}\n\n", rates.captions().join("\n"));
     let row = |text: &mut String, name: &str, cells: &mut dyn Iterator<Item = String>| {
         let line = cells.fold(format!("{name:<24}"), |line, cell| {
-            format!("{line}{cell:<22}")
+            format!("{line}{cell:<21} ")
         });
         let _ = writeln!(text, "{}", line.trim_end());
     };
-    let cell = |share: f64, [low, high]: [f64; 2]| {
-        let [share, low, high] = [share, low, high].map(|part| 100.0 * part);
-        if (high - low).abs() < 0.05 {
-            format!("{share:>6.1}")
-        } else {
-            format!("{share:>6.1} ({low:.1} to {high:.1})")
-        }
+    // Numbers stand below each other.
+    let cell = |share: f64, spread: [f64; 2]| {
+        let text = share_text(share, spread);
+        let number = text.find(' ').unwrap_or(text.len());
+        format!("{}{text}", " ".repeat(6_usize.saturating_sub(number)))
     };
     let all = || rates.rates.iter();
     let head = |rate: &Rate| format!("{:>6} frames/s", equivalent::rate(rate.headline.fps));

@@ -23,7 +23,7 @@ mod write;
 pub use animation::{write_animation, write_frames};
 pub use chart::{Drawing, png, raster, svg};
 pub use error::PictureError;
-pub use rates::{RatesCause, RatesShow, rates};
+pub use rates::{RatesCause, RatesShow, rates, share_text};
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
 pub use surround::{SurroundShow, relief, surround};

@@ -137,6 +137,25 @@ fn places(rates: &[f64], area: Area) -> Vec<f64> {
     (0..rates.len()).map(|i| from + i as f64 * each).collect()
 }
 
+/// A share in per cent, and from where to where most chips lie, where they differ by as much as
+/// is written: `20.0 (15.0 to 25.0)`.
+#[must_use]
+pub fn share_text(share: f64, [low, high]: [f64; 2]) -> String {
+    let percent = |share: f64| {
+        let text = format!("{:.1}", 100.0 * share);
+        if text == "-0.0" {
+            "0.0".to_owned()
+        } else {
+            text
+        }
+    };
+    if 100.0 * (high - low) < 0.05 {
+        percent(share)
+    } else {
+        format!("{} ({} to {})", percent(share), percent(low), percent(high))
+    }
+}
+
 /// Frames a second in a few characters.
 fn rate(fps: f64) -> String {
     let text = format!("{fps:.1}");
@@ -296,14 +315,8 @@ fn numbers(page: &mut Drawing, top: f64, show: &RatesShow<'_>, seen: &[&RatesCau
         page.fill(swatch, cause.ink);
         let at = (MARGIN + SWATCH + 6.0, y);
         page.text(at, Anchor::Start, Weight::Plain, ink::TEXT, cause.name);
-        for (i, (share, [low, high])) in cause.shares.iter().zip(&cause.spreads).enumerate() {
-            let [share, low, high] = [share, low, high].map(|part| 100.0 * part);
-            // To what is written all chips may be alike.
-            let text = if (high - low).abs() < 0.05 {
-                format!("{share:.1}")
-            } else {
-                format!("{share:.1} ({low:.1} to {high:.1})")
-            };
+        for (i, (share, spread)) in cause.shares.iter().zip(&cause.spreads).enumerate() {
+            let text = share_text(*share, *spread);
             let at = (column(i), y);
             page.text(at, Anchor::Start, Weight::Plain, ink::TEXT, text);
         }

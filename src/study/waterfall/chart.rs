@@ -118,18 +118,21 @@ impl Rates {
             tiles,
             width,
             height,
-            pixels_of,
             ..
         } = &self.sample;
         let window = self
             .rates
             .first()
             .map_or(Micros(0), |rate| rate.headline.window_us);
+        let some = |count: usize, what: &str| match count {
+            1 => format!("1 {what}"),
+            count => format!("{count} {what}s"),
+        };
         let place = if self.sample.part() < 1.0 {
             format!(
-                "{} tiles of {width}x{height}, {:.1} % of the sensor",
-                tiles.len(),
-                100.0 * self.sample.pixels as f64 / *pixels_of as f64
+                "{} of {width}x{height}, {:.1} % of the sensor",
+                some(tiles.len(), "tile"),
+                100.0 * self.sample.part()
             )
         } else {
             "the whole sensor".to_owned()
@@ -142,11 +145,7 @@ impl Rates {
             ),
             format!(
                 "{} on {place}, from {:.2} to {:.2} s of the scene; the same light at each rate, in brackets 10 to 90 % of the chips",
-                if self.chips == 1 {
-                    "one chip".to_owned()
-                } else {
-                    format!("{} chips", self.chips)
-                },
+                some(self.chips as usize, "chip"),
                 from_seconds,
                 from_seconds + seconds
             ),

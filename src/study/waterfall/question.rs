@@ -105,7 +105,7 @@ pub enum WaterfallError {
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
     /// Too few frames at a rate, or too many.
-    #[error("{frames} frames at {fps} frames/s of {seconds} s")]
+    #[error("{frames} frames at {fps} frames/s in {seconds:.3} s of the scene")]
     #[diagnostic(help("give rates that show 2 to {most} frames in that time"))]
     Rate {
         /// The rate.
