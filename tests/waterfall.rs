@@ -370,8 +370,7 @@ fn what_does_not_fit_is_said() {
     assert!(matches!(error, WaterfallError::Silent { .. }), "{error}");
 }
 
-#[cfg(feature = "cli")]
-mod/// Everything that is at most this far apart matches; two frames of the scene are closer.
+/// Everything that is at most this far apart matches; two frames of the scene are closer.
 const WITHIN: Micros = Micros(10_000);
 
 fn over(question: &Question<'_>, choice: &Choice) -> Rates {
@@ -620,7 +619,8 @@ fn rates_that_show_nothing_are_refused() {
     }
 }
 
- verb {
+#[cfg(feature = "cli")]
+mod verb {
     use std::{fs, path::Path};
 
     use assert_cmd::Command;
@@ -703,7 +703,15 @@ fn rates_that_show_nothing_are_refused() {
         // Slow enough for the chip: 40 frames a second, and up to three times as many.
         let slow = "pattern:disc?width=32&height=24&frames=20&radius=6&speed=60&fps=40";
         let asked = |more: &[&str]| {
-            let ask = ["csdvs-3", "--threshold", "20", "--scene", slow, "--effort", "0.01"];
+            let ask = [
+                "csdvs-3",
+                "--threshold",
+                "20",
+                "--scene",
+                slow,
+                "--effort",
+                "0.01",
+            ];
             let all = [&ask[..], &["--chips", "3"], more].concat();
             let said = amacrine(at, &all).assert().success();
             String::from_utf8_lossy(&said.get_output().stdout).into_owned()
@@ -776,7 +784,10 @@ fn rates_that_show_nothing_are_refused() {
         refused(&asked(&["-o", "fall.pdf"]), &["fall.pdf", ".svg"]);
         refused(&asked(&["--rates", "10,0"]), &["0", "above 0"]);
         refused(&asked(&["--rates", "1e7"]), &["frames/s", "2 to 4000"]);
-        refused(&asked(&["--steps", "--rates", "10"]), &["--steps", "--rates"]);
+        refused(
+            &asked(&["--steps", "--rates", "10"]),
+            &["--steps", "--rates"],
+        );
         for (threshold, said) in [("0", "threshold is 0"), ("-3", "threshold is -3")] {
             refused(
                 &["csdvs-3", "--threshold", threshold, "-o", "fall.svg"],
