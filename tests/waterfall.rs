@@ -523,7 +523,7 @@ fn a_perfect_chip_loses_nothing_of_its_own_at_any_rate() {
     let losses = [Cause::Frames, Cause::Memory];
     for rate in &all.rates {
         for share in rate.causes.iter().filter(|s| !losses.contains(&s.cause)) {
-            assert!(share.share.abs() < 1e-9, "{:?}", share);
+            assert!(share.share.abs() < 1e-9, "{share:?}");
         }
         assert_eq!(rate.noise.unwrap().events_per_second, 0.0);
     }

@@ -177,7 +177,7 @@ impl Fall<'_> {
             halo,
             tiles,
             events,
-            (stretch.from_seconds(), seconds, stretch.frames()),
+            (stretch.start_seconds(), seconds, stretch.frames()),
         );
 
         let mut source = Vec::new();

@@ -44,7 +44,7 @@ impl Stretch {
         stretch(nearest.map_or(0, |(cut, _)| cut))
     }
 
-    pub(super) fn from_seconds(self) -> f64 {
+    pub(super) fn start_seconds(self) -> f64 {
         self.first as f64 / self.fps
     }
 
@@ -108,7 +108,7 @@ mod tests {
         let stretch = Stretch::new(&events, 10, 100.0, 0.03);
         // 12, 9 and 0 events in 3 intervals each: the mean is 7.
         assert_eq!((stretch.first, stretch.intervals), (3, 3));
-        assert_eq!((stretch.from_seconds(), stretch.seconds()), (0.03, 0.03));
+        assert_eq!((stretch.start_seconds(), stretch.seconds()), (0.03, 0.03));
         assert_eq!(stretch.events(&events).len(), 9);
         let whole = Stretch::new(&events, 10, 100.0, 9.0);
         assert_eq!((whole.first, whole.frames()), (0, 10));
