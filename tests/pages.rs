@@ -87,18 +87,31 @@ fn the_sensors_of_the_worked_sweep() {
     assert_eq!(sensors(&said), sensors(&page));
 }
 
-#[test]
-fn the_waterfall_and_its_picture() {
-    let command = "amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 \
-                   -o docs/waterfall.svg";
+/// What a waterfall prints, and its picture.
+#[track_caller]
+fn waterfall(command: &str, picture: &str) {
     let (folder, page_text) = (folder(), page("docs/waterfall.md"));
     let said = printed(&folder, command);
     let said: Vec<_> = said.lines().map(str::trim_end).collect();
     let shown = after(&page_text, command);
     assert!(shown.len() > 10);
     assert_eq!(said[..shown.len()], shown);
-    let drawn = fs::read_to_string(folder.path().join("docs/waterfall.svg")).unwrap();
-    assert!(drawn == page("docs/waterfall.svg"), "docs/waterfall.svg");
+    let drawn = fs::read_to_string(folder.path().join(picture)).unwrap();
+    assert!(drawn == page(picture), "{picture}");
+}
+
+#[test]
+fn the_waterfall_and_its_picture() {
+    let command = "amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 \
+                   -o docs/waterfall.svg";
+    waterfall(command, "docs/waterfall.svg");
+}
+
+#[test]
+fn the_steps_of_the_waterfall_and_their_picture() {
+    let command = "amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 \
+                   --steps -o docs/waterfall-steps.svg";
+    waterfall(command, "docs/waterfall-steps.svg");
 }
 
 #[test]

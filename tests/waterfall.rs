@@ -1,7 +1,10 @@
 //! The waterfall from the float sensor to the chip: its classes part every packet; a step that
 //! is switched off, or cannot matter, changes nothing; a loss that is put in lands on its own
 //! step and on no other; both ends are the sensors that they are called, made anew; the answer
-//! does not depend on the number of threads; and the verb `waterfall` from outside.
+//! does not depend on the number of threads. Over frame rate: what the causes take and what is
+//! kept add up to 1; on a sensor that is looked at whole the ends are those of the steps; a
+//! perfect chip loses nothing of its own at any rate; noise makes more events the more decisions
+//! there are; tiles stand for the whole. And the verb `waterfall` from outside.
 
 mod common;
 
@@ -22,7 +25,10 @@ use amacrine::{
     sensor::Sensor,
     study::{
         design::{Design, DesignError},
-        waterfall::{Cause, Question, Step, Waterfall, WaterfallError, ask},
+        quantisation,
+        waterfall::{
+            Cause, Choice, Fall, How, Question, Rates, Step, Waterfall, WaterfallError, ask,
+        },
     },
     unit::{Micros, Picos},
 };
@@ -364,6 +370,255 @@ fn what_does_not_fit_is_said() {
     assert!(matches!(error, WaterfallError::Silent { .. }), "{error}");
 }
 
+/// Everything that is at most this far apart matches; two frames of the scene are closer.
+const WITHIN: Micros = Micros(10_000);
+
+fn over(question: &Question<'_>, choice: &Choice) -> Rates {
+    over_scene(question, choice, SCENE)
+}
+
+fn over_scene(question: &Question<'_>, choice: &Choice, scene: &str) -> Rates {
+    let open = || scene::open(scene, &OpenOptions::default());
+    let fall = Fall::new(Question {
+        within: WITHIN,
+        ..*question
+    });
+    let choice = Choice {
+        within: Some(WITHIN),
+        ..choice.clone()
+    };
+    fall.unwrap().rates(&choice, &open, &|| {}).unwrap()
+}
+
+fn choice(rates: &[f64], chips: u64) -> Choice {
+    Choice {
+        rates: rates.to_vec(),
+        chips,
+        ..Choice::default()
+    }
+}
+
+/// What a cause takes at each rate.
+fn taken(rates: &Rates, cause: Cause) -> Vec<f64> {
+    let share = |rate: &amacrine::study::waterfall::Rate| {
+        let own = rate.causes.iter().find(|share| share.cause == cause);
+        own.unwrap().share
+    };
+    rates.rates.iter().map(share).collect()
+}
+
+/// Efficiency, on sensors that run: in either arithmetic, with all causes at work.
+#[test]
+fn what_is_kept_and_what_the_causes_take_is_all() {
+    everything(&Device::scamp5(), |question| {
+        let numbers = Question {
+            arithmetic: Arithmetic::Number("q8.0".parse().unwrap()),
+            ..*question
+        };
+        for (question, causes, chips) in [
+            (question, &Cause::SILICON[..], 3),
+            (&numbers, &Cause::NUMBERS[..], 1),
+        ] {
+            let all = over(question, &choice(&[240.0, 480.0], 3));
+            assert_eq!((all.rates.len(), all.chips), (2, chips));
+            for rate in &all.rates {
+                let found: Vec<_> = rate.causes.iter().map(|share| share.cause).collect();
+                assert_eq!(found, causes);
+                let sum: f64 = rate.causes.iter().map(|share| share.share).sum();
+                let kept = rate.headline.kept;
+                assert!((sum + kept - 1.0).abs() < 1e-9, "{sum} {kept}");
+                assert!(kept < 0.9, "nothing was lost: {kept}");
+                let [low, high] = rate.kept_10_90;
+                assert!(low <= kept + 1e-12 && kept <= high + 1e-12);
+                assert!(rate.headline.threshold_equivalent_percent > 0.0);
+                assert_eq!(rate.headline.window_us, WITHIN);
+                for share in &rate.causes {
+                    let [low, high] = share.share_10_90;
+                    assert!(low <= share.share + 1e-12 && share.share <= high + 1e-12);
+                    let how = match share.cause {
+                        Cause::Readout => How::Last,
+                        Cause::Format if chips == 1 => How::Shapley,
+                        cause if cause <= Cause::Format => How::InOrder,
+                        _ => How::Shapley,
+                    };
+                    assert_eq!(share.how, how, "{:?}", share.cause);
+                }
+            }
+            assert!(taken(&all, Cause::Readout)[0] > 0.0);
+        }
+    });
+}
+
+/// The whole sensor, all frames, one chip: the ends, and the causes that come in order, are
+/// those of the steps, which are told on another way.
+#[test]
+fn rates_and_steps_agree_where_they_ask_the_same() {
+    everything(&Device::scamp5(), |question| {
+        let question = Question {
+            within: WITHIN,
+            ..*question
+        };
+        let steps = fall(&question);
+        let all = over(&question, &choice(&[240.0], 1));
+        assert_eq!(all.sample.pixels, 48 * 32);
+        assert_eq!(all.sample.source_frames, 10);
+        let [rate] = &all.rates[..] else {
+            panic!("one rate was asked for");
+        };
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+        let mut before = 1.0;
+        for (step, share) in steps.steps.iter().zip(&rate.causes).take(4) {
+            assert_eq!(step.cause, share.cause);
+            near(share.share, before - step.likeness.kept);
+            before = step.likeness.kept;
+        }
+        let last = steps.steps.last().unwrap().likeness;
+        near(rate.headline.kept, last.kept);
+        near(
+            rate.headline.threshold_equivalent_percent,
+            last.threshold_equivalent_percent,
+        );
+        let readout = &steps.steps[steps.steps.len() - 2..];
+        near(
+            taken(&all, Cause::Readout)[0],
+            readout[0].likeness.kept - readout[1].likeness.kept,
+        );
+    });
+}
+
+/// One question, one answer.
+#[test]
+fn its_headline_is_that_of_quantise() {
+    let (kernel, device) = (Kernel::builtin("csdvs-5").unwrap(), Device::scamp5());
+    let to = "int-4".parse().unwrap();
+    let question = Question {
+        to,
+        within: WITHIN,
+        ..question(design(&kernel, &device, 12.3))
+    };
+    let own = fall(&question).likeness;
+    let asked = quantisation::Question {
+        kernel: &kernel,
+        threshold: 12.3,
+        quantisers: &[to],
+        sum: question.sum,
+        device: &device,
+        effort: question.design.effort,
+        seed: 1,
+        within: WITHIN,
+    };
+    let open = || scene::open(SCENE, &OpenOptions::default());
+    let answer = quantisation::ask(&asked, &open, |_| ()).unwrap();
+    let quantised = answer.rows[0].headline.unwrap();
+    assert_eq!(quantised, own.into());
+    assert!(own.kept < 0.999, "{}", own.kept);
+}
+
+/// Only the float model's steps lose anything, and less the more often the chip decides.
+#[test]
+fn a_perfect_chip_loses_nothing_of_its_own_at_any_rate() {
+    let (kernel, device) = (ternary(), perfect(&[]));
+    let plain = question(design(&kernel, &device, 32.0));
+    let all = over(&plain, &choice(&[240.0, 960.0, 3840.0], 2));
+    let losses = [Cause::Frames, Cause::Memory];
+    for rate in &all.rates {
+        for share in rate.causes.iter().filter(|s| !losses.contains(&s.cause)) {
+            assert!(share.share.abs() < 1e-9, "{share:?}");
+        }
+        assert_eq!(rate.noise.unwrap().events_per_second, 0.0);
+    }
+    let kept: Vec<f64> = all.rates.iter().map(|rate| rate.headline.kept).collect();
+    assert!(kept[0] < kept[1] && kept[1] < kept[2], "{kept:?}");
+    assert!(kept[2] > 0.6, "{kept:?}");
+    assert_eq!(all.noise.unwrap().sigmas, None);
+    assert_eq!(all.noise.unwrap().fps_below, None);
+}
+
+#[test]
+fn noise_alone_fires_the_more_the_more_often_the_chip_decides() {
+    let kernel = ternary();
+    let told = |noise| {
+        let device = perfect(&[(Figure::StoreNoise, noise)]);
+        let plain = question(design(&kernel, &device, 32.0));
+        over(&plain, &choice(&[240.0, 960.0], 4))
+    };
+    let all = told(4.0);
+    let events = |all: &Rates, i: usize| all.rates[i].noise.unwrap().events_per_second;
+    assert!(events(&all, 0) > 0.0);
+    assert!(events(&all, 1) > 2.0 * events(&all, 0));
+    let share = all.rates[1].noise.unwrap().share;
+    assert_eq!(share, events(&all, 1) / all.reference_events_per_second);
+    assert!(taken(&all, Cause::Noise)[1] > taken(&all, Cause::Noise)[0]);
+    // What helps: fewer decisions, more sigmas.
+    let noise = all.noise.unwrap();
+    assert!(share > noise.limit, "{share}");
+    assert!(noise.fps_below.unwrap() < 960.0);
+    assert!(noise.threshold_for_fastest.unwrap() > 32.0);
+    let quiet = told(2.0);
+    let (loud, quiet) = (noise.sigmas.unwrap(), quiet.noise.unwrap().sigmas.unwrap());
+    assert!((quiet / loud - 2.0).abs() < 1e-9, "{loud} {quiet}");
+    let advice = all.advice().join("\n");
+    assert!(advice.contains("sigmas") && advice.contains("raise the threshold"));
+}
+
+/// A sensor of 60 tiles, eight of them looked at.
+#[test]
+fn tiles_stand_for_the_whole_sensor() {
+    let scene = "pattern:noise?width=176&height=112&frames=40&grain=3&speed=100";
+    let (kernel, device) = (ternary(), Device::scamp5());
+    let plain = question(design(&kernel, &device, 32.0));
+    let told = |tiles| {
+        let choice = Choice {
+            tiles: Some(tiles),
+            ..choice(&[240.0], 2)
+        };
+        over_scene(&plain, &choice, scene)
+    };
+    let (some, whole) = (told(8), told(1000));
+    assert_eq!(some.sample.tiles.len(), 8);
+    assert_eq!((some.sample.width, some.sample.halo), (16, 2));
+    assert_eq!(whole.sample.pixels, 176 * 112);
+    let [some, whole] = [&some.rates[0], &whole.rates[0]];
+    let (a, b) = (some.headline.kept, whole.headline.kept);
+    assert!((a - b).abs() < 0.05, "{a} {b}");
+    for (a, b) in some.causes.iter().zip(&whole.causes) {
+        let (a, b) = (a.share, b.share);
+        assert!((a - b).abs() < 0.05, "{a} {b}");
+    }
+}
+
+#[test]
+fn rates_do_not_depend_on_threads_and_chips_differ() {
+    let (kernel, device) = (ternary(), Device::scamp5());
+    let plain = question(design(&kernel, &device, 30.5));
+    let on = |threads, chips| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let choice = choice(&[240.0, 480.0], chips);
+        pool.unwrap().install(|| over(&plain, &choice))
+    };
+    let all = on(1, 4);
+    assert_eq!(all, on(3, 4));
+    let [low, high] = all.rates[0].kept_10_90;
+    assert!(low < high);
+    // One chip is its own spread, and it is the first of the four.
+    let one = on(2, 1);
+    let [low, high] = one.rates[0].kept_10_90;
+    assert_eq!([low, high], [one.rates[0].headline.kept; 2]);
+}
+
+#[test]
+fn rates_that_show_nothing_are_refused() {
+    let (kernel, device) = (ternary(), Device::scamp5());
+    let fall = Fall::new(question(design(&kernel, &device, 32.0))).unwrap();
+    let open = || scene::open(SCENE, &OpenOptions::default());
+    for rate in [1.0, 1e9, 0.0, f64::NAN] {
+        let error = fall.rates(&choice(&[rate], 1), &open, &|| {}).unwrap_err();
+        let is_rate = matches!(error, WaterfallError::Rate { most: 4000, .. });
+        let is_bad = matches!(error, WaterfallError::Scene(_));
+        assert!(if rate >= 1.0 { is_rate } else { is_bad }, "{error}");
+    }
+}
+
 #[cfg(feature = "cli")]
 mod verb {
     use std::{fs, path::Path};
@@ -395,25 +650,32 @@ mod verb {
     fn it_prints_draws_and_tells_machines() {
         let folder = TempDir::new().unwrap();
         let at = folder.path();
-        let said = amacrine(at, &asked(&["-o", "fall.svg"])).assert().success();
+        let more = ["--steps", "-o", "fall.svg"];
+        let said = amacrine(at, &asked(&more)).assert().success();
         let text = String::from_utf8_lossy(&said.get_output().stdout).into_owned();
         for word in [
             "memory rule",
             "temporal noise",
             "first to last at once",
             "scan readout",
+            "as a threshold",
         ] {
             assert!(text.contains(word), "no {word} in {text}");
         }
         let drawn = fs::read_to_string(at.join("fall.svg")).unwrap();
         assert!(drawn.starts_with("<svg") && drawn.contains("temporal noise"));
-        let said = amacrine(at, &asked(&["--json", "-o", "fall.png"]))
-            .assert()
-            .success();
+        let more = ["--json", "--steps", "-o", "fall.png"];
+        let said = amacrine(at, &asked(&more)).assert().success();
         let json: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
         let steps = json["steps"].as_array().unwrap();
         assert_eq!(steps.len(), 11);
         assert_eq!(steps[10]["cause"], "readout");
+        assert!(json["rates"].is_null());
+        for row in steps.iter().chain([&json]) {
+            for key in ["kept", "window_us", "fps", "threshold_equivalent_percent"] {
+                assert!(row[key].is_number(), "{key} of {row}");
+            }
+        }
         assert!(steps[0]["backward"].is_null() && steps[1]["backward"]["kept"].is_u64());
         let events = json["float_events"].as_u64().unwrap();
         let lost = steps[2]["forward"]["lost"].as_u64().unwrap();
@@ -432,6 +694,67 @@ mod verb {
         let json: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
         assert_eq!(json["steps"][9]["cause"], "decay");
         assert!(json["steps"][9]["forward"]["kept"] != json["steps"][8]["forward"]["kept"]);
+    }
+
+    #[test]
+    fn rates_are_printed_drawn_and_told() {
+        let folder = TempDir::new().unwrap();
+        let at = folder.path();
+        // Slow enough for the chip: 40 frames a second, and up to three times as many.
+        let slow = "pattern:disc?width=32&height=24&frames=20&radius=6&speed=60&fps=40";
+        let asked = |more: &[&str]| {
+            let ask = [
+                "csdvs-3",
+                "--threshold",
+                "20",
+                "--scene",
+                slow,
+                "--effort",
+                "0.01",
+            ];
+            let all = [&ask[..], &["--chips", "3"], more].concat();
+            let said = amacrine(at, &all).assert().success();
+            String::from_utf8_lossy(&said.get_output().stdout).into_owned()
+        };
+        let text = asked(&["-o", "fall.svg"]);
+        for word in [
+            "40 frames/s",
+            "120 frames/s",
+            "memory rule",
+            "as a threshold higher by",
+            "noise alone",
+            "sigmas",
+            "3 chips",
+        ] {
+            assert!(text.contains(word), "no {word} in {text}");
+        }
+        let drawn = fs::read_to_string(at.join("fall.svg")).unwrap();
+        assert!(drawn.starts_with("<svg") && drawn.contains("120 frames/s"));
+        let json: Value = serde_json::from_str(&asked(&["--json"])).unwrap();
+        assert_eq!(json["steps"].as_array().unwrap().len(), 11);
+        assert!(json["ceiling_fps"].as_f64().unwrap() > 120.0);
+        let rates = json["rates"].as_array().unwrap();
+        let fps: Vec<f64> = rates.iter().map(|r| r["fps"].as_f64().unwrap()).collect();
+        assert_eq!(fps, [40.0, 80.0, 120.0]);
+        for rate in rates {
+            for key in ["kept", "window_us", "fps", "threshold_equivalent_percent"] {
+                assert!(rate[key].is_number(), "{key} of {rate}");
+            }
+            assert_eq!(rate["window_us"], 100_000);
+            assert_eq!(rate["kept_10_90"].as_array().unwrap().len(), 2);
+            let causes = rate["causes"].as_array().unwrap();
+            assert_eq!(causes.len(), 11);
+            let sum: f64 = causes.iter().map(|c| c["share"].as_f64().unwrap()).sum();
+            assert!((sum + rate["kept"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+            assert_eq!(causes[8]["cause"], "noise");
+            assert_eq!(causes[8]["how"], "shapley");
+            assert!(rate["noise"]["events_per_second"].is_number());
+        }
+        let more = ["--rates", "20,40", "--json", "-o", "fall.png"];
+        let json: Value = serde_json::from_str(&asked(&more)).unwrap();
+        assert_eq!(json["rates"][0]["fps"], 20.0);
+        let picture = image::open(at.join("fall.png")).unwrap();
+        assert!(picture.width() > 1500 && picture.height() > 1000);
     }
 
     #[test]
@@ -459,6 +782,12 @@ mod verb {
             &["error.nose", "error.noise"],
         );
         refused(&asked(&["-o", "fall.pdf"]), &["fall.pdf", ".svg"]);
+        refused(&asked(&["--rates", "10,0"]), &["0", "above 0"]);
+        refused(&asked(&["--rates", "1e7"]), &["frames/s", "2 to 4000"]);
+        refused(
+            &asked(&["--steps", "--rates", "10"]),
+            &["--steps", "--rates"],
+        );
         for (threshold, said) in [("0", "threshold is 0"), ("-3", "threshold is -3")] {
             refused(
                 &["csdvs-3", "--threshold", threshold, "-o", "fall.svg"],

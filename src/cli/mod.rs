@@ -92,7 +92,7 @@ verbs! {
     Quantise => quantise,
     /// Kernels to a program: shift, add, halve, with the proof
     Compile => compile,
-    /// Where the events of the float sensor go, step by step, on the way to the chip
+    /// Where the events of the float sensor go on the way to the chip, over frame rate and step by step
     Waterfall => waterfall,
     /// The resistor mesh (resistive grid): solve it, step it, fit a kernel to it, draw it
     Mesh => mesh,

@@ -1,4 +1,5 @@
-//! `amacrine waterfall`: where the events of the float sensor go on the way to the chip.
+//! `amacrine waterfall`: where the events of the float sensor go on the way to the chip, over
+//! frame rate and step by step.
 
 use std::fmt::Write;
 
@@ -10,11 +11,13 @@ use crate::{
     compile::Effort,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
+    picture::share_text,
     rig::guard::Warning,
     scene::{Observation, Scene as _},
     study::{
         design::Design,
-        waterfall::{Question, Shares, Waterfall, ask},
+        equivalent::{self, RUNGS},
+        waterfall::{Choice as Rated, Fall, Question, Rate, Rates, Share, Shares, Waterfall},
     },
 };
 
@@ -33,7 +36,7 @@ use super::{
 /// What `waterfall` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8\n\ndocs/waterfall.md says what each step is and which sensors are run."
+    after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --rates 10,40,130 --chips 20\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8 --steps\n\ndocs/waterfall.md says what each cause is, how it is told from the others, and which sensors\nare run."
 )]
 pub struct Arguments {
     /// A kernel file (.toml or .npy), or the name of a built-in
@@ -69,6 +72,19 @@ pub struct Arguments {
     /// How long to search for the program, in seconds of two cores of 2024
     #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
     effort: f64,
+    /// Frames a second at which the same light is shown, with commas between [default: four from
+    /// the clip's own to the most that the chip allows]
+    #[arg(long, value_delimiter = ',', value_name = "FPS", value_parser = fps, conflicts_with = "steps")]
+    rates: Vec<f64>,
+    /// How many chips: seeds from --seed on
+    #[arg(long, default_value_t = 10, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000), conflicts_with = "steps")]
+    chips: u64,
+    /// Tiles of the scene on which they are run [default: as many as take some seconds]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with = "steps")]
+    tiles: Option<u16>,
+    /// Tell only the steps at the clip's own rate, event by event
+    #[arg(long)]
+    steps: bool,
     /// Draw it
     #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
     output: Option<Output>,
@@ -96,8 +112,25 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
     super::figure::figure(name, value)
 }
 
-/// Sensors that watch side by side: one a step, and in all but one of them.
-const SENSORS: usize = 20;
+/// A frame rate, for the command line.
+fn fps(text: &str) -> Result<f64, String> {
+    { text.parse().ok() }
+        .filter(|fps: &f64| fps.is_finite() && *fps > 0.0)
+        .ok_or_else(|| format!("`{text}` is no rate: give a number above 0, in frames/s"))
+}
+
+/// Sensors that watch side by side: one a step, and in all but one of them; and the float
+/// sensors of both ladders.
+const SENSORS: usize = 21 + 2 * RUNGS.len();
+
+/// Both answers as one object.
+#[derive(serde::Serialize)]
+struct Answers<'a> {
+    #[serde(flatten)]
+    steps: &'a Waterfall,
+    #[serde(flatten)]
+    rates: Option<&'a Rates>,
+}
 
 /// Runs the verb.
 ///
@@ -119,7 +152,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         device = device.what_if(*figure, *value)?;
     }
     let observation = Observation::new();
-    let mut scene = arguments.clip.open(&observation)?;
+    let open = || arguments.clip.open(&observation);
+    let mut scene = open()?;
     let readout = arguments.readout.open_compiled()?;
     let question = Question {
         design: Design {
@@ -136,38 +170,119 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         within: arguments.window.at(scene.fps()),
     };
     budget::check_study(&*scene, SENSORS)?;
-    let progress = Progress::new("watching", scene.frames());
-    let answer = ask(&question, &mut scene, |_| progress.tick());
-    progress.finish();
+    let choice = Rated {
+        rates: arguments.rates.clone(),
+        chips: arguments.chips,
+        tiles: arguments.tiles.map(usize::from),
+        within: arguments.window.within,
+    };
+    let answers = Fall::new(question).and_then(|fall| {
+        let progress = Progress::new("watching", scene.frames());
+        let steps = fall.steps(&mut *scene, |_| progress.tick());
+        progress.finish();
+        let steps = steps?;
+        if arguments.steps {
+            return Ok((steps, None));
+        }
+        let progress = Progress::new("chips", None);
+        let rates = fall.rates(&choice, &open, &|| progress.tick());
+        progress.finish();
+        Ok((steps, Some(rates?)))
+    });
     let mut warnings = Warning::of_scene(&observation, 255.0);
     light::warn(&warnings);
-    let mut answer = answer.map_err(|error| {
+    let (mut steps, rates) = answers.map_err(|error| {
         let what = format!("no waterfall of {} on {}", arguments.kernel, arguments.chip);
         miette::Report::new(error).wrap_err(what)
     })?;
-    light::warn(&answer.warnings);
-    warnings.append(&mut answer.warnings);
-    answer.warnings = warnings;
+    light::warn(&steps.warnings);
+    warnings.append(&mut steps.warnings);
+    steps.warnings = warnings;
     if let Some(path) = &arguments.output {
         let scene = arguments.clip.name();
         let title = format!(
             "Where the events of {} went: {}, threshold {}, {scene}",
             arguments.kernel, arguments.chip, arguments.threshold
         );
-        path.draw(&answer.drawing(&title))?;
+        path.draw(&match &rates {
+            Some(rates) => rates.drawing(&title),
+            None => steps.drawing(&title),
+        })?;
     }
     if arguments.json {
-        let shown = Shown::new(&answer, &observation);
+        let answers = Answers {
+            steps: &steps,
+            rates: rates.as_ref(),
+        };
+        let shown = Shown::new(&answers, &observation);
         let json = serde_json::to_string(&shown).map_err(|e| miette!("{e}"))?;
         super::say(&format!("{json}\n"));
-    } else {
-        super::say(
-            &(light::of_kernels(&answer.warnings)
-                + &table(&answer, readout.name())
-                + &light::line(&observation)),
-        );
+        return Ok(());
     }
+    let mut text = light::of_kernels(&steps.warnings);
+    let _ = writeln!(
+        text,
+        "{}\nthat is the chip against a float sensor that decides once a frame too, as quantise and feasibility say it",
+        steps.likeness
+    );
+    text += &match &rates {
+        Some(rates) => rate_table(&steps, rates),
+        None => table(&steps, readout.name()),
+    };
+    text += &light::line(&observation);
+    super::say(&text);
     Ok(())
+}
+
+/// A column for each rate.
+fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
+    let [_, program] = steps.captions();
+    let mut text = format!("{program}\n\n{}\n\n", rates.captions().join("\n"));
+    let row = |text: &mut String, name: &str, cells: &mut dyn Iterator<Item = String>| {
+        let line = cells.fold(format!("{name:<24}"), |line, cell| {
+            format!("{line}{cell:<21} ")
+        });
+        let _ = writeln!(text, "{}", line.trim_end());
+    };
+    // Numbers stand below each other.
+    let cell = |share: f64, spread: [f64; 2]| {
+        let text = share_text(share, spread);
+        let number = text.find(' ').unwrap_or(text.len());
+        format!("{}{text}", " ".repeat(6_usize.saturating_sub(number)))
+    };
+    let all = || rates.rates.iter();
+    let head = |rate: &Rate| format!("{:>6} frames/s", equivalent::rate(rate.headline.fps));
+    row(&mut text, "%", &mut all().map(head));
+    let kept = |rate: &Rate| cell(rate.headline.kept, rate.kept_10_90);
+    row(&mut text, "kept", &mut all().map(kept));
+    let first: &[Share] = rates.rates.first().map_or(&[], |rate| &rate.causes);
+    for (i, cause) in first.iter().enumerate() {
+        let shares = all().filter_map(|rate| rate.causes.get(i));
+        let mut cells = shares.map(|share| cell(share.share, share.share_10_90));
+        row(&mut text, cause.name, &mut cells);
+    }
+    let equivalent = |rate: &Rate| {
+        let percent = rate.headline.threshold_equivalent_percent;
+        let told = equivalent::percents(percent, rate.threshold_equivalent_is_least);
+        format!("{told:>8}")
+    };
+    row(
+        &mut text,
+        "as a threshold higher by",
+        &mut all().map(equivalent),
+    );
+    if rates.noise.is_some() {
+        let share = |rate: &Rate| {
+            let share = rate.noise.map_or(0.0, |noise| noise.share);
+            format!("{:>6.1}", 100.0 * share)
+        };
+        row(&mut text, "noise alone", &mut all().map(share));
+        text.push('\n');
+        for line in rates.advice() {
+            let _ = writeln!(text, "{line}");
+        }
+    }
+    text + "\nkept and what the causes take add up to 100. noise alone: events on a still picture, for each of the float sensor's.\n"
 }
 
 /// A line for each step.

@@ -25,6 +25,22 @@ pub const SWAPPED: Ink = Rgb([20, 20, 20]);
 /// Both sensors have it, at different times.
 pub const MISTIMED: Ink = Rgb([240, 200, 60]);
 
+/// What the causes of a waterfall take, in their order: the shades of the palette and of gray,
+/// light and dark in turn, since no eleven inks are told apart by their hue.
+pub const CAUSES: [Ink; 11] = [
+    Rgb([86, 180, 233]),
+    Rgb([0, 114, 178]),
+    Rgb([0, 158, 115]),
+    Rgb([150, 210, 190]),
+    Rgb([240, 228, 66]),
+    Rgb([20, 20, 20]),
+    Rgb([230, 159, 0]),
+    Rgb([213, 94, 0]),
+    Rgb([204, 121, 167]),
+    Rgb([120, 60, 20]),
+    Rgb([100, 60, 150]),
+];
+
 /// All that are not gray.
 pub const COLOURED: [Ink; 4] = [ON, OFF, MISSING, EXTRA];
 

@@ -42,8 +42,10 @@ mod still;
 mod y4m;
 
 pub mod evenly;
+pub mod held;
 pub mod part;
 pub mod pattern;
+pub mod resample;
 pub mod upsample;
 
 pub use bundled::{bundled, bundled_with};

@@ -1,4 +1,5 @@
-//! Scenes made of another scene: its first frames, or its frames at another rate.
+//! Scenes made of another scene: its first frames, those after them, or its frames at another
+//! rate.
 
 use super::{Frame, Light, Scene, SceneError};
 use crate::plane::Size;
@@ -42,6 +43,62 @@ impl<S: Scene> Scene for First<S> {
             return Ok(None);
         }
         self.left -= 1;
+        self.source.next_frame()
+    }
+
+    fn coding(&self) -> Light {
+        self.source.coding()
+    }
+}
+
+/// A scene without its first frames; the others keep their numbers and times.
+#[derive(Debug)]
+pub struct After<S> {
+    source: S,
+    skipped: u64,
+    left: u64,
+}
+
+impl<S: Scene> After<S> {
+    /// Without so many.
+    pub const fn new(source: S, frames: u64) -> Self {
+        Self {
+            source,
+            skipped: frames,
+            left: frames,
+        }
+    }
+}
+
+impl<S: Scene> Scene for After<S> {
+    fn size(&self) -> Size {
+        self.source.size()
+    }
+
+    fn fps(&self) -> f64 {
+        self.source.fps()
+    }
+
+    fn fps_is_assumed(&self) -> bool {
+        self.source.fps_is_assumed()
+    }
+
+    fn frames(&self) -> Option<u64> {
+        let frames = self.source.frames()?;
+        Some(frames.saturating_sub(self.skipped))
+    }
+
+    fn bytes(&self) -> u128 {
+        self.source.bytes()
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        while self.left > 0 {
+            self.left -= 1;
+            if self.source.next_frame()?.is_none() {
+                self.left = 0;
+            }
+        }
         self.source.next_frame()
     }
 

@@ -74,6 +74,12 @@ impl Cause {
         }
     }
 
+    /// Whether it is another on every chip.
+    #[must_use]
+    pub const fn is_chance(self) -> bool {
+        matches!(self, Self::Mismatch | Self::Noise)
+    }
+
     /// Whether it belongs to the float model; the others are the chip's.
     #[must_use]
     pub const fn is_float(self) -> bool {

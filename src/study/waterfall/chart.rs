@@ -1,9 +1,14 @@
-//! The waterfall as a picture.
+//! The waterfall as a picture: over frame rate, and step by step.
 
-use super::Waterfall;
+use super::{Cause, Rate, Rates, Sample, Share, Waterfall};
 use crate::{
-    compare::fate::Fate,
-    picture::{Classes, Drawing, WaterfallShow, WaterfallStep, waterfall},
+    compare::{fate::Fate, metric::Short},
+    picture::{
+        Classes, Drawing, RatesCause, RatesShow, WaterfallShow, WaterfallStep, ink, rates,
+        waterfall,
+    },
+    study::equivalent,
+    unit::Micros,
 };
 
 impl Waterfall {
@@ -63,5 +68,139 @@ const fn classes(fate: Fate) -> Classes {
         wrong_sign: fate.wrong_sign,
         lost: fate.lost,
         extra: fate.extra,
+    }
+}
+
+impl Rates {
+    /// A page with a bar for each rate.
+    #[must_use]
+    pub fn drawing(&self, title: &str) -> Drawing {
+        let fps: Vec<f64> = self.rates.iter().map(|rate| rate.headline.fps).collect();
+        let kept = RatesCause {
+            name: "kept",
+            ink: ink::MATCHED,
+            shares: self.rates.iter().map(|rate| rate.headline.kept).collect(),
+            spreads: self.rates.iter().map(|rate| rate.kept_10_90).collect(),
+        };
+        let of = |(i, cause): (usize, &Share)| {
+            let shares = || self.rates.iter().filter_map(move |rate| rate.causes.get(i));
+            let place = Cause::SILICON.iter().position(|one| *one == cause.cause);
+            RatesCause {
+                name: cause.name,
+                ink: place.map_or(ink::BARS, |place| ink::CAUSES[place]),
+                shares: shares().map(|share| share.share).collect(),
+                spreads: shares().map(|share| share.share_10_90).collect(),
+            }
+        };
+        let first = self.rates.first().map(|rate| rate.causes.as_slice());
+        let causes: Vec<_> = first
+            .unwrap_or_default()
+            .iter()
+            .enumerate()
+            .map(of)
+            .collect();
+        rates(&RatesShow {
+            title,
+            captions: &self.captions(),
+            rates: &fps,
+            kept,
+            causes: &causes,
+            notes: &self.advice(),
+        })
+    }
+
+    /// What was looked at, in two lines.
+    #[must_use]
+    pub fn captions(&self) -> [String; 2] {
+        let Sample {
+            from_seconds,
+            seconds,
+            tiles,
+            width,
+            height,
+            ..
+        } = &self.sample;
+        let window = self
+            .rates
+            .first()
+            .map_or(Micros(0), |rate| rate.headline.window_us);
+        let some = |count: usize, what: &str| match count {
+            1 => format!("1 {what}"),
+            count => format!("{count} {what}s"),
+        };
+        let place = if self.sample.part() < 1.0 {
+            format!(
+                "{} of {width}x{height}, {:.1} % of the sensor",
+                some(tiles.len(), "tile"),
+                100.0 * self.sample.part()
+            )
+        } else {
+            "the whole sensor".to_owned()
+        };
+        [
+            format!(
+                "kept of the float sensor's events, at the times of its crossings, within {} and above accident; the chip allows {:.0} frames/s",
+                Short(window),
+                self.ceiling_fps
+            ),
+            format!(
+                "{} on {place}, from {:.2} to {:.2} s of the scene; the same light at each rate, in brackets 10 to 90 % of the chips",
+                some(self.chips as usize, "chip"),
+                from_seconds,
+                from_seconds + seconds
+            ),
+        ]
+    }
+
+    /// What a designer can do about noise; nothing where there is none.
+    #[must_use]
+    pub fn advice(&self) -> Vec<String> {
+        let Some(noise) = &self.noise else {
+            return Vec::new();
+        };
+        let mut lines = Vec::new();
+        if let Some(sigmas) = noise.sigmas {
+            lines.push(format!(
+                "threshold {:.2} LSB: {sigmas:.1} sigmas of the noise of a difference of two results ({:.2} LSB each, predicted)",
+                noise.threshold_lsb, noise.temporal_lsb
+            ));
+        }
+        let told = |rate: &Rate| {
+            let noise = rate.noise?;
+            Some(format!(
+                "{} at {}",
+                few(noise.events_per_second),
+                equivalent::rate(rate.headline.fps)
+            ))
+        };
+        let rates: Vec<String> = self.rates.iter().filter_map(told).collect();
+        lines.push(format!(
+            "noise alone, events/s of a still picture: {} frames/s; the float sensor: {} of the scene",
+            rates.join(", "),
+            few(self.reference_events_per_second)
+        ));
+        let limit = 100.0 * noise.limit;
+        let fastest = self.rates.last().map_or(0.0, |rate| rate.headline.fps);
+        let fastest = equivalent::rate(fastest);
+        lines.push(match (noise.fps_below, noise.threshold_for_fastest) {
+            (None, _) => format!("that is below {limit:.0} % of the float sensor's up to {fastest} frames/s"),
+            (Some(fps), None) => {
+                format!("decide at most {fps:.1} times a second to keep that below {limit:.0} %")
+            }
+            (Some(fps), Some(threshold)) => format!(
+                "to keep that below {limit:.0} % decide at most {fps:.1} times a second, or raise the threshold to about {threshold:.1} for {fastest} frames/s"
+            ),
+        });
+        lines
+    }
+}
+
+/// Events a second with three digits.
+fn few(events: f64) -> String {
+    match events {
+        e if e >= 99_950.0 => format!("{:.0}k", e / 1000.0),
+        e if e >= 9995.0 => format!("{:.1}k", e / 1000.0),
+        e if e >= 99.5 || e == 0.0 => format!("{e:.0}"),
+        e => format!("{e:.1}"),
     }
 }

@@ -1,10 +1,13 @@
-//! What is asked of a waterfall.
+//! What is asked, what it is asked of, and why there may be no answer.
 
 use crate::{
     array::Arithmetic,
+    compare::CompareError,
     event::readout::Readout,
-    kernel::quantise::{Quantiser, Sum},
-    study::design::Design,
+    kernel::quantise::{Quantised, Quantiser, Sum},
+    rig::RigError,
+    scene::SceneError,
+    study::design::{Compiled, Design, DesignError},
     unit::Micros,
 };
 
@@ -21,6 +24,110 @@ pub struct Question<'a> {
     pub arithmetic: Arithmetic,
     /// How events leave the chip.
     pub readout: Readout,
-    /// Events of one cell that are closer than this are the same.
+    /// Events of one cell and sign that are at most this far apart match.
     pub within: Micros,
+}
+
+impl Question<'_> {
+    pub(super) const fn silent(&self) -> WaterfallError {
+        WaterfallError::Silent {
+            threshold: self.design.threshold,
+        }
+    }
+
+    /// The same of another chip.
+    pub(super) const fn of_chip(&self, seed: u64) -> Self {
+        Self {
+            arithmetic: self.arithmetic.with_seed(seed),
+            ..*self
+        }
+    }
+}
+
+/// A question, and the program that the compiler makes of its kernel.
+#[derive(Clone, Debug)]
+pub struct Fall<'a> {
+    pub(super) question: Question<'a>,
+    pub(super) quantised: Quantised,
+    pub(super) program: Compiled,
+}
+
+impl<'a> Fall<'a> {
+    /// Quantises the kernel and compiles it.
+    ///
+    /// # Errors
+    /// When the kernel cannot be quantised as asked, or does not fit the chip.
+    pub fn new(question: Question<'a>) -> Result<Self, WaterfallError> {
+        let design = question.design;
+        let quantised = design.quantise(question.to, question.sum)?;
+        let program = design.in_levels(&quantised).compile("levels")?;
+        Ok(Self {
+            question,
+            quantised,
+            program,
+        })
+    }
+
+    /// The design with its kernel in levels.
+    pub(super) fn levels(&self) -> Design<'_> {
+        self.question.design.in_levels(&self.quantised)
+    }
+
+    /// The threshold, in LSB.
+    pub(super) fn threshold_lsb(&self) -> f64 {
+        self.levels().threshold * self.program.program.scale
+    }
+
+    /// Frames a second at most: instruction words, then the slots of the readout.
+    #[must_use]
+    pub fn ceiling_fps(&self) -> f64 {
+        1e6 / self.program.cost.micros()
+    }
+}
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum WaterfallError {
+    /// A sensor cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Design(#[from] DesignError),
+    /// Scene or sensor cannot go on.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Rig(#[from] RigError),
+    /// The packets have nothing in common.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Compare(#[from] CompareError),
+    /// The scene cannot be opened again.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// Too few frames at a rate, or too many.
+    #[error("{frames} frames at {fps} frames/s in {seconds:.3} s of the scene")]
+    #[diagnostic(help("give rates that show 2 to {most} frames in that time"))]
+    Rate {
+        /// The rate.
+        fps: f64,
+        /// Length of the stretch of the scene, in seconds.
+        seconds: f64,
+        /// What that is in frames.
+        frames: u64,
+        /// How many there may be.
+        most: u64,
+    },
+    /// No event to follow.
+    #[error("the float sensor has no event on this scene")]
+    #[diagnostic(help(
+        "lower the threshold, now {threshold}, or show a scene that moves, its light on the scale 0 to 255"
+    ))]
+    Silent {
+        /// The threshold.
+        threshold: f64,
+    },
+    /// Fewer packets than sensors.
+    #[error("a packet is missing")]
+    #[diagnostic(help("this is a fault of amacrine: please report the command"))]
+    Packet,
 }

@@ -1,0 +1,243 @@
+//! The game of the chip's switches at one frame rate: what is kept with each set of them on.
+
+use rayon::prelude::*;
+
+use super::{
+    Cause, Fall, Question, WaterfallError,
+    sample::Sample,
+    sensor::{Setup, Switches},
+    shapley,
+};
+use crate::{
+    array::Arithmetic,
+    compare::{CompareError, Pair, window},
+    event::Packet,
+    rig,
+    scene::{Frame, Scene as _, held::Held},
+    unit::Micros,
+};
+
+/// What is kept of the float sensor's events.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judge<'a> {
+    pub reference: &'a Packet,
+    /// F1 of a redraw of the reference.
+    pub floor: f64,
+    pub window: Micros,
+}
+
+impl Judge<'_> {
+    pub(super) fn kept(self, said: &Packet) -> Result<f64, CompareError> {
+        let f1 = window::f1(&Pair::new(self.reference, said)?, self.window);
+        Ok(window::kept(f1, self.floor))
+    }
+}
+
+/// The tiles' light at one rate, and the sensors that may see it.
+pub(super) struct Game<'a> {
+    pub fall: &'a Fall<'a>,
+    pub sample: &'a Sample,
+    pub light: Held,
+    pub judge: Judge<'a>,
+    /// Called after each sensor.
+    pub seen: &'a (dyn Fn() + Sync),
+}
+
+/// What each cause takes, for each chip, in the order of [`causes`].
+pub(super) struct Attribution {
+    pub taken: Vec<Vec<f64>>,
+    /// What each chip keeps.
+    pub kept: Vec<f64>,
+}
+
+/// The causes of an arithmetic: those that come in order, since not every set of them is a
+/// sensor, and the chip's switches, of which every set is.
+pub(super) fn causes(arithmetic: Arithmetic) -> (Vec<Cause>, Vec<Cause>) {
+    let (all, ordered): (&[Cause], usize) = match arithmetic {
+        // Without its format analogue silicon is no sensor.
+        Arithmetic::Silicon { .. } => (&Cause::SILICON, 4),
+        Arithmetic::Number(_) => (&Cause::NUMBERS, 3),
+    };
+    let switches = all.iter().skip(ordered);
+    let chip = switches.filter(|cause| **cause != Cause::Readout).copied();
+    (all.iter().take(ordered).copied().collect(), chip.collect())
+}
+
+impl Game<'_> {
+    /// What the tiles say with these switches on.
+    pub(super) fn said(
+        &self,
+        question: &Question<'_>,
+        on: &Switches,
+    ) -> Result<Packet, WaterfallError> {
+        self.said_of(question, on, self.light.again())
+    }
+
+    fn said_of(
+        &self,
+        question: &Question<'_>,
+        on: &Switches,
+        mut light: Held,
+    ) -> Result<Packet, WaterfallError> {
+        let Fall { program, .. } = self.fall;
+        let setup = Setup::new(question, on).ok_or(WaterfallError::Packet)?;
+        let mut sensor = setup.sensor(question, &self.fall.levels(), program, light.size())?;
+        let packets = rig::watch(&mut light, &mut [&mut *sensor], |_| ())?;
+        (self.seen)();
+        let said = packets.into_iter().next().ok_or(WaterfallError::Packet)?;
+        Ok(self.sample.within(said))
+    }
+
+    fn kept(&self, question: &Question<'_>, on: &Switches) -> Result<f64, WaterfallError> {
+        Ok(self.judge.kept(&self.said(question, on)?)?)
+    }
+
+    /// Attributes what is not kept to the causes before the readout, for the chips of these
+    /// seeds. For each chip the parts add up to 1 less what it keeps.
+    pub(super) fn attribution(&self, seeds: &[u64]) -> Result<Attribution, WaterfallError> {
+        let question = self.fall.question;
+        let (ordered, switches) = causes(question.arithmetic);
+        let base: Switches = ordered.iter().copied().collect();
+        // The float sensors: 1, 2 and 3 of the steps on.
+        let floats = ordered.iter().take_while(|cause| cause.is_float()).count();
+        let in_order: Vec<f64> = (1..=floats)
+            .into_par_iter()
+            .map(|n| self.kept(&question, &ordered.iter().take(n).copied().collect()))
+            .collect::<Result<_, _>>()?;
+        let first = seeds
+            .first()
+            .map_or(question, |seed| question.of_chip(*seed));
+        let alive = self.alive(&first, &base, &switches)?;
+        // Those that change nothing stay on.
+        let dead = { switches.iter() }.filter(|cause| !alive.contains(cause));
+        let base: Switches = base.iter().chain(dead).copied().collect();
+        let values = self.values(seeds, &base, &alive)?;
+        let chip = |values: &Vec<f64>| -> Vec<f64> {
+            let mut before = 1.0;
+            let mut taken = Vec::new();
+            for kept in in_order
+                .iter()
+                .chain(values.first().filter(|_| ordered.len() > floats))
+            {
+                taken.push(before - kept);
+                before = *kept;
+            }
+            let shares = shapley(alive.len(), |set| {
+                // Where numbers have no format of their own, the game begins at the float model.
+                let float = set == 0 && ordered.len() == floats;
+                if float { before } else { values[set] }
+            });
+            taken.extend({ switches.iter() }.map(|cause| {
+                let place = alive.iter().position(|other| other == cause);
+                place.and_then(|i| shares.get(i)).map_or(0.0, |gain| -gain)
+            }));
+            taken
+        };
+        Ok(Attribution {
+            taken: values.iter().map(chip).collect(),
+            kept: values.iter().filter_map(|v| v.last().copied()).collect(),
+        })
+    }
+
+    /// The switches that change any event of a chip, alone or with all others on.
+    fn alive(
+        &self,
+        chip: &Question<'_>,
+        base: &Switches,
+        switches: &[Cause],
+    ) -> Result<Vec<Cause>, WaterfallError> {
+        let all: Switches = base.iter().chain(switches).copied().collect();
+        let mut sets = vec![base.clone(), all.clone()];
+        for cause in switches {
+            let (mut alone, mut without) = (base.clone(), all.clone());
+            alone.insert(*cause);
+            without.remove(cause);
+            sets.extend([alone, without]);
+        }
+        let said: Vec<Packet> = sets
+            .par_iter()
+            .map(|on| self.said(chip, on))
+            .collect::<Result<_, _>>()?;
+        let [none, all, pairs @ ..] = &said[..] else {
+            return Err(WaterfallError::Packet);
+        };
+        Ok({ switches.iter().zip(pairs.chunks(2)) }
+            .filter(|(_, pair)| {
+                let changes =
+                    |of: Option<&Packet>, by: &Packet| of.is_none_or(|of| of.events != by.events);
+                changes(pair.first(), none) || changes(pair.last(), all)
+            })
+            .map(|(cause, _)| *cause)
+            .collect())
+    }
+
+    /// For each chip what is kept with each set of the switches on. Sets without chance are the
+    /// same on all chips, and are run once.
+    fn values(
+        &self,
+        seeds: &[u64],
+        base: &Switches,
+        alive: &[Cause],
+    ) -> Result<Vec<Vec<f64>>, WaterfallError> {
+        let question = self.fall.question;
+        let on = |set: usize| -> Switches {
+            let own = alive.iter().enumerate().filter(|(i, _)| set >> i & 1 == 1);
+            base.iter()
+                .chain(own.map(|(_, cause)| cause))
+                .copied()
+                .collect()
+        };
+        let is_chance = |set: usize| {
+            let mut own = alive.iter().enumerate().filter(|(i, _)| set >> i & 1 == 1);
+            own.any(|(_, cause)| cause.is_chance())
+        };
+        let sets = 1_usize << alive.len();
+        let jobs: Vec<(usize, usize)> = (0..seeds.len())
+            .flat_map(|chip| (0..sets).map(move |set| (chip, set)))
+            .filter(|(chip, set)| *chip == 0 || is_chance(*set))
+            .collect();
+        let found: Vec<f64> = jobs
+            .par_iter()
+            .map(|(chip, set)| self.kept(&question.of_chip(seeds[*chip]), &on(*set)))
+            .collect::<Result<_, _>>()?;
+        let mut values = vec![vec![0.0; sets]; seeds.len()];
+        for ((chip, set), kept) in jobs.into_iter().zip(found) {
+            let chips = if is_chance(set) {
+                chip..chip + 1
+            } else {
+                0..seeds.len()
+            };
+            for values in values.iter_mut().take(chips.end).skip(chips.start) {
+                values[set] = kept;
+            }
+        }
+        Ok(values)
+    }
+
+    /// Events that noise alone makes of a still picture, the first one, for each pixel and
+    /// second: a mean of these chips.
+    pub(super) fn still(&self, seeds: &[u64], seconds: f64) -> Result<f64, WaterfallError> {
+        let question = self.fall.question;
+        let (ordered, _) = causes(question.arithmetic);
+        let on: Switches = ordered.into_iter().chain([Cause::Noise]).collect();
+        let frames = self.light.all();
+        let still = |frame: &Frame| Frame {
+            light: frames.first().unwrap_or(frame).light.clone(),
+            ..*frame
+        };
+        let light = Held::new(
+            frames.iter().map(still).collect(),
+            self.light.size(),
+            self.light.fps(),
+        );
+        let events: Vec<u64> = seeds
+            .par_iter()
+            .map(|seed| {
+                let said = self.said_of(&question.of_chip(*seed), &on, light.again())?;
+                Ok(said.events.len() as u64)
+            })
+            .collect::<Result<_, WaterfallError>>()?;
+        let pixels = (seeds.len() * self.sample.pixels) as f64;
+        Ok(events.iter().sum::<u64>() as f64 / (pixels * seconds))
+    }
+}
