@@ -9,6 +9,7 @@ use crate::{
     array::{Arithmetic, Array},
     compare::CompareError,
     compile::Effort,
+    event::Packet,
     isa::Device,
     kernel::{
         Kernel,
@@ -167,8 +168,18 @@ pub enum QuantisationError {
 pub fn ask(
     question: &Question<'_>,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-    mut seen: impl FnMut(&Frame),
+    seen: impl FnMut(&Frame),
 ) -> Result<Answer, QuantisationError> {
+    Ok(ask_keeping(question, open, seen)?.0)
+}
+
+/// As [`ask`], with the packets of the float sensors: the reference's, and those of the ladder
+/// that all were judged by, in the order of [`equivalent::RUNGS`].
+pub(super) fn ask_keeping(
+    question: &Question<'_>,
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    mut seen: impl FnMut(&Frame),
+) -> Result<(Answer, Vec<Packet>), QuantisationError> {
     let mut scene = open()?;
     let (size, fps) = (scene.size(), scene.fps());
     let design = question.design();
@@ -188,7 +199,7 @@ pub fn ask(
     {
         sensors.push(chip);
     }
-    let packets = rig::watch(&mut *scene, &mut sensors, &mut seen)?;
+    let mut packets = rig::watch(&mut *scene, &mut sensors, &mut seen)?;
     let (rungs, chips) = packets.split_at(floats.len());
     let [truth, rungs @ ..] = rungs else {
         return Err(QuantisationError::Packet("float".to_owned()));
@@ -211,12 +222,14 @@ pub fn ask(
     let rows = { built.into_iter() }
         .map(|one| one.judged(&mut judged))
         .collect::<Result<_, _>>()?;
-    Ok(Answer {
+    let answer = Answer {
         reference_events: truth.events.len() as u64,
         fps,
         window_us: question.within,
         rows,
-    })
+    };
+    packets.truncate(floats.len());
+    Ok((answer, packets))
 }
 
 /// The memory of all sensors: a chip has one shot a frame, and its memory snaps.

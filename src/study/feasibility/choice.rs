@@ -2,6 +2,7 @@
 
 use super::{FeasibilityError, Question};
 use crate::{
+    event::Packet,
     kernel::quantise::{Quantised, Quantiser},
     scene::{Frame, Scene, SceneError},
     study::{
@@ -29,12 +30,12 @@ impl Question<'_> {
     }
 
     /// A row for each candidate and for what was asked for, also for those that the kernel is
-    /// not to be had in.
+    /// not to be had in; and what the float sensors said, the reference and the ladder's.
     pub(super) fn table(
         &self,
         open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
         seen: &mut dyn FnMut(&Frame),
-    ) -> Result<Vec<(Quantiser, Row)>, FeasibilityError> {
+    ) -> Result<(Vec<(Quantiser, Row)>, Vec<Packet>), FeasibilityError> {
         let mut all = self.candidates.to_vec();
         all.extend(self.to.filter(|to| !all.contains(to)));
         let table = quantisation::Question {
@@ -47,8 +48,8 @@ impl Question<'_> {
             seed: self.seed,
             within: self.within,
         };
-        let rows = quantisation::ask(&table, open, seen)?.rows;
-        Ok(all.into_iter().zip(rows).collect())
+        let (answer, floats) = quantisation::ask_keeping(&table, open, seen)?;
+        Ok((all.into_iter().zip(answer.rows).collect(), floats))
     }
 
     /// The row that keeps most with the chip's errors, of those that score alike the one with
