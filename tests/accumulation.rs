@@ -295,8 +295,8 @@ fn mismatch_and_noise_are_what_the_spread_allows() {
     let noises = steps(0.0..=0.4, 0.01);
     // Of the mean square of the first reading: how much stays.
     let readings = steps(0.0..=1.0, 0.25);
-    let mut sums = [&gains, &offsets, &correlations, &noises]
-        .map(|values| vec![f64::INFINITY; values.len()]);
+    let mut sums =
+        [&gains, &offsets, &correlations, &noises].map(|values| vec![f64::INFINITY; values.len()]);
     for (i, gain) in gains.iter().enumerate() {
         for (j, offset) in offsets.iter().enumerate() {
             for (k, correlation) in correlations.iter().enumerate() {
@@ -337,7 +337,9 @@ fn the_first_order_is_what_drawn_cells_do() {
     let mut state = 7_u64;
     let mut normal = || -> f64 {
         let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
         (0..12).map(|_| uniform()).sum::<f64>() - 6.0

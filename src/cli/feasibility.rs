@@ -144,6 +144,9 @@ const SENSORS: usize = RUNGS.len() + 1;
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernel = kernel(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
+    if let Some(what) = &arguments.explain {
+        feasibility::explain::check(what, &device)?;
+    }
     let open = || arguments.open();
     let scene = open()?;
     let quantisers = arguments.candidates.len() + 1;
@@ -177,12 +180,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let answer = feasibility::ask(&question, &open, |_| progress.tick());
     progress.finish();
     let (all, sight) = answer?;
+    let explain = |what: &String| feasibility::explain(&all, what);
+    let explained = arguments.explain.as_ref().map(explain).transpose()?;
     if let Some(path) = &arguments.output {
         let page = report::page(&all, &sight);
         save(path, |out| out.write_all(page.as_bytes()))?;
     }
-    if let Some(what) = &arguments.explain {
-        let chain = feasibility::explain(&all, what)?;
+    if let Some(chain) = explained {
         let text = if arguments.json {
             serde_json::to_string(&chain).into_diagnostic()? + "\n"
         } else {
@@ -327,22 +331,23 @@ fn summary(all: &Feasibility) -> String {
         );
     }
     if let Some(power) = &all.power {
+        let mut unknown = Vec::new();
+        for part in power.parts() {
+            if part.power.is_none() {
+                let most = part.at_most.as_ref().map_or(String::new(), |most| {
+                    format!(" (at most {:.0} {})", most.high, most.unit)
+                });
+                unknown.push(format!("{}{most}", part.what));
+            }
+        }
         let _ = writeln!(
             text,
-            "{} known at {} frames/s ({}), {} a frame; not known:{}",
+            "{} known at {} frames/s ({}), {} a frame; not known: {}",
             power.known,
             rate(all.scene.fps),
             power.known.evidence.word(),
             power.frame,
-            { power.parts().iter() }
-                .filter(|part| part.power.is_none())
-                .fold(String::new(), |text, part| {
-                    let most = { part.at_most.as_ref() }.map_or(String::new(), |most| {
-                        format!(" (at most {:.0} {})", most.high, most.unit)
-                    });
-                    format!("{text} {}{most};", part.what)
-                })
-                .trim_end_matches(';')
+            unknown.join(", ")
         );
     }
     text

@@ -38,7 +38,9 @@ pub fn reference(device: &Device) -> String {
         };
         line(
             &mut text,
-            &format!("| `{section}.{key}` | {value} | {unit} | {evidence} | {source} | {between} |"),
+            &format!(
+                "| `{section}.{key}` | {value} | {unit} | {evidence} | {source} | {between} |"
+            ),
         );
     }
     text.push_str("\n## Primitives\n\nOne instruction word of the array each.\n");

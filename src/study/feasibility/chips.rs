@@ -596,6 +596,9 @@ mod tests {
         assert_eq!(all.count(0.5), 2);
         // A scene in which nothing happens judges nobody.
         let still = OverChips::new(drawn, Vec::new(), stretch(0), Evidence::Guess);
-        assert_eq!((still.chips_feasible, still.chips_fast_enough), (None, Some(0.75)));
+        assert_eq!(
+            (still.chips_feasible, still.chips_fast_enough),
+            (None, Some(0.75))
+        );
     }
 }

@@ -33,9 +33,10 @@ impl Drawn {
     pub fn new(seed: u64, chip: u64, device: &Device) -> Self {
         let value = |named: Named| {
             let interval = named.interval(device)?;
-            let name = Hash::new(seed).with(NUMBER);
-            let name = { named.name().bytes() }.fold(name, |hash, b| hash.with(u64::from(b)));
-            let at = name.with(chip).uniform();
+            let name = named.name();
+            let drawn = Hash::new(seed).with(NUMBER);
+            let drawn = { name.bytes() }.fold(drawn, |hash, byte| hash.with(u64::from(byte)));
+            let at = drawn.with(chip).uniform();
             let [low, high] = interval.ends();
             let value = if interval.is_logarithmic() {
                 let (low, high) = (elementary::ln(low), elementary::ln(high));

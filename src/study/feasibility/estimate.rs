@@ -157,7 +157,10 @@ mod tests {
         assert_eq!(made.evidence, Evidence::Guess);
         assert_eq!(made.inputs, ["clock.rate", "clock.launch"]);
         let of_it = plain().with(&made);
-        assert_eq!((of_it.evidence, of_it.inputs), (Evidence::Guess, made.inputs));
+        assert_eq!(
+            (of_it.evidence, of_it.inputs),
+            (Evidence::Guess, made.inputs)
+        );
     }
 
     #[test]

@@ -9,7 +9,10 @@ use std::fmt;
 use serde_json::Value as Json;
 
 use super::{Feasibility, estimate::short, named::FigureSummary};
-use crate::{config::suggestion_or, isa::Evidence};
+use crate::{
+    config::suggestion_or,
+    isa::{Device, Evidence},
+};
 
 /// A number, how it is made, and what of.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -242,6 +245,35 @@ const LINKS: &[Link] = &[
     .unit("frames/s"),
 ];
 
+/// Whether a number can be explained, before anything is run: a name, a figure, or a place in
+/// the JSON, which may still turn out to be empty.
+///
+/// # Errors
+/// When it can be none of these.
+pub fn check(what: &str, device: &Device) -> Result<(), ExplainError> {
+    let figures = FigureSummary::all(device);
+    let is_figure = figures.iter().any(|it| it.figure == what);
+    let is_link = LINKS.iter().any(|link| link.name == what);
+    if is_link || is_figure || what.starts_with('/') {
+        Ok(())
+    } else {
+        Err(unknown(what))
+    }
+}
+
+fn unknown(what: &str) -> ExplainError {
+    let names = || LINKS.iter().map(|link| link.name);
+    let known: Vec<&str> = names().collect();
+    let all = format!(
+        "give one of {}; a figure such as error.noise; or a place in the JSON such as /power/known",
+        known.join(", ")
+    );
+    ExplainError {
+        what: what.to_owned(),
+        help: suggestion_or(what, names(), &all),
+    }
+}
+
 /// The chain from a number to its sources: by name (`array_us`, `ceiling`, `power.busy`), as a
 /// figure of the chip's data (`error.noise`), or by its place in the JSON (`/power/known`).
 ///
@@ -249,29 +281,17 @@ const LINKS: &[Link] = &[
 /// When there is no such number.
 pub fn explain(all: &Feasibility, what: &str) -> Result<Explanation, ExplainError> {
     let json = serde_json::to_value(all).unwrap_or_default();
-    let unknown = || {
-        let names = || LINKS.iter().map(|link| link.name);
-        let known: Vec<&str> = names().collect();
-        let all = format!(
-            "give one of {}; a figure such as error.noise; or a place in the JSON such as /power/known",
-            known.join(", ")
-        );
-        ExplainError {
-            what: what.to_owned(),
-            help: suggestion_or(what, names(), &all),
-        }
-    };
     let chain = Chain { all, json: &json };
-    if let Some(link) = LINKS.iter().find(|link| link.name == what) {
-        return chain.link(link).ok_or_else(unknown);
-    }
-    if let Some(figure) = all.figures.iter().find(|figure| figure.figure == what) {
-        return Ok(of_figure(figure));
-    }
-    if what.starts_with('/') {
-        return chain.place(what).ok_or_else(unknown);
-    }
-    Err(unknown())
+    let found = if let Some(link) = LINKS.iter().find(|link| link.name == what) {
+        chain.link(link)
+    } else if let Some(figure) = all.figures.iter().find(|figure| figure.figure == what) {
+        Some(of_figure(figure))
+    } else if what.starts_with('/') {
+        chain.place(what)
+    } else {
+        None
+    };
+    found.ok_or_else(|| unknown(what))
 }
 
 struct Chain<'a> {
@@ -364,7 +384,11 @@ impl Explanation {
     fn write(&self, f: &mut fmt::Formatter<'_>, depth: usize) -> fmt::Result {
         let evidence = self.evidence.map_or("", Evidence::word);
         let name = format!("{}{}", "  ".repeat(depth), self.name);
-        writeln!(f, "{name:<30} {:<28} {evidence:<9} {}", self.value, self.says)?;
+        writeln!(
+            f,
+            "{name:<30} {:<28} {evidence:<9} {}",
+            self.value, self.says
+        )?;
         for input in &self.inputs {
             input.write(f, depth + 1)?;
         }
@@ -389,19 +413,13 @@ fn of_figure(figure: &FigureSummary) -> Explanation {
         "1" => String::new(),
         unit => format!(" {unit}"),
     };
-    let why = { figure.why.as_ref() }.map_or(String::new(), |why| {
-        format!("; interval: {why}")
-    });
+    let why = { figure.why.as_ref() }.map_or(String::new(), |why| format!("; interval: {why}"));
     Explanation {
         name: figure.figure.clone(),
         pointer: None,
         value: format!("{}{between}{unit}", short(figure.value)),
         evidence: Some(figure.interval_evidence),
-        says: format!(
-            "{} ({}){why}",
-            figure.source,
-            figure.evidence.word()
-        ),
+        says: format!("{} ({}){why}", figure.source, figure.evidence.word()),
         inputs: Vec::new(),
     }
 }

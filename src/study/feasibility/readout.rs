@@ -6,10 +6,7 @@
 //! within. From a number of slots on it is cheaper to read all bits of the two registers of
 //! events, row by row.
 
-use super::{
-    estimate::Estimate,
-    named::Named,
-};
+use super::{estimate::Estimate, named::Named};
 use crate::{
     event::{Packet, Polarity},
     isa::{Device, Evidence, HostKind},
@@ -324,7 +321,11 @@ mod tests {
         assert_eq!(chosen(282), Way::BitPlanes);
         let plans = SCANS.plans(&busy(&[(20, 0)]), &device);
         assert!((plans[0].time.high - (1.0 + 2.0 * 4000.0 * 0.91)).abs() < 1e-9);
-        assert!(plans.iter().all(|plan| plan.time.evidence == Evidence::Guess));
+        assert!(
+            plans
+                .iter()
+                .all(|plan| plan.time.evidence == Evidence::Guess)
+        );
     }
 
     #[test]

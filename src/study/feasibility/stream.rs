@@ -225,7 +225,10 @@ mod tests {
         let own = judged(&float, &float);
         assert_eq!((own.f1.value, own.f1.ceiling, own.f1.kept), (1.0, 1.0, 1.0));
         assert!(own.f1.floor < 1.0);
-        assert_eq!((own.headline.kept, own.headline.window_us), (1.0, Micros(10)));
+        assert_eq!(
+            (own.headline.kept, own.headline.window_us),
+            (1.0, Micros(10))
+        );
         let late: Vec<_> = all.iter().map(|(t, x, p)| (t + 900, *x, *p)).collect();
         let late = judged(&float, &packet(&late));
         assert_eq!((late.f1.value, late.f1_a_frame_apart.value), (0.0, 1.0));

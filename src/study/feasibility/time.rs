@@ -158,10 +158,7 @@ impl Time {
                 launch.source
             ),
         )
-        .made_of(
-            device,
-            &[Figure::Clock, Figure::Launch].map(Named::Figure),
-        );
+        .made_of(device, &[Figure::Clock, Figure::Launch].map(Named::Figure));
         let plans = parts.scans.plans(parts.busy, device);
         let as_programmed = &plans[0];
         let chosen = plans.iter().find(|plan| plan.is_chosen);

@@ -101,9 +101,10 @@ impl Verdict {
             (true, ..) => "Runs, but what comes out is mostly not what the kernel says",
         };
         // What is drawn is in the headline only where it decided it.
-        let share = all.over_chips.chips_feasible.filter(|_| {
-            fits && speed_word != "too slow" && kept_word != SILENT
-        });
+        let share = all
+            .over_chips
+            .chips_feasible
+            .filter(|_| fits && speed_word != "too slow" && kept_word != SILENT);
         let share = share.map_or(String::new(), |share| {
             let (count, chips) = (all.over_chips.count(share), all.over_chips.chips);
             format!(" (feasible without loss on {count} of {chips} chips)")
@@ -423,10 +424,12 @@ fn noise(chip: &OnChip) -> Option<Finding> {
         says: format!(
             "The threshold of {:.2} LSB is {says}: {margin:.1} standard deviations of what two frames differ by{} ({}).",
             chip.noise.threshold_lsb,
-            chip.noise.least_margin.filter(|least| *least < margin).map_or(
-                String::new(),
-                |least| format!(", {least:.1} at the most noise that the public data allow")
-            ),
+            chip.noise
+                .least_margin
+                .filter(|least| *least < margin)
+                .map_or(String::new(), |least| format!(
+                    ", {least:.1} at the most noise that the public data allow"
+                )),
             chip.noise.temporal.evidence.word()
         ),
         rule: format!(

@@ -16,7 +16,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                 None => p { "Without a program there is no power to state." },
                 Some(power) => {
                     p { "At " (number::plain("/scene/fps", all.scene.fps)) " frames/s the array runs words for "
-                        (number::known("/power/share", &power.share)) " of the time. What is not public stands alone and is in no sum." }
+                        (number::plain("/power/share/low", power.share.low)) " to " (number::plain("/power/share/high", power.share.high)) " of the time. What is not public stands alone and is in no sum." }
                     (parts(power))
                 }
             }
