@@ -771,7 +771,7 @@ fn a_number_is_explained_down_to_its_sources() {
     );
     // A place in the JSON leads to the same chain as the name.
     assert_eq!(said("/power/busy/power/low"), said("power.busy"));
-    assert!(said("/scene/frames").contains("8"));
+    assert!(said("/scene/frames").contains('8'));
     let kept = said("kept");
     for part in [
         "window_us",

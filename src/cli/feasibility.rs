@@ -87,7 +87,7 @@ pub struct Arguments {
     /// Print one JSON object instead of the summary
     #[arg(long)]
     json: bool,
-    /// Print what a number is made of instead: a name such as array_us, ceiling or power.busy, a
+    /// Print what a number is made of instead: a name such as `array_us`, ceiling or power.busy, a
     /// figure such as error.noise, or a place in the JSON such as /power/known
     #[arg(long, value_name = "NUMBER")]
     explain: Option<String>,

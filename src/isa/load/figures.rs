@@ -100,10 +100,8 @@ pub(super) fn wrong_quantity(figure: Figure, entry: &Placed<Quantity>) -> Option
         )
     } else if source.trim().is_empty() {
         format!("`{section}.{key}` has no source")
-    } else if let Some(wrong) = wrong_interval(figure, &entry.value) {
-        wrong
     } else {
-        return None;
+        wrong_interval(figure, &entry.value)?
     };
     Some(Fault::error(entry.place, wrong, "this figure").help(
         "write { value = …, unit = …, source = …, evidence = measured|quoted|modelled|guess }",

@@ -5,7 +5,7 @@ use super::{
     Question, SceneSummary, Snapshot, Streams,
     chip::OnChip,
     chips::{OverChips, Trial},
-    choice::Few,
+    choice::{Few, Table},
     named::FigureSummary,
     power::{Link, Load, Power},
     readout::Busy,
@@ -46,7 +46,10 @@ pub fn ask(
     let design = question.design();
     design.description(MEMORY)?;
     let mut few = question.first(&design)?;
-    let (table, floats) = question.table(open, &mut seen)?;
+    let Table {
+        rows: table,
+        floats,
+    } = question.table(open, &mut seen)?;
     if question.to.is_none()
         && let Some(best) = Question::best(&table)
     {

@@ -256,7 +256,7 @@ impl Trial<'_> {
         }
         let ends = self.ends(&numbers, &mut runs)?;
         let size = self.nominal.size;
-        let frames = stretch(runs.len(), size.pixels(), self.words.words, self.frames);
+        let frames = stretch(runs.len(), size.pixels(), self.words.count, self.frames);
         let cut = |packet: &Packet| self.cut(packet, frames);
         let floats: Vec<Packet> = self.floats.iter().map(cut).collect();
         let ladder = self.ladder(&floats)?;
@@ -393,7 +393,7 @@ impl Trial<'_> {
         let frames_s = self.frames_s(&value, &Busy::new(packet, frames));
         let [_, peak] = Named::Figure(Figure::Clock).ends(device);
         let watts = value(Named::Figure(Figure::Power));
-        let worked = (self.words.words / peak * 1e-6 * self.fps).min(1.0);
+        let worked = (self.words.count / peak * 1e-6 * self.fps).min(1.0);
         let values = chip.values.iter().map(|(named, value)| DrawnValue {
             figure: named.name(),
             value: *value,

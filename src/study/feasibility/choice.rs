@@ -14,6 +14,14 @@ use crate::{
 /// Two scores that are closer than this are one: then fewer words win.
 const ALIKE: f64 = 0.005;
 
+/// The table of candidates.
+pub(super) struct Table {
+    /// A row for each.
+    pub rows: Vec<(Quantiser, Row)>,
+    /// What the float sensors said that all were judged by: the reference, and the ladder's.
+    pub floats: Vec<Packet>,
+}
+
 impl Question<'_> {
     /// What was asked for, else the first candidate that the kernel is to be had in.
     ///
@@ -30,12 +38,12 @@ impl Question<'_> {
     }
 
     /// A row for each candidate and for what was asked for, also for those that the kernel is
-    /// not to be had in; and what the float sensors said, the reference and the ladder's.
+    /// not to be had in.
     pub(super) fn table(
         &self,
         open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
         seen: &mut dyn FnMut(&Frame),
-    ) -> Result<(Vec<(Quantiser, Row)>, Vec<Packet>), FeasibilityError> {
+    ) -> Result<Table, FeasibilityError> {
         let mut all = self.candidates.to_vec();
         all.extend(self.to.filter(|to| !all.contains(to)));
         let table = quantisation::Question {
@@ -49,7 +57,10 @@ impl Question<'_> {
             within: self.within,
         };
         let (answer, floats) = quantisation::ask_keeping(&table, open, seen)?;
-        Ok((all.into_iter().zip(answer.rows).collect(), floats))
+        Ok(Table {
+            rows: all.into_iter().zip(answer.rows).collect(),
+            floats,
+        })
     }
 
     /// The row that keeps most with the chip's errors, of those that score alike the one with

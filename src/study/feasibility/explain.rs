@@ -450,8 +450,7 @@ fn value(at: &Json, unit: &str) -> Option<String> {
 /// How well an estimate is known.
 fn evidence(at: &Json) -> Option<Evidence> {
     let word = at.get("evidence")?.as_str()?;
-    let known = Evidence::ALL.into_iter().find(|it| it.word() == word);
-    known
+    Evidence::ALL.into_iter().find(|it| it.word() == word)
 }
 
 #[cfg(test)]

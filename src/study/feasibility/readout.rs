@@ -139,7 +139,7 @@ impl Busy {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scans {
     /// Scans of events: one for each sign and kind.
-    pub scans: u64,
+    pub count: u64,
     /// Slots of each.
     pub slots: u64,
     /// Time of all that the host does besides, us.
@@ -153,9 +153,9 @@ impl Scans {
     pub fn new(frame: &[Step], device: &Device, rows: usize) -> Self {
         let mut found = (0, 0, 0.0);
         collect(frame, device, &mut found);
-        let (scans, slots, of_scans) = found;
+        let (count, slots, of_scans) = found;
         Self {
-            scans,
+            count,
             slots,
             rest: (Cost::of(frame, device).host_us - of_scans).max(0.0),
             rows: rows as u64,
@@ -165,13 +165,13 @@ impl Scans {
     /// Time of a frame's readout with so many slots, of one time each.
     pub fn of_slots(&self, slots: u64, slot: f64, device: &Device) -> f64 {
         let call = device.host(HostKind::ScanEvents).call.value;
-        self.rest + self.scans as f64 * (call + slots as f64 * slot)
+        self.rest + self.count as f64 * (call + slots as f64 * slot)
     }
 
     /// Time of a frame's readout as bit planes, of one time a row.
     pub fn of_planes(&self, row: f64, device: &Device) -> f64 {
         let call = device.host(HostKind::ScanDigital).call.value;
-        self.rest + self.scans as f64 * (call + self.rows as f64 * row)
+        self.rest + self.count as f64 * (call + self.rows as f64 * row)
     }
 
     /// The cheapest readout that loses nothing, of a chip with these times of a slot and of a
@@ -196,7 +196,7 @@ impl Scans {
             let ends = slot.ends(device);
             let time = ends.map(|us| self.of_slots(slots, us, device));
             let [least, longest] = ends;
-            let scans = self.scans;
+            let scans = self.count;
             let what = format!(
                 "{scans} x {slots} slots of {least} to {longest} us ({}), and what else the host does",
                 source(slot)
@@ -215,7 +215,7 @@ impl Scans {
             let [least, longest] = row.ends(device);
             let what = format!(
                 "{} x {} rows of {least} to {longest} us ({}), and what else the host does",
-                self.scans,
+                self.count,
                 self.rows,
                 source(row)
             );
@@ -287,7 +287,7 @@ mod tests {
     }
 
     const SCANS: Scans = Scans {
-        scans: 2,
+        count: 2,
         slots: 4000,
         rest: 1.0,
         rows: 64,

@@ -60,7 +60,7 @@ pub enum Binds {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Words {
     /// How many.
-    pub words: f64,
+    pub count: f64,
     /// Their time without launches, at the clock of the chip's data, us.
     us: f64,
     /// Kernels that the host launches.
@@ -87,7 +87,7 @@ impl Words {
         let (without, with) = (cost(0.0)?, cost(1.0)?);
         let launch = Named::Figure(Figure::Launch);
         Ok(Self {
-            words: without.words.0 as f64,
+            count: without.words.0 as f64,
             us: without.array_us,
             launches: with.array_us - without.array_us,
             clock: device.value(Figure::Clock),
@@ -104,7 +104,7 @@ impl Words {
         let low = self.us * (self.clock / fast) + self.launches * least;
         let high = if self.is_unknown {
             // The launch was bounded together with a word at the highest clock.
-            self.us * (self.clock / fast) + self.words * most
+            self.us * (self.clock / fast) + self.count * most
         } else {
             self.us * (self.clock / slow) + self.launches * most
         };
@@ -114,7 +114,7 @@ impl Words {
     /// Their time on a chip of this clock and launch, us.
     pub fn us(&self, clock: f64, launch: f64) -> f64 {
         let each = if self.is_unknown {
-            self.words
+            self.count
         } else {
             self.launches
         };
@@ -255,7 +255,7 @@ mod tests {
         let busy = Busy::new(&Packet::new(Size::new(64, 64), 1), 2);
         Time::new(&Parts {
             words: Words {
-                words: 190.0,
+                count: 190.0,
                 us: 19.0,
                 launches: 1.0,
                 clock: 10.0,
@@ -264,7 +264,7 @@ mod tests {
                 is_unknown: true,
             },
             scans: Scans {
-                scans: 2,
+                count: 2,
                 slots: 4000,
                 rest: 0.0,
                 rows: 64,
@@ -295,7 +295,7 @@ mod tests {
     fn a_drawn_chip_lies_between() {
         let words = Words::new(&[], &Device::scamp5()).unwrap();
         let words = Words {
-            words: 190.0,
+            count: 190.0,
             us: 19.0,
             launches: 1.0,
             ..words
