@@ -302,7 +302,16 @@ fn near(got: f64, want: f64) {
 #[test]
 fn the_numbers_belong_together() {
     let folder = folder();
-    let more = ["--exposure", "9ms", "--link-energy", "2..8", "--fps", "50"];
+    let more = [
+        "--exposure",
+        "9ms",
+        "--link-energy",
+        "2..8",
+        "--fps",
+        "50",
+        "--within",
+        "1ms",
+    ];
     let (_, all) = asked(folder.path(), &more);
     let at = |path: &str| number(&all, path);
     let time = |key: &str, end: &str| at(&format!("/fit/on_chip/time/{key}/{end}"));
@@ -396,10 +405,10 @@ fn the_words_follow_from_the_numbers() {
     let folder = folder();
     let mut seen = BTreeSet::new();
     for more in [
-        &["--fps", "20"][..],
-        &["--fps", "6000"],
-        &["--fps", "200000"],
-        &["--to", "ternary", "--sum", "zero"],
+        &["--fps", "20", "--within", "1ms"][..],
+        &["--fps", "6000", "--within", "50us"],
+        &["--fps", "200000", "--within", "2us"],
+        &["--to", "ternary", "--sum", "zero", "--within", "1ms"],
     ] {
         let (_, all) = asked(folder.path(), more);
         let words = words(&all);
@@ -420,6 +429,8 @@ fn the_words_follow_from_the_numbers() {
             _ => "mostly lost",
         };
         assert_eq!(words["fidelity"], fidelity);
+        let floor = number(&all, "/streams/silicon/judged/likeness/floor");
+        assert!(floor < 0.9, "{more:?}: the scene cannot judge: {floor}");
         let chip = number(&all, "/streams/silicon/events");
         let events = match chip / number(&all, "/streams/dvs/events") {
             r if !r.is_finite() => "no comparison",
@@ -528,6 +539,19 @@ fn a_still_scene_gives_a_page_without_events() {
     says_the_numbers(&page, &numbers);
 }
 
+/// A window that is longer than the scene matches everything: nothing is to be said.
+#[test]
+fn a_window_beyond_the_scene_cannot_judge() {
+    let folder = folder();
+    let (_, numbers) = asked(folder.path(), &["--within", "10s"]);
+    assert_eq!(words(&numbers)["fidelity"], "nothing to keep");
+    let headline = numbers["verdict"]["headline"].as_str().unwrap();
+    assert!(headline.contains("cannot judge"), "{headline}");
+    assert!(numbers["chips_feasible"].is_null());
+    let verdict = numbers["verdict"].to_string();
+    assert!(verdict.contains("--within"), "{verdict}");
+}
+
 #[test]
 fn bad_input_is_one_message_and_no_page() {
     let folder = folder();
@@ -554,7 +578,7 @@ fn bad_input_is_one_message_and_no_page() {
         (more(&["--fps", "0"]), &["frames"]),
         (more(&["--link-energy", "9..1"]), &["9..1", "1..20"]),
         (more(&["--exposure", "soon"]), &["soon", "1ms"]),
-        (more(&["--chips", "0"]), &["--chips", "1.."]),
+        (with(12, "0"), &["--chips", "1.."]),
         (more(&["--readout", "beside"]), &["beside", "overlapped"]),
         (
             more(&["--explain", "powr.busy"]),
@@ -644,8 +668,10 @@ fn labels_follow_the_weakest_input() {
 #[test]
 fn chips_are_drawn_and_what_decides_is_said() {
     let folder = folder();
-    let more = ["--chips", "12", "--to", "int-4"];
-    let (_, all) = asked(folder.path(), &more);
+    let more = ["--to", "int-4", "--within", "1ms"];
+    let mut ask = ASK;
+    ask[12] = "12";
+    let all = json(folder.path(), &[&ask[..], &more, &["--json"]].concat());
     let at = |path: &str| number(&all, path);
     let drawn = all["drawn"].as_array().unwrap();
     assert_eq!((at("/chips"), drawn.len()), (12.0, 12));
@@ -706,7 +732,11 @@ fn chips_are_drawn_and_what_decides_is_said() {
         at("/streams/silicon/judged/kept"),
     );
     // Another seed draws others.
-    let (_, other) = asked(folder.path(), &[&more[..], &["--seed", "5"]].concat());
+    let seed = ["--seed", "5"];
+    let other = json(
+        folder.path(),
+        &[&ASK[..], &more, &seed, &["--json"]].concat(),
+    );
     assert_ne!(all["drawn"][0]["values"], other["drawn"][0]["values"]);
 }
 

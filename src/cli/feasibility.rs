@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use miette::{IntoDiagnostic, miette};
 
 use crate::{
+    compare::metric::Short,
     compile::Effort,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
@@ -301,7 +302,7 @@ fn summary(all: &Feasibility) -> String {
         "threshold",
         judged.map_or(String::new(), |judged| {
             let (window, fps) = (judged.headline.window_us, judged.headline.fps);
-            format!("   (within {window}, {} frames/s)", rate(fps))
+            format!("   (within {}, {} frames/s)", Short(window), rate(fps))
         })
     );
     let rows = [

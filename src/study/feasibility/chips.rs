@@ -37,6 +37,16 @@ pub const MOSTLY: f64 = 0.80;
 /// From what share on it is feasible with loss: *half kept*.
 pub const HALF: f64 = 0.50;
 
+/// Up to which floor a scene can judge: where accident alone scores more, what is left above it
+/// says nothing.
+pub const CLEAR_FLOOR: f64 = 0.9;
+
+/// Whether a scene with this floor of F1 can judge.
+#[must_use]
+pub fn can_judge(floor: f64) -> bool {
+    floor <= CLEAR_FLOOR
+}
+
 /// Words that all chips run together, each on so many pixels, at most: about 15 s on two cores
 /// of 2024.
 const WORK: f64 = 16e9;
@@ -76,6 +86,8 @@ pub struct Stretch {
     pub of_frames: u64,
     /// Events of the float sensor in it.
     pub reference_events: u64,
+    /// F1 of redraws of them: what accident scores.
+    pub floor: f64,
 }
 
 /// What lies between 10 and 90 % of the chips.
@@ -272,6 +284,7 @@ impl Trial<'_> {
             frames,
             of_frames: self.frames,
             reference_events: ladder.reference().events.len() as u64,
+            floor: ladder.judge(ladder.reference())?.floor,
         };
         let evidence = numbers.iter().filter_map(|it| it.quantity(question.device));
         let evidence = Evidence::weakest(evidence.map(crate::isa::Quantity::interval_evidence));
@@ -490,7 +503,7 @@ impl OverChips {
             (!drawn.is_empty()).then(|| count as f64 / drawn.len() as f64)
         };
         let is_fast = |chip: &DrawnChip| chip.frames_s >= chip.fps;
-        let can_judge = stretch.reference_events > 0;
+        let can_judge = stretch.reference_events > 0 && can_judge(stretch.floor);
         let judged = |of: &dyn Fn(&DrawnChip) -> bool| share(of).filter(|_| can_judge);
         let spread = |of: &dyn Fn(&DrawnChip) -> f64| {
             let values: Vec<f64> = drawn.iter().map(of).collect();
@@ -584,21 +597,25 @@ mod tests {
             chip(0.6, 200.0),
             chip(0.1, 200.0),
         ];
-        let stretch = |reference_events| Stretch {
+        let stretch = |reference_events, floor| Stretch {
             frames: 3,
             of_frames: 3,
             reference_events,
+            floor,
         };
-        let all = OverChips::new(drawn.clone(), Vec::new(), stretch(7), Evidence::Guess);
+        let of = |stretch| OverChips::new(drawn.clone(), Vec::new(), stretch, Evidence::Guess);
+        let all = of(stretch(7, 0.1));
         assert_eq!((all.chips, all.chips_feasible), (4, Some(0.25)));
         assert_eq!(all.chips_feasible_with_loss, Some(0.5));
         assert_eq!(all.chips_fast_enough, Some(0.75));
         assert_eq!(all.count(0.5), 2);
-        // A scene in which nothing happens judges nobody.
-        let still = OverChips::new(drawn, Vec::new(), stretch(0), Evidence::Guess);
-        assert_eq!(
-            (still.chips_feasible, still.chips_fast_enough),
-            (None, Some(0.75))
-        );
+        // A scene in which nothing happens judges nobody, nor does one of which accident knows all.
+        for stretch in [stretch(0, 0.0), stretch(7, 0.95)] {
+            let cannot = of(stretch);
+            assert_eq!(
+                (cannot.chips_feasible, cannot.chips_fast_enough),
+                (None, Some(0.75))
+            );
+        }
     }
 }

@@ -6,12 +6,15 @@
 use super::{
     Estimate, Feasibility, Fit, Stream,
     chip::OnChip,
-    chips::{HALF, MOSTLY},
+    chips::{CLEAR_FLOOR, HALF, MOSTLY, can_judge},
     estimate::short,
     stream::Judged,
     time::Binds,
 };
-use crate::study::{quantisation::Outcome, waterfall::Step};
+use crate::{
+    compare::metric::Short,
+    study::{quantisation::Outcome, waterfall::Step},
+};
 
 /// The verdict: a headline, and a sentence for each finding.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -113,7 +116,7 @@ impl Verdict {
         Self {
             headline: format!("{headline}{share}"),
             rule: format!(
-                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are."
+                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep, or where accident keeps nearly all, the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are."
             ),
             findings,
         }
@@ -281,7 +284,7 @@ fn speed(chip: &OnChip, fps: f64) -> Finding {
 fn kept(judged: &Judged, float_events: u64) -> Finding {
     let [all, most, half] = KEPT;
     let likeness = &judged.likeness;
-    let word = if float_events == 0 {
+    let word = if float_events == 0 || !can_judge(likeness.floor) {
         SILENT
     } else if likeness.kept >= all {
         "kept"
@@ -292,9 +295,15 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
     } else {
         "mostly lost"
     };
-    let says = if word == SILENT {
+    let says = if float_events == 0 {
         "The float kernel has no event on this scene, so nothing can be said of fidelity."
             .to_owned()
+    } else if word == SILENT {
+        format!(
+            "Within {} accident alone gives an F1 of {:.3}: the scene is too short for this window, so nothing can be said of fidelity. Give a shorter one (--within), or a longer scene.",
+            Short(likeness.window_us),
+            likeness.floor
+        )
     } else {
         format!(
             "With the chip's errors, each at the value of the chip's data, the float kernel's events are {word}: {likeness}. F1 is {:.3}, where accident gives {:.3} and perfection 1.",
@@ -306,7 +315,7 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
         word,
         says,
         rule: format!(
-            "share of the way from floor to 1 that F1 has gone; kept: from {all}; mostly kept: from {most}; half kept: from {half}; else mostly lost. Nothing to keep: the float kernel has no event. The threshold is the change of the float sensor's that costs as much."
+            "share of the way from floor to 1 that F1 has gone; kept: from {all}; mostly kept: from {most}; half kept: from {half}; else mostly lost. Nothing to keep: the float kernel has no event, or the floor is above {CLEAR_FLOOR}. The threshold is the change of the float sensor's that costs as much."
         ),
     }
 }
