@@ -18,15 +18,39 @@ const BIASES: [(f64, [f64; 5]); 4] = [
     (120.0, [17.42, 33.29, 61.88, 100.09, 148.94]),
 ];
 
-/// Input, spread of its reading before the first turn, turns and spread after them, in LSB.
-/// Left out is n = 8 of input 120, whose reading passes the codes at which the reading of input
+/// What is published of the spread over the pixels. Left out is n = 8 of input 120, whose reading passes the codes at which the reading of input
 /// 60 spikes too; before the first turn that reading is taken to spread as those of 0 and 10.
-const SPREADS: [(f64, f64, &[(usize, f64)]); 4] = [
-    (0.0, 1.56, &[(2, 2.20), (8, 4.79), (16, 9.05), (32, 18.14)]),
-    (10.0, 1.21, &[(2, 2.01), (8, 4.82), (16, 8.71), (32, 17.61)]),
-    (60.0, 1.38, &[(2, 2.37), (8, 4.70), (16, 7.97), (32, 14.82)]),
-    (120.0, 2.81, &[(2, 3.49), (16, 8.42), (32, 12.79)]),
+const SPREADS: [Spread; 4] = [
+    Spread {
+        input: 0.0,
+        reading: 1.56,
+        after: &[(2, 2.20), (8, 4.79), (16, 9.05), (32, 18.14)],
+    },
+    Spread {
+        input: 10.0,
+        reading: 1.21,
+        after: &[(2, 2.01), (8, 4.82), (16, 8.71), (32, 17.61)],
+    },
+    Spread {
+        input: 60.0,
+        reading: 1.38,
+        after: &[(2, 2.37), (8, 4.70), (16, 7.97), (32, 14.82)],
+    },
+    Spread {
+        input: 120.0,
+        reading: 2.81,
+        after: &[(2, 3.49), (16, 8.42), (32, 12.79)],
+    },
 ];
+
+/// Spreads over the pixels, in LSB.
+struct Spread {
+    input: f64,
+    /// Before the first turn.
+    reading: f64,
+    /// Turns, and the spread after them.
+    after: &'static [(usize, f64)],
+}
 
 /// The input whose reading spikes: what it reads above itself is fitted.
 const SPIKING: f64 = 60.0;
@@ -240,11 +264,16 @@ fn known(store: Store) -> Vec<Known> {
     };
     let fresh: f64 = (0..STORES).map(one).sum();
     let mut all = Vec::new();
-    for (input, reading, spreads) in SPREADS {
+    for Spread {
+        input,
+        reading,
+        after,
+    } in SPREADS
+    {
         let (mut x, mut noise) = (input, 0.0);
         let mut off = [[0.0; CELLS]; 2];
         let mut turns = 0;
-        for (n, measured) in spreads {
+        for (n, measured) in after {
             while turns < *n {
                 for (off, slopes) in off.iter_mut().zip([of_gain, of_offset]) {
                     for (off, (of_gain, of_offset)) in off.iter_mut().zip(slopes) {

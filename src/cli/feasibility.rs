@@ -395,13 +395,13 @@ fn over_chips(over: &OverChips) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{:<22} {:>10} {:>10} {:>10} {:>10}   one number turned, all others as stated",
+        "\n{:<26} {:>10} {:>10} {:>10} {:>10}   one number turned, all others as stated",
         "what decides", "low", "high", "kept", "kept"
     );
     for turn in over.tornado.iter().take(DECIDING) {
         let _ = writeln!(
             text,
-            "{:<22} {:>10} {:>10} {:>10.3} {:>10.3}   {}, {}",
+            "{:<26} {:>10} {:>10} {:>10.3} {:>10.3}   {}, {}",
             turn.figure,
             turn.low,
             turn.high,
