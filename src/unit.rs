@@ -166,6 +166,15 @@ impl Evidence {
     pub const fn word(self) -> &'static str {
         Self::WORDS[self as usize]
     }
+
+    /// The weakest of some: how well a number is known that is made of others. A guess where it
+    /// is made of none.
+    #[must_use]
+    pub fn weakest(of: impl IntoIterator<Item = Self>) -> Self {
+        { of.into_iter() }
+            .max_by_key(|evidence| *evidence as usize)
+            .unwrap_or(Self::Guess)
+    }
 }
 
 /// Instruction words: what a program costs on the chip, one clock of the array each.

@@ -126,6 +126,25 @@ fn the_identity_loop_drifts_and_spreads_as_on_the_chip() {
     }
 }
 
+/// The data has two more inputs, which nothing was fitted to.
+#[test]
+fn inputs_that_were_not_fitted_drift_as_on_the_chip() {
+    let measured: [(f64, [f64; 5]); 2] = [
+        (5.0, [6.99, 13.39, 24.62, 40.51, 59.51]),
+        (100.0, [14.45, 28.13, 51.74, 89.44, 133.47]),
+    ];
+    for seed in [0, 1, 7] {
+        let mut biases = Vec::new();
+        for (input, bias) in measured {
+            let loops = repeated(seed, input);
+            for (n, measured) in [2, 4, 8, 16, 32].iter().zip(bias) {
+                biases.push(loops[n - 1].0 - measured);
+            }
+        }
+        assert!(rms(&biases) < 1.5, "{seed}: {} {biases:.2?}", rms(&biases));
+    }
+}
+
 /// Bias and spread of the identity after 1 to 32 turns.
 fn repeated(seed: u64, input: f64) -> Vec<(f64, f64)> {
     let mut chip = chip(errors(), seed, &identity(), 0.0);
@@ -139,7 +158,7 @@ fn repeated(seed: u64, input: f64) -> Vec<(f64, f64)> {
     (0..32).map(|_| turn()).collect()
 }
 
-/// Nothing was fitted to these inputs, nor could be: the map is one and affine, so that the
+/// Between the inputs that were fitted: the map is one and affine, so that the
 /// bias goes straight from input to input, and the spread without a bump.
 #[test]
 fn inputs_that_were_not_measured_lie_between_those_that_were() {

@@ -9,8 +9,8 @@
 //!   (`T = -x + Δ`, `y = -T + Δ = x`): why every macro of the vendor stores twice.
 //! - The loss of each store, and how Δ of a splitting bus differs, are fitted to the chip's
 //!   only public measurement: `diva(A,E,F); mov(F,A); add(A,A,F)`, an identity, repeated. A map
-//!   that is affine in the signal explains it; one with a curve explains the inputs that it was
-//!   fitted to a little better, and those left out worse.
+//!   that is affine in the signal explains it, inputs that were left out of the fit too; a curve
+//!   explains no more (`docs/silicon.md`).
 //! - All numbers are the device's, each with its source: `[figure.error]` of `device.toml`.
 //! - Mismatch belongs to one cell of one pixel and never changes; noise is drawn anew for every
 //!   word. Both are hashes of the seed and the place.

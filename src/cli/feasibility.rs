@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use miette::{IntoDiagnostic, miette};
 
 use crate::{
+    compare::metric::Short,
     compile::Effort,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
@@ -12,7 +13,10 @@ use crate::{
     save::save,
     scene::{Observation, Scene as _},
     study::{
-        feasibility::{self, Feasibility, Fit, Question, Stream},
+        equivalent::{RUNGS, rate},
+        feasibility::{
+            self, Feasibility, Fit, Question, Stream, chips::OverChips, readout::ReadoutOrder,
+        },
         report,
     },
     unit::Micros,
@@ -63,8 +67,14 @@ pub struct Arguments {
     /// Energy of a bit on the link in pJ, one number or LO..HI: an assumption, yours to set
     #[arg(long, default_value = "1..20", value_name = "LO..HI", value_parser = energy)]
     link_energy: Energy,
+    /// Whether the next frame is exposed while events are read
+    #[arg(long, value_enum, default_value = "overlapped")]
+    readout: Order,
     #[command(flatten)]
     window: Window,
+    /// Chips that are drawn from what the public data allow
+    #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_CHIPS))]
+    chips: u64,
     /// How long to search for each program, in seconds of two cores of 2024
     #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
     effort: f64,
@@ -77,6 +87,31 @@ pub struct Arguments {
     /// Print one JSON object instead of the summary
     #[arg(long)]
     json: bool,
+    /// Print what a number is made of instead: a name such as `array_us`, ceiling or power.busy, a
+    /// figure such as error.noise, or a place in the JSON such as /power/known
+    #[arg(long, value_name = "NUMBER")]
+    explain: Option<String>,
+}
+
+/// Chips that are drawn at most: each is a run.
+const MOST_CHIPS: u64 = 1024;
+
+/// Whether light is collected while events are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Order {
+    /// The photodiodes integrate on while events are read
+    Overlapped,
+    /// The next exposure begins when the last event is read
+    Sequential,
+}
+
+impl From<Order> for ReadoutOrder {
+    fn from(order: Order) -> Self {
+        match order {
+            Order::Overlapped => Self::Overlapped,
+            Order::Sequential => Self::Sequential,
+        }
+    }
 }
 
 /// The least and the most, pJ.
@@ -95,8 +130,9 @@ fn energy(text: &str) -> Result<Energy, String> {
     }
 }
 
-/// Sensors that watch side by side, at most: those of the waterfall.
-const SENSORS: usize = 20;
+/// Sensors that watch side by side beside two for each quantiser: the float sensor and its
+/// ladder.
+const SENSORS: usize = RUNGS.len() + 1;
 
 /// Runs the verb.
 ///
@@ -105,10 +141,14 @@ const SENSORS: usize = 20;
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernel = kernel(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
+    if let Some(what) = &arguments.explain {
+        feasibility::explain::check(what, &device)?;
+    }
     let observation = Observation::new();
     let open = || arguments.clip.open(&observation);
     let scene = open()?;
-    budget::check_study(&*scene, SENSORS)?;
+    let quantisers = arguments.candidates.len() + 1;
+    budget::check_study(&*scene, SENSORS + 2 * quantisers)?;
     let (frames, fps) = (scene.frames(), scene.fps());
     drop(scene);
     let command = arguments.command();
@@ -122,16 +162,19 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         sum: arguments.sum.into(),
         device: &device,
         exposure: arguments.exposure,
+        order: arguments.readout.into(),
         link: [least, most],
         effort: Effort::seconds(arguments.effort),
         seed: arguments.seed,
         readout: Choice::default().open_compiled()?.readout()?,
         within: arguments.window.at(fps),
+        chips: arguments.chips,
         scene: arguments.clip.name(),
         command: &command,
     };
-    // For the table twice, for the sensors and for the waterfall.
-    let progress = Progress::new("watching", frames.map(|frames| 4 * frames));
+    // For the table and for the sensors twice, for the waterfall, and for some chips at a time.
+    let shows = 5 + arguments.chips.div_ceil(8) + 4;
+    let progress = Progress::new("watching", frames.map(|frames| shows * frames));
     let answer = feasibility::ask(&question, &open, |_| progress.tick());
     progress.finish();
     let mut warnings = Warning::of_scene(&observation, 255.0);
@@ -140,9 +183,20 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     light::warn(&all.warnings);
     warnings.append(&mut all.warnings);
     all.warnings = warnings;
+    let explain = |what: &String| feasibility::explain(&all, what);
+    let explained = arguments.explain.as_ref().map(explain).transpose()?;
     if let Some(path) = &arguments.output {
         let page = report::page(&all, &sight);
         save(path, |out| out.write_all(page.as_bytes()))?;
+    }
+    if let Some(chain) = explained {
+        let text = if arguments.json {
+            serde_json::to_string(&chain).into_diagnostic()? + "\n"
+        } else {
+            chain.to_string()
+        };
+        super::say(&text);
+        return Ok(());
     }
     if arguments.json {
         let json = serde_json::to_string(&Shown::new(&all, &observation)).into_diagnostic()?;
@@ -196,6 +250,9 @@ impl Arguments {
         }
         let Energy(least, most) = self.link_energy;
         add("link-energy", &format!("{least}..{most}"));
+        let order = ReadoutOrder::from(self.readout);
+        add("readout", order.name());
+        add("chips", &self.chips.to_string());
         if let Some(within) = self.window.within {
             add("within", &format!("{}us", within.0));
         }
@@ -221,12 +278,23 @@ fn summary(all: &Feasibility) -> String {
     for finding in &all.verdict.findings {
         let _ = writeln!(text, "{:<12} {}", finding.about, finding.says);
     }
+    let streams = &all.streams;
+    let judged = streams.dvs.judged;
     let _ = writeln!(
         text,
-        "\n{:<22} {:>10} {:>10} {:>10} {:>8} {:>8}",
-        "", "events", "kbit/s", "F1", "floor", "kept"
+        "\n{:<22} {:>10} {:>10} {:>10} {:>8} {:>8} {:>11}{}",
+        "",
+        "events",
+        "kbit/s",
+        "F1",
+        "floor",
+        "kept",
+        "threshold",
+        judged.map_or(String::new(), |judged| {
+            let (window, fps) = (judged.headline.window_us, judged.headline.fps);
+            format!("   (within {}, {} frames/s)", Short(window), rate(fps))
+        })
     );
-    let streams = &all.streams;
     let rows = [
         ("plain DVS", Some(&streams.dvs)),
         ("float kernel", Some(&streams.float)),
@@ -238,23 +306,99 @@ fn summary(all: &Feasibility) -> String {
             text += &row(name, stream);
         }
     }
+    text += &over_chips(&all.over_chips);
     if let Fit::OnChip(chip) = &all.fit {
         let time = &chip.time;
         let _ = writeln!(
             text,
-            "\n{} words a frame: {:.1} us on the array, {:.1} us of readout; at most {:.0} frames/s, {:.0} with the slots that this scene needs",
+            "\n{} words a frame: {} on the array, {} of readout ({}, {}); {} at most, {} with all slots of the program",
             chip.frame_words,
-            time.array.high,
-            time.readout.high,
-            time.ceiling.low,
-            time.ceiling_of_scene.low,
+            time.array,
+            time.readout,
+            time.plan.words(),
+            time.order.name(),
+            time.ceiling,
+            time.ceiling_as_programmed,
         );
     }
     if let Some(power) = &all.power {
+        let mut unknown = Vec::new();
+        for part in power.parts() {
+            if part.power.is_none() {
+                let most = part.at_most.as_ref().map_or(String::new(), |most| {
+                    format!(" (at most {:.0} {})", most.high, most.unit)
+                });
+                unknown.push(format!("{}{most}", part.what));
+            }
+        }
         let _ = writeln!(
             text,
-            "{:.2} to {:.0} mW of the array at {} frames/s (modelled: what it takes idle is not public)",
-            power.array.low, power.array.high, all.scene.fps
+            "{} known at {} frames/s ({}), {} a frame; not known: {}",
+            power.known,
+            rate(all.scene.fps),
+            power.known.evidence.word(),
+            power.frame,
+            unknown.join(", ")
+        );
+    }
+    text
+}
+
+/// The numbers that decide most are shown, so many.
+const DECIDING: usize = 5;
+
+/// How many chips, what lies between 10 and 90 % of them, and what decides.
+fn over_chips(over: &OverChips) -> String {
+    let mut text = String::new();
+    let (Some(ranges), Some(evidence)) = (&over.ranges, over.chips_evidence) else {
+        return text;
+    };
+    let _ = writeln!(
+        text,
+        "\n{:<22} {:>10} {:>10} {:>10}   of {} chips that the public data allow ({})",
+        "",
+        "10 %",
+        "median",
+        "90 %",
+        over.chips,
+        evidence.word()
+    );
+    let rows = [
+        ("kept", Some(ranges.kept), 3),
+        (
+            "threshold, % higher",
+            Some(ranges.threshold_equivalent_percent),
+            1,
+        ),
+        ("events to the float's", ranges.event_ratio, 3),
+        ("frames/s at most", Some(ranges.frames_s), 0),
+        ("mW, array busy", Some(ranges.power_busy_mw), 3),
+    ];
+    for (name, spread, decimals) in rows {
+        if let Some(spread) = spread {
+            let _ = writeln!(
+                text,
+                "{name:<22} {:>10.decimals$} {:>10.decimals$} {:>10.decimals$}",
+                spread.p10, spread.median, spread.p90
+            );
+        }
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<26} {:>10} {:>10} {:>10} {:>10}   one number turned, all others as stated",
+        "what decides", "low", "high", "kept", "kept"
+    );
+    for turn in over.tornado.iter().take(DECIDING) {
+        let _ = writeln!(
+            text,
+            "{:<26} {:>10} {:>10} {:>10.3} {:>10.3}   {}, {}",
+            turn.figure,
+            turn.low,
+            turn.high,
+            turn.kept_at_low,
+            turn.kept_at_high,
+            turn.unit,
+            turn.evidence.word()
         );
     }
     text
@@ -264,13 +408,14 @@ fn row(name: &str, stream: &Stream) -> String {
     let number = |value: Option<f64>, decimals: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
     };
-    let f1 = stream.judged.map(|judged| judged.f1);
+    let likeness = stream.judged.map(|judged| judged.likeness);
     format!(
-        "{name:<22} {:>10} {:>10} {:>10} {:>8} {:>8}\n",
+        "{name:<22} {:>10} {:>10} {:>10} {:>8} {:>8} {:>11}\n",
         stream.events,
         number(stream.mean_kbit_s, 1),
-        number(f1.map(|f1| f1.value), 4),
-        number(f1.map(|f1| f1.floor), 4),
-        number(f1.map(|f1| f1.kept), 4),
+        number(likeness.map(|it| it.f1), 4),
+        number(likeness.map(|it| it.floor), 4),
+        number(likeness.map(|it| it.kept), 4),
+        likeness.map_or("-".to_owned(), |it| it.equivalent()),
     )
 }

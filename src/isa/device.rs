@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Analog, Evidence, Figure, HostKind, HostRow, Kind, Macro, Operands, Primitive, PrimitiveRow,
-    Quantity, Registers, Signature,
+    Analog, Evidence, Figure, HostKind, HostRow, Interval, Kind, Macro, Operands, Primitive,
+    PrimitiveRow, Quantity, Registers, Signature,
 };
 
 /// A number about the chip that makes no sense.
@@ -102,7 +102,13 @@ impl Device {
         self.figure(figure).value
     }
 
-    /// The same chip with another value of a number: what if.
+    /// Between which values a number about the chip may lie; none where that was not stated.
+    #[must_use]
+    pub fn interval(&self, figure: Figure) -> Option<&Interval> {
+        self.figure(figure).interval.as_ref()
+    }
+
+    /// The same chip with another value of a number, which is then that and no other: what if.
     ///
     /// # Errors
     /// When the value makes no sense for it.
@@ -116,6 +122,7 @@ impl Device {
         "set for this run".clone_into(&mut quantity.source);
         quantity.evidence = Evidence::Guess;
         quantity.note = None;
+        quantity.interval = None;
         let (low, high) = (self.value(Figure::Lowest), self.value(Figure::Highest));
         if low >= high {
             return Err(FigureError { figure, value });

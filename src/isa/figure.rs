@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::Interval;
 use crate::{
     config::Range,
     limit::{ARRAY_SIDE, FIGURE, STORE_WORDS},
@@ -23,6 +24,24 @@ pub struct Quantity {
     /// A remark about it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    /// Between which values it may lie, where that was stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<Interval>,
+}
+
+impl Quantity {
+    /// The least and the most that it may be: the value itself where no interval was stated.
+    #[must_use]
+    pub fn ends(&self) -> [f64; 2] {
+        { self.interval.as_ref() }.map_or([self.value; 2], Interval::ends)
+    }
+
+    /// How well it is known that it lies there: as well as the weaker of value and interval.
+    #[must_use]
+    pub fn interval_evidence(&self) -> Evidence {
+        let ends = self.interval.as_ref().map(|interval| interval.evidence);
+        Evidence::weakest([Some(self.evidence), ends].into_iter().flatten())
+    }
 }
 
 /// The set of values that a figure can have.

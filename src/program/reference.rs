@@ -19,16 +19,28 @@ pub fn reference(device: &Device) -> String {
     let mut text = format!("# {}\n\n", device.title());
     text.push_str(HEAD);
     text.push_str(
-        "\n## Numbers\n\n| figure | value | unit | evidence | source |\n|---|---|---|---|---|\n",
+        "\n## Numbers\n\n| figure | value | unit | evidence | source | from | to | why not less or more |\n|---|---|---|---|---|---|---|---|\n",
     );
     for figure in Figure::ALL {
         let (section, key) = figure.key();
         let quantity = device.figure(*figure);
         let (value, unit, evidence) = (quantity.value, &quantity.unit, quantity.evidence.word());
         let source = source(quantity);
+        let between = match &quantity.interval {
+            Some(it) => format!(
+                "{} | {} | {} ({})",
+                it.low,
+                it.high,
+                it.why,
+                it.evidence.word()
+            ),
+            None => " | | ".to_owned(),
+        };
         line(
             &mut text,
-            &format!("| `{section}.{key}` | {value} | {unit} | {evidence} | {source} |"),
+            &format!(
+                "| `{section}.{key}` | {value} | {unit} | {evidence} | {source} | {between} |"
+            ),
         );
     }
     text.push_str("\n## Primitives\n\nOne instruction word of the array each.\n");
@@ -57,6 +69,7 @@ Written from `isa/` by `AMACRINE_BLESS=1 cargo test --test instructions`; a test
 - A direction is that of the neighbour which is read: `movx(A, B, east)` moves the picture west.
 - Analogue stores happen where FLAG is 1, each pixel by its own; a store into a neighbour's NEWS by the FLAG of the pixel that drives it. One-bit words do not look at FLAG.
 - A register may stand at several places of a form unless it is said to be illegal. What a form destroys may not be its operand: the chip then gives what the sequence of words gives, and `asm` warns.
+- From and to: what the public data allow where the value itself is modelled or a guess, with the evidence of these bounds. `feasibility --chips` draws chips from them.
 - Evidence: `measured` on the chip or from its published data, `quoted` from whoever made it, `modelled`, `guess`. CAREY13, HW, KIM, 5C, TUT, AICSP13, CNN, ANET: see the head of `isa/scamp5/device.toml` and `isa/scamp5/primitives.toml`.
 ";
 
@@ -368,7 +381,14 @@ fn host(text: &mut String, row: &HostRow) {
     line(text, &format!("- destroys: {}", or_nothing(&trash)));
     let quantity = |what: &str, quantity: &Quantity| {
         let (value, unit, evidence) = (quantity.value, &quantity.unit, quantity.evidence.word());
-        format!("- {what}: {value} {unit}, {evidence}; {}", source(quantity))
+        let between = quantity.interval.as_ref().map_or(String::new(), |it| {
+            let evidence = it.evidence.word();
+            format!("; from {} to {} ({evidence}): {}", it.low, it.high, it.why)
+        });
+        format!(
+            "- {what}: {value} {unit}, {evidence}; {}{between}",
+            source(quantity)
+        )
     };
     line(text, "- words: 0");
     line(text, &quantity("call", &row.call));

@@ -9,6 +9,7 @@ use crate::{
     array::{Arithmetic, Array},
     compare::CompareError,
     compile::Effort,
+    event::Packet,
     isa::Device,
     kernel::{
         Kernel,
@@ -173,8 +174,18 @@ pub enum QuantisationError {
 pub fn ask(
     question: &Question<'_>,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-    mut seen: impl FnMut(&Frame),
+    seen: impl FnMut(&Frame),
 ) -> Result<Answer, QuantisationError> {
+    Ok(ask_keeping(question, open, seen)?.0)
+}
+
+/// As [`ask`], with the packets of the float sensors: the reference's, and those of the ladder
+/// that all were judged by, in the order of [`equivalent::RUNGS`].
+pub(super) fn ask_keeping(
+    question: &Question<'_>,
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    mut seen: impl FnMut(&Frame),
+) -> Result<(Answer, Vec<Packet>), QuantisationError> {
     let mut scene = open()?;
     let (size, fps) = (scene.size(), scene.fps());
     let design = question.design();
@@ -203,7 +214,7 @@ pub fn ask(
     {
         sensors.push(chip);
     }
-    let packets = rig::watch(&mut *scene, &mut sensors, |frame| {
+    let mut packets = rig::watch(&mut *scene, &mut sensors, |frame| {
         guard.frame(frame);
         seen(frame);
     })?;
@@ -236,13 +247,15 @@ pub fn ask(
     let rows = { built.into_iter() }
         .map(|one| one.judged(&mut judged))
         .collect::<Result<_, _>>()?;
-    Ok(Answer {
+    let answer = Answer {
         reference_events: truth.events.len() as u64,
         fps,
         window_us: question.within,
         rows,
         warnings: guard.warnings(),
-    })
+    };
+    packets.truncate(floats.len());
+    Ok((answer, packets))
 }
 
 /// The memory of all sensors: a chip has one shot a frame, and its memory snaps.

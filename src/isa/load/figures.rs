@@ -101,11 +101,27 @@ pub(super) fn wrong_quantity(figure: Figure, entry: &Placed<Quantity>) -> Option
     } else if source.trim().is_empty() {
         format!("`{section}.{key}` has no source")
     } else {
-        return None;
+        wrong_interval(figure, &entry.value)?
     };
     Some(Fault::error(entry.place, wrong, "this figure").help(
         "write { value = …, unit = …, source = …, evidence = measured|quoted|modelled|guess }",
     ))
+}
+
+/// What is wrong with an interval: an end that makes no sense, or one beyond the value.
+fn wrong_interval(figure: Figure, stated: &Quantity) -> Option<String> {
+    let (section, key) = figure.key();
+    let [low, high] = stated.interval.as_ref()?.ends();
+    let domain = figure.domain();
+    if let Some(end) = [low, high].into_iter().find(|end| !domain.holds(*end)) {
+        let expected = domain.instead_of(end);
+        return Some(format!("`{section}.{key}` is {expected}, not {end}"));
+    }
+    let beyond = !(low..=high).contains(&stated.value);
+    beyond.then(|| {
+        let value = stated.value;
+        format!("`{section}.{key}` is {value}, which is not from {low} to {high}")
+    })
 }
 
 pub(super) fn registers(layers: &[Layer]) -> Result<Registers, Faults> {

@@ -1,10 +1,10 @@
 //! The files of a chip as they are written: values with their places.
 
 use super::{
-    super::{Clock, Evidence, HostKind, Kind, Quantity},
+    super::{Clock, Evidence, HostKind, Interval, Kind, Quantity},
     keys::{self, DEVICE, PRIMITIVES, QUANTITY},
 };
-use crate::config::{Faults, Node, Place, Read, Section};
+use crate::config::{Fault, Faults, Node, Place, Read, Section};
 
 /// A value and its place in the file.
 #[derive(Clone, Debug)]
@@ -156,11 +156,36 @@ fn quantity(stated: &Section<'_>) -> Read<Placed<Quantity>> {
         source: stated.text("source")?.to_owned(),
         evidence: stated.needed_word("evidence", &Evidence::ALL)?,
         note: stated.maybe_text("note"),
+        interval: interval(stated)?,
     };
     Ok(Placed {
         value,
         place: stated.place(),
     })
+}
+
+/// Between which values a quantity may lie: ends and reason, all three or none.
+fn interval(stated: &Section<'_>) -> Read<Option<Interval>> {
+    let ends = [stated.maybe_number("low"), stated.maybe_number("high")];
+    let (why, bounds) = (
+        stated.maybe_text("why"),
+        stated.word("bounds", &Evidence::ALL)?,
+    );
+    match (ends, why) {
+        ([Some(low), Some(high)], Some(why)) if !why.trim().is_empty() => Ok(Some(Interval {
+            low,
+            high,
+            evidence: bounds.unwrap_or(Evidence::Guess),
+            why,
+        })),
+        ([None, None], None) if bounds.is_none() => Ok(None),
+        _ => {
+            let what = "an interval is `low`, `high` and `why`, all three";
+            let fault = Fault::error(stated.place(), what, "this figure")
+                .help("write low = …, high = …, why = \"…\" beside the value, or none of them");
+            Err(fault)
+        }
+    }
 }
 
 fn placed(node: Node<'_>) -> Placed<String> {

@@ -116,6 +116,26 @@ pub(super) const QUANTITY: Table = Table::new(&[
     SOURCE,
     EVIDENCE,
     Key::optional("note", Kind::Text, "what else is to be said about it"),
+    Key::optional(
+        "low",
+        Kind::Number(Range::FREE),
+        "the least that it may be; with `high` and `why`",
+    ),
+    Key::optional(
+        "high",
+        Kind::Number(Range::FREE),
+        "the most that it may be; with `low` and `why`",
+    ),
+    Key::optional(
+        "why",
+        Kind::Text,
+        "why it is not less than `low` and not more than `high`",
+    ),
+    Key::optional(
+        "bounds",
+        Kind::Choice(&Evidence::WORDS),
+        "how well `low` and `high` are known; a guess where nothing is said",
+    ),
 ]);
 
 const FORMS: Key = Key::required("forms", TEXTS, "how it can be written");
@@ -169,6 +189,13 @@ pub fn json_schema() -> Json {
             schema::add(&mut value, "type", "integer");
         }
         let mut stated = schema::table(&QUANTITY);
+        for end in ["low", "high"] {
+            let about = stated["properties"][end]["description"].take();
+            stated["properties"][end] = value.clone();
+            schema::add(&mut stated["properties"][end], "description", about);
+        }
+        let together = json!({"low": ["high", "why"], "high": ["low", "why"], "why": ["low", "high"], "bounds": ["low"]});
+        schema::add(&mut stated, "dependentRequired", together);
         stated["properties"]["value"] = value;
         stated["properties"]["unit"] = json!({"const": figure.unit()});
         schema::add(&mut stated, "description", figure.what().trim());

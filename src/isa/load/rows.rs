@@ -90,11 +90,14 @@ pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
         for row in &layer.device.host {
             for quantity in std::iter::once(&row.call).chain(&row.item) {
                 let Quantity { value, unit, .. } = &quantity.value;
-                if unit != "us" || !value.is_finite() || *value < 0.0 {
+                let [low, high] = quantity.value.ends();
+                let times = [low, *value, high];
+                let is_time = |us: &f64| us.is_finite() && *us >= 0.0;
+                if unit != "us" || !times.iter().all(is_time) || !times.is_sorted() {
                     faults.push(
                         Fault::error(
                             quantity.place,
-                            "a host operation costs zero or more microseconds (`us`)",
+                            "a host operation costs zero or more microseconds (`us`), within its interval",
                             "this figure",
                         )
                         .help("write { value = …, unit = \"us\", source = …, evidence = … }"),

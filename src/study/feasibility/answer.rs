@@ -3,6 +3,8 @@
 use super::{
     assumption::Assumption,
     chip::OnChip,
+    chips::OverChips,
+    named::FigureSummary,
     power::{Link, Power},
     stream::Stream,
     verdict::Verdict,
@@ -40,6 +42,11 @@ pub struct Feasibility {
     pub chosen: Chosen,
     /// The program on the chip, or why there is none.
     pub fit: Fit,
+    /// What becomes of all that on the chips that the public data allow.
+    #[serde(flatten)]
+    pub over_chips: OverChips,
+    /// The chip's numbers that all this rests on, with their intervals and sources.
+    pub figures: Vec<FigureSummary>,
     /// Events match within this, in microseconds.
     pub within_us: Micros,
     /// What each sensor said.
@@ -50,7 +57,7 @@ pub struct Feasibility {
     pub quantisation: Vec<Row>,
     /// The kernel as resistor meshes have it, one sheet and two; empty for one of zeros.
     pub mesh: Vec<mesh::Fit>,
-    /// Electrical power of the array; none without a program.
+    /// Electrical power, part by part; none without a program.
     pub power: Option<Power>,
     /// What leaves the chip.
     pub link: Link,

@@ -2,24 +2,29 @@
 
 use super::{
     Assumption, ChipSummary, Chosen, Estimate, Feasibility, FeasibilityError, Fit, KernelSummary,
-    Question, SceneSummary, Snapshot, Stream, Streams,
+    Question, SceneSummary, Snapshot, Streams,
     chip::OnChip,
-    choice::Few,
-    power::{Link, Power},
-    time,
+    chips::{OverChips, Trial},
+    choice::{Few, Table},
+    named::FigureSummary,
+    power::{Link, Load, Power},
+    readout::Busy,
+    runs::MEMORY,
+    time::{self, Words},
     verdict::Verdict,
 };
 use crate::{
     array::Arithmetic,
+    event::Packet,
     isa::Evidence,
     kernel::{Kernel, quantise::Quantiser},
     mesh::{self, Fitting},
     plane::Size,
-    reference::MemoryRule,
     rig::guard::Warning,
     scene::{Frame, Scene, SceneError},
     study::{
         design::{Compiled, Design},
+        equivalent::Ladder,
         waterfall::{self, Waterfall, WaterfallError},
     },
 };
@@ -27,9 +32,9 @@ use crate::{
 /// The ridge of the mesh fits: added to the squared relative error for each squared gain.
 const RIDGE: f64 = 1e-4;
 
-/// Asks the question of a scene that can be opened again: it is watched for the table, for the
-/// sensors, for the waterfall, and up to the moment of the pictures. `seen` is called after each
-/// frame of the first three.
+/// Asks the question of a scene that can be opened again: it is watched twice for the table and
+/// twice for the sensors, for the waterfall, by the drawn chips some at a time, and up to the
+/// moment of the pictures. `seen` is called after each frame of all but the last.
 ///
 /// # Errors
 /// When the threshold is not positive, the kernel is all 0 or not to be had in the values that
@@ -40,9 +45,12 @@ pub fn ask(
     mut seen: impl FnMut(&Frame),
 ) -> Result<(Feasibility, Snapshot), FeasibilityError> {
     let design = question.design();
-    design.description(MemoryRule::FilteredSnap)?;
+    design.description(MEMORY)?;
     let mut few = question.first(&design)?;
-    let table = question.table(open, &mut seen)?;
+    let Table {
+        rows: table,
+        floats,
+    } = question.table(open, &mut seen)?;
     if question.to.is_none()
         && let Some(best) = Question::best(&table)
     {
@@ -57,31 +65,57 @@ pub fn ask(
     let program = compiled.as_ref().ok();
 
     let mut scene = open()?;
-    let (mut runs, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
+    let ladder = question.ladder(&floats, &*scene)?;
+    let float = ladder.reference().clone();
+    let (mut runs, frames) = question.watch(&design, float, program, &mut *scene, &mut seen)?;
+    runs.warnings.extend({
+        let told = !runs.float.events.is_empty();
+        told.then(|| Warning::window(question.within, ladder.floor()))
+            .flatten()
+    });
     let scene = SceneSummary::new(question.scene, &*scene, frames, &runs.float);
-    let streams = runs.streams(question, scene.fps)?;
+    let streams = runs.streams(question, &design, &ladder, &mut *open()?, &mut seen)?;
+    let over_chips = match (program, &runs.silicon) {
+        (Some(program), Some(nominal)) => Trial {
+            question,
+            program,
+            words: Words::new(&program.code.frame, question.device)?,
+            floats: &floats,
+            nominal,
+            frames,
+            fps: scene.fps,
+            rows: scene.height,
+        }
+        .run(open, &mut seen)?,
+        _ => OverChips::without_program(question.chips),
+    };
     let waterfall = match program {
         Some(_) => question.waterfall(&design, to, &mut *open()?, &mut seen)?,
         None => None,
     };
     let snapshot = Snapshot::new(&runs.float, runs.silicon.as_ref(), &mut *open()?)?;
+    let busy =
+        { runs.silicon.as_ref() }.map_or_else(Busy::default, |packet| Busy::new(packet, frames));
     let on_chip = |compiled: &Compiled| {
         let threshold = question.threshold / quantised.scale * compiled.program.scale;
-        let time = time::time(question, compiled, runs.silicon.as_ref(), scene.fps);
-        OnChip::new(
+        let time = time::time(question, compiled, &busy, (scene.height, scene.fps))?;
+        Ok::<_, FeasibilityError>(OnChip::new(
             &compiled.program,
             &compiled.code,
             question.device,
             threshold,
             time,
-        )
+        ))
     };
-    let rate = |stream: &Stream| Some(stream.events as f64 / scene.seconds);
-    let events_s = streams
-        .silicon
-        .as_ref()
-        .filter(|_| scene.seconds > 0.0)
-        .and_then(rate);
+    let fit = match &compiled {
+        Ok(compiled) => Fit::OnChip(Box::new(on_chip(compiled)?)),
+        Err(why) => Fit::Refused(why.clone()),
+    };
+    let link = question.link_of(&streams, &scene);
+    let power = match &fit {
+        Fit::OnChip(chip) => Some(question.power_of(chip, &streams, &scene, &link)),
+        Fit::Refused(_) => None,
+    };
     let mut feasibility = Feasibility {
         amacrine: env!("CARGO_PKG_VERSION"),
         command: question.command.to_owned(),
@@ -97,13 +131,12 @@ pub fn ask(
             scale: quantised.scale,
             levels: KernelSummary::new(&to.to_string(), &quantised.levels),
         },
-        fit: match &compiled {
-            Ok(compiled) => Fit::OnChip(Box::new(on_chip(compiled))),
-            Err(why) => Fit::Refused(why.clone()),
-        },
+        fit,
+        over_chips,
+        figures: FigureSummary::all(question.device),
         within_us: question.within,
-        power: program.map(|p| Power::new(&p.cost, question.device, scene.fps, events_s)),
-        link: question.link_of(&streams, &scene),
+        power,
+        link,
         streams,
         waterfall,
         quantisation: table.into_iter().map(|(_, row)| row).collect(),
@@ -164,6 +197,44 @@ impl Question<'_> {
             Err(WaterfallError::Silent { .. }) => Ok(None),
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// What the sensors are judged by, of the float sensors' packets.
+    fn ladder(&self, floats: &[Packet], scene: &dyn Scene) -> Result<Ladder, FeasibilityError> {
+        let silent = Packet::new(scene.size(), 1);
+        let (reference, rungs) = match floats {
+            [reference, rungs @ ..] => (reference, rungs),
+            [] => (&silent, floats),
+        };
+        let (within, fps) = (self.within, scene.fps());
+        Ok(Ladder::new(
+            reference.clone(),
+            rungs,
+            within,
+            fps,
+            self.seed,
+        )?)
+    }
+
+    fn power_of(
+        &self,
+        chip: &OnChip,
+        streams: &Streams,
+        scene: &SceneSummary,
+        link: &Link,
+    ) -> Power {
+        let silicon = streams.silicon.as_ref();
+        let load = Load {
+            words: chip.frame_words as f64,
+            time: &chip.time,
+            fps: scene.fps,
+            events_s: silicon
+                .filter(|_| scene.seconds > 0.0)
+                .map(|stream| stream.events as f64 / scene.seconds),
+            kbit_s: silicon.and_then(|stream| stream.mean_kbit_s),
+            bit: &link.bit,
+        };
+        Power::new(&load, self.device)
     }
 
     fn link_of(&self, streams: &Streams, scene: &SceneSummary) -> Link {

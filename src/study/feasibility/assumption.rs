@@ -1,6 +1,6 @@
 //! What is taken as given.
 
-use super::{Question, SceneSummary};
+use super::{Question, SceneSummary, readout::ReadoutOrder};
 use crate::isa::Evidence;
 
 /// Something that was taken as given.
@@ -39,19 +39,29 @@ impl Assumption {
         );
         assume(
             Evidence::Modelled,
-            "Exposure runs while the array works; the readout comes after both and holds up the next frame.".to_owned(),
+            match question.order {
+                ReadoutOrder::Overlapped => "The photodiodes integrate on while the array works and while events are read (--readout overlapped): a frame takes the longer of exposure, and array then readout.",
+                ReadoutOrder::Sequential => "Exposure runs while the array works; the readout comes after both and holds up the next frame (--readout sequential).",
+            }.to_owned(),
         );
         assume(
             Evidence::Modelled,
-            "The chip's errors are one drawn chip (the seed): transfer, division and mismatch fitted to the one public measurement of SCAMP-5, noise and decay as its data say. Another seed is another chip.".to_owned(),
+            "The readout is the cheapest that loses none of this scene's events: slots for its busiest frame, or whole bit planes. Another scene may need more.".to_owned(),
+        );
+        assume(
+            Evidence::Guess,
+            format!(
+                "One chip is that of the seed, with the values of the chip's data. {} more are drawn from the intervals that the public data allow, each number independently of the others, with mismatch and noise of its own.",
+                question.chips
+            ),
         );
         assume(
             Evidence::Modelled,
             "An event costs one address word: row, column and sign. Time is arrival and costs nothing.".to_owned(),
         );
         assume(
-            Evidence::Quoted,
-            "Power is that of the chip at its full instruction rate; what it takes when it waits is not public. 180 nm numbers of 2013 do not predict a modern stacked part.".to_owned(),
+            Evidence::Modelled,
+            "A word takes the energy that it takes at the full instruction rate. What the array takes when it waits, what a scan takes and what the host takes is not public, and in no sum. 180 nm numbers of 2013 do not predict a modern stacked part.".to_owned(),
         );
         assume(
             Evidence::Guess,

@@ -2,10 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{
-    estimate::{Estimate, weakest},
-    time::Time,
-};
+use super::{estimate::Estimate, named::Named, time::Time};
 use crate::{
     compile::SensorProgram,
     isa::{Analog, Device, Evidence, Figure},
@@ -52,6 +49,8 @@ pub struct Noise {
     pub threshold_lsb: f64,
     /// The threshold over the noise of a difference of two frames; none without noise.
     pub margin: Option<f64>,
+    /// The same at the most noise that the public data allow.
+    pub least_margin: Option<f64>,
     /// Transfer errors of one store that stay in the result.
     pub offset_stores: f64,
 }
@@ -101,33 +100,40 @@ fn registers(code: &Code, device: &Device) -> usize {
 impl Noise {
     fn new(program: &SensorProgram, device: &Device, threshold_lsb: f64) -> Self {
         let filter = &program.filter;
-        let of = filter.noise(device, Analog(0), MIDDLE, &program.drives);
-        let (temporal, fixed) = of.first().map_or((0.0, 0.0), |n| (n.temporal, n.fixed));
-        let evidence = |figures: &[Figure]| {
-            let known = figures.iter().map(|figure| device.figure(*figure).evidence);
-            weakest(known.chain([Evidence::Modelled]))
+        let of = |device: &Device| {
+            let of = filter.noise(device, Analog(0), MIDDLE, &program.drives);
+            of.first().map_or((0.0, 0.0), |n| (n.temporal, n.fixed))
         };
+        let (temporal, fixed) = of(device);
+        let noisiest = Named::Figure(Figure::StoreNoise).ends(device)[1];
+        let noisiest = device.clone().what_if(Figure::StoreNoise, noisiest);
+        let noisiest = noisiest.map_or(temporal, |device| of(&device).0);
+        let made_of = |value, figures: &[Figure], source: &str| {
+            let one = Estimate::one(value, "LSB", Evidence::Modelled, source);
+            let figures: Vec<Named> = figures.iter().copied().map(Named::Figure).collect();
+            one.made_of(device, &figures)
+        };
+        // A decision takes the difference of two frames.
+        let margin = |temporal: f64| threshold_lsb / (2f64.sqrt() * temporal);
         Self {
             at_lsb: MIDDLE,
-            temporal: Estimate::one(
+            temporal: made_of(
                 temporal,
-                "LSB",
-                evidence(&[Figure::StoreNoise]),
-                "noise of every store, to first order",
+                &[Figure::StoreNoise],
+                "noise of every store, to first order, at the value of the chip's data",
             ),
-            fixed: Estimate::one(
+            fixed: made_of(
                 fixed,
-                "LSB",
-                evidence(&[
+                &[
                     Figure::GainMismatch,
                     Figure::OffsetMismatch,
                     Figure::DivisionMismatch,
-                ]),
-                "mismatch of every store and of every bus that splits, to first order",
+                ],
+                "mismatch of every store and of every bus that splits, to first order, at the values of the chip's data",
             ),
             threshold_lsb,
-            // A decision takes the difference of two frames.
-            margin: (temporal > 0.0).then(|| threshold_lsb / (2f64.sqrt() * temporal)),
+            margin: (temporal > 0.0).then(|| margin(temporal)),
+            least_margin: (noisiest > 0.0).then(|| margin(noisiest)),
             offset_stores: filter.offsets.first().copied().unwrap_or(0.0),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::{FeasibilityError, Question};
 use crate::{
+    event::Packet,
     kernel::quantise::{Quantised, Quantiser},
     scene::{Frame, Scene, SceneError},
     study::{
@@ -12,6 +13,14 @@ use crate::{
 
 /// Scores closer than this are a tie: then fewer words win.
 const ALIKE: f64 = 0.005;
+
+/// The table of candidates.
+pub(super) struct Table {
+    /// A row for each.
+    pub rows: Vec<(Quantiser, Row)>,
+    /// What the float sensors said that all were judged by: the reference, and the ladder's.
+    pub floats: Vec<Packet>,
+}
 
 impl Question<'_> {
     /// What was asked for, else the first candidate that the kernel is to be had in.
@@ -34,7 +43,7 @@ impl Question<'_> {
         &self,
         open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
         seen: &mut dyn FnMut(&Frame),
-    ) -> Result<Vec<(Quantiser, Row)>, FeasibilityError> {
+    ) -> Result<Table, FeasibilityError> {
         let mut all = self.candidates.to_vec();
         all.extend(self.to.filter(|to| !all.contains(to)));
         let table = quantisation::Question {
@@ -47,8 +56,11 @@ impl Question<'_> {
             seed: self.seed,
             within: self.within,
         };
-        let rows = quantisation::ask(&table, open, seen)?.rows;
-        Ok(all.into_iter().zip(rows).collect())
+        let (answer, floats) = quantisation::ask_keeping(&table, open, seen)?;
+        Ok(Table {
+            rows: all.into_iter().zip(answer.rows).collect(),
+            floats,
+        })
     }
 
     /// The row that keeps most with the chip's errors, of those that score alike the one with

@@ -2,9 +2,13 @@
 
 use crate::{
     compare::CompareError,
+    isa::FigureError,
     rig::RigError,
     scene::SceneError,
-    study::{design::DesignError, quantisation::QuantisationError, waterfall::WaterfallError},
+    study::{
+        design::DesignError, equivalent::EquivalentError, quantisation::QuantisationError,
+        waterfall::WaterfallError,
+    },
 };
 
 /// Why there is no answer.
@@ -30,6 +34,14 @@ pub enum FeasibilityError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Waterfall(#[from] WaterfallError),
+    /// Nothing to be told of thresholds.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Equivalent(#[from] EquivalentError),
+    /// A drawn number makes no sense.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Figure(#[from] FigureError),
     /// Packets of one scene that do not compare.
     #[error(transparent)]
     #[diagnostic(transparent)]

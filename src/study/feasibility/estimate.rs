@@ -1,5 +1,6 @@
 //! A number about hardware, with its unit, its source and how well it is known.
 
+use super::named::Named;
 use crate::isa::{Device, Evidence, Figure, Quantity};
 
 /// A number, or an interval where more is not known.
@@ -15,6 +16,9 @@ pub struct Estimate {
     pub evidence: Evidence,
     /// Who says so, or what it is made of.
     pub source: String,
+    /// The chip's numbers that it is made of, by the names that `figures` has them under.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<String>,
 }
 
 impl Estimate {
@@ -41,6 +45,7 @@ impl Estimate {
             unit,
             evidence,
             source: source.into(),
+            inputs: Vec::new(),
         }
     }
 
@@ -52,43 +57,79 @@ impl Estimate {
             evidence,
             ..
         } = device.figure(figure);
-        Self::one(*value, figure.unit(), *evidence, source.clone())
+        let mut one = Self::one(*value, figure.unit(), *evidence, source.clone());
+        one.inputs.push(Named::Figure(figure).name());
+        one
+    }
+
+    /// What is made of numbers of the chip, of which each lies in its interval: no better known
+    /// than the weakest of them.
+    pub(super) fn made_of(mut self, device: &Device, figures: &[Named]) -> Self {
+        for named in figures {
+            if let Some(quantity) = named.quantity(device) {
+                self.evidence = Evidence::weakest([self.evidence, quantity.interval_evidence()]);
+                let name = named.name();
+                if !self.inputs.contains(&name) {
+                    self.inputs.push(name);
+                }
+            }
+        }
+        self
+    }
+
+    /// What is made of another number: no better known than that, and of the same figures.
+    pub(super) fn with(mut self, other: &Self) -> Self {
+        self.evidence = Evidence::weakest([self.evidence, other.evidence]);
+        for name in &other.inputs {
+            if !self.inputs.contains(name) {
+                self.inputs.push(name.clone());
+            }
+        }
+        self
     }
 
     /// Both ends times a factor, in another unit.
     pub(super) fn times(&self, factor: f64, unit: &'static str, source: impl Into<String>) -> Self {
-        Self::between(
-            [self.low * factor, self.high * factor],
-            unit,
-            self.evidence,
-            source,
-        )
+        let ends = [self.low * factor, self.high * factor];
+        Self::between(ends, unit, self.evidence, source).with(self)
+    }
+
+    /// Both ends.
+    #[must_use]
+    pub const fn ends(&self) -> [f64; 2] {
+        [self.low, self.high]
     }
 }
 
-/// The weakest of some evidences.
-pub(super) fn weakest(of: impl IntoIterator<Item = Evidence>) -> Evidence {
-    let rank = |evidence: &Evidence| match evidence {
-        Evidence::Measured => 0,
-        Evidence::Quoted => 1,
-        Evidence::Modelled => 2,
-        Evidence::Guess => 3,
+impl std::fmt::Display for Estimate {
+    /// `19.0 us`, `19.0 to 62.7 us`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (low, high) = (short(self.low), short(self.high));
+        match (low == high, self.unit) {
+            (true, "1") => write!(f, "{low}"),
+            (true, unit) => write!(f, "{low} {unit}"),
+            (false, "1") => write!(f, "{low} to {high}"),
+            (false, unit) => write!(f, "{low} to {high} {unit}"),
+        }
+    }
+}
+
+/// A number with three digits that count, or all of a whole one.
+pub(super) fn short(value: f64) -> String {
+    let decimals = match value.abs() {
+        0.0 => 0,
+        size if size >= 100.0 => 0,
+        size if size >= 10.0 => 1,
+        size if size >= 1.0 => 2,
+        size if size >= 0.01 => 4,
+        _ => return format!("{value:.2e}"),
     };
-    of.into_iter().max_by_key(rank).unwrap_or(Evidence::Guess)
+    format!("{value:.decimals$}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_chain_is_as_strong_as_its_weakest_link() {
-        use Evidence::{Guess, Measured, Modelled, Quoted};
-        assert_eq!(weakest([Measured, Quoted]), Quoted);
-        assert_eq!(weakest([Modelled, Measured, Quoted]), Modelled);
-        assert_eq!(weakest([Guess, Modelled]), Guess);
-        assert_eq!(weakest([]), Guess);
-    }
 
     #[test]
     fn a_figure_keeps_what_the_chip_s_data_says_of_it() {
@@ -99,5 +140,36 @@ mod tests {
         assert!(power.source.contains("535 GOPS/W"));
         let half = power.times(500.0, "mW", "half of it");
         assert_eq!((half.low, half.unit), (600.0, "mW"));
+        assert_eq!(half.inputs, ["clock.power"]);
+    }
+
+    #[test]
+    fn what_is_made_of_a_guess_is_one() {
+        let device = Device::scamp5();
+        let plain = || Estimate::one(1.0, "us", Evidence::Measured, "test");
+        let clock = Named::Figure(Figure::Clock);
+        let launch = Named::Figure(Figure::Launch);
+        assert_eq!(
+            plain().made_of(&device, &[clock]).evidence,
+            Evidence::Quoted
+        );
+        let made = plain().made_of(&device, &[clock, launch]);
+        assert_eq!(made.evidence, Evidence::Guess);
+        assert_eq!(made.inputs, ["clock.rate", "clock.launch"]);
+        let of_it = plain().with(&made);
+        assert_eq!(
+            (of_it.evidence, of_it.inputs),
+            (Evidence::Guess, made.inputs)
+        );
+    }
+
+    #[test]
+    fn intervals_as_text() {
+        let text = |low, high, unit| {
+            Estimate::between([low, high], unit, Evidence::Guess, "test").to_string()
+        };
+        assert_eq!(text(19.0, 62.7, "us"), "19.0 to 62.7 us");
+        assert_eq!(text(0.05, 0.05, "1"), "0.0500");
+        assert_eq!(text(0.0, 1200.0, "mW"), "0 to 1200 mW");
     }
 }

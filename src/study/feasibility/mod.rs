@@ -3,7 +3,9 @@
 //! One scene, watched by the float sensor, by a plain DVS at the same threshold, and by the
 //! compiled program on the array, without the chip's errors and with them. Besides: the program
 //! store, registers and time; the kernel in other few values; a resistor mesh instead; power and
-//! link as intervals. [`verdict`] says in words what the numbers say, by rules that it states.
+//! link as intervals. What the public data leave open is drawn, not fixed: [`chips`] runs the
+//! program on chips whose numbers lie where the data allow them. [`verdict`] says in words what
+//! the numbers say, by rules that it states; [`mod@explain`] says what a number is made of.
 //!
 //! `docs/feasibility.md` derives every number; [`report`](super::report) makes a page of it.
 
@@ -11,11 +13,16 @@ mod answer;
 mod ask;
 mod assumption;
 pub mod chip;
+pub mod chips;
 mod choice;
+mod draw;
 mod error;
 pub mod estimate;
+pub mod explain;
+pub mod named;
 pub mod power;
 mod question;
+pub mod readout;
 mod runs;
 mod snapshot;
 pub mod stream;
@@ -28,6 +35,7 @@ pub use ask::ask;
 pub use assumption::Assumption;
 pub use error::FeasibilityError;
 pub use estimate::Estimate;
+pub use explain::explain;
 pub use question::Question;
 pub use snapshot::Snapshot;
 pub use stream::Stream;

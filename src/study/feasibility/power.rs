@@ -1,61 +1,158 @@
-//! Power and link, as intervals: nobody has published what the chip takes when it waits.
+//! Power in parts: what is known of each as an interval, and what is not known alone.
 
-use super::{
-    Stream,
-    estimate::{Estimate, weakest},
-};
+use super::{Stream, estimate::Estimate, named::Named, time::Time};
 use crate::{
     event::readout::Frame,
     isa::{Device, Evidence, Figure},
     plane::Size,
-    program::Cost,
 };
 
-/// Electrical power of the array and of the link, at the frame rate that was asked for.
+/// Electrical power at the frame rate that was asked for, part by part.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Power {
     /// Share of the time in which the array runs words.
-    pub busy: f64,
-    /// Of the array: from none while it waits to full power all the time.
-    pub array: Estimate,
-    /// The same, were the quoted power wrong by a factor of two either way.
-    pub array_doubtful: Estimate,
-    /// Of the array, for one frame.
+    pub share: Estimate,
+    /// The array while it runs words.
+    pub busy: Part,
+    /// The array while it waits.
+    pub idle: Part,
+    /// The periphery that finds and reads events.
+    pub readout: Part,
+    /// The link, with the energy of a bit that was given.
+    pub link: Part,
+    /// The micro-controller beside the array.
+    pub host: Part,
+    /// The parts that are known together: the array while it is busy, and the link.
+    pub known: Estimate,
+    /// Energy of the known parts for one frame.
     pub frame: Estimate,
-    /// Of the array, for one event of the chip; none without events.
+    /// Energy of the known parts for one event of the chip; none without events.
     pub event: Option<Estimate>,
+}
+
+/// One part of the power.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Part {
+    /// What it is.
+    pub what: &'static str,
+    /// Its power; none where it is not known.
+    pub power: Option<Estimate>,
+    /// What it cannot be more than, where that is known and the power is not.
+    pub at_most: Option<Estimate>,
+    /// What is known of it, and what is not.
+    pub says: &'static str,
+}
+
+/// What the power of a program is made of.
+pub(super) struct Load<'a> {
+    /// Instruction words of a frame.
+    pub words: f64,
+    /// Times of a frame.
+    pub time: &'a Time,
+    /// Frames a second that were asked for.
+    pub fps: f64,
+    /// Events a second of the chip; none in a scene without duration.
+    pub events_s: Option<f64>,
+    /// Thousands of bits a second on the link.
+    pub kbit_s: Option<f64>,
+    /// Energy of a bit on the link.
+    pub bit: &'a Estimate,
 }
 
 impl Power {
     /// Of a program at a frame rate.
-    pub(super) fn new(cost: &Cost, device: &Device, fps: f64, events_s: Option<f64>) -> Self {
-        let full = Estimate::figure(device, Figure::Power);
-        let busy = (cost.array_us * 1e-6 * fps).min(1.0);
-        let evidence = weakest([full.evidence, Evidence::Modelled]);
-        let watts = [busy * full.low, full.high];
-        let array = Estimate::between(
-            watts.map(|w| w * 1e3),
+    pub(super) fn new(load: &Load<'_>, device: &Device) -> Self {
+        let Load { words, fps, .. } = *load;
+        let full = Named::Figure(Figure::Power);
+        let clock = Named::Figure(Figure::Clock);
+        let [_, peak] = clock.ends(device);
+        // Words cannot run for more than all of the time.
+        let share = load.time.array.ends().map(|us| (us * 1e-6 * fps).min(1.0));
+        let share = Estimate::between(
+            share,
+            "1",
+            Evidence::Measured,
+            "time of the array a frame x frames/s",
+        )
+        .with(&load.time.array);
+        let worked = (words / peak * 1e-6 * fps).min(1.0);
+        let busy = Estimate::between(
+            full.ends(device).map(|watts| watts * worked * 1e3),
             "mW",
-            evidence,
-            format!(
-                "{} W ({}) while the array is busy, or all the time; idle power is not public",
-                full.low, full.source
-            ),
+            Evidence::Modelled,
+            "energy of a word (full power / the highest clock) x words a frame x frames/s",
+        )
+        .made_of(device, &[full, clock]);
+        let [_, most] = full.ends(device);
+        let idle = Estimate::between(
+            [0.0, most * (1.0 - worked) * 1e3],
+            "mW",
+            Evidence::Modelled,
+            "full power for the rest of the time, which no array that waits takes",
+        )
+        .made_of(device, &[full, clock]);
+        let link = load.kbit_s.map(|kbit_s| {
+            let what = "bits a second x energy of a bit";
+            load.bit.times(kbit_s * 1e-6, "mW", what)
+        });
+        let ends = link.as_ref().map_or([0.0; 2], Estimate::ends);
+        let known = Estimate::between(
+            [busy.low + ends[0], busy.high + ends[1]],
+            "mW",
+            Evidence::Modelled,
+            "the array while it is busy, and the link; without what is not known",
         );
+        let known = link.iter().fold(known.with(&busy), Estimate::with);
         Self {
-            busy,
-            array_doubtful: Estimate::between(
-                [array.low / 2.0, array.high * 2.0],
-                "mW",
-                evidence,
-                "the interval above, halved and doubled",
-            ),
-            frame: array.times(1e3 / fps, "uJ", "power / frame rate"),
-            event: events_s
+            share,
+            busy: Part {
+                what: "array, busy",
+                power: Some(busy),
+                at_most: None,
+                says: "A word takes the energy that it takes at the peak rate, however long the host needs to launch it.",
+            },
+            idle: Part {
+                what: "array, idle",
+                power: None,
+                at_most: Some(idle),
+                says: "Not known: nobody states what the array takes while it waits.",
+            },
+            readout: Part {
+                what: "readout",
+                power: None,
+                at_most: None,
+                says: "Not known: nobody states what a scan takes.",
+            },
+            link: Part {
+                what: "link",
+                power: link,
+                at_most: None,
+                says: "Addresses of all events, each bit with the energy that was given.",
+            },
+            host: Part {
+                what: "host",
+                power: None,
+                at_most: None,
+                says: "Not known: a micro-controller of two cores, outside the array. A whole system, array and host, took 1.58 W at 2260 frames/s (ANET).",
+            },
+            frame: known.times(1e3 / fps, "uJ", "known power / frame rate"),
+            event: { load.events_s }
                 .filter(|rate| *rate > 0.0)
-                .map(|rate| array.times(1e6 / rate, "nJ", "power / events of the chip a second")),
-            array,
+                .map(|rate| known.times(1e6 / rate, "nJ", "known power / events a second")),
+            known,
         }
+    }
+
+    /// Its parts, from the array outwards.
+    #[must_use]
+    pub const fn parts(&self) -> [&Part; 5] {
+        [
+            &self.busy,
+            &self.idle,
+            &self.readout,
+            &self.link,
+            &self.host,
+        ]
     }
 }
 
@@ -113,26 +210,70 @@ impl Link {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::unit::Words;
+    use crate::{
+        event::Packet,
+        study::feasibility::{
+            readout::{Busy, ReadoutOrder, Scans},
+            time::{Parts, Words},
+        },
+    };
+
+    fn power(words: f64, fps: f64, events_s: Option<f64>, kbit_s: Option<f64>) -> Power {
+        let device = Device::scamp5();
+        let time = Time::new(&Parts {
+            words: Words::new(&[], &device).unwrap(),
+            scans: Scans::new(&[], &device, 1),
+            busy: &Busy::new(&Packet::new(Size::new(1, 1), 1), 1),
+            exposure: None,
+            order: ReadoutOrder::Overlapped,
+            fps,
+            device: &device,
+        });
+        let bit = Estimate::between([1.0, 20.0], "pJ", Evidence::Guess, "test");
+        let load = Load {
+            words,
+            time: &time,
+            fps,
+            events_s,
+            kbit_s,
+            bit: &bit,
+        };
+        Power::new(&load, &device)
+    }
+
+    #[track_caller]
+    fn near(got: f64, want: f64) {
+        assert!((got - want).abs() <= 1e-9 * want.abs(), "{got}, not {want}");
+    }
 
     #[test]
-    fn power_lies_between_busy_time_and_all_the_time() {
-        let cost = Cost {
-            words: Words(100),
-            array_us: 10.0,
-            host_us: 500.0,
-        };
-        let power = Power::new(&cost, &Device::scamp5(), 1000.0, Some(2000.0));
-        assert!((power.busy - 0.01).abs() < 1e-12);
-        assert!((power.array.low - 12.0).abs() < 1e-9 && (power.array.high - 1200.0).abs() < 1e-9);
-        // 12 uJ a frame of 1 ms, 6 uJ an event at two a frame.
-        assert!((power.frame.low - 12.0).abs() < 1e-9);
-        assert!((power.event.unwrap().low - 6000.0).abs() < 1e-6);
-        assert_eq!(power.array.evidence, Evidence::Modelled);
-        assert!((power.array_doubtful.high - 2400.0).abs() < 1e-9);
-        // Never more than full power, however fast it is asked to be.
-        let fast = Power::new(&cost, &Device::scamp5(), 1e9, None);
-        assert!((fast.array.low - fast.array.high).abs() < 1e-9 && fast.event.is_none());
+    fn what_is_known_is_added_and_what_is_not_stands_alone() {
+        let power = power(100.0, 1000.0, Some(2000.0), Some(50.0));
+        // 0.12 to 0.158 uJ a word: 12 to 15.8 mW.
+        let busy = power.busy.power.as_ref().unwrap();
+        near(busy.low, 12.0);
+        near(busy.high, 15.8);
+        assert_eq!(busy.evidence, Evidence::Modelled);
+        // 50 kbit/s of 1 to 20 pJ: 50 nW to 1 uW.
+        let link = power.link.power.as_ref().unwrap();
+        near(link.low, 5e-5);
+        near(link.high, 1e-3);
+        near(power.known.low, 12.0 + 5e-5);
+        assert_eq!(power.known.evidence, Evidence::Guess);
+        for part in [&power.idle, &power.readout, &power.host] {
+            assert!(part.power.is_none() && part.says.starts_with("Not known"));
+        }
+        near(power.idle.at_most.as_ref().unwrap().high, 1580.0 * 0.99);
+        // A frame of 1 ms; two events a frame.
+        near(power.frame.high, power.known.high);
+        near(power.event.as_ref().unwrap().low, power.known.low * 500.0);
+    }
+
+    #[test]
+    fn words_run_for_all_of_the_time_at_most() {
+        let power = power(100.0, 1e9, None, None);
+        near(power.busy.power.unwrap().low, 1200.0);
+        assert!(power.event.is_none() && power.link.power.is_none());
     }
 
     #[test]

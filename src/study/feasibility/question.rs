@@ -1,5 +1,6 @@
 //! The question.
 
+use super::readout::ReadoutOrder;
 use crate::{
     compile::Effort,
     event::readout::Readout,
@@ -30,6 +31,8 @@ pub struct Question<'a> {
     pub device: &'a Device,
     /// How long each frame is exposed, where that is known.
     pub exposure: Option<Micros>,
+    /// Whether the next frame is exposed while events are read.
+    pub order: ReadoutOrder,
     /// Energy of a bit on the link, pJ: the least and the most.
     pub link: [f64; 2],
     /// How long to search for each program.
@@ -40,6 +43,8 @@ pub struct Question<'a> {
     pub readout: Readout,
     /// Events of one pixel and sign that are closer than this match.
     pub within: Micros,
+    /// Chips that are drawn from what the public data allow; at least one.
+    pub chips: u64,
     /// What the scene is called.
     pub scene: &'a str,
     /// The command that asks all this.

@@ -14,15 +14,23 @@ use crate::{
     },
     scene::{Frame, Scene},
     sensor::Sensor,
-    study::design::{Compiled, Design},
+    study::{
+        design::{Compiled, Design},
+        equivalent::{self, Ladder, Likeness},
+    },
     unit::Micros,
 };
 
+/// The memory of all sensors: a chip has one shot a frame, and its memory snaps.
+pub(super) const MEMORY: MemoryRule = MemoryRule::FilteredSnap;
+
 impl Question<'_> {
-    /// Shows the scene to the float sensor, to a plain DVS, and to the program's chips.
+    /// Shows the scene to a plain DVS and to the program's chips; what the float sensor said of
+    /// it is known.
     pub(super) fn watch(
         &self,
         design: &Design<'_>,
+        float: Packet,
         program: Option<&Compiled>,
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(&Frame),
@@ -33,9 +41,7 @@ impl Question<'_> {
             kernel: &alone,
             ..*design
         };
-        let float =
-            |design: &Design<'_>| design.reference(size, MemoryRule::FilteredSnap, Format::F64);
-        let (mut float, mut dvs) = (float(design)?, float(&plain)?);
+        let mut dvs = plain.reference(size, MEMORY, Format::F64)?;
         let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
         if let Some(program) = program {
             let silicon = Arithmetic::Silicon { seed: self.seed };
@@ -43,7 +49,7 @@ impl Question<'_> {
                 chips.push(program.chip(arithmetic, size, program.settings())?);
             }
         }
-        let mut sensors: Vec<&mut (dyn Sensor + Send)> = vec![&mut float, &mut dvs];
+        let mut sensors: Vec<&mut (dyn Sensor + Send)> = vec![&mut dvs];
         sensors.extend(
             chips
                 .iter_mut()
@@ -57,19 +63,18 @@ impl Question<'_> {
         })?;
         let mut packets = packets.into_iter();
         let mut next = || packets.next();
-        let empty = || Packet::new(size, 1);
-        let mut said = Runs {
-            float: next().unwrap_or_else(empty),
-            dvs: next().unwrap_or_else(empty),
+        let mut runs = Runs {
+            float,
+            dvs: next().unwrap_or_else(|| Packet::new(size, 1)),
             exact: next(),
             silicon: next(),
             warnings: Vec::new(),
         };
         let judged = [
-            ("the float sensor", Some(&said.float)),
-            ("the plain DVS", Some(&said.dvs)),
-            ("the program, no errors", said.exact.as_ref()),
-            ("the program on the chip", said.silicon.as_ref()),
+            ("the float sensor", Some(&runs.float)),
+            ("the plain DVS", Some(&runs.dvs)),
+            ("the program, no errors", runs.exact.as_ref()),
+            ("the program on the chip", runs.silicon.as_ref()),
         ];
         for (subject, packet) in judged {
             if let Some(packet) = packet {
@@ -86,8 +91,8 @@ impl Question<'_> {
                 guard.warn(Warning::saturation(subject, &place, counted, at.ends));
             }
         }
-        said.warnings = guard.warnings();
-        Ok((said, frames))
+        runs.warnings = guard.warnings();
+        Ok((runs, frames))
     }
 }
 
@@ -107,18 +112,42 @@ pub(super) struct Runs {
 }
 
 impl Runs {
-    pub fn streams(&self, question: &Question<'_>, fps: f64) -> Result<Streams, FeasibilityError> {
+    /// All packets in numbers, judged by the ladder and tuned to equal events; the scene is
+    /// shown once more for that.
+    pub fn streams(
+        &self,
+        question: &Question<'_>,
+        design: &Design<'_>,
+        ladder: &Ladder,
+        scene: &mut dyn Scene,
+        seen: &mut dyn FnMut(&Frame),
+    ) -> Result<Streams, FeasibilityError> {
         let window = Window {
             within: question.within,
-            frame: Micros::from_seconds(1.0 / fps),
+            frame: Micros::from_seconds(1.0 / scene.fps()),
             seed: question.seed,
         };
-        let judged = |packet: &Packet| Stream::new(packet, Some(&self.float), &window);
+        let packets = [Some(&self.dvs), self.exact.as_ref(), self.silicon.as_ref()];
+        let packets: Vec<&Packet> = packets.into_iter().flatten().collect();
+        let mut judged: Vec<Likeness> = Vec::new();
+        for packet in &packets {
+            judged.push(ladder.judge(packet)?);
+        }
+        let mut pairs: Vec<_> = packets.iter().copied().zip(&mut judged).collect();
+        equivalent::tune(ladder, design, MEMORY, scene, &mut pairs, seen)?;
+        let mut judged = packets.into_iter().zip(judged);
+        let mut next = || {
+            let (packet, likeness) = judged.next()?;
+            Some(Stream::new(packet, Some((&self.float, likeness)), &window))
+        };
         Ok(Streams {
             float: Stream::new(&self.float, None, &window)?,
-            dvs: judged(&self.dvs)?,
-            exact: self.exact.as_ref().map(judged).transpose()?,
-            silicon: self.silicon.as_ref().map(judged).transpose()?,
+            dvs: match next() {
+                Some(dvs) => dvs?,
+                None => Stream::new(&self.dvs, None, &window)?,
+            },
+            exact: next().transpose()?,
+            silicon: next().transpose()?,
         })
     }
 }

@@ -11,6 +11,7 @@ use crate::{
         address::{self, AddressWord},
         codec::Rate,
     },
+    study::{equivalent::Likeness, quantisation::Headline},
     unit::Micros,
 };
 
@@ -42,6 +43,12 @@ pub struct Stream {
 /// Events against the float sensor's.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Judged {
+    /// What is kept, at which window and frame rate, and the change of threshold that costs as
+    /// much.
+    #[serde(flatten)]
+    pub headline: Headline,
+    /// The same with what it is made of, and against a float sensor of as many events.
+    pub likeness: Likeness,
     /// Share of its events that the float sensor has too.
     pub precision: Scored,
     /// Share of the float sensor's events that it has.
@@ -80,7 +87,7 @@ impl Stream {
     /// A packet, and how it scores against the float sensor's, where it is another's.
     pub(super) fn new(
         packet: &Packet,
-        float: Option<&Packet>,
+        float: Option<(&Packet, Likeness)>,
         window: &Window,
     ) -> Result<Self, FeasibilityError> {
         let word = AddressWord::new(packet.size, packet.channels).bits();
@@ -102,7 +109,7 @@ impl Stream {
             mean_kbit_s: rate.mean.map(|bits| bits / 1e3),
             peak_kbit_s: rate.peak / 1e3,
             judged: match float {
-                Some(float) => Some(Judged::new(float, packet, window)?),
+                Some((float, likeness)) => Some(Judged::new(float, packet, likeness, window)?),
                 None => None,
             },
         })
@@ -110,7 +117,12 @@ impl Stream {
 }
 
 impl Judged {
-    fn new(float: &Packet, packet: &Packet, window: &Window) -> Result<Self, FeasibilityError> {
+    fn new(
+        float: &Packet,
+        packet: &Packet,
+        likeness: Likeness,
+        window: &Window,
+    ) -> Result<Self, FeasibilityError> {
         let pair = Pair::new(float, packet)?;
         let scales = Scales {
             within: vec![window.within, window.frame],
@@ -130,6 +142,8 @@ impl Judged {
             )
         };
         Ok(Self {
+            headline: likeness.into(),
+            likeness,
             precision: scored(matching::PRECISION.at(window.within)),
             recall: scored(matching::RECALL.at(window.within)),
             f1: scored(matching::F1.at(window.within)),
@@ -155,20 +169,10 @@ impl Scored {
     }
 }
 
-/// The most events of one sign in one frame: the slots that its readout needs.
-pub(super) fn most_in_a_frame(packet: &Packet) -> u64 {
-    let frames = packet.events.chunk_by(|a, b| a.t == b.t);
-    let most = frames.map(|frame| {
-        let on = frame.iter().filter(|e| e.polarity == Polarity::On).count();
-        on.max(frame.len() - on)
-    });
-    most.max().unwrap_or(0) as u64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{event::Event, plane::Size};
+    use crate::{event::Event, plane::Size, study::equivalent::Ladder};
 
     fn packet(events: &[(u64, u16, Polarity)]) -> Packet {
         let mut packet = Packet::new(Size::new(4, 4), 1);
@@ -203,7 +207,14 @@ mod tests {
         assert_eq!(stream.per_pixel_s, Some(4.0 / 32.0));
         assert!((stream.peak_kbit_s - 15.0).abs() < 1e-9);
         assert!(stream.judged.is_none());
-        assert_eq!(most_in_a_frame(&packet), 2);
+    }
+
+    /// Judged by a ladder of thresholds, of which this packet has none.
+    fn judged(float: &Packet, packet: &Packet) -> Judged {
+        let ladder = Ladder::new(float.clone(), &[], WINDOW.within, 1000.0, WINDOW.seed).unwrap();
+        let likeness = ladder.judge(packet).unwrap();
+        let stream = Stream::new(packet, Some((float, likeness)), &WINDOW);
+        stream.unwrap().judged.unwrap()
     }
 
     #[test]
@@ -211,14 +222,17 @@ mod tests {
         use Polarity::On;
         let all: Vec<_> = (1..40).map(|i| (i * 1000, (i % 4) as u16, On)).collect();
         let float = packet(&all);
-        let own = Stream::new(&float, Some(&float), &WINDOW).unwrap();
-        let own = own.judged.unwrap();
+        let own = judged(&float, &float);
         assert_eq!((own.f1.value, own.f1.ceiling, own.f1.kept), (1.0, 1.0, 1.0));
         assert!(own.f1.floor < 1.0);
+        assert_eq!(
+            (own.headline.kept, own.headline.window_us),
+            (1.0, Micros(10))
+        );
         let late: Vec<_> = all.iter().map(|(t, x, p)| (t + 900, *x, *p)).collect();
-        let late = Stream::new(&packet(&late), Some(&float), &WINDOW).unwrap();
-        let late = late.judged.unwrap();
+        let late = judged(&float, &packet(&late));
         assert_eq!((late.f1.value, late.f1_a_frame_apart.value), (0.0, 1.0));
         assert_eq!(late.f1.kept, 0.0);
+        assert!(late.headline.kept <= 0.0);
     }
 }

@@ -3,8 +3,18 @@
 //! Every finding names what it is about, the word, the sentence, and the rule that chose the
 //! word. Nothing else goes into the verdict.
 
-use super::{Feasibility, Fit, Stream, chip::OnChip, stream::Judged, time::Binds};
-use crate::study::{quantisation::Outcome, waterfall::Step};
+use super::{
+    Estimate, Feasibility, Fit, Stream,
+    chip::OnChip,
+    chips::{CLEAR_FLOOR, HALF, MOSTLY, can_judge},
+    estimate::short,
+    stream::Judged,
+    time::Binds,
+};
+use crate::{
+    compare::metric::Short,
+    study::{quantisation::Outcome, waterfall::Step},
+};
 
 /// The verdict: a headline, and a sentence for each finding.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -32,7 +42,7 @@ pub struct Finding {
 
 /// From which share of the way between floor and ceiling events count as kept, as mostly kept,
 /// and as half kept.
-const KEPT: [f64; 3] = [0.95, 0.80, 0.50];
+const KEPT: [f64; 3] = [0.95, MOSTLY, HALF];
 /// From which ratio of the ceiling to the frame rate there is room to spare.
 const ROOM: f64 = 2.0;
 /// Which ratios of events count as about as many.
@@ -43,8 +53,11 @@ const CLEAR: [f64; 2] = [3.0, 5.0];
 const CARRIED: [f64; 2] = [0.05, 0.20];
 /// The word on fidelity where there is nothing to keep.
 const SILENT: &str = "nothing to keep";
-/// Below which loss of F1 nothing is to be blamed for it.
+/// Below which loss nothing is to be blamed for it.
 const LITTLE: f64 = 0.05;
+/// From which share of the chips it is one of nearly all of them, and up to which one of hardly
+/// any.
+const SHARES: [f64; 2] = [0.9, 0.1];
 
 impl Verdict {
     /// Of all the numbers.
@@ -52,10 +65,15 @@ impl Verdict {
         let mut findings = vec![room(all)];
         let mut speed_word = "";
         let mut kept_word = "";
+        let mut chips_word = "";
         if let Fit::OnChip(chip) = &all.fit {
             let speed = speed(chip, all.scene.fps);
             speed_word = speed.word;
             findings.push(speed);
+        }
+        if let Some(chips) = over_chips(all) {
+            chips_word = chips.word;
+            findings.push(chips);
         }
         if let Some(judged) = all.streams.silicon.as_ref().and_then(|s| s.judged) {
             let kept = kept(&judged, all.streams.float.events);
@@ -75,17 +93,31 @@ impl Verdict {
         }
         findings.extend(mesh(all));
         let fits = findings.first().is_some_and(|room| room.word == "fits");
-        let headline = match (fits, speed_word, kept_word) {
+        let headline = match (fits, speed_word, kept_word, chips_word) {
             (false, ..) => "Does not fit",
-            (true, "too slow", _) => "Fits, but is too slow",
-            (true, _, SILENT) => "Fits, but this scene cannot judge it",
-            (true, _, "kept" | "mostly kept") => "Feasible",
-            (true, _, "half kept") => "Feasible, with loss",
+            (true, "too slow", ..) => "Fits, but is too slow",
+            (true, _, SILENT, _) => "Fits, but this scene cannot judge it",
+            // The stretch that the chips watched may be still where the scene is not.
+            (true, _, "kept" | "mostly kept", "") | (true, _, _, FEASIBLE) => "Feasible",
+            (true, _, "half kept", "") | (true, _, _, WITH_LOSS) => "Feasible, with loss",
+            (true, _, _, IN_SOME) => "Feasible on some of the chips that the public data allow",
             (true, ..) => "Runs, but what comes out is mostly not what the kernel says",
         };
+        // What is drawn is in the headline only where it decided it.
+        let share = all
+            .over_chips
+            .chips_feasible
+            .filter(|_| fits && speed_word != "too slow" && kept_word != SILENT);
+        let share = share.map_or(String::new(), |share| {
+            let (count, chips) = (all.over_chips.count(share), all.over_chips.chips);
+            format!(" (feasible without loss on {count} of {chips} chips)")
+        });
+        let [nearly, hardly] = SHARES.map(percent);
         Self {
-            headline: headline.to_owned(),
-            rule: "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; else by the word on fidelity: kept and mostly kept are feasible, half kept is feasible with loss; without an event to keep the scene cannot judge.".to_owned(),
+            headline: format!("{headline}{share}"),
+            rule: format!(
+                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep, or where accident keeps nearly all, the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are."
+            ),
             findings,
         }
     }
@@ -96,6 +128,66 @@ impl Verdict {
         let all: Vec<&str> = self.findings.iter().map(|f| f.says.as_str()).collect();
         all.join(" ")
     }
+}
+
+/// The words on the chips.
+const FEASIBLE: &str = "nearly all";
+const WITH_LOSS: &str = "nearly all, with loss";
+const IN_SOME: &str = "some";
+
+/// On how many of the chips that the public data allow it is feasible, and what decides.
+fn over_chips(all: &Feasibility) -> Option<Finding> {
+    let over = &all.over_chips;
+    let (clean, with_loss) = (over.chips_feasible?, over.chips_feasible_with_loss?);
+    let ranges = over.ranges.as_ref()?;
+    let [nearly, hardly] = SHARES;
+    let word = if clean >= nearly {
+        FEASIBLE
+    } else if with_loss >= nearly {
+        WITH_LOSS
+    } else if with_loss > hardly {
+        IN_SOME
+    } else {
+        "hardly any"
+    };
+    let decides = { over.tornado.first() }
+        .filter(|turn| turn.swing() >= LITTLE)
+        .map_or(String::new(), |turn| {
+            format!(
+                " What decides is {}: {} to {} {} keep {:.2} to {:.2}, all else as stated.",
+                turn.figure,
+                short(turn.low),
+                short(turn.high),
+                turn.unit,
+                turn.kept_at_low,
+                turn.kept_at_high
+            )
+        });
+    let stretch = { over.stretch.as_ref() }
+        .filter(|stretch| stretch.frames < stretch.of_frames)
+        .map_or(String::new(), |stretch| {
+            format!(
+                " They watched the first {} of {} frames.",
+                stretch.frames, stretch.of_frames
+            )
+        });
+    Some(Finding {
+        about: "chips",
+        word,
+        says: format!(
+            "It is feasible on {} of {} chips that the public data allow, with loss or without on {}; they keep {:.2} to {:.2} (10 to 90 % of them).{decides}{stretch}",
+            over.count(clean),
+            over.chips,
+            over.count(with_loss),
+            ranges.kept.p10,
+            ranges.kept.p90
+        ),
+        rule: format!(
+            "feasible: keeps at least {MOSTLY} and reaches the scene's frame rate; with loss: at least {HALF}. Nearly all: {} of the chips; some: more than {}. What decides is the number that changes most of what is kept from one end of its interval to the other, where that is at least {LITTLE}.",
+            percent(nearly),
+            percent(hardly)
+        ),
+    })
 }
 
 fn percent(part: f64) -> String {
@@ -133,7 +225,7 @@ fn room(all: &Feasibility) -> Finding {
         Fit::OnChip(it) => (
             "fits",
             format!(
-                "{} as {} fits {}: {} words of the {} in its store, {} of {} analogue registers, {:.1} \u{b5}s of the array's time a frame.",
+                "{} as {} fits {}: {} words of the {} in its store, {} of {} analogue registers, {} of the array's time a frame.",
                 all.kernel.name,
                 all.chosen.to,
                 chip.name,
@@ -141,7 +233,7 @@ fn room(all: &Feasibility) -> Finding {
                 it.store.low,
                 it.registers,
                 it.registers_of,
-                it.time.array.high
+                micros(&it.time.array)
             ),
         ),
     };
@@ -153,11 +245,18 @@ fn room(all: &Feasibility) -> Finding {
     }
 }
 
+/// A time as people write it.
+fn micros(time: &Estimate) -> String {
+    time.to_string().replace(" us", " \u{b5}s")
+}
+
 fn speed(chip: &OnChip, fps: f64) -> Finding {
-    let ceiling = chip.time.ceiling.low;
-    let (word, opinion) = if ceiling < fps {
+    let [least, most] = chip.time.ceiling.ends();
+    let (word, opinion) = if most < fps {
         ("too slow", "which is too slow")
-    } else if ceiling < ROOM * fps {
+    } else if least < fps {
+        ("in doubt", "which may be too slow")
+    } else if least < ROOM * fps {
         ("just fast enough", "which is just enough")
     } else {
         ("fast enough", "with room to spare")
@@ -171,35 +270,44 @@ fn speed(chip: &OnChip, fps: f64) -> Finding {
         about: "speed",
         word,
         says: format!(
-            "It reaches {ceiling:.0} frames/s for the {fps} that the scene asks for, {opinion}; {binds}."
+            "It reaches {} for the {fps} that the scene asks for, {opinion}; {binds} ({}, {}).",
+            chip.time.ceiling,
+            chip.time.plan.words(),
+            chip.time.order.name()
         ),
         rule: format!(
-            "too slow: ceiling below the frame rate; just fast enough: below {ROOM} times it; else fast enough. What takes longest of array, exposure and readout binds."
+            "too slow: the highest ceiling that the public data allow is below the frame rate; in doubt: the lowest is; just fast enough: the lowest is below {ROOM} times it; else fast enough. What takes longest of array, exposure and readout binds."
         ),
     }
 }
 
 fn kept(judged: &Judged, float_events: u64) -> Finding {
     let [all, most, half] = KEPT;
-    let f1 = judged.f1;
-    let word = if float_events == 0 {
+    let likeness = &judged.likeness;
+    let word = if float_events == 0 || !can_judge(likeness.floor) {
         SILENT
-    } else if f1.kept >= all {
+    } else if likeness.kept >= all {
         "kept"
-    } else if f1.kept >= most {
+    } else if likeness.kept >= most {
         "mostly kept"
-    } else if f1.kept >= half {
+    } else if likeness.kept >= half {
         "half kept"
     } else {
         "mostly lost"
     };
-    let says = if word == SILENT {
+    let says = if float_events == 0 {
         "The float kernel has no event on this scene, so nothing can be said of fidelity."
             .to_owned()
+    } else if word == SILENT {
+        format!(
+            "Within {} accident alone gives an F1 of {:.3}: the scene is too short for this window, so nothing can be said of fidelity. Give a shorter one (--within), or a longer scene.",
+            Short(likeness.window_us),
+            likeness.floor
+        )
     } else {
         format!(
-            "With the chip's errors the float kernel's events are {word}: F1 is {:.3}, where accident gives {:.3} and perfection {:.0}.",
-            f1.value, f1.floor, f1.ceiling
+            "With the chip's errors, each at the value of the chip's data, the float kernel's events are {word}: {likeness}. F1 is {:.3}, where accident gives {:.3} and perfection 1.",
+            likeness.f1, likeness.floor
         )
     };
     Finding {
@@ -207,15 +315,15 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
         word,
         says,
         rule: format!(
-            "share of the way from floor to ceiling that F1 has gone; kept: from {all}; mostly kept: from {most}; half kept: from {half}; else mostly lost. Nothing to keep: the float kernel has no event."
+            "share of the way from floor to 1 that F1 has gone; kept: from {all}; mostly kept: from {most}; half kept: from {half}; else mostly lost. Nothing to keep: the float kernel has no event, or the floor is above {CLEAR_FLOOR}. The threshold is the change of the float sensor's that costs as much."
         ),
     }
 }
 
 /// Few values, or the chip.
 fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
-    let few = exact.f1.ceiling - exact.f1.value;
-    let chip = exact.f1.value - silicon.f1.value;
+    let few = 1.0 - exact.headline.kept;
+    let chip = exact.headline.kept - silicon.headline.kept;
     let (word, says) = if few.max(chip) < LITTLE {
         (
             "little",
@@ -225,12 +333,12 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         (
             "few values",
             format!(
-                "Most of the loss is the kernel's few values ({few:.3} of F1; the chip's errors take {chip:.3})."
+                "Most of the loss is the kernel's few values ({few:.3} of what is to be kept; the chip's errors take {chip:.3})."
             ),
         )
     } else {
         let better = all.quantisation.iter().filter(|row| match &row.outcome {
-            Outcome::OnChip(other) => other.silicon.f1 > silicon.f1.value + LITTLE,
+            Outcome::OnChip(other) => other.silicon.kept > silicon.headline.kept + LITTLE,
             Outcome::Refused(_) => false,
         });
         let others: Vec<&str> = better.map(|row| row.to.as_str()).collect();
@@ -242,7 +350,7 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         (
             "the chip's errors",
             format!(
-                "Most of the loss is the chip's errors ({chip:.3} of F1; the kernel's few values take {few:.3}){}.{advice}",
+                "Most of the loss is the chip's errors ({chip:.3} of what is to be kept; the kernel's few values take {few:.3}){}.{advice}",
                 largest(all)
             ),
         )
@@ -252,7 +360,7 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         word,
         says,
         rule: format!(
-            "F1 lost from the float kernel to the program without errors, and from there to the chip; the larger is named, where it is at least {LITTLE}. Above all: the step of the chip that changes most events in the waterfall."
+            "What is kept less from the float kernel to the program without errors, and from there to the chip; the larger is named, where it is at least {LITTLE}. Above all: the step of the chip that changes most events in the waterfall."
         ),
     }
 }
@@ -323,8 +431,15 @@ fn noise(chip: &OnChip) -> Option<Finding> {
         about: "noise",
         word,
         says: format!(
-            "The threshold of {:.2} LSB is {says}: {margin:.1} standard deviations of what two frames differ by (modelled, in part a guess).",
-            chip.noise.threshold_lsb
+            "The threshold of {:.2} LSB is {says}: {margin:.1} standard deviations of what two frames differ by{} ({}).",
+            chip.noise.threshold_lsb,
+            chip.noise
+                .least_margin
+                .filter(|least| *least < margin)
+                .map_or(String::new(), |least| format!(
+                    ", {least:.1} at the most noise that the public data allow"
+                )),
+            chip.noise.temporal.evidence.word()
         ),
         rule: format!(
             "threshold over the predicted temporal noise of a difference; clear: from {well}; near: from {least}; else in the noise."

@@ -58,14 +58,16 @@ fn time(chip: &OnChip) -> Markup {
     let time = &chip.time;
     html! {
         (number::row("Time on the array", &at("array"), &time.array))
-        (number::row("Readout, all slots", &at("readout"), &time.readout))
-        (number::row("Readout, slots that the scene needs", &at("readout_of_scene"), &time.readout_of_scene))
+        (number::row(&format!("Readout, {}", time.plan.words()), &at("readout"), &time.readout))
+        @for (i, plan) in time.plans.iter().enumerate().filter(|(_, plan)| !plan.is_chosen) {
+            (number::row(&format!("Readout, {}", plan.plan.words()), &at(&format!("plans/{i}/time")), &plan.time))
+        }
         @if let Some(exposure) = &time.exposure {
             (number::row("Exposure", &at("exposure"), exposure))
         }
         (number::row("Frame rate, at most", &at("ceiling"), &time.ceiling))
-        (number::row("Frame rate, slots that the scene needs", &at("ceiling_of_scene"), &time.ceiling_of_scene))
-        (number::counted("Longest exposure", "that leaves the scene's frame rate, with all slots", &html! {
+        (number::row("Frame rate, all slots of the program", &at("ceiling_as_programmed"), &time.ceiling_as_programmed))
+        (number::counted("Longest exposure", "that leaves the scene's frame rate", &html! {
             (number::maybe(&at("longest_exposure_us"), time.longest_exposure_us)) " \u{b5}s"
         }))
     }

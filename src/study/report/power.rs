@@ -1,4 +1,4 @@
-//! Power of the array and of the link, as intervals.
+//! Power in parts, as intervals.
 
 use maud::{Markup, html};
 
@@ -19,8 +19,8 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                 None => p { "Without a program there is no power to state." },
                 Some(power) => {
                     p { "At " (number::plain("/scene/fps", all.scene.fps)) " frames/s the array runs words for "
-                        (number::plain("/power/busy", power.busy)) " of the time. What the chip takes while it waits is not public, so its power is an interval: from that share of full power to full power all the time. Neither end is a measurement of this program." }
-                    (array(power))
+                        (number::plain("/power/share/low", power.share.low)) " to " (number::plain("/power/share/high", power.share.high)) " of the time. What is not public stands alone and is in no sum." }
+                    (parts(power))
                 }
             }
             (wide("Link", &html! {
@@ -48,19 +48,35 @@ pub(super) fn section(all: &Feasibility) -> Markup {
     )
 }
 
-fn array(power: &Power) -> Markup {
+fn parts(power: &Power) -> Markup {
+    let keys = ["busy", "idle", "readout", "link", "host"];
     wide(
-        "Power of the array",
+        "Power in parts",
         &html! {
             table {
-                caption { "Power and energy of the array" }
+                caption { "Power and energy, part by part" }
                 (number::head())
                 tbody {
-                    (number::row("Power", "/power/array", &power.array))
-                    (number::row("Power, doubted twofold", "/power/array_doubtful", &power.array_doubtful))
-                    (number::row("Energy a frame", "/power/frame", &power.frame))
+                    @for (part, key) in power.parts().into_iter().zip(keys) {
+                        @if let Some(known) = &part.power {
+                            (number::row(part.what, &format!("/power/{key}/power"), known))
+                        } @else {
+                            tr {
+                                th scope="row" { (part.what) span.source { (part.says) } }
+                                td.n {
+                                    span.none { "not known" }
+                                    @if let Some(most) = &part.at_most {
+                                        ", at most " (number::plain(&format!("/power/{key}/at_most/high"), most.high)) " " (number::unit(most.unit))
+                                    }
+                                }
+                                td { @if let Some(most) = &part.at_most { (number::evidence(most.evidence)) } }
+                            }
+                        }
+                    }
+                    (number::row("Known together", "/power/known", &power.known))
+                    (number::row("Energy a frame, known", "/power/frame", &power.frame))
                     @if let Some(event) = &power.event {
-                        (number::row("Energy an event", "/power/event", event))
+                        (number::row("Energy an event, known", "/power/event", event))
                     }
                 }
             }

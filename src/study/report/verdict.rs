@@ -24,11 +24,17 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                         span.of { " frames/s" }
                     }))
                 }
+                @if let Some(share) = all.over_chips.chips_feasible {
+                    (figure("Chips on which it is feasible", &html! {
+                        (number::plain("/chips_feasible", share))
+                        span.of { " of " (number::plain("/chips", all.over_chips.chips as f64)) " that the public data allow" }
+                    }))
+                }
                 @if let Some(silicon) = &all.streams.silicon {
                     @if let Some(judged) = &silicon.judged {
-                        (figure("F1 against the float kernel", &html! {
-                            (number::fixed("/streams/silicon/judged/f1/value", judged.f1.value, 3))
-                            span.of { " from " (number::fixed("/streams/silicon/judged/f1/floor", judged.f1.floor, 3)) " by accident" }
+                        (figure("Kept of the float kernel's events", &html! {
+                            (number::fixed("/streams/silicon/judged/kept", judged.headline.kept, 3))
+                            span.of { ", as a threshold " (judged.likeness.equivalent()) " higher" }
                         }))
                     }
                     (figure("Events", &html! {
@@ -42,10 +48,9 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                     }))
                 }
                 @if let Some(power) = &all.power {
-                    (figure("Power of the array", &html! {
-                        (number::fixed("/power/array/low", power.array.low, 1))
-                        " to " (number::fixed("/power/array/high", power.array.high, 0))
-                        span.of { " mW, modelled" }
+                    (figure("Power that is known", &html! {
+                        (number::known("/power/known", &power.known))
+                        span.of { ", " (power.known.evidence.word()) }
                     }))
                 }
             }

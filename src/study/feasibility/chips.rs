@@ -1,0 +1,621 @@
+//! The program on many chips that the public data allow, and what decides.
+//!
+//! Each chip has its numbers drawn from their intervals ([`draw`](super::draw)) and mismatch of
+//! its own. It watches the scene, or a stated stretch of it, and is judged as the chip of the
+//! seed is: against the float sensor, within the same window, by the same ladder of thresholds.
+//! A chip is *feasible* if it keeps at least [`MOSTLY`] and reaches the frame rate of the scene.
+//!
+//! The tornado turns one number at a time: the chip of the seed with this number at the low and
+//! at the high end of its interval, all others at their values.
+
+use super::{
+    FeasibilityError, Question,
+    draw::Drawn,
+    named::Named,
+    readout::{Busy, Scans},
+    time::Words,
+};
+use crate::{
+    array::{Arithmetic, Array},
+    compare::CompareError,
+    event::Packet,
+    isa::{Device, Evidence, Figure, HostKind},
+    rig,
+    scene::{Frame, Scene, SceneError, part::First},
+    sensor::Sensor,
+    study::{
+        design::Compiled,
+        equivalent::{Ladder, Likeness},
+    },
+    unit::Micros,
+};
+
+/// From what share of the float sensor's events on a chip is feasible: those of the words
+/// *mostly kept* and *kept*.
+pub const MOSTLY: f64 = 0.80;
+
+/// From what share on it is feasible with loss: *half kept*.
+pub const HALF: f64 = 0.50;
+
+/// Up to which floor a scene can judge: where accident alone scores more, what is left above it
+/// says nothing.
+pub const CLEAR_FLOOR: f64 = 0.9;
+
+/// Whether a scene with this floor of F1 can judge.
+#[must_use]
+pub fn can_judge(floor: f64) -> bool {
+    floor <= CLEAR_FLOOR
+}
+
+/// Words that all chips run together, each on so many pixels, at most: about 15 s on two cores
+/// of 2024.
+const WORK: f64 = 16e9;
+
+/// Chips that watch side by side.
+const ABREAST: usize = 8;
+
+/// What becomes of a program on the chips that the public data allow.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct OverChips {
+    /// Chips that were drawn.
+    pub chips: u64,
+    /// The share of them that is feasible; none where the scene cannot judge them.
+    pub chips_feasible: Option<f64>,
+    /// The share that is feasible, with loss or without.
+    pub chips_feasible_with_loss: Option<f64>,
+    /// The share that reaches the frame rate; none without a program.
+    pub chips_fast_enough: Option<f64>,
+    /// How well all that is known: as well as the weakest number that was drawn.
+    pub chips_evidence: Option<Evidence>,
+    /// What they watched.
+    pub stretch: Option<Stretch>,
+    /// Headlines over the chips.
+    pub ranges: Option<Ranges>,
+    /// Each chip.
+    pub drawn: Vec<DrawnChip>,
+    /// What decides, the strongest first.
+    pub tornado: Vec<Turn>,
+}
+
+/// What of the scene the chips watched.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Stretch {
+    /// Frames, from the first on.
+    pub frames: u64,
+    /// Frames of the whole scene.
+    pub of_frames: u64,
+    /// Events of the float sensor in it.
+    pub reference_events: u64,
+    /// F1 of redraws of them: what accident scores.
+    pub floor: f64,
+}
+
+/// What lies between 10 and 90 % of the chips.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Spread {
+    /// A tenth of the chips has less.
+    pub p10: f64,
+    /// Half of them.
+    pub median: f64,
+    /// A tenth of the chips has more.
+    pub p90: f64,
+}
+
+/// The headlines over the chips.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Ranges {
+    /// What of F1 is more than accident.
+    pub kept: Spread,
+    /// The change of the float sensor's threshold that costs as much, in per cent.
+    pub threshold_equivalent_percent: Spread,
+    /// Events for each of the float sensor's; none where it has none.
+    pub event_ratio: Option<Spread>,
+    /// Frames a second at most.
+    pub frames_s: Spread,
+    /// Of the array while it runs words, at the scene's frame rate.
+    pub power_busy_mw: Spread,
+}
+
+/// One chip.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct DrawnChip {
+    /// Which.
+    pub chip: u64,
+    /// The seed of its mismatch and noise.
+    pub seed: u64,
+    /// Whether it keeps enough and is fast enough.
+    pub is_feasible: bool,
+    /// What of F1 is more than accident.
+    pub kept: f64,
+    /// The window of the matches, in microseconds.
+    pub window_us: Micros,
+    /// Frames a second that were shown.
+    pub fps: f64,
+    /// The change of the float sensor's threshold that costs as much, in per cent.
+    pub threshold_equivalent_percent: f64,
+    /// Events for each of the float sensor's; none where it has none.
+    pub event_ratio: Option<f64>,
+    /// Frames a second at most.
+    pub frames_s: f64,
+    /// Of the array while it runs words, at the scene's frame rate.
+    pub power_busy_mw: f64,
+    /// Its numbers.
+    pub values: Vec<DrawnValue>,
+}
+
+/// A number of a chip.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct DrawnValue {
+    /// As `section.key`.
+    pub figure: String,
+    /// Its value on this chip.
+    pub value: f64,
+}
+
+/// One number turned from end to end, all others at their values.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Turn {
+    /// As `section.key`.
+    pub figure: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The low end of its interval.
+    pub low: f64,
+    /// The high end.
+    pub high: f64,
+    /// How well the interval is known.
+    pub evidence: Evidence,
+    /// What is kept at the low end.
+    pub kept_at_low: f64,
+    /// What is kept at the high end.
+    pub kept_at_high: f64,
+    /// What is kept with all numbers at their values, on the same stretch.
+    pub kept_nominal: f64,
+    /// Frames a second at most, at the low end.
+    pub frames_s_at_low: f64,
+    /// Frames a second at most, at the high end.
+    pub frames_s_at_high: f64,
+}
+
+impl Turn {
+    /// How much is kept at one end more than at the other, or than between.
+    #[must_use]
+    pub fn swing(&self) -> f64 {
+        let ends = [self.kept_at_low, self.kept_at_high, self.kept_nominal];
+        let most = ends.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        most - ends.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same of the frame rate, as a part of the larger.
+    fn swing_of_rate(&self) -> f64 {
+        let [low, high] = [self.frames_s_at_low, self.frames_s_at_high];
+        (low - high).abs() / low.max(high)
+    }
+}
+
+impl Spread {
+    /// Of some values, by straight lines between those that were found; none of none.
+    #[must_use]
+    pub fn new(values: &[f64]) -> Option<Self> {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().checked_sub(1)?;
+        let at = |share: f64| {
+            let place = share * last as f64;
+            let (below, way) = (place.floor() as usize, place.fract());
+            let above = sorted[(below + 1).min(last)];
+            sorted[below] + way * (above - sorted[below])
+        };
+        Some(Self {
+            p10: at(0.1),
+            median: at(0.5),
+            p90: at(0.9),
+        })
+    }
+}
+
+/// What the chips are asked.
+pub(super) struct Trial<'a> {
+    pub question: &'a Question<'a>,
+    pub program: &'a Compiled,
+    /// The words of a frame.
+    pub words: Words,
+    /// The packets of the float sensor and of the ladder's, over the whole scene.
+    pub floats: &'a [Packet],
+    /// What the chip of the seed said of the whole scene.
+    pub nominal: &'a Packet,
+    /// Frames of the scene, frames a second, and rows.
+    pub frames: u64,
+    pub fps: f64,
+    pub rows: usize,
+}
+
+/// A chip that is to run: its numbers and the seed of its mismatch.
+struct Run {
+    device: Device,
+    seed: u64,
+}
+
+/// One number at one end of its interval, which another run than the chip of the seed has to
+/// show.
+struct End {
+    /// Which of the numbers with an interval.
+    number: usize,
+    is_high: bool,
+}
+
+impl Trial<'_> {
+    /// Runs all chips.
+    ///
+    /// # Errors
+    /// When the scene or a chip cannot go on.
+    pub fn run(
+        &self,
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        seen: &mut dyn FnMut(&Frame),
+    ) -> Result<OverChips, FeasibilityError> {
+        let Self { question, .. } = *self;
+        let numbers = Named::with_interval(question.device);
+        let drawn: Vec<Drawn> = (0..question.chips)
+            .map(|chip| Drawn::new(question.seed, chip, question.device))
+            .collect();
+        let mut runs = Vec::new();
+        for chip in &drawn {
+            runs.push(Run {
+                device: chip.device(question.device)?,
+                seed: chip.seed,
+            });
+        }
+        let ends = self.ends(&numbers, &mut runs)?;
+        let size = self.nominal.size;
+        let frames = stretch(runs.len(), size.pixels(), self.words.count, self.frames);
+        let cut = |packet: &Packet| self.cut(packet, frames);
+        let floats: Vec<Packet> = self.floats.iter().map(cut).collect();
+        let ladder = self.ladder(&floats)?;
+        let packets = self.watch(&runs, frames, open, seen)?;
+        let (chips, turned) = packets.split_at(drawn.len());
+        let mut each = Vec::new();
+        for (chip, packet) in drawn.iter().zip(chips) {
+            each.push(self.judged(chip, packet, &ladder, frames)?);
+        }
+        let nominal = cut(self.nominal);
+        let tornado = self.tornado(&numbers, &ends, turned, &nominal, &ladder)?;
+        let stretch = Stretch {
+            frames,
+            of_frames: self.frames,
+            reference_events: ladder.reference().events.len() as u64,
+            floor: ladder.judge(ladder.reference())?.floor,
+        };
+        let evidence = numbers.iter().filter_map(|it| it.quantity(question.device));
+        let evidence = Evidence::weakest(evidence.map(crate::isa::Quantity::interval_evidence));
+        Ok(OverChips::new(each, tornado, stretch, evidence))
+    }
+
+    /// Adds a run for each end of each number that differs from its value and of which events
+    /// depend.
+    fn ends(&self, numbers: &[Named], runs: &mut Vec<Run>) -> Result<Vec<End>, FeasibilityError> {
+        let device = self.question.device;
+        let mut ends = Vec::new();
+        for (number, named) in numbers.iter().enumerate() {
+            let Named::Figure(figure) = *named else {
+                continue;
+            };
+            if !named.is_of_events() {
+                continue;
+            }
+            let [low, high] = named.ends(device);
+            for (value, is_high) in [(low, false), (high, true)] {
+                if (value - named.value(device)).abs() > 0.0 {
+                    ends.push(End { number, is_high });
+                    runs.push(Run {
+                        device: device.clone().what_if(figure, value)?,
+                        seed: self.question.seed,
+                    });
+                }
+            }
+        }
+        Ok(ends)
+    }
+
+    /// What of a packet lies within the first frames.
+    fn cut(&self, packet: &Packet, frames: u64) -> Packet {
+        let mut cut = packet.clone();
+        if frames < self.frames {
+            let last = Micros::from_seconds(frames.saturating_sub(1) as f64 / self.fps);
+            cut.events.retain(|event| event.t <= last);
+            cut.span.1 = cut.span.1.min(last);
+        }
+        cut
+    }
+
+    fn ladder(&self, floats: &[Packet]) -> Result<Ladder, CompareError> {
+        let [reference, rungs @ ..] = floats else {
+            let none = Packet::new(self.nominal.size, 1);
+            let Question { within, seed, .. } = *self.question;
+            return Ladder::new(none, &[], within, self.fps, seed);
+        };
+        let Question { within, seed, .. } = *self.question;
+        Ladder::new(reference.clone(), rungs, within, self.fps, seed)
+    }
+
+    /// Shows the first frames to all chips, some at a time.
+    fn watch(
+        &self,
+        runs: &[Run],
+        frames: u64,
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        seen: &mut dyn FnMut(&Frame),
+    ) -> Result<Vec<Packet>, FeasibilityError> {
+        let mut packets = Vec::new();
+        for some in runs.chunks(ABREAST) {
+            let mut scene = First::new(open()?, frames);
+            let size = scene.size();
+            let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
+            for run in some {
+                let program = Compiled {
+                    device: run.device.clone(),
+                    ..self.program.clone()
+                };
+                let silicon = Arithmetic::Silicon { seed: run.seed };
+                chips.push(program.chip(silicon, size, program.settings())?);
+            }
+            let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
+            for chip in &mut chips {
+                sensors.push(chip);
+            }
+            packets.extend(rig::watch(&mut scene, &mut sensors, &mut *seen)?);
+        }
+        Ok(packets)
+    }
+
+    /// Frames a second at most, of a chip with these numbers that says this.
+    fn frames_s(&self, value: &dyn Fn(Named) -> f64, busy: &Busy) -> f64 {
+        let Self { question, .. } = *self;
+        let of = |figure| value(Named::Figure(figure));
+        let item = |kind| value(Named::Item(kind));
+        let array = self.words.us(of(Figure::Clock), of(Figure::Launch));
+        let scans = Scans::new(&self.program.code.frame, question.device, self.rows);
+        let readout = scans.cheapest(
+            busy,
+            item(HostKind::ScanEvents),
+            item(HostKind::ScanDigital),
+            question.device,
+        );
+        let exposure = question.exposure.map_or(0.0, |it| it.0 as f64);
+        1e6 / question.order.frame(exposure, array, readout)
+    }
+
+    /// A drawn chip, judged.
+    fn judged(
+        &self,
+        chip: &Drawn,
+        packet: &Packet,
+        ladder: &Ladder,
+        frames: u64,
+    ) -> Result<DrawnChip, CompareError> {
+        let device = self.question.device;
+        let Likeness {
+            kept,
+            window_us,
+            fps,
+            threshold_equivalent_percent,
+            event_ratio,
+            ..
+        } = ladder.judge(packet)?;
+        let value = |named| chip.value(named, device);
+        let frames_s = self.frames_s(&value, &Busy::new(packet, frames));
+        let [_, peak] = Named::Figure(Figure::Clock).ends(device);
+        let watts = value(Named::Figure(Figure::Power));
+        let worked = (self.words.count / peak * 1e-6 * self.fps).min(1.0);
+        let values = chip.values.iter().map(|(named, value)| DrawnValue {
+            figure: named.name(),
+            value: *value,
+        });
+        Ok(DrawnChip {
+            chip: chip.chip,
+            seed: chip.seed,
+            is_feasible: kept >= MOSTLY && frames_s >= self.fps,
+            kept,
+            window_us,
+            fps,
+            threshold_equivalent_percent,
+            event_ratio,
+            frames_s,
+            power_busy_mw: watts * worked * 1e3,
+            values: values.collect(),
+        })
+    }
+
+    /// What each number changes, the one that changes most first.
+    fn tornado(
+        &self,
+        numbers: &[Named],
+        ends: &[End],
+        packets: &[Packet],
+        nominal: &Packet,
+        ladder: &Ladder,
+    ) -> Result<Vec<Turn>, CompareError> {
+        let device = self.question.device;
+        let kept_nominal = ladder.judge(nominal)?.kept;
+        let busy = Busy::new(nominal, self.frames);
+        let mut turns = Vec::new();
+        for (number, named) in numbers.iter().enumerate() {
+            let Some(interval) = named.interval(device) else {
+                continue;
+            };
+            let mut kept = [kept_nominal; 2];
+            for (end, packet) in ends.iter().zip(packets) {
+                if end.number == number {
+                    kept[usize::from(end.is_high)] = ladder.judge(packet)?.kept;
+                }
+            }
+            let [low, high] = interval.ends();
+            let rate = |end: f64| {
+                let value = |other: Named| {
+                    if other == *named {
+                        end
+                    } else {
+                        other.value(device)
+                    }
+                };
+                self.frames_s(&value, &busy)
+            };
+            turns.push(Turn {
+                figure: named.name(),
+                unit: named.unit(),
+                low,
+                high,
+                evidence: { named.quantity(device) }
+                    .map_or(interval.evidence, crate::isa::Quantity::interval_evidence),
+                kept_at_low: kept[0],
+                kept_at_high: kept[1],
+                kept_nominal,
+                frames_s_at_low: rate(low),
+                frames_s_at_high: rate(high),
+            });
+        }
+        let by = |turn: &Turn| (turn.swing(), turn.swing_of_rate());
+        turns.sort_by(|a, b| {
+            let (a, b) = (by(a), by(b));
+            b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
+        });
+        Ok(turns)
+    }
+}
+
+/// Frames of a scene that all runs watch: as many as [`WORK`] allows, and two at least.
+fn stretch(runs: usize, pixels: usize, words: f64, frames: u64) -> u64 {
+    let one = runs.max(1) as f64 * pixels.max(1) as f64 * words.max(1.0);
+    // `as` saturates, which is what is meant.
+    ((WORK / one) as u64).max(2).min(frames)
+}
+
+impl OverChips {
+    /// Of all chips that were drawn.
+    fn new(
+        drawn: Vec<DrawnChip>,
+        tornado: Vec<Turn>,
+        stretch: Stretch,
+        evidence: Evidence,
+    ) -> Self {
+        let share = |of: &dyn Fn(&DrawnChip) -> bool| {
+            let count = drawn.iter().filter(|chip| of(chip)).count();
+            (!drawn.is_empty()).then(|| count as f64 / drawn.len() as f64)
+        };
+        let is_fast = |chip: &DrawnChip| chip.frames_s >= chip.fps;
+        let can_judge = stretch.reference_events > 0 && can_judge(stretch.floor);
+        let judged = |of: &dyn Fn(&DrawnChip) -> bool| share(of).filter(|_| can_judge);
+        let spread = |of: &dyn Fn(&DrawnChip) -> f64| {
+            let values: Vec<f64> = drawn.iter().map(of).collect();
+            Spread::new(&values)
+        };
+        let ratios: Vec<f64> = drawn.iter().filter_map(|chip| chip.event_ratio).collect();
+        let ranges = || {
+            Some(Ranges {
+                kept: spread(&|chip| chip.kept)?,
+                threshold_equivalent_percent: spread(&|chip| chip.threshold_equivalent_percent)?,
+                event_ratio: Spread::new(&ratios),
+                frames_s: spread(&|chip| chip.frames_s)?,
+                power_busy_mw: spread(&|chip| chip.power_busy_mw)?,
+            })
+        };
+        Self {
+            chips: drawn.len() as u64,
+            chips_feasible: judged(&|chip| chip.is_feasible),
+            chips_feasible_with_loss: judged(&|chip| chip.kept >= HALF && is_fast(chip)),
+            chips_fast_enough: share(&is_fast),
+            chips_evidence: Some(evidence),
+            stretch: Some(stretch),
+            ranges: ranges(),
+            tornado,
+            drawn,
+        }
+    }
+
+    /// Of chips that have no program: none of them is feasible.
+    pub(super) fn without_program(chips: u64) -> Self {
+        Self {
+            chips,
+            chips_feasible: Some(0.0),
+            chips_feasible_with_loss: Some(0.0),
+            ..Self::default()
+        }
+    }
+
+    /// So many of the chips, of a share.
+    #[must_use]
+    pub fn count(&self, share: f64) -> u64 {
+        (share * self.chips as f64).round() as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spreads_lie_between_the_values() {
+        let values: Vec<f64> = (0..=10).rev().map(f64::from).collect();
+        let spread = Spread::new(&values).unwrap();
+        assert_eq!((spread.p10, spread.median, spread.p90), (1.0, 5.0, 9.0));
+        let one = Spread::new(&[3.0]).unwrap();
+        assert_eq!((one.p10, one.p90), (3.0, 3.0));
+        assert!(Spread::new(&[]).is_none());
+    }
+
+    #[test]
+    fn a_long_scene_is_watched_for_a_while() {
+        // 51 words on 256x256 pixels: the bundled clip whole.
+        assert_eq!(stretch(58, 65536, 51.0, 72), 72);
+        let part = stretch(58, 65536, 190.0, 72);
+        assert!((20..30).contains(&part), "{part}");
+        assert_eq!(stretch(58, 65536, 1e6, 72), 2);
+        assert_eq!(stretch(58, 65536, 1e6, 1), 1);
+    }
+
+    fn chip(kept: f64, frames_s: f64) -> DrawnChip {
+        DrawnChip {
+            chip: 0,
+            seed: 0,
+            is_feasible: kept >= MOSTLY && frames_s >= 100.0,
+            kept,
+            window_us: Micros(100_000),
+            fps: 100.0,
+            threshold_equivalent_percent: 1.0,
+            event_ratio: Some(1.0),
+            frames_s,
+            power_busy_mw: 1.0,
+            values: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn shares_count_chips_that_keep_enough_and_are_fast_enough() {
+        let drawn = vec![
+            chip(0.9, 200.0),
+            chip(0.9, 50.0),
+            chip(0.6, 200.0),
+            chip(0.1, 200.0),
+        ];
+        let stretch = |reference_events, floor| Stretch {
+            frames: 3,
+            of_frames: 3,
+            reference_events,
+            floor,
+        };
+        let of = |stretch| OverChips::new(drawn.clone(), Vec::new(), stretch, Evidence::Guess);
+        let all = of(stretch(7, 0.1));
+        assert_eq!((all.chips, all.chips_feasible), (4, Some(0.25)));
+        assert_eq!(all.chips_feasible_with_loss, Some(0.5));
+        assert_eq!(all.chips_fast_enough, Some(0.75));
+        assert_eq!(all.count(0.5), 2);
+        // A scene in which nothing happens judges nobody, nor does one of which accident knows all.
+        for stretch in [stretch(0, 0.0), stretch(7, 0.95)] {
+            let cannot = of(stretch);
+            assert_eq!(
+                (cannot.chips_feasible, cannot.chips_fast_enough),
+                (None, Some(0.75))
+            );
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The chip's numbers that an answer rests on, by name.
+
+use crate::isa::{Device, Evidence, Figure, HostKind, Interval, Quantity};
+
+/// A number in a chip's data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Named {
+    /// One about the silicon.
+    Figure(Figure),
+    /// The time of each slot, sample or row of an operation of the host.
+    Item(HostKind),
+}
+
+impl Named {
+    /// All that have an interval, in the order of the chip's data.
+    #[must_use]
+    pub fn with_interval(device: &Device) -> Vec<Self> {
+        let figures = Figure::ALL.iter().copied().map(Self::Figure);
+        let items = [HostKind::ScanEvents, HostKind::ScanDigital].map(Self::Item);
+        let all = figures.chain(items);
+        all.filter(|named| named.interval(device).is_some())
+            .collect()
+    }
+
+    /// What a chip computes with: numbers on which its events depend, and not only their cost.
+    #[must_use]
+    pub const fn is_of_events(self) -> bool {
+        match self {
+            Self::Figure(figure) => !matches!(
+                figure,
+                Figure::Clock | Figure::Launch | Figure::Power | Figure::Pitch
+            ),
+            Self::Item(_) => false,
+        }
+    }
+
+    /// As `section.key`, or the operation's name and `item`.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self {
+            Self::Figure(figure) => {
+                let (section, key) = figure.key();
+                format!("{section}.{key}")
+            }
+            Self::Item(kind) => format!("{}.item", HostKind::WORDS[kind as usize]),
+        }
+    }
+
+    /// Its unit.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Figure(figure) => figure.unit(),
+            Self::Item(_) => "us",
+        }
+    }
+
+    /// What the chip's data say of it; nothing where an operation has no such time.
+    #[must_use]
+    pub fn quantity(self, device: &Device) -> Option<&Quantity> {
+        match self {
+            Self::Figure(figure) => Some(device.figure(figure)),
+            Self::Item(kind) => device.host(kind).item.as_ref(),
+        }
+    }
+
+    /// Between which values it may lie.
+    #[must_use]
+    pub fn interval(self, device: &Device) -> Option<&Interval> {
+        self.quantity(device)?.interval.as_ref()
+    }
+
+    /// Its value; 0 where an operation has no such time.
+    #[must_use]
+    pub fn value(self, device: &Device) -> f64 {
+        self.quantity(device).map_or(0.0, |it| it.value)
+    }
+
+    /// The least and the most; the value twice where no interval was stated.
+    #[must_use]
+    pub fn ends(self, device: &Device) -> [f64; 2] {
+        self.quantity(device).map_or([0.0; 2], Quantity::ends)
+    }
+}
+
+/// A number about the chip, as the answer tells it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct FigureSummary {
+    /// As `section.key`.
+    pub figure: String,
+    /// The value.
+    pub value: f64,
+    /// The least that it may be.
+    pub low: f64,
+    /// The most.
+    pub high: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// How well the value is known.
+    pub evidence: Evidence,
+    /// How well it is known that it lies between the two: as well as the weaker of both.
+    pub interval_evidence: Evidence,
+    /// Who states the value.
+    pub source: String,
+    /// Why it is not less, and not more; nothing where no interval was stated.
+    pub why: Option<String>,
+}
+
+impl FigureSummary {
+    /// Of all that have an interval, and of those that times and power are made of.
+    pub(super) fn all(device: &Device) -> Vec<Self> {
+        let mut named = Named::with_interval(device);
+        let of_costs = [Figure::Clock, Figure::Launch, Figure::Power, Figure::Store];
+        let items = [HostKind::ScanEvents, HostKind::ScanDigital];
+        let costs = of_costs.map(Named::Figure).into_iter();
+        for other in costs.chain(items.map(Named::Item)) {
+            if !named.contains(&other) {
+                named.push(other);
+            }
+        }
+        { named.into_iter() }
+            .filter_map(|named| Self::new(named, device))
+            .collect()
+    }
+
+    fn new(named: Named, device: &Device) -> Option<Self> {
+        let quantity = named.quantity(device)?;
+        let [low, high] = quantity.ends();
+        Some(Self {
+            figure: named.name(),
+            value: quantity.value,
+            low,
+            high,
+            unit: named.unit(),
+            evidence: quantity.evidence,
+            interval_evidence: quantity.interval_evidence(),
+            source: quantity.source.clone(),
+            why: quantity.interval.as_ref().map(|it| it.why.clone()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What no compiled sensor uses, or what decides nothing but how large the array is.
+    const WITHOUT: [&str; 4] = [
+        "edge.flag",
+        "diffusion.parts",
+        "squarer.gain",
+        "propagation.travel",
+    ];
+
+    #[test]
+    fn every_guess_and_model_that_matters_has_an_interval() {
+        let device = Device::scamp5();
+        for figure in Figure::ALL {
+            let named = Named::Figure(*figure);
+            let quantity = device.figure(*figure);
+            let weak = matches!(quantity.evidence, Evidence::Guess | Evidence::Modelled);
+            if weak && !WITHOUT.contains(&named.name().as_str()) {
+                let interval = named.interval(&device);
+                let interval = interval.unwrap_or_else(|| panic!("{}", named.name()));
+                assert!(interval.low < interval.high && interval.why.len() > 20);
+            }
+        }
+        let names: Vec<String> = { Named::with_interval(&device).into_iter() }
+            .map(Named::name)
+            .collect();
+        for name in ["clock.rate", "error.noise", "scan_events.item"] {
+            assert!(names.iter().any(|n| n == name), "{name}");
+        }
+    }
+}
