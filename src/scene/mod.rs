@@ -34,6 +34,7 @@ mod rate;
 mod still;
 mod y4m;
 
+pub mod evenly;
 pub mod part;
 pub mod pattern;
 pub mod upsample;
