@@ -11,7 +11,8 @@ use crate::{
     save::save,
     scene::{self, Scene, SceneError, part::Retimed},
     study::{
-        feasibility::{self, Feasibility, Fit, Question, Stream},
+        equivalent::RUNGS,
+        feasibility::{self, Feasibility, Fit, Question, Several, Stream},
         report,
     },
     unit::Micros,
@@ -30,15 +31,23 @@ use super::{
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility --kernel learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n\nThe page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
+    after_help = "Examples:\n  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility --kernel learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n  amacrine feasibility --kernel csdvs-3,sobel-x --threshold 40,100 -o report.html\n\nSeveral kernels: each on its own, and all of them in one program. The page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
 )]
 pub struct Arguments {
-    /// A kernel file (.toml or .npy), or the name of a built-in
-    #[arg(long)]
-    kernel: Named,
-    /// Events where kernel times light (0 to 255) moved by more than this
-    #[arg(long, allow_negative_numbers = true)]
-    threshold: f64,
+    /// A kernel file (.toml or .npy), or the name of a built-in; or several of them, which are
+    /// to share a chip
+    #[arg(long, required = true, value_delimiter = ',', value_name = "KERNELS")]
+    kernel: Vec<Named>,
+    /// Events where kernel times light (0 to 255) moved by more than this: one number for all
+    /// kernels, or one for each
+    #[arg(
+        long,
+        required = true,
+        allow_negative_numbers = true,
+        value_delimiter = ',',
+        value_name = "THRESHOLDS"
+    )]
+    threshold: Vec<f64>,
     /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
     #[arg(long)]
     scene: Option<Named>,
@@ -47,7 +56,7 @@ pub struct Arguments {
     #[arg(long, value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
     to: Option<Quantiser>,
     /// Rows of the table of quantisers
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = "ternary,po2-2,po2-4,int-3,int-5", value_parser = super::quantise::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantise::quantiser)]
     candidates: Vec<Quantiser>,
     /// What quantised kernels must sum to
     #[arg(long, value_enum, default_value = "kept")]
@@ -107,47 +116,51 @@ const SENSORS: usize = 20;
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kernel = kernel(&arguments.kernel)?;
+    let kernels = arguments.kernels()?;
     let device = Device::find(&arguments.chip)?;
     let open = || arguments.open();
     let scene = open()?;
-    budget::check_study(&*scene, SENSORS)?;
+    budget::check_study(&*scene, SENSORS.max(kernels.len() * (RUNGS.len() + 1) + 2))?;
     let (frames, fps) = (scene.frames(), scene.fps());
     drop(scene);
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
-    let question = Question {
-        name: &arguments.kernel,
-        kernel: &kernel,
-        threshold: arguments.threshold,
-        to: arguments.to,
-        candidates: &arguments.candidates,
-        sum: arguments.sum.into(),
-        device: &device,
-        exposure: arguments.exposure,
-        link: [least, most],
-        effort: Effort::seconds(arguments.effort),
-        seed: arguments.seed,
-        readout: Choice::default().open_compiled()?.readout()?,
-        within: arguments.window.at(fps),
-        scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
-        command: &command,
+    let mut questions = Vec::new();
+    for ((name, kernel), threshold) in kernels.iter().zip(arguments.thresholds(kernels.len())?) {
+        questions.push(Question {
+            name,
+            kernel,
+            threshold,
+            to: arguments.to,
+            candidates: &arguments.candidates,
+            sum: arguments.sum.into(),
+            device: &device,
+            exposure: arguments.exposure,
+            link: [least, most],
+            effort: Effort::seconds(arguments.effort),
+            seed: arguments.seed,
+            readout: Choice::default().open_compiled()?.readout()?,
+            within: arguments.window.at(fps),
+            scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
+            command: &command,
+        });
+    }
+    // For the table twice, for the sensors and for the waterfall; and once for all together.
+    let shown = match questions.len() {
+        1 => 4,
+        n => 4 * n as u64 + 1,
     };
-    // For the table twice, for the sensors and for the waterfall.
-    let progress = Progress::new("watching", frames.map(|frames| 4 * frames));
-    let answer = feasibility::ask(&question, &open, |_| progress.tick());
+    let progress = Progress::new("watching", frames.map(|frames| shown * frames));
+    let answered = answer(&questions, &open, &progress);
     progress.finish();
-    let (all, sight) = answer?;
+    let (page, json, mut text) = answered?;
     if let Some(path) = &arguments.output {
-        let page = report::page(&all, &sight);
         save(path, |out| out.write_all(page.as_bytes()))?;
     }
     if arguments.json {
-        let json = serde_json::to_string(&all).into_diagnostic()?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = summary(&all);
     if let Some(path) = &arguments.output {
         let _ = writeln!(text, "\nwrote {}", path.display());
     }
@@ -155,20 +168,64 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// The one kernel of a file or of a name.
-fn kernel(name: &str) -> miette::Result<Kernel> {
-    let (kernels, _) = super::kernels::read(name)?;
-    let count = kernels.len();
-    match <[Kernel; 1]>::try_from(kernels) {
-        Ok([kernel]) => Ok(kernel),
-        Err(_) => Err(miette!(
-            help = "give one of them, an array of shape (k,k)",
-            "{name} holds {count} kernels"
-        )),
+/// The page, the JSON object and the summary of one question, or of several together.
+fn answer(
+    questions: &[Question<'_>],
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    progress: &Progress,
+) -> miette::Result<(String, String, String)> {
+    if let [question] = questions {
+        let (all, sight) = feasibility::ask(question, open, |_| progress.tick())?;
+        let json = serde_json::to_string(&all).into_diagnostic()?;
+        return Ok((report::page(&all, &sight), json, summary(&all)));
     }
+    let answer = feasibility::ask_several(questions, open, |_| progress.tick())?;
+    let Some((several, sights)) = answer else {
+        return Err(miette!("there is no kernel to ask about"));
+    };
+    let json = serde_json::to_string(&several).into_diagnostic()?;
+    let page = report::page_of_several(&several, &sights);
+    Ok((page, json, summary_of_several(&several)))
+}
+
+/// The kernels of a file or of a name, each with a name of its own.
+fn named(name: &str) -> miette::Result<Vec<(String, Kernel)>> {
+    let (kernels, _) = super::kernels::read(name)?;
+    let several = kernels.len() > 1;
+    let own = |i| {
+        if several {
+            format!("{name}[{i}]")
+        } else {
+            name.to_owned()
+        }
+    };
+    let pairs = kernels.into_iter().enumerate();
+    Ok(pairs.map(|(i, kernel)| (own(i), kernel)).collect())
 }
 
 impl Arguments {
+    /// All kernels, each with its name.
+    fn kernels(&self) -> miette::Result<Vec<(String, Kernel)>> {
+        let mut all = Vec::new();
+        for name in &self.kernel {
+            all.extend(named(name)?);
+        }
+        Ok(all)
+    }
+
+    /// A threshold for each of so many kernels.
+    fn thresholds(&self, kernels: usize) -> miette::Result<Vec<f64>> {
+        match self.threshold[..] {
+            [all] => Ok(vec![all; kernels]),
+            ref each if each.len() == kernels => Ok(each.to_vec()),
+            ref other => Err(miette!(
+                help = "give one --threshold for all kernels, or one for each, in their order",
+                "{} thresholds for {kernels} kernels",
+                other.len()
+            )),
+        }
+    }
+
     fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
         let options = budget::opening(self.fps);
         match (&self.scene, self.fps) {
@@ -182,8 +239,8 @@ impl Arguments {
     fn command(&self) -> String {
         let mut text = format!(
             "amacrine feasibility --kernel {} --threshold {}",
-            quoted(&self.kernel),
-            self.threshold
+            quoted(&list(&self.kernel)),
+            list(&self.threshold)
         );
         let mut add = |name: &str, value: &str| {
             let _ = write!(text, " --{name} {}", quoted(value));
@@ -215,6 +272,12 @@ impl Arguments {
     }
 }
 
+/// Words with commas between them.
+fn list(words: &[impl ToString]) -> String {
+    let words: Vec<_> = words.iter().map(ToString::to_string).collect();
+    words.join(",")
+}
+
 /// A word of a shell's command line.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=@%+".contains(c);
@@ -223,6 +286,34 @@ fn quoted(word: &str) -> String {
     } else {
         format!("'{}'", word.replace('\'', "'\\''"))
     }
+}
+
+/// What all kernels together take, a line for each of them, and each on its own.
+fn summary_of_several(several: &Several) -> String {
+    let together = &several.together;
+    let mut text = format!("{}\n\n{}\n\n", together.headline, together.says);
+    let _ = writeln!(
+        text,
+        "{:<22} {:>10} {:>10} {:>14} {:>10}",
+        "in one program", "to", "kept", "as threshold", "alone"
+    );
+    for kind in &together.kinds {
+        let number = |kept: Option<f64>| kept.map_or("-".to_owned(), |kept| format!("{kept:.3}"));
+        let _ = writeln!(
+            text,
+            "{:<22} {:>10} {:>10} {:>14} {:>10}",
+            kind.name,
+            kind.to,
+            number(kind.headline.map(|headline| headline.kept)),
+            kind.silicon
+                .map_or("-".to_owned(), |silicon| silicon.equivalent()),
+            number(kind.kept_apart),
+        );
+    }
+    for all in &several.kernels {
+        let _ = write!(text, "\n{}: {}", all.kernel.name, summary(all));
+    }
+    text
 }
 
 /// The verdict, and the streams as a table.

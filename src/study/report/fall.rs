@@ -2,18 +2,24 @@
 
 use maud::{Markup, html};
 
-use super::{image, number, part, wide};
+use super::{
+    image, number,
+    part::{Part, part, wide},
+};
 use crate::study::{
     feasibility::Feasibility,
     waterfall::{Shares, Step, Waterfall},
 };
 
 /// The waterfall as a picture and as a table; nothing where there is none.
-pub(super) fn section(all: &Feasibility) -> Markup {
-    all.waterfall.as_ref().map_or_else(
-        || html! {},
-        |waterfall| part("waterfall", "Where the events went", &told(all, waterfall)),
-    )
+pub(super) fn section(all: &Feasibility) -> Option<Part> {
+    let waterfall = all.waterfall.as_ref()?;
+    let inside = told(all, waterfall);
+    Some(part(
+        "decides",
+        "What decides? Where the events went",
+        inside,
+    ))
 }
 
 fn told(all: &Feasibility, waterfall: &Waterfall) -> Markup {
