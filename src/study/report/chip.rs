@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{
     number,
-    part::{Part, narrow, part},
+    part::{Part, cards, part},
 };
 use crate::study::feasibility::{Feasibility, Fit, chip::OnChip, time::Binds};
 
@@ -17,7 +17,7 @@ pub(super) fn section(all: &Feasibility) -> Part {
         Fit::OnChip(chip) => html! {
             p { "The program captures, filters, compares with its memory and reads out, every frame; its kernel was found by the compiler. "
                 (binds(chip)) }
-            (narrow("Program and time", &html! {
+            (cards("Program and time", &html! {
                 table {
                     caption { "The program on " (all.chip.title) }
                     (number::head())

@@ -85,7 +85,7 @@ pub(super) fn right(all: &Feasibility) -> Part {
         "Which task belongs on the sensor?",
         html! {
             p { "One that the chip does as the float kernel says, and that a plain DVS does not do as well. An event is right where the float kernel has one of the same pixel and sign within "
-                (number::plain("/within_us", all.within_us.0 as f64)) " \u{b5}s. The floor is what a sensor scores that is right by accident: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
+                (number::scaled("/within_us", all.within_us.0 as f64, 1e-3)) " ms. The floor is what a sensor scores that is right by accident: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
             (wide("Scores", &html! {
                 table {
                     caption { "Scores against the float kernel, each with its floor" }

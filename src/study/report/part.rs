@@ -67,15 +67,24 @@ impl Part {
 /// What may be wider than the screen, a table of many columns or a drawing: it scrolls by itself
 /// there, and says so.
 pub(super) fn wide(label: &str, inside: &Markup) -> Markup {
+    scrolling("scrolls", label, inside)
+}
+
+/// A table of so many columns that it takes more than the column of the text where it can.
+pub(super) fn broad(label: &str, table: &Markup) -> Markup {
+    scrolling("broad", label, table)
+}
+
+fn scrolling(class: &str, label: &str, inside: &Markup) -> Markup {
     html! {
-        p.hint aria-hidden="true" { "Wider than the screen: scroll it sideways \u{2192}" }
-        div.wide.scrolls role="region" aria-label=(label) tabindex="0" { (inside) }
+        p class={ "hint " (class) } aria-hidden="true" { "Wider than the screen: scroll it sideways \u{2192}" }
+        div class={ "wide " (class) } role="region" aria-label=(label) tabindex="0" { (inside) }
     }
 }
 
-/// A table of few columns, which fits a phone; where fonts are large it scrolls.
-pub(super) fn narrow(label: &str, table: &Markup) -> Markup {
+/// A table of numbers about hardware, each with its evidence: on a phone a card for each row.
+pub(super) fn cards(label: &str, table: &Markup) -> Markup {
     html! {
-        div.wide role="region" aria-label=(label) tabindex="0" { (table) }
+        div.wide.cards role="region" aria-label=(label) tabindex="0" { (table) }
     }
 }

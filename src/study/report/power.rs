@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{
     number,
-    part::{Part, narrow, part},
+    part::{Part, cards, part, wide},
 };
 use crate::study::feasibility::{Feasibility, power::Power};
 
@@ -29,7 +29,7 @@ pub(super) fn section(all: &Feasibility) -> Part {
 /// What leaves the chip, and what a link takes for it.
 pub(super) fn link(all: &Feasibility) -> Markup {
     let link = &all.link;
-    narrow(
+    wide(
         "Link",
         &html! {
             table {
@@ -56,7 +56,7 @@ pub(super) fn link(all: &Feasibility) -> Markup {
 }
 
 fn array(power: &Power) -> Markup {
-    narrow(
+    cards(
         "Power of the array",
         &html! {
             table {

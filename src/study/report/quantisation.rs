@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{
     number,
-    part::{Part, part, wide},
+    part::{Part, broad, part},
     weights,
 };
 use crate::study::{
@@ -48,7 +48,7 @@ pub(super) fn section(all: &Feasibility) -> Part {
                     figcaption { "The levels, sum " (number::plain("/chosen/levels/sum", chosen.levels.sum)) }
                 }
             }
-            (wide("Quantisers", &html! {
+            (broad("Quantisers", &html! {
                 table {
                     caption { "Each compiled, and run on this scene beside the float kernel" }
                     thead {

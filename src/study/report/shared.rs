@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{
     number,
-    part::{Part, Place, narrow, part, wide},
+    part::{Part, Place, cards, part, wide},
 };
 use crate::study::feasibility::{Several, SharedFit, SharedKind, SharedProgram};
 
@@ -66,7 +66,7 @@ fn row(i: usize, kind: &SharedKind, headline: &str) -> Markup {
 fn program_table(program: &SharedProgram) -> Markup {
     let at = |key: &str| format!("/together/fit/on_chip/{key}");
     let time = &program.time;
-    narrow(
+    cards(
         "The program of all",
         &html! {
             table {
