@@ -99,17 +99,20 @@ fn task(all: &Feasibility) -> Line {
         ),
         None => format!("Not {}: there is no program", all.kernel.name),
     };
-    let kept = chosen(all).and_then(|(i, row)| Some((i, row.headline?)));
+    let kept = chosen(all).and_then(|(i, row)| match &row.outcome {
+        Outcome::OnChip(chip) => Some((i, row.headline?, chip.silicon)),
+        Outcome::Refused(_) => None,
+    });
     Line {
         question: "Which task belongs on the sensor?",
         part: "task",
         answer,
-        number: kept.map(|(i, headline)| {
+        number: kept.map(|(i, headline, silicon)| {
             let at = |key: &str| format!("/quantisation/{i}/{key}");
             html! {
                 "kept " (number::fixed(&at("kept"), headline.kept, 3))
                 ", as a threshold "
-                (number::equivalent(&at("threshold_equivalent_percent"), headline.threshold_equivalent_percent, false))
+                (number::equivalent(&at("threshold_equivalent_percent"), headline.threshold_equivalent_percent, silicon.threshold_equivalent_is_least))
                 " higher"
                 span.of {
                     "within " (number::scaled(&at("window_us"), headline.window_us.0 as f64, 1e-3)) " ms, at "
