@@ -270,12 +270,15 @@ fn measured(
         }],
     };
     let device = Device::scamp5();
-    let settings = Settings::of(&device);
+    let settings = Settings {
+        schedule: Some(schedule),
+        threads: Some(threads),
+        ..Settings::from_device(&device)
+    };
     let arithmetic: Arithmetic = domain.parse().expect("a domain");
     let mut chip = arithmetic
-        .chip("bench", code, &device, SIZE, settings)
+        .chip("bench", &code, &device, SIZE, settings)
         .expect("a legal program");
-    chip.set_schedule(schedule, threads);
     for register in 0..7 {
         chip.set_analog(Analog(register), &light(register))
             .expect("its size");
@@ -324,12 +327,12 @@ fn negate(from: &[i16], to: &mut [i16]) {
 /// The same words as one would first write them, pixel by pixel.
 fn obvious_ns(domain: &str, words: &[Primitive], repetitions: usize) -> f64 {
     let device = Device::scamp5();
-    let layout = amacrine::array::Layout::of(&device, SIZE);
+    let layout = amacrine::array::Layout::new(&device, SIZE);
     match domain {
         "exact" => Obvious::new(Exact).ns(words, repetitions),
         "q8.8" => Obvious::new(Fixed::new(Q::<i16>::new(8))).ns(words, repetitions),
         "silicon" => {
-            let errors = amacrine::array::Errors::of(&device);
+            let errors = amacrine::array::Errors::from_device(&device);
             Obvious::new(Silicon::new(errors, 0, &layout)).ns(words, repetitions)
         }
         // The halves are no faster.
@@ -411,7 +414,7 @@ impl<D: Domain> Obvious<D> {
                         register,
                         step: 0,
                     };
-                    let share = Share::of(targets.len(), part);
+                    let share = Share::new(targets.len(), part);
                     self.analog[usize::from(register.0)][to] =
                         self.domain.store(&sum, share, place);
                 }

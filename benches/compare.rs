@@ -9,8 +9,8 @@ use std::time::Instant;
 
 use amacrine::{
     compare::{
-        Comparison, Pair, counts, equality, intervals, matching, null, rates,
-        ruler::{Scales, scores},
+        Comparison, Pair, baseline, counts, equality, intervals, matching, rates,
+        score::{Scales, scores},
         van_rossum, victor_purpura,
         voxel::{Bins, voxels},
     },
@@ -96,8 +96,8 @@ impl Bench {
     }
 
     fn packets(&self, reference: &Packet, judged: &Packet) {
-        let sorted = Pair::of(reference, judged);
-        self.line("sort both packets", || Pair::of(reference, judged));
+        let sorted = Pair::new(reference, judged);
+        self.line("sort both packets", || Pair::new(reference, judged));
         let Ok(pair) = &sorted else {
             println!("the packets of this bench do not fit each other");
             return;
@@ -122,9 +122,11 @@ impl Bench {
         self.line("voxels, 8 bins", || voxels(pair, bins));
         self.line("rate maps", || rates::rates(pair));
         self.line("divergence of intervals", || intervals::divergence(pair));
-        self.line("a redraw", || null::redraw(pair, 0));
-        self.line("a permutation", || null::permute(pair, 0));
-        self.line("plain comparison", || Comparison::of(pair, Micros(1_000)));
+        self.line("a redraw", || baseline::redraw(pair, 0));
+        self.line("a permutation", || baseline::permute(pair, 0));
+        self.line("plain comparison", || {
+            Comparison::from_pair(pair, Micros(1_000))
+        });
         self.line("all scores, floors and ceilings", || {
             scores(pair, &Scales::default())
         });

@@ -299,10 +299,10 @@ fn program(text: &str) {
     let chip = Chip::new(
         "fuzz",
         Exact::default(),
-        code.clone(),
+        code,
         device,
         Size::new(5, 6),
-        Settings::of(device),
+        Settings::from_device(device),
     );
     if let Ok(mut chip) = chip {
         watch(&mut chip);

@@ -4,6 +4,8 @@
 //! through it. What is inserted between frames, left out or retimed is a scene of its own
 //! (`scene::upsample`, `scene::part`), so that the loop need not know.
 
+pub mod guard;
+
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;

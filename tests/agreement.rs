@@ -111,7 +111,15 @@ fn both(
         .expand(&device, overrides)
         .unwrap_or_else(|e| panic!("{e:?}"))
         .code;
-    let mut chip = Chip::new("chip", Exact, code, &device, size, Settings::of(&device)).unwrap();
+    let mut chip = Chip::new(
+        "chip",
+        Exact,
+        &code,
+        &device,
+        size,
+        Settings::from_device(&device),
+    )
+    .unwrap();
     let mut reference = Reference::new(description, size, 0).unwrap();
     let mut packets = [
         watch(&mut reference, clip, fps),

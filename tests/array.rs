@@ -29,7 +29,7 @@ fn device() -> &'static Device {
 }
 
 fn defaults() -> Settings {
-    Settings::of(device())
+    Settings::from_device(device())
 }
 
 fn sizes() -> impl Strategy<Value = Size> {
@@ -90,7 +90,7 @@ fn agrees<D: Domain>(
     let (digital, light) = rest.split_at(13);
     let light = light[0].mapv(f64::abs);
 
-    let mut judge = State::new(domain, Layout::of(device(), size), settings.edge);
+    let mut judge = State::new(domain, Layout::new(device(), size), settings.edge);
     for (r, plane) in (0..).zip(analog) {
         judge.set_analog(domain, Analog(r), plane);
     }
@@ -114,10 +114,14 @@ fn agrees<D: Domain>(
             }],
             frame: words(program),
         };
+        let settings = Settings {
+            schedule: Some(schedule),
+            threads: Some(1),
+            ..settings
+        };
         let mut chip = arithmetic
-            .chip("test", code, device(), size, settings)
+            .chip("test", &code, device(), size, settings)
             .unwrap();
-        chip.set_schedule(schedule, 1);
         for (r, plane) in (0..).zip(analog) {
             chip.set_analog(Analog(r), plane).unwrap();
         }
@@ -187,7 +191,7 @@ proptest! {
         size in sizes(), settings in settings(), seed: u64,
         program in prop::collection::vec(word(), 1..20)
     ) {
-        let silicon = Silicon::new(Errors::of(device()), 0, &Layout::of(device(), size));
+        let silicon = Silicon::new(Errors::from_device(device()), 0, &Layout::new(device(), size));
         agrees(&silicon, size, settings, seed, &program)?;
     }
 }
@@ -242,7 +246,7 @@ fn on(settings: Settings, size: Size, program: &[Primitive]) -> Chip<Exact> {
         init: vec![],
         frame: words(program),
     };
-    Chip::new("test", Exact, code, device(), size, settings).unwrap()
+    Chip::new("test", Exact, &code, device(), size, settings).unwrap()
 }
 
 fn run(chip: &mut Chip<Exact>) -> Packet {
@@ -370,7 +374,7 @@ fn events_leave_by_columns_from_the_top_right() {
         init: vec![],
         frame: vec![scan(4), scan(100)],
     };
-    let mut chip = Chip::new("test", Exact, code, device(), size, defaults()).unwrap();
+    let mut chip = Chip::new("test", Exact, &code, device(), size, defaults()).unwrap();
     let bits = Plane::from_shape_fn((3, 4), |(y, x)| (x + y) % 2 == 1 || (y, x) == (2, 3));
     chip.set_digital(Digital(5), &bits).unwrap();
     let packet = run(&mut chip);
@@ -393,11 +397,11 @@ fn events_leave_by_columns_from_the_top_right() {
 fn addresses_convert_both_ways() {
     let size = Size::new(3, 4);
     assert_eq!(
-        Address::of(At { y: 2, x: 0 }, size),
+        Address::from_pixel(At { y: 2, x: 0 }, size),
         Address { column: 3, row: 2 }
     );
     for at in (0..3).flat_map(|y| (0..4).map(move |x| At { y, x })) {
-        assert_eq!(Address::of(at, size).at(size), Some(at));
+        assert_eq!(Address::from_pixel(at, size).at(size), Some(at));
     }
     assert_eq!(Address { column: 4, row: 0 }.at(size), None);
 }
@@ -409,7 +413,7 @@ fn illegal_operands_are_refused_before_anything_runs() {
             init: vec![],
             frame: words(&[word]),
         };
-        let chip = Chip::new("test", Exact, code, device(), Size::new(1, 1), defaults());
+        let chip = Chip::new("test", Exact, &code, device(), Size::new(1, 1), defaults());
         chip.unwrap_err().to_string()
     };
     assert!(refused(bus(A, &[B, B])).contains("twice"));
@@ -437,7 +441,7 @@ proptest! {
         let device = device();
         let expected = Cost::of(&code.frame, device);
         let mut chip =
-            Chip::new("test", Exact, code, device, Size::new(2, 3), defaults()).unwrap();
+            Chip::new("test", Exact, &code, device, Size::new(2, 3), defaults()).unwrap();
         run(&mut chip);
         let cost = chip.ledger().cost(device);
         prop_assert_eq!(cost.words, expected.words);

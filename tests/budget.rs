@@ -396,6 +396,41 @@ fn what_is_beyond_the_budget_is_refused_before_the_work() {
     }
 }
 
+/// A budget that is less than the program itself takes: the message says both, and the least
+/// that is enough.
+#[test]
+fn a_budget_below_the_program_itself_says_what_is_enough() {
+    let folder = Folder::new();
+    let out = folder.path("o.npy").display().to_string();
+    let [dvs, sobel] = ["sensors/dvs.toml", "programs/convolve/sobel.scamp"].map(root);
+    for case in [
+        &[
+            "run",
+            "--scene",
+            "pattern:bar",
+            "--sensor",
+            &dvs,
+            "--events",
+            &out,
+        ][..],
+        &["exec", &sobel, "--image", "pattern:bar"],
+    ] {
+        let ran = amacrine(&[case, &["--max-memory", "20M"]].concat(), LONGEST);
+        let message = words(&ran.errors);
+        for part in [
+            "the program itself 24.0 MiB",
+            "--max-memory allows 20.0 MiB",
+        ] {
+            assert!(message.contains(part), "{part:?} is not in: {message}");
+        }
+        let (_, enough) = message.split_once("such as --max-memory ").unwrap();
+        let enough = enough.split_whitespace().next().unwrap();
+        let ran = amacrine(&[case, &["--max-memory", enough]].concat(), LONGEST);
+        let message = words(&ran.errors);
+        assert!(!message.contains("would hold"), "{enough}: {message}");
+    }
+}
+
 /// A list is as long as there is room for, where nobody says how long it may be.
 #[test]
 fn lists_end_where_the_memory_does() {
@@ -413,13 +448,14 @@ fn lists_end_where_the_memory_does() {
 
 /// The prediction in a refusal, in KiB.
 fn predicted(arguments: &[&str]) -> u64 {
-    // As much as lets the scene be opened, and no more.
+    // As much as lets the scene be opened, and no more: where it is not, that is another refusal.
     let messages = ["40M", "80M", "120M", "160M"].map(|most| {
         let ran = amacrine(&[arguments, &["--max-memory", most]].concat(), LONGEST);
         words(&ran.errors)
     });
     let after = messages
         .iter()
+        .filter(|m| !m.contains("the scene alone"))
         .find_map(|m| Some(m.split_once("would hold ")?.1));
     let after = after.unwrap_or_else(|| panic!("{arguments:?} was not refused: {messages:?}"));
     let mut words = after.split_whitespace();

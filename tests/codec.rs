@@ -59,7 +59,7 @@ fn counts(packet: &Packet) -> Vec<u64> {
 }
 
 fn codings(packet: &Packet) -> Vec<Coding> {
-    let books = [None, Some(CodeBook::of(&counts(packet)))];
+    let books = [None, Some(CodeBook::from_counts(&counts(packet)))];
     LAYOUTS
         .into_iter()
         .flat_map(|layout| books.clone().map(|book| Coding { layout, book }))
@@ -80,8 +80,8 @@ proptest! {
     /// The bits are the definition's, written one by one into a text of 0s and 1s.
     #[test]
     fn words_are_what_the_table_says(packet in any_packet()) {
-        let word = address::AddressWord::of(packet.size, packet.channels);
-        let book = CodeBook::of(&counts(&packet));
+        let word = address::AddressWord::new(packet.size, packet.channels);
+        let book = CodeBook::from_counts(&counts(&packet));
         let field = |bits: u32, value: u128| -> String {
             (0..bits).rev().map(|i| if value >> i & 1 == 1 { '1' } else { '0' }).collect()
         };
@@ -197,7 +197,7 @@ fn sizes_of_a_small_packet() {
     // Two bursts: two times 1 + 2, three times 1 + 3 + 2 + 1.
     assert_eq!(bits(Layout::Burst, None), 2 * 3 + 3 * 7);
     // Kinds 0, 2, 0: one bit each.
-    let book = CodeBook::of(&[2, 0, 1]);
+    let book = CodeBook::from_counts(&[2, 0, 1]);
     assert_eq!(bits(Layout::Single, Some(book.clone())), 3 * 7);
     assert_eq!(bits(Layout::Burst, Some(book)), 2 * 3 + 3 * 6);
 }
@@ -213,7 +213,7 @@ fn what_cannot_be_written_is_named() {
     };
     let packet = small();
     assert_eq!(
-        said(&packet, Some(CodeBook::of(&[1, 1, 0]))),
+        said(&packet, Some(CodeBook::from_counts(&[1, 1, 0]))),
         "event 1: the code book has no word for channel 2"
     );
     let narrow = Packet {

@@ -7,14 +7,15 @@ mod common;
 
 use amacrine::{
     compare::{
-        Comparison, Pair, compare, counts,
+        Comparison, Pair, baseline, compare, counts,
         equality::Side,
         intervals, matching,
         metric::Metric,
-        null, rates,
-        ruler::{Scales, measure, scores},
+        rates,
+        score::{Scales, measure, scores},
         van_rossum, victor_purpura,
         voxel::{self, Bins, voxels},
+        window::{self, Redraws},
     },
     event::{Event, Packet, Polarity},
     plane::Size,
@@ -327,7 +328,7 @@ mod scales {
     use super::*;
 
     fn pair(a: &Packet, b: &Packet) -> Pair {
-        Pair::of(a, b).unwrap()
+        Pair::new(a, b).unwrap()
     }
 
     /// Small scales, as the packets are short.
@@ -343,7 +344,8 @@ mod scales {
 
     fn measured(a: &Packet, b: &Packet) -> Vec<(Metric, Option<f64>)> {
         let pair = pair(a, b);
-        measure(&pair, &small(), Bins::over(&pair, 4))
+        let redraws = Redraws::new(&pair, small().seed);
+        measure(&pair, &small(), Bins::over(&pair, 4), &redraws)
     }
 
     /// The times of every cell, ascending.
@@ -545,7 +547,7 @@ mod scales {
 
         #[test]
         fn a_redraw_keeps_the_counts_and_takes_times_from_other_cells(a in crowded(), seed: u64) {
-            let drawn = null::redraw(&pair(&a, &a), seed);
+            let drawn = baseline::redraw(&pair(&a, &a), seed);
             let given = cells(&a);
             for (cell, reference, judged) in drawn.cells() {
                 prop_assert_eq!(reference.len(), judged.len());
@@ -573,7 +575,7 @@ mod scales {
                     });
                 }
             }
-            let moved = null::permute(&pair(&packet, &packet), seed);
+            let moved = baseline::permute(&pair(&packet, &packet), seed);
             let mut seen = Vec::new();
             let mut signs = BTreeMap::new();
             for (cell, reference, judged) in moved.cells() {
@@ -669,7 +671,8 @@ mod scales {
         ];
         for (name, b, [ratio, divergence, rossum, purpura]) in cases {
             let pair = pair(&a, &b);
-            let all = measure(&pair, &Scales::default(), Bins::over(&pair, 8));
+            let redraws = Redraws::new(&pair, 0);
+            let all = measure(&pair, &Scales::default(), Bins::over(&pair, 8), &redraws);
             let value = |metric| all.iter().find(|(m, _)| *m == metric).unwrap().1.unwrap();
             println!(
                 "| {name} | {:.3} | {:.4} | {:.3} | {:.3} | {:.3} | {:.3} | {:.3} |",
@@ -719,8 +722,29 @@ mod scales {
         assert_eq!(voxels(&pair, Bins::over(&pair, 1)).l1, l1(1));
     }
 
+    /// By its definition, from the scores of F1; and it is 1 of the reference, 0 of redraws.
     #[test]
-    fn scores_have_their_floor_and_ceiling_beside_them() {
+    fn what_is_kept_is_f1_above_that_of_redraws() {
+        let (a, b) = (firing(1), firing(2));
+        let thinned = changed(&a, |(i, e)| (i % 4 != 1).then_some(*e));
+        for judged in [&a, &b, &thinned] {
+            let all = scores(&pair(&a, judged), &Scales::default());
+            let at = |metric| *all.iter().find(|s| s.metric == metric).unwrap();
+            for within in Scales::default().within {
+                let (f1, kept) = (at(matching::F1.at(within)), at(window::KEPT.at(within)));
+                let floor = f1.redraw.unwrap();
+                let wanted = (f1.value.unwrap() - floor) / (1.0 - floor);
+                assert!((kept.value.unwrap() - wanted).abs() < 1e-12, "{kept:?}");
+                assert_eq!(kept.identical, Some(1.0));
+                assert!(kept.redraw.unwrap().abs() < 1e-12, "{kept:?}");
+                let lost = kept.lost().unwrap();
+                assert!((lost - (1.0 - kept.value.unwrap())).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn scores_have_what_is_known_beside_them() {
         let (a, b) = (firing(1), firing(2));
         let scales = Scales::default();
         for score in scores(&pair(&a, &a), &scales) {
@@ -869,8 +893,132 @@ mod verb {
         }
     }
 
+    /// Events on frames of 40 ms, of which the judged packet has some one frame late: within less
+    /// than a frame it lost them, within a frame it has them all.
     #[test]
-    fn json_holds_every_metric_with_its_floor_and_ceiling() {
+    fn the_headline_and_the_curve_know_the_frames() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let (a, b) = (path("a.npy"), path("b.npy"));
+        // Cells speak every twelfth frame, so that a frame late is no other event.
+        let on_frames = |late: u64| {
+            changed(&stream(21, 6_000), |(i, e)| {
+                let frame = 12 * (i as u64 / 400) + u64::from(e.x + e.y) % 12;
+                let late = if i % 3 == 0 { late } else { 0 };
+                Some(Event {
+                    t: Micros((frame + late) * 40_000),
+                    ..*e
+                })
+            })
+        };
+        file::write(a.as_ref(), &on_frames(0)).unwrap();
+        file::write(b.as_ref(), &on_frames(1)).unwrap();
+        let json = |more: &[&str]| -> serde_json::Value {
+            let arguments = [&[a.as_str(), &b, "--json"], more].concat();
+            let out = amacrine(&arguments).assert().success();
+            serde_json::from_slice(&out.get_output().stdout).unwrap()
+        };
+        let said = json(&[]);
+        let headline = &said["headline"];
+        assert_eq!(headline["frame_interval_us"], 40_000);
+        assert_eq!(
+            (&headline["window_us"], &said["within_us"]),
+            (&100_000.into(), &100_000.into())
+        );
+        assert_eq!(
+            (&headline["kept"], &headline["f1"]),
+            (&1.0.into(), &1.0.into())
+        );
+        assert!(headline["fps"].is_null());
+        let curve = said["curve"].as_array().unwrap();
+        assert_eq!(curve.len(), 19);
+        let mut before = 0.0;
+        for point in curve {
+            let window = point["window_us"].as_u64().unwrap();
+            let number = |key: &str| point[key].as_f64().unwrap();
+            let (f1, floor, kept) = (number("f1"), number("floor"), number("kept"));
+            assert_eq!(point["below_frame_interval"], window < 40_000, "{window}");
+            assert!((kept - (f1 - floor) / (1.0 - floor)).abs() < 1e-12);
+            assert!(floor > 0.0 && f1 >= before, "{window}");
+            assert_eq!(f1 < 0.7, window < 40_000, "{window}: {f1}");
+            before = f1;
+        }
+        // Frames further apart than the usual window.
+        let slow = json(&["--fps", "4"]);
+        assert_eq!(slow["headline"]["window_us"], 250_000);
+        assert_eq!(slow["headline"]["frame_interval_us"], 250_000);
+        let asked = json(&["--within", "200ms"]);
+        assert_eq!(asked["headline"]["window_us"], 200_000);
+        assert_eq!(asked["headline"]["kept"], 1.0);
+
+        let drawn = path("curve.svg");
+        let out = amacrine(&[&a, &b, "-o", &drawn]).assert().success();
+        let table = String::from_utf8_lossy(&out.get_output().stdout).into_owned();
+        assert!(
+            table.starts_with("kept 1.0000 within 100ms: F1 1.0000, by accident "),
+            "{table}"
+        );
+        assert!(table.contains("; a frame every 40ms\n"), "{table}");
+        assert!(
+            table.contains("     1us*    10us*   100us*     1ms*    10ms*    100ms       1s\n"),
+            "{table}"
+        );
+        assert!(table.contains("says which frame, not when"), "{table}");
+        let svg = std::fs::read_to_string(&drawn).unwrap();
+        for text in ["b.npy against a.npy", "which frame, not when", "100 ms"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        for (arguments, says) in [
+            (vec![a.as_str(), &b, "--fps", "0"], "0 frames"),
+            (vec![&a, &b, "--scene", "pattern:disc"], "--sensor"),
+            (vec![&a, &b, "--upsample", "0.1"], "--sensor"),
+        ] {
+            let out = amacrine(&arguments).assert().code(2);
+            let said = String::from_utf8_lossy(&out.get_output().stderr).into_owned();
+            assert!(said.contains(says), "{said}");
+        }
+    }
+
+    /// The sensor of the reference at a threshold a fifth higher is told by that, and another
+    /// sensor's events are refused.
+    #[test]
+    fn a_sensor_and_its_scene_tell_the_threshold_equivalent() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let scene = "pattern:noise?width=48&height=40&frames=40&speed=90&fps=30";
+        let made = |name: &str, threshold: f64| {
+            let sensor = path(&format!("{name}.toml"));
+            let text = format!(
+                "response = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = \"csdvs-3\"\nthreshold = {{ on = {threshold}, off = {threshold} }}\n"
+            );
+            std::fs::write(&sensor, text).unwrap();
+            let events = path(&format!("{name}.npy"));
+            let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+            let run = [
+                "run", "--scene", scene, "--sensor", &sensor, "--events", &events,
+            ];
+            common::amacrine(here, &run).assert().success();
+            (sensor, events)
+        };
+        let (sensor, reference) = made("float", 6.0);
+        let (other, higher) = made("higher", 6.0 * 1.2);
+        let ask = [&reference, &higher, "--scene", scene, "--json", "--sensor"];
+        let out = amacrine(&[&ask[..], &[&sensor]].concat())
+            .assert()
+            .success();
+        let said: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
+        let headline = &said["headline"];
+        let percent = headline["threshold_equivalent_percent"].as_f64().unwrap();
+        assert!((percent - 20.0).abs() < 1e-6, "{percent}");
+        assert_eq!(headline["threshold_equivalent_is_least"], false);
+        assert!(headline["fps"].is_number());
+        let out = amacrine(&[&ask[..], &[&other]].concat()).assert().code(2);
+        let said = common::line(&out.get_output().stderr).replace(' ', "");
+        assert!(said.contains("theypartat"), "{said}");
+    }
+
+    #[test]
+    fn json_holds_every_metric_beside_what_is_known() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
         let (a, b) = (path("a.npy"), path("b.npy"));

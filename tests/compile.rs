@@ -42,7 +42,7 @@ fn read_back(filter: &Filter, request: &Request<'_>) -> Vec<Plane<f64>> {
     let steps = &expansion.code.frame;
     assert_eq!(Cost::of(steps, device).words.0, filter.words.len() as u64);
     let read = |(kernel, register): (&Kernel, &Analog)| {
-        let taps = taps::read(steps, device, Settings::of(device), *register).unwrap();
+        let taps = taps::read(steps, device, Settings::from_device(device), *register).unwrap();
         assert!(
             taps.taps
                 .keys()
@@ -177,9 +177,9 @@ fn silicon_errs_as_predicted() {
         let code = program.expand(&device, &Overrides::default()).unwrap().code;
         let silicon = Arithmetic::Silicon { seed: seed as u64 };
         let size = Size::new(256, 256);
-        let settings = Settings::of(&device);
+        let settings = Settings::from_device(&device);
         let mut chip = silicon
-            .chip("filter", code, &device, size, settings)
+            .chip("filter", &code, &device, size, settings)
             .unwrap();
         let mut result = || {
             let flat = Plane::from_elem((256, 256), level);
@@ -232,10 +232,10 @@ fn what_holds_works_as_silicon() {
         let size = Size::of(&clip[0]);
         let settings = Settings {
             clip: true,
-            ..Settings::of(&device)
+            ..Settings::from_device(&device)
         };
         let events = |arithmetic: Arithmetic| {
-            let chip = arithmetic.chip("holds", code.clone(), &device, size, settings);
+            let chip = arithmetic.chip("holds", &code, &device, size, settings);
             watch(&mut chip.unwrap(), &clip).events.len() as f64
         };
         let exact = events("exact".parse().unwrap());
@@ -316,7 +316,7 @@ fn keeps_to_registers_and_range(kernel: Kernel, keep: usize, into: u8, high: i32
     let text = filter.text(&device, 0);
     let program = Program::parse("filter", &text).unwrap();
     let code = program.expand(&device, &Overrides::default()).unwrap().code;
-    let settings = Settings::of(&device);
+    let settings = Settings::from_device(&device);
     let inputs = range::Inputs {
         registers: range::Interval::new(0.0, f64::from(high)),
         ..range::Inputs::default()
@@ -384,8 +384,8 @@ proptest! {
         let code = program.expand(&device, &Overrides::default()).unwrap().code;
         let clip = clip(seed);
         let size = Size::of(&clip[0]);
-        let settings = Settings { clip: true, ..Settings::of(&device) };
-        let mut chip = Chip::new("chip", Exact, code, &device, size, settings).unwrap();
+        let settings = Settings { clip: true, ..Settings::from_device(&device) };
+        let mut chip = Chip::new("chip", Exact, &code, &device, size, settings).unwrap();
         let rows: Vec<Vec<f64>> = kernel.weights().rows().into_iter().map(|row| row.to_vec()).collect();
         let text = format!(
             "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n[[channel]]\n\
@@ -450,9 +450,9 @@ fn a_memory_in_bits_is_its_twin() {
         let size = Size::of(&clip[0]);
         let settings = Settings {
             clip: true,
-            ..Settings::of(&device)
+            ..Settings::from_device(&device)
         };
-        let mut chip = Chip::new("bits", Exact, code, &device, size, settings).unwrap();
+        let mut chip = Chip::new("bits", Exact, &code, &device, size, settings).unwrap();
         let mut found = watch(&mut chip, &clip);
         found.events.sort_by_key(|e| (e.channel, e.t, e.y, e.x));
         for (i, (kind, steps)) in kinds.iter().zip(&sensor.steps).enumerate() {

@@ -760,7 +760,7 @@ fn blocks_and_the_whole_are_the_same_file() {
         let (whole, parts) = (files.next().unwrap(), files.next().unwrap());
         file::write_as(whole, format, Compression::Lz4, &packet).unwrap();
         let mut writer =
-            Writer::create(parts, format, Compression::Lz4, &Head::of(&packet)).unwrap();
+            Writer::create(parts, format, Compression::Lz4, &Head::from_packet(&packet)).unwrap();
         for events in packet.events.chunks(777) {
             writer.put(events).unwrap();
             assert!(!parts.exists());

@@ -53,8 +53,8 @@ fn outcome(program: &Program) -> Expectation {
     .unwrap();
     let chip_settings = Settings {
         clip: settings.clip.unwrap_or(false),
-        edge: settings.edge.unwrap_or(Settings::of(&device).edge),
-        ..Settings::of(&device)
+        edge: settings.edge.unwrap_or(Settings::from_device(&device).edge),
+        ..Settings::from_device(&device)
     };
     let arithmetic: Arithmetic = settings
         .domain
@@ -63,7 +63,7 @@ fn outcome(program: &Program) -> Expectation {
         .parse()
         .unwrap();
     let mut chip = arithmetic
-        .chip("golden", code, &device, scene.size(), chip_settings)
+        .chip("golden", &code, &device, scene.size(), chip_settings)
         .unwrap();
     let mut packet = Packet::new(scene.size(), settings.channels.unwrap_or(1));
     for _ in 0..settings.frames.unwrap_or(1) {

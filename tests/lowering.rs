@@ -92,11 +92,14 @@ fn ran(domain: &str, frame: Vec<Step>, size: Size, schedule: Schedule) -> Seen {
         init: vec![],
         frame,
     };
-    let settings = Settings::of(device());
+    let settings = Settings {
+        schedule: Some(schedule),
+        threads: Some(2),
+        ..Settings::from_device(device())
+    };
     let mut chip = arithmetic
-        .chip("loops", code, device(), size, settings)
+        .chip("loops", &code, device(), size, settings)
         .expect("a legal program");
-    chip.set_schedule(schedule, 2);
     let mut packet = Packet::new(size, 1);
     let mut readings = Vec::new();
     for frame in 0..3 {

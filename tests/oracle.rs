@@ -18,7 +18,9 @@ use std::{
 use amacrine::{
     number::Real,
     plane::Size,
-    reference::{BandSink, Counts, Description, Pair, Reference, Sink, TrainRow, VoxelGrid, bins},
+    reference::{
+        BandSink, Counts, Description, Interval, Reference, Sink, TrainRow, VoxelGrid, bins,
+    },
     scene::Frame,
     sensor::SensorError,
 };
@@ -320,7 +322,7 @@ impl Sink for Shares {
     }
 
     /// The clips are small, so there is one band.
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<ShareBand<'_>> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<ShareBand<'_>> {
         assert_eq!(bands.len(), 1);
         let empty = vec![Array2::zeros(self.size.shape()); self.channels];
         self.earlier.push(empty.clone());

@@ -500,9 +500,9 @@ fn chip(program: &Program, size: Size, arithmetic: &str) -> (Box<dyn Array + Sen
     let device = Device::scamp5();
     let expansion = program.expand(&device, &BTreeMap::new()).unwrap();
     let arithmetic: Arithmetic = arithmetic.parse().unwrap();
-    let settings = Settings::of(&device);
+    let settings = Settings::from_device(&device);
     let chip = arithmetic
-        .chip("test", expansion.code, &device, size, settings)
+        .chip("test", &expansion.code, &device, size, settings)
         .unwrap();
     (chip, expansion.bare)
 }

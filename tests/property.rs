@@ -134,8 +134,8 @@ proptest! {
         }
         let program = Program::parse("random", &text).unwrap();
         let code = program.expand(&device, &Overrides::default()).unwrap().code;
-        let settings = Settings::of(&device);
-        prop_assert!(arithmetic.chip("random", code.clone(), &device, Size::new(5, 4), settings).is_ok());
-        prop_assert!(Chip::new("random", Exact, code, &device, Size::new(5, 4), settings).is_ok());
+        let settings = Settings::from_device(&device);
+        prop_assert!(arithmetic.chip("random", &code, &device, Size::new(5, 4), settings).is_ok());
+        prop_assert!(Chip::new("random", Exact, &code, &device, Size::new(5, 4), settings).is_ok());
     }
 }

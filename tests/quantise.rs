@@ -25,7 +25,9 @@ fn levels_and_scale_are_the_best() {
     let folder = folder();
     let said = json(
         folder.path(),
-        &["quantise", "k.toml", "--to", "ternary", "--json"],
+        &[
+            "quantise", "k.toml", "--to", "ternary", "--sum", "free", "--json",
+        ],
     );
     let row = &said["quantised"][0];
     assert_eq!(row["scale"], 2.0);
@@ -85,7 +87,7 @@ fn compiled_thresholds_are_divided_by_the_scale() {
     ];
     let ternary = json(
         folder.path(),
-        &[&compile[..], &["--to", "ternary"]].concat(),
+        &[&compile[..], &["--to", "ternary", "--sum", "free"]].concat(),
     );
     assert_eq!(ternary["quantised_scales"][0], 2.0);
     assert_eq!(ternary["kernel"][1], serde_json::json!([0.0, 1.0, 0.0]));
@@ -134,21 +136,38 @@ fn the_chip_table_says_what_is_lost() {
         "k.toml",
         "--to",
         "q3.1,binary",
+        "--sum",
+        "free",
         "--threshold",
         "20",
         "--scene",
         SCENE,
     ];
-    let ask = [&ask[..], &["--effort", "0.01"]].concat();
+    let ask = [&ask[..], &["--effort", "0.01", "--within", "5ms"]].concat();
     let said = json(folder.path(), &[&ask[..], &["--json"]].concat());
     let (rows, all) = (&said["chip"]["rows"], &said["chip"]["reference_events"]);
     assert!(all.as_u64().unwrap() > 100, "{all}");
-    let exact = |row: usize| rows[row]["on_chip"]["exact"]["f1"].as_f64().unwrap();
+    let exact = |row: usize| rows[row]["on_chip"]["exact"]["kept"].as_f64().unwrap();
     assert_eq!(exact(0), 1.0);
     assert_eq!(rows[0]["on_chip"]["exact"]["event_ratio"], 1.0);
     assert!(exact(1) < 0.9, "{}", exact(1));
-    let silicon = rows[0]["on_chip"]["silicon"]["f1"].as_f64().unwrap();
-    assert!((0.1..1.0).contains(&silicon), "{silicon}");
+    let silicon = &rows[0]["on_chip"]["silicon"];
+    let kept = silicon["kept"].as_f64().unwrap();
+    assert!((-0.5..0.9).contains(&kept), "{silicon}");
+    for key in ["kept", "window_us", "fps", "threshold_equivalent_percent"] {
+        assert_eq!(rows[0][key], silicon[key], "{key}");
+        assert!(rows[0][key].is_number(), "{key}");
+    }
+    assert_eq!(
+        rows[0]["on_chip"]["exact"]["threshold_equivalent_percent"],
+        0.0
+    );
+    // As many events as the float kernel itself: there is no gain to tell from shape.
+    let tuned = &rows[0]["on_chip"]["exact"]["tuned"];
+    assert_eq!(
+        (tuned["kept"].as_f64(), tuned["threshold_percent"].as_f64()),
+        (Some(1.0), Some(0.0))
+    );
     for row in 0..2 {
         let chip = &rows[row]["on_chip"];
         assert!(chip["words"].as_u64() > chip["filter_words"].as_u64());
@@ -161,7 +180,18 @@ fn the_chip_table_says_what_is_lost() {
         table.contains("on scamp5, against the float kernel's"),
         "{table}"
     );
-    assert!(table.contains("1.0000   1.000"), "{table}");
+    assert!(table.contains("1.000     0.0 %   1.000"), "{table}");
+}
+
+/// Events matched within a window of less than no table are not asked for.
+#[test]
+fn a_window_without_a_table_is_refused() {
+    let folder = folder();
+    refused(
+        folder.path(),
+        &["quantise", "k.toml", "--to", "ternary", "--within", "9ms"],
+        &["--within", "--threshold"],
+    );
 }
 
 /// A kernel with more words than the chip stores has a row that says so.
@@ -211,14 +241,7 @@ fn bad_input_is_named() {
     );
     refused(
         at,
-        &[
-            "quantise",
-            "k.toml",
-            "--to",
-            "binary,ternary",
-            "-o",
-            "x.toml",
-        ],
+        &["quantise", "k.toml", "--to", "q3.1,ternary", "-o", "x.toml"],
         &["2 were asked for", "give one quantiser"],
     );
     for (threshold, said) in [("0", "threshold is 0"), ("-3", "threshold is -3")] {
@@ -228,7 +251,7 @@ fn bad_input_is_named() {
                 "quantise",
                 "k.toml",
                 "--to",
-                "binary",
+                "ternary",
                 "--threshold",
                 threshold,
             ],
@@ -237,7 +260,7 @@ fn bad_input_is_named() {
     }
     refused(
         at,
-        &["quantise", "k.toml", "--to", "binary", "--scene", SCENE],
+        &["quantise", "k.toml", "--to", "ternary", "--scene", SCENE],
         &["--threshold"],
     );
     refused(
@@ -246,7 +269,7 @@ fn bad_input_is_named() {
             "quantise",
             "k.toml",
             "--to",
-            "binary",
+            "ternary",
             "--threshold",
             "9",
             "--chip",

@@ -36,7 +36,7 @@ proptest! {
         (dark, span) in (0i64..200, 0i64..56),
     ) {
         let steps = steps(actions);
-        let settings = Settings { clip, square_gain: 1.0 / 128.0, ..Settings::of(device()) };
+        let settings = Settings { clip, square_gain: 1.0 / 128.0, ..Settings::from_device(device()) };
         let inputs = Inputs {
             light: Interval::new(dark as f64, (dark + span) as f64),
             registers: Interval::new(-20.0, 30.0),
@@ -60,7 +60,7 @@ proptest! {
         which in 0u8..7,
     ) {
         let steps = steps(actions);
-        let settings = Settings::of(device());
+        let settings = Settings::from_device(device());
         let inputs = Inputs::default();
         let ranges = range::of(&steps, device(), settings, inputs).unwrap();
         let taps = taps::read(&steps, device(), settings, Analog(which)).unwrap();
@@ -91,7 +91,7 @@ fn a_sum_that_can_leave_the_scale_is_named() {
         .expand(device(), &Overrides::default())
         .unwrap()
         .code;
-    let settings = Settings::of(device());
+    let settings = Settings::from_device(device());
     let range = |light| {
         let inputs = Inputs {
             light: Interval::new(0.0, light),

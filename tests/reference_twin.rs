@@ -18,8 +18,8 @@ use amacrine::{
     number::{Bf16, F16, F32, F64, Format, Number, Q, Real},
     plane::{Plane, Size},
     reference::{
-        BandSink, Border, Counts, Description, EventList, Limit, MemoryRule, Pair, Reference, Sink,
-        Train, TrainRow, VoxelGrid,
+        BandSink, Border, Counts, Description, EventList, Interval, Limit, MemoryRule, Reference,
+        Sink, Train, TrainRow, VoxelGrid,
         model::{self, Cell, FilteredSnap, FilteredStep, PixelStep, RawSnap, Seen, Setting},
     },
     scene::Frame,
@@ -72,7 +72,7 @@ impl Sink for Told {
         true
     }
 
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<ToldBand<'_>> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<ToldBand<'_>> {
         self.bands = vec![Vec::new(); bands.len()];
         self.bands
             .iter_mut()
@@ -241,7 +241,7 @@ fn near<N: Number>(plane: &Plane<N::Held>, border: Border, (y, x): At, reach: At
 }
 
 /// The model of every cell of a channel.
-fn run<N: Number, M: model::MemoryRule>(
+fn run<N: Number, M: model::MemoryModel>(
     number: &N,
     description: &Description,
     channel: usize,
@@ -291,7 +291,7 @@ fn run<N: Number, M: model::MemoryRule>(
     }
     for (index, (to, u)) in signals[1..].iter().enumerate() {
         let (index, to) = (index as u64, *to);
-        let pair = Pair { index, from, to };
+        let pair = Interval { index, from, to };
         from = to;
         let memory = held(&cells);
         let seen = look(number, description, channel, (u, &memory), 1e-8);

@@ -236,10 +236,14 @@ fn watched(
     } = *case;
     let arithmetic: Arithmetic = domain.parse().unwrap();
     let arithmetic = arithmetic.with_seed(seed);
+    let settings = Settings {
+        schedule: Some(schedule),
+        threads: Some(threads),
+        ..settings
+    };
     let mut chip = arithmetic
-        .chip("test", code.clone(), device(), size, settings)
+        .chip("test", code, device(), size, settings)
         .unwrap();
-    chip.set_schedule(schedule, threads);
     let planes = (0..20).map(|k| {
         let at = |(y, x)| value(seed, k * 100_000 + (y * size.width + x) as u64);
         Plane::from_shape_fn(size.shape(), at)
@@ -281,7 +285,7 @@ fn cases(domain: &'static str) -> impl Strategy<Value = Case> {
             clip,
             edge,
             square_gain: 1.0 / 128.0,
-            ..Settings::of(device())
+            ..Settings::from_device(device())
         };
         Case {
             domain,
@@ -475,7 +479,7 @@ mod spots {
 fn flag_that_is_left_off_reaches_the_next_frame() {
     let step = |action| Step { action, line: 1 };
     let word = |word| step(Action::Word(word));
-    let settings = Settings::of(device());
+    let settings = Settings::from_device(device());
     // Above zero where the light is above 100.
     let value = -(settings.reset_level + 100.0 * settings.gain);
     let frame = vec![
@@ -525,7 +529,13 @@ fn steps_that_are_handed_in_are_not_taken_for_those_before() {
     let size = Size::new(64, 64);
     let arithmetic: Arithmetic = "exact".parse().expect("a domain");
     let mut chip = arithmetic
-        .chip("steps", code, device(), size, Settings::of(device()))
+        .chip(
+            "steps",
+            &code,
+            device(),
+            size,
+            Settings::from_device(device()),
+        )
         .expect("a legal program");
     let mut packet = Packet::new(size, 1);
     let flat = |value: f64| Plane::from_shape_fn(size.shape(), |_| value);
@@ -608,7 +618,7 @@ fn a_large_array_agrees_too() {
     let case = Case {
         domain: "q8.8",
         size,
-        settings: Settings::of(device()),
+        settings: Settings::from_device(device()),
         seed: 5,
     };
     let lights: Vec<_> = (0..6)

@@ -58,12 +58,12 @@ fn identity() -> Vec<Primitive> {
 }
 
 fn errors() -> Errors {
-    Errors::of(device())
+    Errors::from_device(device())
 }
 
 fn chip(errors: Errors, seed: u64, program: &[Primitive], input: f64) -> Chip<Silicon> {
     let device = device();
-    let layout = Layout::of(device, SIZE);
+    let layout = Layout::new(device, SIZE);
     let word = |word: &Primitive| Step {
         action: Action::Word(word.clone()),
         line: 1,
@@ -76,8 +76,8 @@ fn chip(errors: Errors, seed: u64, program: &[Primitive], input: f64) -> Chip<Si
         frame: program.iter().map(word).collect(),
     };
     let domain = Silicon::new(errors, seed, &layout);
-    let settings = Settings::of(device);
-    let mut chip = Chip::new("test", domain, code, device, SIZE, settings).unwrap();
+    let settings = Settings::from_device(device);
+    let mut chip = Chip::new("test", domain, &code, device, SIZE, settings).unwrap();
     chip.run_init(Micros(0), &mut Packet::new(SIZE, 1)).unwrap();
     chip
 }
@@ -361,7 +361,7 @@ fn a_chip_with_other_numbers_errs_otherwise() {
         .fold(device().clone(), |device, figure| {
             device.what_if(figure, 0.0).unwrap()
         });
-    let mut chip = chip(Errors::of(&device), 1, &identity(), 0.0);
+    let mut chip = chip(Errors::from_device(&device), 1, &identity(), 0.0);
     chip.set_analog(A, &Plane::from_elem(SIZE.shape(), 60.0))
         .unwrap();
     run(&mut chip);

@@ -50,8 +50,8 @@ fn run(text: &str, scene: &Scene) -> [Light; 2] {
     let program = Program::parse("test", text).unwrap();
     let expansion = program.expand(&device, &BTreeMap::new()).unwrap();
     let size = Size::of(&scene.values);
-    let settings = Settings::of(&device);
-    let mut chip = Chip::new("t", Exact, expansion.code, &device, size, settings).unwrap();
+    let settings = Settings::from_device(&device);
+    let mut chip = Chip::new("t", Exact, &expansion.code, &device, size, settings).unwrap();
     chip.set_analog(Analog(1), &scene.values).unwrap();
     chip.set_digital(Digital(1), &scene.columns).unwrap();
     chip.set_digital(Digital(2), &scene.rows).unwrap();
@@ -151,8 +151,8 @@ proptest! {
         let program = Program::parse("t", &format!("scamp5_get_image(A, B, {gain});")).unwrap();
         let code = program.expand(&device, &BTreeMap::new()).unwrap().code;
         let size = Size::new(2, 3);
-        let settings = Settings::of(&device);
-        let mut chip = Chip::new("t", Exact, code, &device, size, settings).unwrap();
+        let settings = Settings::from_device(&device);
+        let mut chip = Chip::new("t", Exact, &code, &device, size, settings).unwrap();
         let light: Vec<f64> = light.into_iter().map(f64::from).collect();
         let light = Light::from_shape_vec((2, 3), light).unwrap();
         chip.expose(&light).unwrap();

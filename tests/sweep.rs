@@ -306,6 +306,17 @@ fn rows_say_what_was_measured() {
     let exact = [("kernel", word("laplacian")), ("quantise", word("none"))];
     let exact = find(&[&exact[..], &[("domain", word("exact"))]].concat());
     assert_eq!(exact["error"], 0.0);
+    for row in rows.iter().filter(|row| row["outcome"] == "done") {
+        let number = |name: &str| row[name].as_f64().unwrap();
+        // The first window of the study.
+        assert_eq!(row["window_us"], 1_000);
+        assert!(row["fps"].as_f64().unwrap() > 0.0);
+        let kept = (number("f1_1ms") - number("floor")) / (1.0 - number("floor"));
+        assert!((number("kept") - kept).abs() < 1e-12, "{row}");
+        assert_eq!(number("error"), 1.0 - number("kept"));
+        let percent = number("threshold_equivalent_percent");
+        assert_eq!(percent == 0.0, number("kept") == 1.0, "{row}");
+    }
     // Seven analogue registers and PIX of 8 bytes, thirteen bits and FLAG.
     assert_eq!(
         exact["state_memory_bytes"],
@@ -328,6 +339,32 @@ fn rows_say_what_was_measured() {
     let mesh = |solver: &str| find(&[("solver", word(solver)), ("lambda", Value::from(4.0))]);
     assert_eq!(mesh("ramp")["error"], 0.0);
     assert!(mesh("v2e")["error"].as_f64().unwrap() > 0.0);
+}
+
+/// The window follows the frame rate of each scene; metrics that are asked for have one of their
+/// own; the ladder can be left out.
+#[test]
+fn the_headline_s_window_is_that_of_the_scene() {
+    let text = "scene = \"pattern:disc?width=32&height=24&frames=8&radius=6\"\nfps = [5, 40]\nkernel = \"laplacian\"\nthreshold = 20\nmetrics = [\"kept\", \"f1\"]\nthreshold-equivalent = false\n[[side]]\nside = \"reference\"\nformat = \"f16\"\n";
+    let folder = folder(text);
+    let at = folder.path();
+    json(at, &["sweep", "study.toml", "--output", "out", "--json"]);
+    let lines = fs::read_to_string(at.join("out/results.jsonl")).unwrap();
+    let windows: Vec<_> = { lines.lines() }
+        .map(|line| {
+            let row: Value = serde_json::from_str(line).unwrap();
+            assert!(row["threshold_equivalent_percent"].is_null());
+            assert!(row["f1_100ms"].is_number() && row["kept_100ms"].is_number());
+            (
+                row["fps"].as_f64().unwrap(),
+                row["window_us"].as_u64().unwrap(),
+            )
+        })
+        .collect();
+    assert_eq!(windows, [(5.0, 200_000), (40.0, 100_000)]);
+    let report = json(at, &["report", "out", "--json"]);
+    let sensor = &report["groups"][0]["sensors"][0];
+    assert!(sensor["threshold_equivalent_percent"].is_null());
 }
 
 #[test]
@@ -652,7 +689,7 @@ fn folders_of_others_are_left_alone() {
     );
     fs::write(
         at.join("out/sweep.json"),
-        said.replace("\"schema\": 2", "\"schema\": 99"),
+        said.replace("\"schema\": 3", "\"schema\": 99"),
     )
     .unwrap();
     refused(at, &sweep, &["results version 99"]);
@@ -716,13 +753,14 @@ fn the_schema_is_what_is_read() {
             .as_array()
             .unwrap(),
     ) {
-        let mut keys: HashSet<String> = Key::of(*side).map(|key| key.name.to_owned()).collect();
+        let mut keys: HashSet<String> =
+            Key::on_side(*side).map(|key| key.name.to_owned()).collect();
         top.extend(keys.iter().cloned());
         keys.insert("side".to_owned());
         assert_eq!(names(own), keys);
         // What the schema names is read, each at the value that it has when it is left out.
         let mut text = String::new();
-        for key in Key::of(*side) {
+        for key in Key::on_side(*side) {
             match (key.default, key.name) {
                 (Absent::Is(value), name) => writeln!(text, "{name} = {value}").unwrap(),
                 (_, "scene") => writeln!(text, "scene = \"{SCENE}\"").unwrap(),

@@ -48,7 +48,7 @@ proptest! {
         seed: u64,
     ) {
         let steps = steps(actions);
-        let settings = Settings { edge, ..Settings::of(device()) };
+        let settings = Settings { edge, ..Settings::from_device(device()) };
         let light = noise(seed, 0, 255);
         let registers: Vec<_> = (1..8).map(|k| noise(seed ^ k << 40, -128, 127)).collect();
         let values = ran(&steps, settings, &light, &registers);
@@ -79,7 +79,7 @@ fn shipped_programs_compute_what_they_say() {
             let name = computes.register.as_deref().unwrap_or("A");
             let names = &device().registers().analog;
             let register = Analog(names.iter().position(|n| n == name).unwrap() as u8);
-            let settings = Settings::of(device());
+            let settings = Settings::from_device(device());
             let taps = taps::read(&code.frame, device(), settings, register).unwrap();
             let kernel = taps.kernel(Input::Light) / computes.scale;
             let rows: Vec<Vec<f64>> = kernel.rows().into_iter().map(|r| r.to_vec()).collect();
@@ -104,7 +104,7 @@ fn kernel_of(text: &str, register: u8) -> Result<Taps, TapsError> {
     taps::read(
         &code.frame,
         device(),
-        Settings::of(device()),
+        Settings::from_device(device()),
         Analog(register),
     )
 }
@@ -139,7 +139,8 @@ fn what_is_not_linear_is_told_by_line() {
         sources: vec![Source::Register(Analog(4))],
     };
     let steps = steps(vec![Action::Word(thirds)]);
-    let error = taps::read(&steps, device(), Settings::of(device()), Analog(1)).unwrap_err();
+    let error =
+        taps::read(&steps, device(), Settings::from_device(device()), Analog(1)).unwrap_err();
     let TapsError::NoTaps(error) = error else {
         panic!("{error}")
     };

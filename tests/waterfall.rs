@@ -188,13 +188,13 @@ fn the_ends_are_the_sensors_that_they_are_called() {
             .reference(size, MemoryRule::FilteredStep, Format::F64)
             .unwrap();
         let mut chip = program
-            .silicon(Errors::of(&device), 1, size, program.settings())
+            .silicon(Errors::from_device(&device), 1, size, program.settings())
             .unwrap();
         let mut sensors: [&mut (dyn Sensor + Send); 2] = [&mut float, &mut chip];
         let packets = rig::watch(&mut scene, &mut sensors, |_| ()).unwrap();
         let last = question.readout.read(&packets[1]).packet;
-        let pair = Pair::of(&packets[0], &last).unwrap();
-        assert_eq!(Fate::of(&pair, all.windows), all.ends);
+        let pair = Pair::new(&packets[0], &last).unwrap();
+        assert_eq!(Fate::from_pair(&pair, all.windows), all.ends);
         assert_eq!(last.events.len() as u64, all.chip_events);
 
         // Net change adds up; what is lost on the way may be made up for by something extra,

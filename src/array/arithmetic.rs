@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     isa::Device,
-    number::{FixedFormat, Format, FormatError, Q, Width},
+    number::{FixedFormat, Format, FormatError, Q, Width, known_floats},
     plane::Size,
     program::Code,
 };
@@ -30,7 +30,8 @@ pub enum Arithmetic {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("unknown domain `{name}`")]
 #[diagnostic(help(
-    "known are exact (f64), f32, f16, bf16, qM.N for fixed point (for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps; M + N is 8, 16 or 32), and silicon"
+    "known are {}, qM.N for fixed point (for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps; M + N is 8, 16 or 32), and silicon",
+    known_floats()
 ))]
 pub struct ArithmeticError {
     /// What was given.
@@ -60,6 +61,13 @@ impl fmt::Display for Arithmetic {
 }
 
 impl Arithmetic {
+    /// The names of all, with commas between: `exact, f32, …, qM.N, silicon`.
+    #[must_use]
+    pub fn names() -> String {
+        let floats = Format::floats().map(|format| Self::Number(format).to_string() + ", ");
+        floats.collect::<String>() + "qM.N, silicon"
+    }
+
     /// The same with another seed, where chance plays a part.
     #[must_use]
     pub const fn with_seed(self, seed: u64) -> Self {
@@ -73,7 +81,7 @@ impl Arithmetic {
     /// and the errors of `silicon`.
     #[must_use]
     pub fn bytes(self, device: &Device, size: Size) -> u128 {
-        let layout = Layout::of(device, size);
+        let layout = Layout::new(device, size);
         let cell = match self {
             Self::Number(Format::F64) => 8,
             Self::Number(Format::F32) | Self::Silicon { .. } => 4,
@@ -98,7 +106,7 @@ impl Arithmetic {
     pub fn chip(
         self,
         name: &str,
-        code: Code,
+        code: &Code,
         device: &Device,
         size: Size,
         settings: Settings,
@@ -121,8 +129,8 @@ impl Arithmetic {
                 _ => chip!(fixed::<i32>(format)),
             },
             Self::Silicon { seed } => {
-                let errors = Errors::of(device);
-                chip!(Silicon::new(errors, seed, &Layout::of(device, size)))
+                let errors = Errors::from_device(device);
+                chip!(Silicon::new(errors, seed, &Layout::new(device, size)))
             }
         }
     }
@@ -153,8 +161,8 @@ mod tests {
             let arithmetic: Arithmetic = name.parse().unwrap();
             assert_eq!(arithmetic.to_string(), name);
             let device = Device::scamp5();
-            let settings = Settings::of(&device);
-            let chip = arithmetic.chip("x", Code::default(), &device, Size::new(2, 2), settings);
+            let settings = Settings::from_device(&device);
+            let chip = arithmetic.chip("x", &Code::default(), &device, Size::new(2, 2), settings);
             assert_eq!(chip.unwrap().domain(), name);
         }
         assert!("silicone".parse::<Arithmetic>().is_err());

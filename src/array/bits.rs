@@ -132,7 +132,7 @@ impl BitPlane {
 
     /// Each pixel the other way.
     pub(super) fn not(&mut self) {
-        or(&mut self.words, [], true, true);
+        or_any(&mut self.words, &[], true, true);
         cut(&mut self.words, self.size.width);
     }
 }
@@ -226,9 +226,21 @@ pub(super) fn or_seen(
     }
 }
 
-/// OR of `others` and, where kept, of what was there; with `not` the other way.
+/// OR of at most four `others` and, where kept, of what was there; with `not` the other way.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+pub(super) fn or_any(words: &mut [u64], others: &[&[u64]], kept: bool, not: bool) {
+    match *others {
+        [] => or(words, [], kept, not),
+        [a] => or(words, [a], kept, not),
+        [a, b] => or(words, [a, b], kept, not),
+        [a, b, c] => or(words, [a, b, c], kept, not),
+        [a, b, c, d, ..] => or(words, [a, b, c, d], kept, not),
+    }
+}
+
+/// The same of so many.
 #[inline(always)]
-pub(super) fn or<const N: usize>(words: &mut [u64], others: [&[u64]; N], kept: bool, not: bool) {
+fn or<const N: usize>(words: &mut [u64], others: [&[u64]; N], kept: bool, not: bool) {
     let turn = if not { !0 } else { 0 };
     if kept {
         or_all::<N, true>(words, others, turn);

@@ -59,12 +59,10 @@ pub trait Domain: Sync {
     fn input(&self, value: f64, _calibrated: bool) -> Self::Cell {
         self.hold(value)
     }
+}
 
-    /// Whether a word gives the same from the same, whatever the place and the step.
-    fn is_steady(&self) -> bool {
-        true
-    }
-
+/// What time does to cells. By default nothing.
+pub trait Ageing: Domain {
     /// What a cell holds some seconds later; `None` where cells keep what they hold.
     fn aged(&self, _cell: &Self::Cell, _seconds: f64) -> Option<Self::Cell> {
         None
@@ -84,7 +82,12 @@ pub trait Domain: Sync {
 
 /// Operations on rows of cells. Each says what [`Domain`] does cell by cell, and an arithmetic says
 /// it again where it is faster together.
-pub trait RowOps: Domain {
+pub trait RowOps: Ageing {
+    /// Whether a word gives the same from the same, whatever the place and the step.
+    fn is_steady(&self) -> bool {
+        true
+    }
+
     /// Sets each cell to the nearest to `level + gain · value`, in LSB.
     #[inline(always)]
     fn hold_row(&self, level: f64, gain: f64, values: &[f64], cells: &mut [Self::Cell]) {
@@ -188,7 +191,7 @@ pub struct Share {
 impl Share {
     /// Of a bus with so many targets.
     #[must_use]
-    pub const fn of(targets: usize, part: usize) -> Self {
+    pub const fn new(targets: usize, part: usize) -> Self {
         Self {
             by: targets as u32,
             part: if targets > 1 { Some(part as u8) } else { None },

@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 
 use super::{
-    Domain, Place, RowOps, Share,
+    Ageing, Domain, Place, RowOps, Share,
     domain::LIMITS,
     each::{above, each, each_twice, some, summed},
 };
@@ -85,6 +85,8 @@ impl<T: Width> Domain for Fixed<T> {
     }
 }
 
+impl<T: Width> Ageing for Fixed<T> {}
+
 impl<T: Width> RowOps for Fixed<T> {
     #[inline(always)]
     fn hold_row(&self, level: f64, gain: f64, values: &[f64], cells: &mut [T]) {
@@ -115,14 +117,8 @@ impl<T: Width> RowOps for Fixed<T> {
             wrapped_row(operands, share.by, cells);
         }
     }
-    #[inline(always)]
     fn store_some(&self, operands: &[&[T]], words: &[u64], cells: &mut [T]) -> bool {
-        match *operands {
-            [a] if self.saturates() => some([a], words, cells, saturated_sum),
-            [a, b] if self.saturates() => some([a, b], words, cells, saturated_sum),
-            _ => return false,
-        }
-        true
+        self.saturates() && saturated_some(operands, words, cells)
     }
     fn fuses(&self) -> bool {
         self.saturates()
@@ -150,6 +146,10 @@ impl<T: Width> RowOps for Fixed<T> {
     }
 }
 
+// Each of these is compiled for several vector widths. What they hand to a loop has a name, or is
+// made by a function that has one: a closure written here would be one of its own for each width,
+// and so would the loop.
+
 /// Stores along a row.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn saturated_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
@@ -160,23 +160,27 @@ fn saturated_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
         (&[a, b], 1) => each([a, b], cells, saturated_sum),
         (&[a, b], 2) => each([a, b], cells, saturated_half),
         (&[a, b, c], 1) => each([a, b, c], cells, saturated_three),
-        _ => summed(operands, cells, |sum| {
-            T::saturate_wide(sum.times(-1).divided(by))
-        }),
+        _ => summed(operands, cells, saturated_part(by)),
     }
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn wrapped_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
-    summed(operands, cells, |sum| {
-        T::wrap_wide(sum.times(-1).divided(by))
-    });
+    summed(operands, cells, wrapped_part(by));
+}
+
+/// Stores where the bit is 1; whether the operands are so few.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn saturated_some<T: Width>(operands: &[&[T]], words: &[u64], cells: &mut [T]) -> bool {
+    match *operands {
+        [a] => some([a], words, cells, saturated_sum),
+        [a, b] => some([a, b], words, cells, saturated_sum),
+        _ => return false,
+    }
+    true
 }
 
 /// Two stores at once.
-///
-/// What the first would store, taken from nought, is the sum, but for the lowest number, or
-/// half the sum.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn saturated_pair<T: Width>(
     operands: &[&[T]],
@@ -185,22 +189,26 @@ fn saturated_pair<T: Width>(
     extra: Option<&[T]>,
     cells: &mut [T],
 ) {
-    let lowest = T::ZERO.less(T::LIMITS.1);
     if by == 1 {
-        let one = (|a: T| a.max(lowest), |a: T, c| a.max(lowest).less(c));
-        let two = (
-            |a: T, b| a.more(b).max(lowest),
-            |a, b, c| saturated_sum([saturated_sum([a, b]), c]),
+        let one = (back, back_less);
+        each_twice(
+            operands,
+            own,
+            extra,
+            cells,
+            &one,
+            &(twice_sum, twice_sum_less),
         );
-        each_twice(operands, own, extra, cells, &one, &two);
     } else {
-        let half = |a: T, b| a.middle(b).max(lowest);
-        let one = (
-            |a: T| a.middle(T::ZERO),
-            |a: T, c| a.middle(T::ZERO).less(c),
+        let one = (half, half_less);
+        each_twice(
+            operands,
+            own,
+            extra,
+            cells,
+            &one,
+            &(half_sum, half_sum_less),
         );
-        let two = (half, |a, b, c| half(a, b).less(c));
-        each_twice(operands, own, extra, cells, &one, &two);
     }
 }
 
@@ -208,10 +216,10 @@ fn saturated_pair<T: Width>(
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
     match *operands {
-        [a] => each([a], bytes, |all| (signed(all) > T::ZERO).into()),
-        [a, b] => each([a, b], bytes, |all| (signed(all) > T::ZERO).into()),
-        [a, b, c] => each([a, b, c], bytes, |all| (signed(all) > T::ZERO).into()),
-        _ => summed(operands, bytes, |sum| (sum > T::Wide::default()).into()),
+        [a] => each([a], bytes, positive),
+        [a, b] => each([a, b], bytes, positive),
+        [a, b, c] => each([a, b, c], bytes, positive),
+        _ => summed(operands, bytes, positive_wide::<T>),
     }
 }
 
@@ -225,6 +233,74 @@ fn positive_words<T: Width>(operands: &[&[T]], words: &mut [u64]) -> bool {
         _ => return false,
     }
     true
+}
+
+/// `-(sum) / by`, saturated.
+#[inline(always)]
+fn saturated_part<T: Width>(by: u32) -> impl Fn(T::Wide) -> T {
+    move |sum| T::saturate_wide(sum.times(-1).divided(by))
+}
+
+/// `-(sum) / by`, wrapped.
+#[inline(always)]
+fn wrapped_part<T: Width>(by: u32) -> impl Fn(T::Wide) -> T {
+    move |sum| T::wrap_wide(sum.times(-1).divided(by))
+}
+
+/// 1 where the sum of at most three is above zero.
+#[inline(always)]
+fn positive<T: Width, const N: usize>(operands: [T; N]) -> u8 {
+    (signed(operands) > T::ZERO).into()
+}
+
+/// The same of the sum of any number.
+#[inline(always)]
+fn positive_wide<T: Width>(sum: T::Wide) -> u8 {
+    (sum > T::Wide::default()).into()
+}
+
+// What the second of two stores leaves. What the first stores, taken from nought, is the sum, but
+// for the lowest number, or half the sum.
+
+/// What a number is that was stored and taken from nought: all but the lowest come back.
+#[inline(always)]
+fn back<T: Width>(a: T) -> T {
+    a.max(T::ZERO.less(T::LIMITS.1))
+}
+
+#[inline(always)]
+fn back_less<T: Width>(a: T, c: T) -> T {
+    back(a).less(c)
+}
+
+#[inline(always)]
+fn twice_sum<T: Width>(a: T, b: T) -> T {
+    back(a.more(b))
+}
+
+#[inline(always)]
+fn twice_sum_less<T: Width>(a: T, b: T, c: T) -> T {
+    saturated_sum([saturated_sum([a, b]), c])
+}
+
+#[inline(always)]
+fn half<T: Width>(a: T) -> T {
+    a.middle(T::ZERO)
+}
+
+#[inline(always)]
+fn half_less<T: Width>(a: T, c: T) -> T {
+    half(a).less(c)
+}
+
+#[inline(always)]
+fn half_sum<T: Width>(a: T, b: T) -> T {
+    back(a.middle(b))
+}
+
+#[inline(always)]
+fn half_sum_less<T: Width>(a: T, b: T, c: T) -> T {
+    half_sum(a, b).less(c)
 }
 
 /// What has the sign of the sum of at most three: saturated, it keeps that.

@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use multiversion::multiversion;
 
 use super::{
-    Domain, Place, RowOps, Share,
+    Ageing, Domain, Place, RowOps, Share,
     domain::LIMITS,
     each::{each, each_twice},
 };
@@ -43,6 +43,13 @@ fn stored<T: Real, const N: usize>(operands: [T; N], part: T) -> T {
     (T::from(0.0) - sum(operands)) * part
 }
 
+/// The same as a function. A closure that is written in a function of several vector widths is one
+/// of its own for each width, and so is the loop that gets it.
+#[inline(always)]
+fn storing<T: Real, const N: usize>(part: T) -> impl Fn([T; N]) -> T {
+    move |operands| stored(operands, part)
+}
+
 /// A first sum with 0 would change nothing but the sign of a 0, and that is lost in the
 /// difference.
 #[inline(always)]
@@ -67,9 +74,9 @@ fn row<T: Real>(operands: &[&[T]], by: u32, cells: &mut [T]) {
     };
     match *operands {
         [] => cells.fill(T::from(0.0)),
-        [a] => each([a], cells, |all| stored(all, part)),
-        [a, b] => each([a, b], cells, |all| stored(all, part)),
-        [a, b, c] => each([a, b, c], cells, |all| stored(all, part)),
+        [a] => each([a], cells, storing(part)),
+        [a, b] => each([a, b], cells, storing(part)),
+        [a, b, c] => each([a, b, c], cells, storing(part)),
         [first, ref others @ ..] => many(first, others, part, cells),
     }
     if !exact {
@@ -96,35 +103,51 @@ fn many<T: Real>(first: &[T], others: &[&[T]], part: T, cells: &mut [T]) {
 /// Two stores at once, the first divided by a power of two.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn pair<T: Real>(operands: &[&[T]], own: bool, by: u32, extra: Option<&[T]>, cells: &mut [T]) {
+    let part = T::from(1.0) / T::from(by as f32);
+    each_twice(operands, own, extra, cells, &of_one(part), &of_two(part));
+}
+
+/// What the second of two stores leaves, the first of one operand: without another, and with one.
+#[inline(always)]
+fn of_one<T: Real>(part: T) -> (impl Fn(T) -> T, impl Fn(T, T) -> T) {
     let whole = T::from(1.0);
-    let part = whole / T::from(by as f32);
-    let one = (
-        |a| stored([stored([a], part)], whole),
-        |a, c| stored([stored([a], part), c], whole),
-    );
-    let two = (
-        |a, b| stored([stored([a, b], part)], whole),
-        |a, b, c| stored([stored([a, b], part), c], whole),
-    );
-    each_twice(operands, own, extra, cells, &one, &two);
+    (
+        move |a| stored([stored([a], part)], whole),
+        move |a, c| stored([stored([a], part), c], whole),
+    )
+}
+
+/// The same, the first of two operands.
+#[inline(always)]
+fn of_two<T: Real>(part: T) -> (impl Fn(T, T) -> T, impl Fn(T, T, T) -> T) {
+    let whole = T::from(1.0);
+    (
+        move |a, b| stored([stored([a, b], part)], whole),
+        move |a, b, c| stored([stored([a, b], part), c], whole),
+    )
 }
 
 /// Whether each sum is above zero.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn positives<T: Real>(operands: &[&[T]], bytes: &mut [u8]) {
-    let above = |sum: T| u8::from(sum > T::from(0.0));
     match *operands {
         [] => bytes.fill(0),
-        [a] => each([a], bytes, |all| above(sum(all))),
-        [a, b] => each([a, b], bytes, |all| above(sum(all))),
-        [a, b, c] => each([a, b, c], bytes, |all| above(sum(all))),
+        [a] => each([a], bytes, positive),
+        [a, b] => each([a, b], bytes, positive),
+        [a, b, c] => each([a, b, c], bytes, positive),
         [first, ref others @ ..] => {
             for (i, byte) in bytes.iter_mut().enumerate() {
                 let add = |sum: T, operand: &&[T]| sum + operand[i];
-                *byte = above(others.iter().fold(first[i], add));
+                *byte = positive([others.iter().fold(first[i], add)]);
             }
         }
     }
+}
+
+/// 1 where the sum is above zero.
+#[inline(always)]
+fn positive<T: Real, const N: usize>(operands: [T; N]) -> u8 {
+    (sum(operands) > T::from(0.0)).into()
 }
 
 macro_rules! float {
@@ -173,6 +196,8 @@ macro_rules! float {
                 cell.clamp(LIMITS.0 as $cell, LIMITS.1 as $cell)
             }
         }
+
+        impl Ageing for $domain {}
 
         impl RowOps for $domain {
             fn store_row(

@@ -6,7 +6,7 @@
 use half::{bf16, f16};
 use multiversion::multiversion;
 
-use super::{Domain, Place, RowOps, Share, domain::LIMITS};
+use super::{Ageing, Domain, Place, RowOps, Share, domain::LIMITS};
 use crate::number::{self, Number};
 
 /// Half precision in the cells, f32 on the bus. `T` is [`struct@f16`] or [`struct@bf16`].
@@ -90,6 +90,8 @@ macro_rules! half {
                 cell.clamp($narrow(LIMITS.0 as f32), $narrow(LIMITS.1 as f32))
             }
         }
+
+        impl Ageing for Halves<$cell> {}
 
         impl RowOps for Halves<$cell> {
             fn store_row(

@@ -253,7 +253,7 @@ fn sum<D: Domain>(
         (0..n * n)
             .map(|i| {
                 let members = pixels(size).filter(|at| {
-                    let address = Address::of(*at, size);
+                    let address = Address::from_pixel(*at, size);
                     address.row % n == i / n && address.column % n == i % n
                 });
                 u32::from(mean_of(domain, converters, state, source, members))
@@ -274,7 +274,7 @@ fn sum<D: Domain>(
 fn bounding_box(bits: &BitPlane, size: Size) -> Option<Window> {
     let mut found: Option<Window> = None;
     for at in pixels(size).filter(|at| bits.get(at.y, at.x)) {
-        let address = Address::of(at, size);
+        let address = Address::from_pixel(at, size);
         let (row, column) = (address.row as u16, address.column as u16);
         let so_far = found.get_or_insert(Window {
             top: row,
@@ -295,7 +295,7 @@ fn agrees(address: usize, with: u16, ignored: u16) -> bool {
 }
 
 fn matches(pattern: Pattern, at: At, size: Size) -> bool {
-    let address = Address::of(at, size);
+    let address = Address::from_pixel(at, size);
     agrees(address.row, pattern.row, pattern.row_ignored)
         && agrees(address.column, pattern.column, pattern.column_ignored)
 }
@@ -304,7 +304,7 @@ fn matches(pattern: Pattern, at: At, size: Size) -> bool {
 fn covered(area: Area, size: Size) -> BitPlane {
     let mut bits = BitPlane::zeros(size);
     for at in pixels(size) {
-        let address = Address::of(at, size);
+        let address = Address::from_pixel(at, size);
         let (own_row, own_column) = (address.row, address.column);
         let inside = match area {
             Area::Point { row, column } => {
@@ -419,7 +419,7 @@ mod tests {
     fn set(bits: &BitPlane, size: Size) -> Vec<(usize, usize)> {
         let on = pixels(size).filter(|at| bits.get(at.y, at.x));
         on.map(|at| {
-            let address = Address::of(at, size);
+            let address = Address::from_pixel(at, size);
             (address.row, address.column)
         })
         .collect()

@@ -23,7 +23,7 @@ pub struct Layout {
 impl Layout {
     /// The registers of a chip, on an array of this size.
     #[must_use]
-    pub fn of(device: &Device, size: Size) -> Self {
+    pub fn new(device: &Device, size: Size) -> Self {
         let registers = device.registers();
         Self {
             size,

@@ -14,6 +14,7 @@
 
 mod arithmetic;
 mod bits;
+mod border;
 mod check;
 mod chip;
 mod domain;
@@ -27,6 +28,7 @@ mod layout;
 mod ledger;
 mod propagate;
 mod readout;
+mod schedule;
 pub mod semantics;
 mod settings;
 mod silicon;
@@ -35,10 +37,10 @@ mod symbolic;
 
 pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use bits::BitPlane;
+pub use border::AtBorder;
 pub use check::{CodeError, CodeProblem, check};
 pub use chip::{Array, Chip, RunError, ShapeError};
-pub use domain::{Domain, Place, RowOps, Share, Undecided};
-pub use engine::{Schedule, ScheduleError};
+pub use domain::{Ageing, Domain, Place, RowOps, Share, Undecided};
 pub use fixed::Fixed;
 pub use float::{Exact, Single};
 pub use halves::Halves;
@@ -46,6 +48,7 @@ pub use host::{Reading, Readings};
 pub use layout::Layout;
 pub use ledger::Ledger;
 pub use readout::{Address, Scan};
+pub use schedule::{Schedule, ScheduleError};
 pub use settings::{Converters, Propagation, Settings};
 pub use silicon::{Errors, Silicon};
 pub use state::State;

@@ -17,8 +17,9 @@
 //!   its value; one that several drive holds the sum of what each puts in.
 //! - R12 is written only where R0 was 1 before the word.
 //!
-//! This is the meaning. `array/engine/sweep.rs` does the same on rows, many pixels at once, and is held
-//! to it to the bit by `tests/array.rs`.
+//! This is the meaning. `array/engine/` does the same on rows, many pixels at once, where
+//! [`row_form`] says how, and is held to it to the bit by `tests/array.rs`; where it says
+//! nothing, the engine executes the meaning.
 
 use smallvec::{SmallVec, smallvec};
 
@@ -148,7 +149,7 @@ impl<D: Domain> Before<'_, D> {
         let mut lefts = smallvec![];
         let mut driven: SmallVec<[(Point, Share); 4]> = smallvec![];
         for (part, target) in targets.iter().enumerate() {
-            let share = Share::of(targets.len(), part);
+            let share = Share::new(targets.len(), part);
             match target {
                 Target::Register(register) if *register != news => {
                     if self.flag(at) {
@@ -271,6 +272,107 @@ impl<D: Domain> Before<'_, D> {
             }
         })
     }
+}
+
+/// How the engine does a word on rows, many pixels at once: said of a word beside its meaning.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum RowForm<'a> {
+    /// Nothing that a program can see.
+    Nothing,
+    /// The photodiodes := the reset level.
+    Reset,
+    /// Each target := its share of the bus.
+    Bus {
+        targets: &'a [Target],
+        sources: &'a [Source],
+    },
+    /// NEWS := the square of the bus.
+    Square { sources: &'a [Source] },
+    /// FLAG := the bus is above zero.
+    Sign { sources: &'a [Source] },
+    /// Target := the source, diffused.
+    Diffusion {
+        target: Analog,
+        source: Analog,
+        horizontal: bool,
+        vertical: bool,
+    },
+    /// Each target := the value.
+    Constant { targets: &'a [Digital], value: bool },
+    /// Target := [not] any source.
+    Logic {
+        target: Bit,
+        sources: &'a [Bit],
+        not: bool,
+    },
+    /// Target := any enabled direction's source.
+    Neighbours {
+        target: Digital,
+        source: Bit,
+        boundary: bool,
+    },
+}
+
+/// The row form of a word. `None` is right for every word: the engine then executes its meaning,
+/// pixel by pixel.
+pub(super) fn row_form(word: &Primitive) -> Option<RowForm<'_>> {
+    Some(match word {
+        Primitive::Nop | Primitive::BlurSet | Primitive::PropRead => RowForm::Nothing,
+        Primitive::ResetPix => RowForm::Reset,
+        Primitive::Bus { targets, sources } => RowForm::Bus { targets, sources },
+        Primitive::Square { sources } => RowForm::Square { sources },
+        Primitive::Where { sources } => RowForm::Sign { sources },
+        Primitive::All => RowForm::Logic {
+            target: Bit::Flag,
+            sources: &[],
+            not: true,
+        },
+        Primitive::Blur {
+            target,
+            source,
+            horizontal,
+            vertical,
+        } => RowForm::Diffusion {
+            target: *target,
+            source: *source,
+            horizontal: *horizontal,
+            vertical: *vertical,
+        },
+        Primitive::Set { targets } => RowForm::Constant {
+            targets,
+            value: true,
+        },
+        Primitive::Clear { targets } => RowForm::Constant {
+            targets,
+            value: false,
+        },
+        Primitive::Or { target, sources } => RowForm::Logic {
+            target: Bit::Register(*target),
+            sources,
+            not: false,
+        },
+        Primitive::Nor { target, sources } => RowForm::Logic {
+            target: Bit::Register(*target),
+            sources,
+            not: true,
+        },
+        Primitive::WhereBit { sources } => RowForm::Logic {
+            target: Bit::Flag,
+            sources,
+            not: false,
+        },
+        Primitive::Dnews {
+            target,
+            source,
+            boundary,
+        } => RowForm::Neighbours {
+            target: *target,
+            source: *source,
+            boundary: *boundary,
+        },
+        // A wave over the whole array, between two blocks: see `propagate`.
+        Primitive::Prop { .. } => return None,
+    })
 }
 
 /// Executes one instruction word on all pixels, one after the other. `input`: what the global

@@ -1,10 +1,12 @@
-//! What the sources leave open, by name, with a default.
+//! What the sources leave open, by name, with a default; and how the work is done.
 
+use super::Schedule;
 use crate::isa::{Device, Figure};
 
 /// How the array behaves where the vendor's sources leave it open.
 ///
-/// Analogue values are on the chip's ADC scale ("LSB", -128 to 127).
+/// Analogue values are on the chip's ADC scale ("LSB", -128 to 127). The last two say how the
+/// work is done, which changes no result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// What every register of a pixel off the array holds, in LSB. Evidence: guess, the vendor
@@ -29,6 +31,10 @@ pub struct Settings {
     /// NEWS := this times the square of the sum, in 1/LSB. Evidence: guess; the vendor gives no
     /// calibration of the squarer.
     pub square_gain: f64,
+    /// In which order rows are worked on; none is the best for the size.
+    pub schedule: Option<Schedule>,
+    /// On how many threads at most; none is as many as there are.
+    pub threads: Option<usize>,
 }
 
 /// The ADC that reads registers and the DAC that drives the global input.
@@ -75,7 +81,7 @@ pub enum Propagation {
 impl Settings {
     /// What a chip's data says, no clipping.
     #[must_use]
-    pub fn of(device: &Device) -> Self {
+    pub fn from_device(device: &Device) -> Self {
         Self {
             edge: device.value(Figure::Edge),
             clip: false,
@@ -90,6 +96,8 @@ impl Settings {
             },
             diffusion: device.value(Figure::DiffusionParts) as u8,
             square_gain: device.value(Figure::SquareGain),
+            schedule: None,
+            threads: None,
         }
     }
 }

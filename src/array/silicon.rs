@@ -22,7 +22,7 @@
 
 use multiversion::multiversion;
 
-use super::{Domain, Layout, Place, RowOps, Share};
+use super::{Ageing, Domain, Layout, Place, RowOps, Share};
 use crate::{
     isa::{Device, Digital, Figure},
     rng::row::{Draws, hash, normal},
@@ -64,7 +64,7 @@ pub struct Errors {
 impl Errors {
     /// As a chip's data has them.
     #[must_use]
-    pub fn of(device: &Device) -> Self {
+    pub fn from_device(device: &Device) -> Self {
         let value = |figure| device.value(figure);
         let headroom = value(Figure::Headroom);
         Self {
@@ -327,13 +327,9 @@ impl Domain for Silicon {
         cell[0]
     }
 
-    fn is_steady(&self) -> bool {
-        false
-    }
-
     /// The squarer has no calibration; only the transfer error of its store is modelled.
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
-        let run = self.run(Share::of(1, 0), place, 1);
+        let run = self.run(Share::new(1, 0), place, 1);
         let mut drawn = [0];
         run.draws.draw(run.first, &mut drawn);
         let error = run.error(run.offset[0], drawn[0]);
@@ -349,7 +345,9 @@ impl Domain for Silicon {
     fn limit(&self, cell: f32) -> f32 {
         cell.clamp(-128.0, 127.0)
     }
+}
 
+impl Ageing for Silicon {
     fn aged(&self, cell: &f32, seconds: f64) -> Option<f32> {
         if self.errors.decay == 0.0 {
             return None;
@@ -371,6 +369,10 @@ impl Domain for Silicon {
 }
 
 impl RowOps for Silicon {
+    fn is_steady(&self) -> bool {
+        false
+    }
+
     fn store_row(&self, operands: &[&[f32]], share: Share, place: Place, cells: &mut [f32]) {
         store_run(&self.run(share, place, cells.len()), operands, cells);
     }

@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         device,
         expansion,
     } = arguments.source.open(&[])?;
-    let changes = Changes::of(&program, &expansion, &device, &arguments.source.overrides());
+    let changes = Changes::new(&program, &expansion, &device, &arguments.source.overrides());
     if arguments.disasm {
         super::say(&vendor_text(&expansion.code, expansion.bare, &device));
     } else if arguments.json {
@@ -253,7 +253,7 @@ struct Changes {
 }
 
 impl Changes {
-    fn of(
+    fn new(
         program: &Program,
         expansion: &Expansion,
         device: &Device,

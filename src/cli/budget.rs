@@ -37,8 +37,11 @@ pub fn check(need: &Need, what: &str, help: &str) -> miette::Result<()> {
 
 /// How a scene is opened: within what may be held.
 pub fn opening(fps: Option<f64>) -> OpenOptions {
-    let memory = Some(Need::new().left(budget()));
-    OpenOptions { fps, memory }
+    OpenOptions {
+        fps,
+        memory: Some(budget()),
+        ..OpenOptions::default()
+    }
 }
 
 /// What a scene holds.

@@ -48,7 +48,7 @@ pub struct Arguments {
     /// Only the events from FROM on and before TO, each with its unit; either may be left out
     #[arg(long, value_name = "FROM..TO", value_parser = slice)]
     slice: Option<(Micros, Micros)>,
-    /// Only this kind of cell, from 0
+    /// Only this kind of cell (which of the ganglion cells of a pixel), from 0
     #[arg(long, value_name = "N", conflicts_with = "each_kind")]
     kind: Option<u8>,
     /// One file for each kind of cell: B.kind0.EXT, B.kind1.EXT, …
@@ -396,6 +396,6 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
 /// How to open an event file that a verb has written, as the last line of its table.
 #[must_use]
 pub fn opened(path: &Path) -> String {
-    let line = Format::of(path).map(|format| format.opened_by(path));
+    let line = Format::from_path(path).map(|format| format.opened_by(path));
     line.map_or(String::new(), |line| format!("open     {line}\n"))
 }

@@ -8,11 +8,12 @@ use crate::{
     compile::Effort,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
+    rig::guard::Warning,
     save::save,
-    scene::{self, Scene, SceneError, part::Retimed},
+    scene::{Observation, Scene, SceneError},
     study::{
         equivalent::RUNGS,
-        feasibility::{self, Feasibility, Fit, Question, Several, Stream},
+        feasibility::{self, Feasibility, Fit, Question, Several, Snapshot, Stream},
         report,
     },
     unit::Micros,
@@ -20,10 +21,12 @@ use crate::{
 
 use super::{
     budget,
+    clip::Clip,
     content::Content,
     files::{Named, Output},
+    light::{self, Shown},
     progress::Progress,
-    quantise::Total,
+    quantiser::Total,
     readout::Choice,
     window::Window,
 };
@@ -48,25 +51,21 @@ pub struct Arguments {
         value_name = "THRESHOLDS"
     )]
     threshold: Vec<f64>,
-    /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
-    #[arg(long)]
-    scene: Option<Named>,
+    #[command(flatten)]
+    clip: Clip,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
     /// best of the candidates
-    #[arg(long, value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
+    #[arg(long, value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Option<Quantiser>,
     /// Rows of the table of quantisers
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantise::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantiser::quantiser)]
     candidates: Vec<Quantiser>,
     /// What quantised kernels must sum to
-    #[arg(long, value_enum, default_value = "kept")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
-    /// Frames a second of the scene, with which the chip must keep up; instead of what it says
-    #[arg(long)]
-    fps: Option<f64>,
     /// How long each frame is exposed, such as 2ms
     #[arg(long)]
     exposure: Option<Micros>,
@@ -76,7 +75,7 @@ pub struct Arguments {
     #[command(flatten)]
     window: Window,
     /// How long to search for each program, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
+    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
     #[arg(long, default_value_t = 0)]
@@ -105,9 +104,6 @@ fn energy(text: &str) -> Result<Energy, String> {
     }
 }
 
-/// What the scene is called where none was given.
-const BUNDLED: &str = "the bundled clip";
-
 /// Sensors that watch side by side, at most: those of the waterfall.
 const SENSORS: usize = 20;
 
@@ -118,9 +114,11 @@ const SENSORS: usize = 20;
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kernels = arguments.kernels()?;
     let device = Device::find(&arguments.chip)?;
-    let open = || arguments.open();
+    let observation = Observation::new();
+    let open = || arguments.clip.open(&observation);
     let scene = open()?;
-    budget::check_study(&*scene, SENSORS.max(kernels.len() * (RUNGS.len() + 1) + 2))?;
+    let sensors = SENSORS.max(kernels.len() * (RUNGS.len() + 1) + 2);
+    budget::check_study(&*scene, sensors)?;
     let (frames, fps) = (scene.frames(), scene.fps());
     drop(scene);
     let command = arguments.command();
@@ -141,7 +139,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             seed: arguments.seed,
             readout: Choice::default().open_compiled()?.readout()?,
             within: arguments.window.at(fps),
-            scene: arguments.scene.as_deref().unwrap_or(BUNDLED),
+            scene: arguments.clip.name(),
             command: &command,
         });
     }
@@ -151,16 +149,21 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         n => 4 * n as u64 + 1,
     };
     let progress = Progress::new("watching", frames.map(|frames| shown * frames));
-    let answered = answer(&questions, &open, &progress);
+    let answer = ask(&questions, &open, &progress);
     progress.finish();
-    let (page, json, mut text) = answered?;
+    let warnings = Warning::of_scene(&observation, 255.0);
+    light::warn(&warnings);
+    let answer = answer?.with(warnings);
     if let Some(path) = &arguments.output {
+        let page = answer.page();
         save(path, |out| out.write_all(page.as_bytes()))?;
     }
     if arguments.json {
+        let json = answer.json(&observation).into_diagnostic()?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
+    let mut text = answer.summary() + &light::line(&observation);
     if let Some(path) = &arguments.output {
         let _ = writeln!(text, "\nwrote {}", path.display());
     }
@@ -168,24 +171,63 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// The page, the JSON object and the summary of one question, or of several together.
-fn answer(
+/// What was answered: of one kernel, or of several together.
+enum Answer {
+    One(Box<(Feasibility, Snapshot)>),
+    Several(Several, Vec<Snapshot>),
+}
+
+fn ask(
     questions: &[Question<'_>],
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     progress: &Progress,
-) -> miette::Result<(String, String, String)> {
+) -> miette::Result<Answer> {
     if let [question] = questions {
-        let (all, sight) = feasibility::ask(question, open, |_| progress.tick())?;
-        let json = serde_json::to_string(&all).into_diagnostic()?;
-        return Ok((report::page(&all, &sight), json, summary(&all)));
+        let answer = feasibility::ask(question, open, |_| progress.tick())?;
+        return Ok(Answer::One(Box::new(answer)));
     }
     let answer = feasibility::ask_several(questions, open, |_| progress.tick())?;
-    let Some((several, sights)) = answer else {
-        return Err(miette!("there is no kernel to ask about"));
-    };
-    let json = serde_json::to_string(&several).into_diagnostic()?;
-    let page = report::page_of_several(&several, &sights);
-    Ok((page, json, summary_of_several(&several)))
+    match answer {
+        Some((several, snapshots)) => Ok(Answer::Several(several, snapshots)),
+        None => Err(miette!("there is no kernel to ask about")),
+    }
+}
+
+impl Answer {
+    /// Says the warnings of each kernel beside the output, and puts those of the scene before
+    /// them.
+    fn with(mut self, of_scene: Vec<Warning>) -> Self {
+        let kernels = match &mut self {
+            Self::One(answer) => std::slice::from_mut(&mut answer.0),
+            Self::Several(several, _) => &mut several.kernels,
+        };
+        for all in kernels {
+            light::warn(&all.warnings);
+            all.warnings.splice(0..0, of_scene.clone());
+        }
+        self
+    }
+
+    fn page(&self) -> String {
+        match self {
+            Self::One(answer) => report::page(&answer.0, &answer.1),
+            Self::Several(several, snapshots) => report::page_of_several(several, snapshots),
+        }
+    }
+
+    fn json(&self, observation: &Observation) -> serde_json::Result<String> {
+        match self {
+            Self::One(answer) => serde_json::to_string(&Shown::new(&answer.0, observation)),
+            Self::Several(several, _) => serde_json::to_string(&Shown::new(several, observation)),
+        }
+    }
+
+    fn summary(&self) -> String {
+        match self {
+            Self::One(answer) => summary(&answer.0),
+            Self::Several(several, _) => summary_of_several(several),
+        }
+    }
 }
 
 /// The kernels of a file or of a name, each with a name of its own.
@@ -226,15 +268,6 @@ impl Arguments {
         }
     }
 
-    fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        let options = budget::opening(self.fps);
-        match (&self.scene, self.fps) {
-            (Some(scene), _) => scene::open(scene, &options),
-            (None, None) => scene::bundled(),
-            (None, Some(fps)) => Ok(Box::new(Retimed::new(scene::bundled()?, fps)?)),
-        }
-    }
-
     /// The command that gives the same page again, every default written out.
     fn command(&self) -> String {
         let mut text = format!(
@@ -245,8 +278,8 @@ impl Arguments {
         let mut add = |name: &str, value: &str| {
             let _ = write!(text, " --{name} {}", quoted(value));
         };
-        if let Some(scene) = &self.scene {
-            add("scene", scene);
+        for (name, value) in self.clip.written() {
+            add(name, &value);
         }
         if let Some(to) = self.to {
             add("to", &to.to_string());
@@ -255,9 +288,6 @@ impl Arguments {
         add("candidates", &candidates.join(","));
         add("sum", self.sum.name());
         add("chip", &self.chip);
-        if let Some(fps) = self.fps {
-            add("fps", &fps.to_string());
-        }
         if let Some(exposure) = self.exposure {
             add("exposure", &format!("{}us", exposure.0));
         }
@@ -318,7 +348,8 @@ fn summary_of_several(several: &Several) -> String {
 
 /// The verdict, and the streams as a table.
 fn summary(all: &Feasibility) -> String {
-    let mut text = format!("{}\n\n", all.verdict.headline);
+    let mut text = light::of_kernels(&all.warnings);
+    let _ = write!(text, "{}\n\n", all.verdict.headline);
     for finding in &all.verdict.findings {
         let _ = writeln!(text, "{:<12} {}", finding.about, finding.says);
     }

@@ -27,9 +27,9 @@ use crate::{
         Packet,
         file::{self, Compression, FileError, Format},
     },
+    isa::Device,
     picture::{Drawing, raster, write_png, write_svg},
     save::{self, OutputKind, SaveError},
-    source,
 };
 
 /// A file or a folder that is read.
@@ -196,7 +196,7 @@ impl Output {
 
     /// The format of events.
     pub(super) fn format(&self) -> Result<Format, FileError> {
-        match Format::of(&self.path) {
+        match Format::from_path(&self.path) {
             Err(_) if self.is_node() => Ok(Content::STREAM),
             format => format,
         }
@@ -505,7 +505,7 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<(
     }
     for name in named {
         files.read(Path::new(&name.0))?;
-        for folder in extended(Path::new(&name.0)) {
+        for folder in Device::folders_extended(Path::new(&name.0)) {
             files.read(&folder)?;
         }
     }
@@ -519,27 +519,6 @@ fn all<'a, T: Clone + Send + Sync + 'static>(
 ) -> impl Iterator<Item = &'a T> + use<'a, T> {
     let values = matches.try_get_many::<T>(id);
     values.ok().flatten().into_iter().flatten()
-}
-
-/// The folders of the chips that the chip in this folder extends.
-fn extended(folder: &Path) -> Vec<PathBuf> {
-    let mut all: Vec<PathBuf> = Vec::new();
-    let mut at = folder.to_owned();
-    while all.len() < 8 {
-        let chip = at.join("device.toml");
-        let chip = fs::metadata(&chip)
-            .is_ok_and(|c| c.is_file() && c.len() < 1 << 20)
-            .then_some(chip);
-        let text = chip.and_then(|chip| source::text(&chip, "").ok());
-        let chip = text.and_then(|text| text.parse::<toml::Table>().ok());
-        let base = chip.as_ref().and_then(|chip| chip.get("extends")?.as_str());
-        match (base, at.parent()) {
-            (Some(base), Some(beside)) => at = beside.join(base),
-            _ => break,
-        }
-        all.push(at.clone());
-    }
-    all
 }
 
 /// Standard output and standard error, where they are files: no output is to be one of them.

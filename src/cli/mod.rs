@@ -2,26 +2,32 @@
 
 pub mod asm;
 mod budget;
+mod clip;
 pub mod compare;
 pub mod compile;
 pub mod content;
 pub mod convert;
-mod debug;
 pub mod demo;
 pub mod disasm;
+mod effort;
 pub mod exec;
 pub mod feasibility;
 mod fidelity;
+mod figure;
 pub mod files;
+mod guards;
 mod kernels;
+mod light;
 pub mod merge;
 pub mod mesh;
+mod npy;
 mod opened;
 pub mod packets;
 pub mod plan;
 mod print;
 mod progress;
 pub mod quantise;
+mod quantiser;
 mod readout;
 mod recording;
 mod registers;
@@ -30,8 +36,6 @@ pub mod run;
 pub mod schema;
 pub mod show;
 mod signals;
-mod statistics;
-mod strip;
 pub mod sweep;
 mod timed;
 pub mod waterfall;
@@ -80,25 +84,25 @@ verbs! {
     Run => run,
     /// A program on the array: every register written out
     Exec => exec,
-    /// Check a program: expansion, words, microseconds, registers
+    /// Check a program: expansion, instruction words, microseconds, registers
     Asm => asm,
     /// The instruction words of a program, as text that reads back to the same words
     Disasm => disasm,
-    /// A kernel in few values: levels, scale, and what is lost
+    /// A kernel (the weights of a receptive field) in few values: levels, scale, and what is lost
     Quantise => quantise,
     /// Kernels to a program: shift, add, halve, with the proof
     Compile => compile,
     /// Where the events of the float sensor go, step by step, on the way to the chip
     Waterfall => waterfall,
-    /// The resistor mesh: solve it, step it, fit a kernel to it, draw it
+    /// The resistor mesh (resistive grid): solve it, step it, fit a kernel to it, draw it
     Mesh => mesh,
     /// Whether a kernel can run on a chip, and what is lost, as a page to forward
     Feasibility => feasibility,
-    /// Compare two event files
+    /// Compare two event files: every metric with its floor and ceiling
     Compare => compare,
     /// An event file into another format
     Convert => convert,
-    /// What a packet costs on a link, and what a readout makes of it
+    /// What a packet (the events of a sensor over a scene) costs on a link, and what a readout makes of it
     Packets => packets,
     /// What a model may leave out of a scene, with the bound that allows it
     Plan => plan,
@@ -108,7 +112,7 @@ verbs! {
     Sweep => sweep,
     /// The folders of a sweep's shards into one
     Merge => merge,
-    /// Which points of a sweep no other beats: error against time, bits or words
+    /// Which points of a sweep no other beats: error against time, bits or instruction words
     Report => report,
     /// The keys of a kind of file as JSON Schema: sensor, kernel, study, readout, program, chip
     Schema => schema,
@@ -157,7 +161,7 @@ fn examples() -> String {
         help[at..].lines().next().map(|line| format!("\n  {line}"))
     };
     let each: String = command.get_subcommands().filter_map(first).collect();
-    format!("Examples:\n  amacrine{each}")
+    format!("Examples:\n  amacrine{each}\n\ndocs/glossary.md has the terms, a line each.")
 }
 
 /// The verbs, with commas between.

@@ -33,12 +33,12 @@ pub struct Arguments {
     /// Length of a bit map's frame, and of the window that peaks are measured in
     #[arg(long, default_value = "10ms", value_name = "TIME")]
     window: Micros,
-    /// Make the code book from these frequencies of kinds, instead of the packet's own
+    /// Make the code book from these frequencies of kinds (ganglion cells of a pixel), instead of the packet's own
     #[arg(long, value_name = "N,N,…", value_delimiter = ',')]
     frequencies: Vec<u64>,
     #[command(flatten)]
     readout: readout::Choice,
-    /// Write the packet behind the readout
+    /// Write the packet behind the readout: the events that arrive
     #[arg(short, long, value_name = "FILE", requires = "readout", value_parser = Content::Events)]
     output: Option<Output>,
     /// Print one JSON object instead of the table
@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let loaded = arguments.recording.read(&arguments.file, 0, each)?;
     let read = arguments.readout.apply(&loaded.packet)?;
     let packet = read.as_ref().map_or(&loaded.packet, |(_, r)| &r.packet);
-    let counted = Counted::of(packet, arguments)?;
+    let counted = Counted::new(packet, arguments)?;
     if let Some(output) = &arguments.output {
         output.write(packet)?;
     }
@@ -98,7 +98,7 @@ struct Counted {
 }
 
 impl Counted {
-    fn of(packet: &Packet, arguments: &Arguments) -> miette::Result<Self> {
+    fn new(packet: &Packet, arguments: &Arguments) -> miette::Result<Self> {
         let mut kinds = vec![0; packet.channels.into()];
         for e in &packet.events {
             if let Some(count) = kinds.get_mut(usize::from(e.channel)) {
@@ -114,7 +114,7 @@ impl Counted {
                 kinds.len()
             ));
         }
-        let book = CodeBook::of(if given.is_empty() { &kinds } else { given });
+        let book = CodeBook::from_counts(if given.is_empty() { &kinds } else { given });
         let mut codings = Vec::new();
         for (name, layout, huffman) in [
             ("fixed words", Layout::Single, false),
@@ -128,7 +128,7 @@ impl Counted {
             }
             let book = huffman.then(|| book.clone());
             let costs = Coding { layout, book }.costs(packet)?;
-            codings.push((name, Rate::of(packet, &costs, arguments.window)));
+            codings.push((name, Rate::from_packet(packet, &costs, arguments.window)));
         }
         let on = packet.events.iter().filter(|e| e.polarity == Polarity::On);
         Ok(Self {

@@ -12,7 +12,7 @@ use crate::{
     event::Packet,
     number::Format,
     reference::{Description, Limit, Reference},
-    scene::{OpenOptions, Scene as _, open},
+    scene::{Observation, OpenOptions, Scene as _, open},
     study::plan::{Change, Choice, Model, Plan, Question},
     unit::Micros,
 };
@@ -21,6 +21,7 @@ use super::{
     budget,
     fidelity::{allowed, chosen, line, make, percent, share},
     files::{Input, Named},
+    light::{self, Samples},
     progress::Progress,
     readout,
     run::read_sensor,
@@ -41,6 +42,8 @@ pub struct Arguments {
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
+    #[command(flatten)]
+    samples: Samples,
     /// Insert frames, as for `amacrine run`
     #[arg(long, value_name = "CONTRAST")]
     upsample: Option<f64>,
@@ -114,8 +117,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         readout,
         crop: true,
     };
-    let options = budget::opening(arguments.fps);
+    let options = arguments.samples.opening(arguments.fps);
     let events = events(arguments, &description)?;
+    let observation = Observation::new();
+    // Only to be asked how its samples become light.
+    drop(
+        arguments
+            .samples
+            .open(Some(&arguments.scene), arguments.fps, &observation)?,
+    );
     let start = Instant::now();
     let plan = make(&question, &arguments.scene, &options)
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
@@ -152,13 +162,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         _ => None,
     };
     if arguments.json {
-        let json = as_json(
+        let mut json = as_json(
             arguments,
             &plan,
             planning,
             planned.as_ref(),
             verified.as_ref(),
         )?;
+        json["light"] = light::json(&observation);
         super::say(&format!("{json}\n"));
     } else {
         let text = as_text(
@@ -168,14 +179,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             planned.as_ref(),
             verified.as_ref(),
         );
-        super::say(&text);
+        super::say(&(text + &light::line(&observation)));
     }
     verified.map_or(Ok(()), |verified| verified.held(&plan))
 }
 
 /// How many events a list may hold beside the model, its probe and what is followed of each cell.
 fn events(arguments: &Arguments, description: &Description) -> miette::Result<usize> {
-    let scene = open(&arguments.scene, &budget::opening(arguments.fps))?;
+    let scene = open(&arguments.scene, &arguments.samples.opening(arguments.fps))?;
     let size = scene.size();
     let model = <Reference>::bytes(description, size);
     let cells = (size.pixels() * description.channels.len()) as u128;

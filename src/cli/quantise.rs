@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use image::{RgbImage, imageops};
-use miette::{Diagnostic as _, miette};
+use miette::miette;
 
 use crate::{
     compare::metric::Short,
@@ -11,12 +11,13 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{self, Change, Quantised, Quantiser, QuantiserNameError, Sum},
+        quantise::{self, Change, QuantiseError, Quantised, Quantiser},
     },
     picture::{panel, write_png},
     plane::Plane,
+    rig::guard::{Guard, Warning},
     save::save,
-    scene::{self, Scene as _},
+    scene::{Observation, Scene as _},
     study::{
         equivalent::{self, Likeness},
         quantisation::{self, Answer, Outcome, Question},
@@ -25,9 +26,12 @@ use crate::{
 
 use super::{
     budget,
+    clip::Clip,
     content::Content,
     files::{Named, Output},
+    light,
     progress::Progress,
+    quantiser::{Total, quantiser},
     window::Window,
 };
 
@@ -43,7 +47,7 @@ pub struct Arguments {
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,
     /// What the quantised kernel must sum to
-    #[arg(long, value_enum, default_value = "kept")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// Seed of stochastic rounding
     #[arg(long, default_value_t = 0)]
@@ -58,62 +62,19 @@ pub struct Arguments {
     /// light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: Option<f64>,
-    /// What they watch, with --threshold: a clip, image folder, .npy or pattern; the bundled clip
-    #[arg(long, requires = "threshold")]
-    scene: Option<Named>,
+    #[command(flatten)]
+    clip: Clip,
     /// A shipped chip by name, or the folder of another, with --threshold
     #[arg(long, default_value = "scamp5", requires = "threshold")]
     chip: Named,
     /// How long to search for each program, in seconds of two cores of 2024, with --threshold
-    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds, requires = "threshold")]
+    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds, requires = "threshold")]
     effort: f64,
     #[command(flatten)]
     window: Window,
     /// Print one JSON object instead
     #[arg(long)]
     json: bool,
-}
-
-/// [`Sum`], as it is written.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum Total {
-    /// Whatever comes
-    Free,
-    /// 0: uniform light gives nothing
-    Zero,
-    /// That of the kernel, as near as the levels allow
-    Kept,
-}
-
-impl Total {
-    /// As it is written.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Free => "free",
-            Self::Zero => "zero",
-            Self::Kept => "kept",
-        }
-    }
-}
-
-impl From<Total> for Sum {
-    fn from(total: Total) -> Self {
-        match total {
-            Total::Free => Self::Free,
-            Total::Zero => Self::Zero,
-            Total::Kept => Self::Kept,
-        }
-    }
-}
-
-/// A quantiser, for the command line, which shows no help beside a message.
-pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
-    name.parse().map_err(|error: QuantiserNameError| {
-        let known = error
-            .help()
-            .map_or(String::new(), |help| format!("; known are {help}"));
-        format!("{error}{known}")
-    })
 }
 
 /// The end of its help.
@@ -128,6 +89,21 @@ fn after_help() -> String {
 #[derive(serde::Serialize)]
 struct Row {
     to: String,
+    #[serde(flatten)]
+    few: Few,
+}
+
+/// The kernel in few values, or why it is not to be had in them.
+#[derive(serde::Serialize)]
+#[serde(untagged)]
+enum Few {
+    Numbers(Numbers),
+    Refused { refused: String },
+}
+
+/// A kernel in few values, in numbers.
+#[derive(serde::Serialize)]
+struct Numbers {
     levels: Vec<Vec<f64>>,
     scale: f64,
     relative_error: f64,
@@ -144,13 +120,18 @@ struct Json {
     quantised: Vec<Row>,
     #[serde(skip_serializing_if = "Option::is_none")]
     chip: Option<Answer>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    light: Option<serde_json::Value>,
+    warnings: Vec<Warning>,
 }
 
 /// Runs the verb.
 ///
 /// # Errors
-/// When the kernel cannot be read or not quantised as asked, or a file not be written.
+/// When the kernel cannot be read or not quantised in any of the ways that were asked for, or a
+/// file not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    arguments.check()?;
     let (kernels, _) = super::kernels::read(&arguments.kernel)?;
     let [kernel] = &kernels[..] else {
         return Err(miette!(
@@ -160,43 +141,32 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             kernels.len()
         ));
     };
-    let sum = arguments.sum.into();
-    let quantise = |to: &Quantiser| -> miette::Result<Quantised> {
-        let quantised = to.quantise(kernel, sum, arguments.seed);
-        quantised.map_err(|error| {
-            miette::Report::new(error).wrap_err(format!("{} cannot be {to}", arguments.kernel))
-        })
-    };
-    let all: Vec<Quantised> = arguments
-        .to
-        .iter()
-        .map(quantise)
-        .collect::<Result<_, _>>()?;
-    let rows: Vec<Row> = arguments
-        .to
-        .iter()
-        .zip(&all)
-        .map(|(to, quantised)| Row::of(*to, kernel, quantised))
+    let all = arguments.quantised(kernel)?;
+    let rows: Vec<Row> = { all.iter() }
+        .map(|(to, quantised)| Row::new(*to, kernel, quantised.as_ref()))
         .collect();
-    if arguments.output.is_some() && all.len() != 1 {
-        return Err(miette!(
-            help = "give one quantiser with --to",
-            "--output writes one kernel, and {} were asked for",
-            all.len()
-        ));
-    }
+    let observation = Observation::new();
     let answer = match arguments.threshold {
-        Some(threshold) => Some(on_chip(arguments, kernel, threshold)?),
+        Some(threshold) => Some(on_chip(arguments, kernel, threshold, &observation)?),
         None => None,
     };
-    if let (Some(path), [quantised]) = (&arguments.output, &all[..]) {
+    let warnings = match &answer {
+        Some(answer) => answer.warnings.clone(),
+        None => erased(kernel, &all),
+    };
+    let good: Vec<&Quantised> = { all.iter() }
+        .filter_map(|(_, quantised)| quantised.as_ref().ok())
+        .collect();
+    if let (Some(path), [quantised]) = (&arguments.output, &good[..]) {
         write(path, arguments, quantised)?;
     }
     if let Some(path) = &arguments.picture {
-        write_png(path, &picture(kernel, &all))?;
+        write_png(path, &picture(kernel, &good))?;
     }
     if arguments.json {
         let json = Json {
+            light: answer.as_ref().map(|_| light::json(&observation)),
+            warnings,
             chip: answer,
             kernel: rows_of(kernel.weights()),
             sum: kernel.sum(),
@@ -206,9 +176,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = format!("{}, sum {}\n", arguments.kernel, short(kernel.sum()));
+    let mut text = light::of_kernels(&warnings);
+    let _ = writeln!(text, "{}, sum {}", arguments.kernel, short(kernel.sum()));
     text += &drawn(kernel.weights());
-    if let ([quantised], [row]) = (&all[..], &rows[..]) {
+    if let ([quantised], [row]) = (&good[..], &rows[..]) {
         let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
         text += &written(quantised.levels.weights());
         text += &drawn(quantised.levels.weights());
@@ -216,13 +187,76 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     text += &table(&rows);
     if let Some(answer) = &answer {
         text += &chip_table(arguments, answer);
+        text += &light::line(&observation);
     }
     super::say(&text);
     Ok(())
 }
 
+impl Arguments {
+    /// Refuses options that would be of no use.
+    fn check(&self) -> miette::Result<()> {
+        if self.output.is_some() && self.to.len() != 1 {
+            return Err(miette!(
+                help = "give one quantiser with --to",
+                "--output writes one kernel, and {} were asked for",
+                self.to.len()
+            ));
+        }
+        if self.threshold.is_some() {
+            return Ok(());
+        }
+        let within = self.window.within.map(|_| "within");
+        let shown = self.clip.written().into_iter().map(|(name, _)| name);
+        match within.into_iter().chain(shown).next() {
+            None => Ok(()),
+            Some(name) => Err(miette!(
+                help = "give a threshold, too: then each is run on the chip",
+                "--{name} is of no use without --threshold"
+            )),
+        }
+    }
+
+    /// The kernel in each of the ways that were asked for, or why not.
+    ///
+    /// # Errors
+    /// When it is not to be had in any of them.
+    fn quantised(&self, kernel: &Kernel) -> miette::Result<Vec<Tried>> {
+        let sum = self.sum.into();
+        let mut all: Vec<Tried> = { self.to.iter() }
+            .map(|to| (*to, to.quantise(kernel, sum, self.seed)))
+            .collect();
+        if all.iter().all(|(_, quantised)| quantised.is_err())
+            && let Some((to, Err(error))) = all.drain(..).next()
+        {
+            let what = format!("{} cannot be {to}", self.kernel);
+            return Err(miette::Report::new(error).wrap_err(what));
+        }
+        Ok(all)
+    }
+}
+
+/// A quantiser, and what it makes of the kernel.
+type Tried = (Quantiser, Result<Quantised, QuantiseError>);
+
+/// What few values have taken from the kernel.
+fn erased(kernel: &Kernel, all: &[Tried]) -> Vec<Warning> {
+    let mut guard = Guard::new();
+    for (to, quantised) in all {
+        for erasure in quantised.iter().flat_map(|q| q.erasures(kernel)) {
+            guard.warn(Warning::erased(&to.to_string(), erasure));
+        }
+    }
+    guard.warnings()
+}
+
 /// Each compiled, and run beside the float kernel.
-fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Result<Answer> {
+fn on_chip(
+    arguments: &Arguments,
+    kernel: &Kernel,
+    threshold: f64,
+    observation: &Observation,
+) -> miette::Result<Answer> {
     if !(threshold > 0.0 && threshold.is_finite()) {
         return Err(miette!(
             help = "give a positive number",
@@ -230,10 +264,7 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
         ));
     }
     let device = Device::find(&arguments.chip)?;
-    let open = || match &arguments.scene {
-        Some(scene) => scene::open(scene, &budget::opening(None)),
-        None => scene::bundled(),
-    };
+    let open = || arguments.clip.open(observation);
     let scene = open()?;
     let sensors = 1 + equivalent::RUNGS.len() + 3 * arguments.to.len();
     budget::check_study(&*scene, sensors)?;
@@ -253,7 +284,12 @@ fn on_chip(arguments: &Arguments, kernel: &Kernel, threshold: f64) -> miette::Re
     let progress = Progress::new("watching", frames.map(|frames| 2 * frames));
     let answer = quantisation::ask(&question, &open, |_| progress.tick());
     progress.finish();
-    Ok(answer?)
+    let warnings = Warning::of_scene(observation, 255.0);
+    light::warn(&warnings);
+    let mut answer = answer?;
+    light::warn(&answer.warnings);
+    answer.warnings.splice(0..0, warnings);
+    Ok(answer)
 }
 
 fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
@@ -262,7 +298,7 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
         "\non {}, against the float kernel's {} events on {} at {} frames/s (matched within {})\n{:<16} {:>6} {:>6} {:>6} {:>9}  {scores}  {scores}\n{:<16} {:>6} {:>6} {:>6} {:>9}  {:>24}  {:>24}\n",
         arguments.chip,
         answer.reference_events,
-        arguments.scene.as_deref().unwrap_or("the bundled clip"),
+        arguments.clip.name(),
         equivalent::rate(answer.fps),
         Short(answer.window_us),
         "quantiser",
@@ -334,10 +370,23 @@ fn tuned_table(answer: &Answer) -> String {
 }
 
 impl Row {
-    fn of(to: Quantiser, kernel: &Kernel, quantised: &Quantised) -> Self {
-        let levels = quantised.levels.weights();
+    fn new(to: Quantiser, kernel: &Kernel, quantised: Result<&Quantised, &QuantiseError>) -> Self {
         Self {
             to: to.to_string(),
+            few: match quantised {
+                Ok(quantised) => Few::Numbers(Numbers::new(kernel, quantised)),
+                Err(error) => Few::Refused {
+                    refused: error.to_string(),
+                },
+            },
+        }
+    }
+}
+
+impl Numbers {
+    fn new(kernel: &Kernel, quantised: &Quantised) -> Self {
+        let levels = quantised.levels.weights();
+        Self {
             levels: rows_of(levels),
             scale: quantised.scale,
             relative_error: quantised.relative_error(kernel),
@@ -377,19 +426,24 @@ fn table(rows: &[Row]) -> String {
         "quantiser", "rel error", "taps", "scale", "sum", "response", "most at (v, u) cycles/pixel"
     );
     for row in rows {
-        let Change { largest, at, .. } = row.response;
-        let _ = writeln!(
-            text,
-            "{:<16} {:>9.4} {:>6} {:>9} {:>9} {:>9.1}%  ({:.3}, {:.3})",
-            row.to,
-            row.relative_error,
-            row.taps,
-            short(row.scale),
-            short(row.sum),
-            100.0 * largest,
-            at.0,
-            at.1
-        );
+        let _ = match &row.few {
+            Few::Refused { refused } => writeln!(text, "{:<16} {refused}", row.to),
+            Few::Numbers(few) => {
+                let Change { largest, at, .. } = few.response;
+                writeln!(
+                    text,
+                    "{:<16} {:>9.4} {:>6} {:>9} {:>9} {:>9.1}%  ({:.3}, {:.3})",
+                    row.to,
+                    few.relative_error,
+                    few.taps,
+                    short(few.scale),
+                    short(few.sum),
+                    100.0 * largest,
+                    at.0,
+                    at.1
+                )
+            }
+        };
     }
     text + "rel error: |w - scale l| / |w|. response: the largest change of the frequency response, as a part of its largest value\n"
 }
@@ -445,7 +499,7 @@ fn short(value: f64) -> String {
 }
 
 /// The kernel, and each of the quantised ones at its scale, all in the same colours.
-fn picture(kernel: &Kernel, all: &[Quantised]) -> RgbImage {
+fn picture(kernel: &Kernel, all: &[&Quantised]) -> RgbImage {
     let planes: Vec<Plane<f64>> = std::iter::once(kernel.weights().clone())
         .chain(
             all.iter()

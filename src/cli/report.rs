@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             arguments.folder.display()
         ));
     }
-    let report = Report::of(&manifest, &rows, &arguments.cost, arguments.pool);
+    let report = Report::new(&manifest, &rows, &arguments.cost, arguments.pool);
     if let Some(path) = &arguments.output {
         path.draw(&fronts(&shows(&report)))?;
     }
@@ -111,7 +111,7 @@ fn table(report: &Report, arguments: &Arguments) -> String {
     for (number, group) in (1..).zip(&report.groups) {
         let _ = writeln!(
             text,
-            "\n{}; error is 1 - F1",
+            "\n{}; error is 1 - kept",
             heading(group, number, report.groups.len(), arguments.pool)
         );
         let width = group
@@ -122,7 +122,7 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             .unwrap_or(0);
         let _ = writeln!(
             text,
-            "  {:<width$}   error   worst  {:>14}        bits  words  front",
+            "  {:<width$}   error   worst  threshold  {:>14}        bits  words  front",
             "sensor",
             label(&report.cost).split(" of ").next().unwrap_or_default(),
         );
@@ -130,13 +130,16 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             let words = sensor
                 .words
                 .map_or("-".to_owned(), |words| format!("{words:.0}"));
+            let threshold = sensor
+                .threshold_equivalent_percent
+                .map_or("-".to_owned(), |percent| format!("{percent:+.1} %"));
             let front = match &sensor.dominated_by {
                 None => "yes".to_owned(),
                 Some(by) => format!("no, {by} is better"),
             };
             let _ = writeln!(
                 text,
-                "  {:<width$}  {:.4}  {:.4}  {:>14}  {:>10.0}  {words:>5}  {front}",
+                "  {:<width$}  {:.4}  {:.4}  {threshold:>9}  {:>14}  {:>10.0}  {words:>5}  {front}",
                 sensor.name,
                 sensor.error,
                 sensor.worst_error,

@@ -17,9 +17,9 @@ use crate::{
         Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Tally, VoxelGrid,
         WhenFull,
     },
-    rig,
+    rig::{self, guard::Warning},
     save::Stack,
-    scene::{Scene, open, upsample},
+    scene::{Observation, Scene, upsample},
     source,
     study::plan::{Effect, Plan, cost},
     unit::Micros,
@@ -30,6 +30,8 @@ use super::{
     content::Content,
     fidelity::Fidelity,
     files::{self, Input, Named, Output},
+    guards::{RunGuard, white},
+    light::{self, Samples},
     progress::Progress,
     readout,
 };
@@ -49,14 +51,15 @@ pub struct Arguments {
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
+    #[command(flatten)]
+    samples: Samples,
     /// Insert frames so that no pixel's light changes by more than this from one to the next, in ln units
     #[arg(long, value_name = "CONTRAST")]
     upsample: Option<f64>,
     /// Chooses mismatch and noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// The number format of signals, weights and memory: f64, f32, f16, bf16, q8.8, …
-    #[arg(long, default_value = "f64")]
+    #[arg(long, default_value = "f64", help = format!("The number format of signals, weights and memory: {}", Format::names()))]
     format: Format,
     #[arg(long, help = format!("Write the events; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
     events: Option<Output>,
@@ -131,7 +134,7 @@ impl Arguments {
             ));
         }
         let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
-        let options = budget::opening(self.fps);
+        let options = self.samples.opening(self.fps);
         let plan = self.fidelity.plan(
             &self.scene,
             &options,
@@ -150,7 +153,10 @@ fn watched(
     description: &Description,
     plan: Option<&Plan>,
 ) -> miette::Result<()> {
-    let scene = open(&arguments.scene, &budget::opening(arguments.fps))?;
+    let observation = Observation::new();
+    let scene = arguments
+        .samples
+        .open(Some(&arguments.scene), arguments.fps, &observation)?;
     let sensor = description.clone();
     let scene = upsample::by_contrast(scene, arguments.upsample)?;
     let watched = arguments.format.visit(Run {
@@ -158,16 +164,22 @@ fn watched(
         description: sensor,
         scene,
     });
-    let watched = watched
+    let mut warnings = Warning::of_scene(&observation, white(description.response));
+    light::warn(&warnings);
+    let mut watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
+    light::warn(&watched.warnings);
+    warnings.append(&mut watched.warnings);
     if arguments.json {
         let mut json = watched.json(arguments, description);
+        json["light"] = light::json(&observation);
+        json["warnings"] = json!(warnings);
         if let Some(plan) = plan {
             json["fidelity"] = arguments.fidelity.json(plan)?;
         }
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&watched.table(arguments, description));
+        super::say(&watched.table(arguments, description, &light::line(&observation)));
         if let Some(plan) = plan {
             super::say(&arguments.fidelity.lines(plan));
         }
@@ -215,6 +227,7 @@ struct Watched {
     dropped: u64,
     read_out: Option<(ReadoutDescription, Statistics)>,
     paper_metric: Option<f64>,
+    warnings: Vec<Warning>,
 }
 
 /// The run, in whatever number format is asked for.
@@ -241,6 +254,7 @@ fn watch<N: Number>(
     let size = scene.size();
     let channels = description.channels.len();
     let refractory = description.refractory;
+    let mut guard = RunGuard::new(&description, size, arguments.format);
     let limit = Limit {
         events: events(
             arguments,
@@ -256,22 +270,16 @@ fn watch<N: Number>(
     let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
     let mut packet = Packet::new(size, channels as u8);
     let mut tally = Tally::new(channels);
-    let mut counts = arguments
-        .counts
-        .as_ref()
-        .map(|_| Counts::new(size, channels));
-    let mut count_stack = arguments
-        .counts
-        .as_ref()
-        .map(|path| Stack::<i32>::create(path, channels, size))
-        .transpose()?;
+    let counts = arguments.counts.as_ref();
+    let mut counts = counts.map(|_| Counts::new(size, channels));
+    let counts_path = arguments.counts.as_ref();
+    let count_stack = counts_path.map(|path| Stack::<i32>::create(path, channels, size));
+    let mut count_stack = count_stack.transpose()?;
     let mut grid =
         (arguments.voxels.is_some() || arguments.json).then(|| VoxelGrid::new(size, channels));
-    let mut voxel_stack = arguments
-        .voxels
-        .as_ref()
-        .map(|path| Stack::<f32>::create(path, channels, size))
-        .transpose()?;
+    let voxels_path = arguments.voxels.as_ref();
+    let voxel_stack = voxels_path.map(|path| Stack::<f32>::create(path, channels, size));
+    let mut voxel_stack = voxel_stack.transpose()?;
     let mut paper = PaperMetric::default();
     let progress = Progress::new("watching", scene.frames());
 
@@ -283,8 +291,12 @@ fn watch<N: Number>(
     let frames = rig::play(&mut scene, |frame| {
         reference.watch_into(
             &frame,
-            &mut ((&mut tally, &mut list), (&mut counts, &mut grid)),
+            &mut (
+                ((&mut tally, &mut guard.firing), &mut list),
+                (&mut counts, &mut grid),
+            ),
         )?;
+        guard.see(&frame);
         if first.is_some() {
             if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
                 stack.push(counts.planes().iter().cloned())?;
@@ -330,6 +342,7 @@ fn watch<N: Number>(
         fps: scene.fps(),
         fps_is_assumed: scene.fps_is_assumed(),
         seconds: last - first,
+        warnings: guard.warnings(&tally, &packet),
         tally,
         report: reference.report(),
         too_short,
@@ -422,7 +435,7 @@ impl Watched {
     }
 
     fn bits_per_event(&self) -> u32 {
-        AddressWord::of(self.size, self.tally.kinds().len() as u8).bits()
+        AddressWord::new(self.size, self.tally.kinds().len() as u8).bits()
     }
 
     fn json(&self, arguments: &Arguments, description: &Description) -> serde_json::Value {
@@ -461,7 +474,7 @@ impl Watched {
         })
     }
 
-    fn table(&self, arguments: &Arguments, description: &Description) -> String {
+    fn table(&self, arguments: &Arguments, description: &Description, light: &str) -> String {
         let kinds = self.tally.kinds();
         let total = self.tally.total();
         let (on, off) = kinds
@@ -488,6 +501,7 @@ impl Watched {
                 "scene    {}, {}, {} frames in {:.6} s, {} frames/s{assumed}",
                 arguments.scene, self.size, self.frames, self.seconds, self.fps
             ),
+            light.trim_end().to_owned(),
             format!(
                 "events   {total} ({on} ON, {off} OFF), {:.4} per pixel per second",
                 self.per_pixel_second()

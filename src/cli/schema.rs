@@ -37,7 +37,7 @@ enum Kind {
     Chip,
 }
 
-fn of(kind: Kind) -> Json {
+fn schema_for(kind: Kind) -> Json {
     match kind {
         Kind::Sensor => schema::file(&reference::keys::FILE),
         Kind::Kernel => schema::file(&kernel::FILE),
@@ -53,7 +53,7 @@ fn of(kind: Kind) -> Json {
 /// # Errors
 /// When the file cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let text = format!("{:#}\n", of(arguments.kind));
+    let text = format!("{:#}\n", schema_for(arguments.kind));
     let Some(path) = &arguments.output else {
         super::say(&text);
         return Ok(());

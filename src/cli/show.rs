@@ -32,7 +32,7 @@ pub struct Arguments {
     /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds)
     #[arg(short, long, value_name = "PICTURE", value_parser = Content::View)]
     output: Output,
-    /// What of it
+    /// Which view of it
     #[arg(long, value_enum, default_value = "overview")]
     view: Shown,
     /// Leave out what is not later than this
@@ -72,7 +72,7 @@ enum Shown {
     Rate,
     /// Times between successive events of a cell
     Intervals,
-    /// A frame for each kind
+    /// A frame for each kind (which of the ganglion cells of a pixel)
     Kinds,
 }
 

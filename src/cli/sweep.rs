@@ -15,6 +15,7 @@ use super::{
     budget,
     content::Content,
     files::{Input, Output},
+    light,
     progress::Progress,
 };
 use crate::study::sweep::{
@@ -112,6 +113,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let study = Study::parse(&shown, &text)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let plan = Plan::new(study, folder)?;
+    light::warn(&plan.warnings());
     let jobs = match arguments.jobs {
         Some(jobs) => jobs.into(),
         None => thread::available_parallelism().map_or(1, usize::from),

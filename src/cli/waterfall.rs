@@ -10,7 +10,8 @@ use crate::{
     compile::Effort,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
-    scene::{self, Scene as _},
+    rig::guard::Warning,
+    scene::{Observation, Scene as _},
     study::{
         design::Design,
         waterfall::{Question, Shares, Waterfall, ask},
@@ -19,10 +20,12 @@ use crate::{
 
 use super::{
     budget,
+    clip::Clip,
     content::Content,
     files::{Named, Output},
+    light::{self, Shown},
     progress::Progress,
-    quantise::Total,
+    quantiser::Total,
     readout::Choice,
     window::Window,
 };
@@ -39,14 +42,13 @@ pub struct Arguments {
     #[arg(long, allow_negative_numbers = true)]
     threshold: f64,
     /// How the kernel comes into few values
-    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantise::quantiser)]
+    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Quantiser,
     /// What the quantised kernel must sum to
-    #[arg(long, value_enum, default_value = "kept")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// What they watch: a clip, image folder, .npy or pattern; the bundled clip
-    #[arg(long)]
-    scene: Option<Named>,
+    #[command(flatten)]
+    clip: Clip,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
@@ -54,9 +56,7 @@ pub struct Arguments {
     /// once
     #[arg(long = "set", value_name = "FIGURE=NUMBER", value_parser = figure)]
     sets: Vec<(Figure, f64)>,
-    /// What the chip's cells hold: silicon, or numbers (f32, f16, q8.8 …), which err by their
-    /// format alone
-    #[arg(long, default_value = "silicon", value_parser = arithmetic)]
+    #[arg(long, default_value = "silicon", value_parser = arithmetic, help = format!("What the chip's cells hold: {}; numbers err by their format alone", Arithmetic::names()))]
     format: Arithmetic,
     /// How events leave the chip; unless said otherwise the scan that a compiled program asks for
     #[command(flatten)]
@@ -67,7 +67,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// How long to search for the program, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 1.0, value_parser = super::compile::seconds)]
+    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
     effort: f64,
     /// Draw it
     #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
@@ -93,7 +93,7 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| format!("`{text}` is not FIGURE=NUMBER, such as error.noise=0.1"))?;
-    super::exec::figure(name, value)
+    super::figure::figure(name, value)
 }
 
 /// Sensors that watch side by side: one a step, and in all but one of them.
@@ -118,10 +118,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for (figure, value) in &arguments.sets {
         device = device.what_if(*figure, *value)?;
     }
-    let mut scene = match &arguments.scene {
-        Some(scene) => scene::open(scene, &budget::opening(None))?,
-        None => scene::bundled()?,
-    };
+    let observation = Observation::new();
+    let mut scene = arguments.clip.open(&observation)?;
     let readout = arguments.readout.open_compiled()?;
     let question = Question {
         design: Design {
@@ -141,12 +139,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let progress = Progress::new("watching", scene.frames());
     let answer = ask(&question, &mut scene, |_| progress.tick());
     progress.finish();
-    let answer = answer.map_err(|error| {
+    let mut warnings = Warning::of_scene(&observation, 255.0);
+    light::warn(&warnings);
+    let mut answer = answer.map_err(|error| {
         let what = format!("no waterfall of {} on {}", arguments.kernel, arguments.chip);
         miette::Report::new(error).wrap_err(what)
     })?;
+    light::warn(&answer.warnings);
+    warnings.append(&mut answer.warnings);
+    answer.warnings = warnings;
     if let Some(path) = &arguments.output {
-        let scene = arguments.scene.as_deref().unwrap_or("the bundled clip");
+        let scene = arguments.clip.name();
         let title = format!(
             "Where the events of {} went: {}, threshold {}, {scene}",
             arguments.kernel, arguments.chip, arguments.threshold
@@ -154,10 +157,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         path.draw(&answer.drawing(&title))?;
     }
     if arguments.json {
-        let json = serde_json::to_string(&answer).map_err(|e| miette!("{e}"))?;
+        let shown = Shown::new(&answer, &observation);
+        let json = serde_json::to_string(&shown).map_err(|e| miette!("{e}"))?;
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&table(&answer, readout.name()));
+        super::say(
+            &(light::of_kernels(&answer.warnings)
+                + &table(&answer, readout.name())
+                + &light::line(&observation)),
+        );
     }
     Ok(())
 }

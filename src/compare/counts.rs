@@ -67,7 +67,7 @@ pub static BITS: Entry = Entry {
     knows_a_redraw: false,
     symmetric: false,
     value: |of, _| {
-        let word = AddressWord::of(of.pair.size(), of.pair.channels());
+        let word = AddressWord::new(of.pair.size(), of.pair.channels());
         Some(of.pair.events()[1] as f64 * f64::from(word.bits()))
     },
 };
@@ -80,7 +80,7 @@ impl Measured<'_> {
     }
 }
 
-/// Counts of one kind of cell, [reference, judged].
+/// Counts of one kind of cell; pairs are [reference, judged].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Kind {
     /// Which, from 0.

@@ -1,16 +1,16 @@
-//! What a metric says of itself, and the pair that it is measured on.
+//! The entry of a metric in the list of metrics, and the pair that it is measured on.
 
 use std::{any::Any, any::TypeId, cell::RefCell, collections::HashMap, fmt};
 
-use super::{Pair, bins::Bins};
+use super::{Pair, bins::Bins, window::Redraws};
 use crate::unit::Micros;
 
-/// What a metric is measured at.
+/// The parameter of a metric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Nothing, or bins that all metrics share.
+    /// None, or bins that all metrics share.
     None,
-    /// A window of matches.
+    /// A matching window.
     Window,
     /// A time constant of van Rossum's distance.
     TimeConstant,
@@ -18,35 +18,38 @@ pub enum Scale {
     Shift,
 }
 
-/// What there is to say of a metric, and how it is measured: one or more in each metric's file.
+/// The entry of a metric: what is said of it, and how it is measured; one or more in each metric's
+/// file.
 #[derive(Debug)]
 pub struct Entry {
     /// Name in files, before the scale: letters, digits and `_`.
     pub key: &'static str,
     /// Name in tables, before the scale.
     pub title: &'static str,
-    /// What it is measured at.
+    /// Its parameter.
     pub scale: Scale,
-    /// Its name in studies and what it is there, where they may ask for it.
+    /// Its name and description in studies, where they may ask for it.
     pub study: Option<(&'static str, &'static str)>,
     /// What it cannot see; empty when it sees where, when and which sign.
     pub blind_to: &'static str,
     /// A redraw of the reference scores worse than the reference, by more than chance.
     pub knows_a_redraw: bool,
-    /// Its value is the same with the two packets exchanged.
+    /// Whether its value is the same with the two packets exchanged.
     pub symmetric: bool,
     /// Its value at a scale, 0 where it has none; none where there is no value.
     pub value: fn(&Measured<'_>, Micros) -> Option<f64>,
 }
 
-/// A pair that is being measured: what several metrics share is worked out once, when the first
-/// asks for it.
+/// A pair that is being measured. Intermediate results that several metrics share are computed once
+/// and kept (a memo).
 pub struct Measured<'a> {
     /// The pair.
     pub pair: &'a Pair,
     /// The bins of voxel grids.
     pub(super) bins: Bins,
-    /// What was worked out, by its type and scale.
+    /// Redraws of its reference.
+    pub(super) redraws: &'a Redraws,
+    /// The memo, by type and scale.
     shared: RefCell<HashMap<(TypeId, Micros), Box<dyn Any>>>,
 }
 
@@ -61,18 +64,21 @@ impl fmt::Debug for Measured<'_> {
 }
 
 impl<'a> Measured<'a> {
-    /// Of a pair, its voxels in these bins.
+    /// A pair to be measured, with its voxels in these bins; what scores by accident is told by
+    /// redraws of its reference.
     #[must_use]
-    pub fn new(pair: &'a Pair, bins: Bins) -> Self {
+    pub fn new(pair: &'a Pair, bins: Bins, redraws: &'a Redraws) -> Self {
         Self {
             pair,
             bins,
+            redraws,
             shared: RefCell::default(),
         }
     }
 
-    /// What several metrics are made of, at a scale (0 where it has none): made when it is first
-    /// asked for. `T` is a type of those metrics alone, which stands for what is kept.
+    /// An intermediate result of several metrics at a scale (0 where it has none), computed when it
+    /// is first asked for. `T` is a type of those metrics alone, and is the key: so no metric is
+    /// named here, and one more is a file of its own.
     pub fn shared<T: Any + Copy>(&self, scale: Micros, make: impl FnOnce() -> T) -> T {
         let key = (TypeId::of::<T>(), scale);
         let known = self

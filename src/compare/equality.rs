@@ -8,7 +8,7 @@
 use super::{Cell, Pair};
 use crate::unit::Micros;
 
-/// Which of the two packets.
+/// One of the two packets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
@@ -46,7 +46,7 @@ pub fn first_divergence(pair: &Pair) -> Option<Divergence> {
         .min_by_key(|d| (d.t, d.y, d.x, d.channel, d.p))
 }
 
-/// Both ascend, so where they first differ the earlier time is missing from the other.
+/// Both lists ascend, so where they first differ the earlier time is missing from the other.
 fn first_in_cell(
     mut reference: impl Iterator<Item = u64>,
     mut judged: impl Iterator<Item = u64>,

@@ -1,4 +1,4 @@
-//! What became of each event: kept, mistimed, of the wrong sign, lost; and what is new.
+//! The fate of each event: kept, mistimed, of the wrong sign, lost; and what is extra.
 //!
 //! Events of the reference and of the judged packet are paired within one site (pixel and kind),
 //! each at most once, in three rounds, the nearest in time first:
@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use super::{Pair, Signed};
 use crate::{event::Polarity, unit::Micros};
 
-/// How far apart two events may be.
+/// The matching windows: how far apart in time two events may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Windows {
     /// For kept events and wrong signs.
@@ -50,7 +50,7 @@ pub struct Fate {
 impl Fate {
     /// What the judged packet of a pair made of the reference.
     #[must_use]
-    pub fn of(pair: &Pair, windows: Windows) -> Self {
+    pub fn from_pair(pair: &Pair, windows: Windows) -> Self {
         let part = pair.fold_sites(
             Part::default,
             |part, reference, judged| part.add(reference, judged, windows),
@@ -91,7 +91,7 @@ impl Fate {
     }
 }
 
-/// Some sites, and what their events are sorted in.
+/// Working memory for a piece of the sites.
 #[derive(Default)]
 struct Part {
     fate: Fate,
@@ -130,7 +130,7 @@ fn times(events: Signed<'_>, off: &mut Vec<u64>, on: &mut Vec<u64>) {
     }
 }
 
-/// How many pairs there are within the window; what has found a partner is taken out of both.
+/// Counts the matches within the window, and removes the matched events from both.
 fn paired(reference: &mut Vec<u64>, judged: &mut Vec<u64>, within: Micros) -> u64 {
     let (mut a, mut b) = (0, 0);
     let (mut alone_a, mut alone_b) = (0, 0);
@@ -182,8 +182,8 @@ mod tests {
     }
 
     fn fate(reference: &[(u64, u16, bool)], judged: &[(u64, u16, bool)]) -> Fate {
-        let pair = Pair::of(&packet(reference), &packet(judged)).unwrap();
-        Fate::of(&pair, WINDOWS)
+        let pair = Pair::new(&packet(reference), &packet(judged)).unwrap();
+        Fate::from_pair(&pair, WINDOWS)
     }
 
     /// Time, column and sign.

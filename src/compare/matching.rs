@@ -184,7 +184,7 @@ impl Matches {
     /// How late the judged events are; none without matches.
     #[must_use]
     pub fn time_error(&self) -> Option<Quantiles> {
-        Quantiles::of(&self.errors)
+        Quantiles::from_ascending(&self.errors)
     }
 }
 
@@ -220,7 +220,7 @@ pub struct Quantiles {
 impl Quantiles {
     /// Of values in ascending order; none of nothing.
     #[must_use]
-    pub fn of(ascending: &[i64]) -> Option<Self> {
+    pub fn from_ascending(ascending: &[i64]) -> Option<Self> {
         let at = |percent: usize| {
             let rank = (ascending.len() * percent).div_ceil(100);
             ascending.get(rank.saturating_sub(1)).copied()

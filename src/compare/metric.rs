@@ -7,11 +7,12 @@ use std::fmt;
 
 pub use super::entry::{Entry, Measured, Scale};
 
-use super::{counts, intervals, matching, rates, van_rossum, victor_purpura, voxel};
+use super::{counts, intervals, matching, rates, van_rossum, victor_purpura, voxel, window};
 use crate::unit::Micros;
 
 /// All metrics, in the order in which they are shown. Those of one scale stand together.
 pub const ENTRIES: &[&Entry] = &[
+    &window::KEPT,
     &matching::F1,
     &matching::PRECISION,
     &matching::RECALL,

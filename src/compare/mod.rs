@@ -1,15 +1,16 @@
-//! The ruler: how two packets differ.
+//! Metrics: how two packets differ.
 //!
 //! One is the reference, the other is judged against it. A cell is one pixel, kind and sign;
 //! every metric works cell by cell, so an event at the wrong pixel, of the wrong kind or of
 //! the wrong sign is never half right. Streams are compared as multisets: the order of events
 //! at one time carries nothing.
 //!
-//! A metric is a file here, with its definition, a function of a [`Pair`], and a line of the
-//! list in [`metric`]. No single
-//! number will do: event rates are blind to wrong pixels, and counts are blind to delay.
-//! [`compare`] gives the plain ones, [`ruler::scores`] every metric, each with its value for
-//! the identical packet, for a redraw and for a permutation of the reference.
+//! A metric is a file here, with its definition, a function of a [`Pair`], and a line of the list
+//! in [`metric`]. No single number will do: event rates are blind to wrong pixels, and counts are
+//! blind to delay. [`compare`] gives the plain ones, [`window`] the headline, [`score::scores`]
+//! every metric, each with its value for the identical packet, for a redraw and for a permutation
+//! of the reference. The *floor* of a metric is what a redraw scores, its *ceiling* what the
+//! identical packet does.
 //!
 //! | metric | file | identical | nothing in common |
 //! |---|---|---|---|
@@ -17,13 +18,14 @@
 //! | fate: kept, mistimed, wrong sign, lost, extra | [`fate`] | all kept | all lost, all extra |
 //! | counts, Pearson, L1 | [`counts`] | 1, 0 | near 0, all events |
 //! | precision, recall, F1, time error | [`matching`] | 1, 1, 1, 0 | 0, 0, 0, none |
-//! | F1 over the window, with its floor, and what is kept | [`window`] | 1, 1 | the floor, 0 |
+//! | F1 over the window, and what of it is kept above the floor | [`window`] | 1, 1 | the floor, 0 |
 //! | van Rossum's distance per event | [`van_rossum`] | 0 | about 1 |
 //! | Victor and Purpura's distance per event | [`victor_purpura`] | 0 | at most 2 |
 //! | voxel L1 per event, RMSE | [`voxel`] | 0, 0 | at most 1, no bound |
 //! | rate maps, Pearson, L1 per event | [`rates`] | 1, 0 | near 0, at most 1 |
 //! | divergence of intervals | [`intervals`] | 0 | no bound |
 
+pub mod baseline;
 mod bins;
 pub mod counts;
 mod entry;
@@ -32,11 +34,10 @@ pub mod fate;
 pub mod intervals;
 pub mod matching;
 pub mod metric;
-pub mod null;
 mod pair;
 mod pearson;
 pub mod rates;
-pub mod ruler;
+pub mod score;
 pub mod van_rossum;
 pub mod victor_purpura;
 pub mod voxel;
@@ -99,13 +100,16 @@ pub fn compare(
     judged: &Packet,
     within: Micros,
 ) -> Result<Comparison, CompareError> {
-    Ok(Comparison::of(&Pair::of(reference, judged)?, within))
+    Ok(Comparison::from_pair(
+        &Pair::new(reference, judged)?,
+        within,
+    ))
 }
 
 impl Comparison {
     /// As [`compare`], of packets that are sorted already.
     #[must_use]
-    pub fn of(pair: &Pair, within: Micros) -> Self {
+    pub fn from_pair(pair: &Pair, within: Micros) -> Self {
         let first_divergence = equality::first_divergence(pair);
         let kinds = counts::kinds(pair);
         let both = |count: fn(&Kind) -> [u64; 2]| {
@@ -114,7 +118,7 @@ impl Comparison {
                 .map(count)
                 .fold([0, 0], |[a, b], [c, d]| [a + c, b + d])
         };
-        let bits_per_event = AddressWord::of(pair.size(), pair.channels()).bits();
+        let bits_per_event = AddressWord::new(pair.size(), pair.channels()).bits();
         let matches = matching::matches(pair, within);
         Self {
             equal: first_divergence.is_none(),

@@ -47,7 +47,7 @@ pub enum CompareError {
     },
 }
 
-/// One pixel, kind and sign, as a number: channel, row, column, sign from high bits to low.
+/// A cell as a number: one pixel, kind and sign. From high bits to low: channel, row, column, sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Cell(u64);
 
@@ -72,7 +72,7 @@ impl Cell {
         (self.0 as Key) << 64 | t as Key
     }
 
-    const fn of(event: &Event) -> Self {
+    const fn from_event(event: &Event) -> Self {
         Self(
             (event.channel as u64) << 33
                 | (event.y as u64) << 17
@@ -110,7 +110,7 @@ impl Cell {
     }
 }
 
-/// An event as one number, cell above and time below, so that sorting is comparing integers.
+/// An event as one number, cell above and time below, so that sorting compares integers.
 pub(super) type Key = u128;
 
 const fn cell(key: Key) -> Cell {
@@ -121,7 +121,7 @@ pub(super) const fn time(key: Key) -> u64 {
     key as u64
 }
 
-/// A cell that spoke, and where its events are, [reference, judged].
+/// A cell with events, and the indices of its events, [reference, judged].
 #[derive(Clone, Debug)]
 struct Spoke {
     cell: Cell,
@@ -146,7 +146,7 @@ impl Pair {
     ///
     /// # Errors
     /// When they are not of the same size and number of channels, or hold events outside.
-    pub fn of(reference: &Packet, judged: &Packet) -> Result<Self, CompareError> {
+    pub fn new(reference: &Packet, judged: &Packet) -> Result<Self, CompareError> {
         let (size, channels) = (reference.size, reference.channels);
         if size != judged.size {
             return Err(CompareError::Size {
@@ -279,8 +279,8 @@ impl Pair {
         self.cell_count().map(|cells| cells / 2)
     }
 
-    /// Every cell that spoke in either packet, with its times in the reference and in the
-    /// other, both ascending.
+    /// Every cell with events in either packet, with its times in the reference and in the judged
+    /// packet, both ascending.
     pub fn cells(&self) -> impl Iterator<Item = (Cell, Times<'_>, Times<'_>)> {
         self.spoke.iter().map(|spoke| {
             let [a, b] = self.slices(&spoke.events);
@@ -288,8 +288,8 @@ impl Pair {
         })
     }
 
-    /// Walks over the cells on all cores: every piece of work starts with `start`, takes its
-    /// cells in with `add`, and the pieces are joined in the order of the cells.
+    /// A parallel fold over the cells: every piece of work starts with `start`, adds its cells with
+    /// `add`, and the pieces are joined in the order of the cells.
     pub fn fold<T: Send>(
         &self,
         start: impl Fn() -> T + Sync,
@@ -341,7 +341,7 @@ impl Pair {
         sums.into_iter().reduce(join).unwrap_or_else(start)
     }
 
-    /// The cells in pieces that do not part the signs of a pixel.
+    /// The cells in pieces that do not separate the signs of a pixel.
     fn pieces(&self) -> Vec<&[Spoke]> {
         let mut rest = self.spoke.as_slice();
         let mut pieces = Vec::new();
@@ -362,7 +362,7 @@ impl Pair {
     }
 }
 
-/// The cells that spoke in either of two ascending lists.
+/// The cells with events in either of two ascending lists.
 fn spoke(a: &[Key], b: &[Key]) -> Vec<Spoke> {
     let mut at = [0, 0];
     let mut all = Vec::new();
@@ -436,7 +436,7 @@ fn sorted(packet: &Packet) -> Result<Vec<Key>, CompareError> {
             let inside = usize::from(event.x) < size.width
                 && usize::from(event.y) < size.height
                 && event.channel < channels;
-            let key = Cell::of(event).at(event.t.0);
+            let key = Cell::from_event(event).at(event.t.0);
             inside.then_some(key).ok_or(CompareError::Outside {
                 event: *event,
                 size,

@@ -2,7 +2,7 @@
 //!
 //! Which events match depends on the window, and so does what matches by accident. So F1 is told
 //! for windows from 1 us to 1 s, with its **floor**: that of redraws of the reference, which have
-//! the right places and rates and times by accident ([`null`]). The **ceiling** is 1, that of
+//! the right places and rates and times by accident ([`baseline`]). The **ceiling** is 1, that of
 //! the reference itself. What lies between is *kept*:
 //!
 //! ```text
@@ -15,10 +15,38 @@
 //! asks for the same frame: the more frames the same light is shown in, the less is matched. A
 //! window of at least the frame interval does not: `docs/ruler.md` has the table.
 
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+};
+
 use serde::Serialize;
 
-use super::{Pair, matching, null};
+use super::{
+    Pair, baseline,
+    entry::{Entry, Scale},
+    matching,
+};
 use crate::unit::Micros;
+
+/// What of F1 is more than accident, within a window.
+pub static KEPT: Entry = Entry {
+    key: "kept",
+    title: "kept within",
+    scale: Scale::Window,
+    study: Some((
+        "kept",
+        "what of F1 is more than accident, for each window: 1 at most, 0 for a redraw",
+    )),
+    blind_to: "",
+    knows_a_redraw: true,
+    symmetric: false,
+    value: |of, within| {
+        let [a, b] = of.pair.events();
+        let f1 = matching::share(2 * of.matched(within), a + b);
+        Some(kept(f1, of.redraws.floor(within)))
+    },
+};
 
 /// Windows of the curve: 1, 2 and 5 of each decade from 1 us to 1 s.
 pub const WINDOWS: [Micros; 19] = {
@@ -42,7 +70,13 @@ pub const HEADLINE: Micros = Micros(100_000);
 /// to frame where that is longer.
 #[must_use]
 pub fn headline(fps: f64) -> Micros {
-    HEADLINE.max(interval(fps))
+    headline_of(Some(interval(fps)))
+}
+
+/// The same where the time from frame to frame is known, or there are no frames.
+#[must_use]
+pub fn headline_of(interval: Option<Micros>) -> Micros {
+    HEADLINE.max(interval.unwrap_or_default())
 }
 
 /// The time from frame to frame, rounded up.
@@ -82,22 +116,45 @@ pub struct Point {
 /// Redraws of a reference, as often as 200 000 events allow, at most 16 times: the floor of all
 /// that is judged against it.
 #[derive(Clone, Debug)]
-pub struct Redraws(Vec<Pair>);
+pub struct Redraws {
+    draws: Vec<Pair>,
+    /// Floors that were asked for.
+    floors: Arc<Mutex<HashMap<Micros, f64>>>,
+}
 
 impl Redraws {
     /// Of the reference of a pair.
     #[must_use]
     pub fn new(pair: &Pair, seed: u64) -> Self {
-        let draws = (200_000 / pair.events()[0].max(1)).clamp(1, 16);
-        let draw = |k| null::redraw(pair, seed.wrapping_add(k));
-        Self((0..draws).map(draw).collect())
+        let draw = |k| baseline::redraw(pair, seed.wrapping_add(k));
+        Self {
+            draws: (0..Self::number(pair)).map(draw).collect(),
+            floors: Arc::default(),
+        }
+    }
+
+    /// How often a reference is drawn anew.
+    #[must_use]
+    pub fn number(pair: &Pair) -> u64 {
+        (200_000 / pair.events()[0].max(1)).clamp(1, 16)
     }
 
     /// F1 of a redraw within a window.
     #[must_use]
     pub fn floor(&self, within: Micros) -> f64 {
-        let sum: f64 = self.0.iter().map(|draw| f1(draw, within)).sum();
-        sum / self.0.len() as f64
+        let floors = || self.floors.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(floor) = floors().get(&within) {
+            return *floor;
+        }
+        let sum: f64 = self.draws.iter().map(|draw| f1(draw, within)).sum();
+        let floor = sum / self.draws.len() as f64;
+        floors().insert(within, floor);
+        floor
+    }
+
+    /// The reference, and a redraw in place of the judged packet, for each of them.
+    pub(super) fn pairs(&self) -> &[Pair] {
+        &self.draws
     }
 }
 

@@ -1,5 +1,5 @@
-//! Register allocation: values whose live ranges meet get different registers. A search with
-//! backtracking, since some values are bound to a register from the start.
+//! Register allocation: values whose live ranges interfere get different registers. The allocator
+//! is a backtracking search, since the input and some goals are pinned to registers from the start.
 
 use super::plan::{Plan, Store, Value, Word};
 use crate::isa::{Analog, Device, Primitive, Source, Target};
@@ -28,7 +28,7 @@ pub(super) struct RegisterFile {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Allocated {
     pub(super) words: Vec<Primitive>,
-    /// For every word, what each register that is live then holds.
+    /// For every word, the live registers before it, and the value that each holds.
     pub(super) live: Vec<Vec<(Analog, Value)>>,
 }
 
@@ -47,12 +47,12 @@ pub(super) fn allocate(plan: &Plan, file: &RegisterFile) -> Option<Allocated> {
     })
 }
 
-/// The words over which a value must be held.
+/// The words over which a value is live.
 #[derive(Clone, Copy, Debug)]
 struct LiveRange {
-    /// The word that stores it; the input is there before all.
+    /// The word that stores it (its definition); -1 for the input, which is there before all words.
     born: isize,
-    /// The last word that reads it.
+    /// The last word that reads it (its last use).
     read: isize,
     pinned: Option<Analog>,
 }
@@ -60,14 +60,15 @@ struct LiveRange {
 /// The live ranges of a plan.
 struct LiveRanges {
     ranges: Vec<LiveRange>,
-    /// The range of each value.
+    /// The live range of each value.
     of_value: Vec<usize>,
-    /// For each word the range of the half that nobody reads, where NEWS cannot take it.
+    /// For each halving word whose unread half NEWS cannot take: the live range of the register
+    /// that takes it.
     spare: Vec<Option<usize>>,
 }
 
 impl LiveRanges {
-    /// From the word that stores a value to the last that reads it; the input lives from before all words.
+    /// The live ranges of all values; the input is live from before the first word.
     fn new(plan: &Plan, input: Analog) -> Option<Self> {
         let mut ranges = vec![LiveRange {
             born: -1,
@@ -108,88 +109,114 @@ impl LiveRanges {
 /// Registers for all values, the goals in those of `pinned`; a goal without one is copied to its
 /// place last.
 fn assign_all(plan: &Plan, file: &RegisterFile, pinned: &[Option<Analog>]) -> Option<Allocated> {
-    let LiveRanges {
-        mut ranges,
-        of_value,
-        spare,
-    } = LiveRanges::new(plan, file.input)?;
-    let end = plan.words.len() as isize;
-    // Goals live to the end, in the registers they are wanted in. One that cannot be there all
-    // the time is copied there last.
-    let mut last = Vec::new();
-    for (goal, (value, pin)) in plan.goals.iter().zip(pinned).enumerate() {
-        let range = *of_value.get(*value)?;
-        let taken = plan.goals[..goal].contains(value);
-        ranges[range].read = end;
-        let own = ranges[range].pinned;
-        if own.is_some() && own != *pin || pin.is_none() || taken {
-            last.push((range, *file.into.get(goal)?));
-        } else {
-            ranges[range].pinned = *pin;
-        }
-    }
+    let mut live = LiveRanges::new(plan, file.input)?;
+    let copies = live.pin_goals(plan, file, pinned)?;
     let mut tries = TRIES;
-    let mut registers = vec![None; ranges.len()];
-    assign(&ranges, &mut registers, 0, file, &mut tries)?.then_some(())?;
+    let mut registers = vec![None; live.ranges.len()];
+    assign(&live.ranges, &mut registers, 0, file, &mut tries)?.then_some(())?;
     let registers: Vec<Analog> = registers.into_iter().collect::<Option<_>>()?;
-    // The words again, with registers in place of values.
-    let mut out = Allocated {
-        words: Vec::new(),
-        live: Vec::new(),
-    };
-    let mut stored = 0;
-    for (i, word) in plan.words.iter().enumerate() {
-        let mut targets = Vec::new();
-        if let Store::Register | Store::Both(_) = word.store {
-            stored += 1;
-            targets.push(Target::Register(registers[*of_value.get(stored)?]));
-        }
-        if let Store::News(to) | Store::Both(to) = word.store {
-            targets.push(to.map_or(Target::Register(file.news), Target::Neighbour));
-        }
-        if word.halved {
-            let other = spare[i].map_or(file.news, |range| registers[range]);
-            targets.push(Target::Register(other));
-        }
-        let views = word
-            .views
-            .iter()
-            .map(|view| view.map_or(Source::Register(file.news), Source::Neighbour));
-        let values = word
-            .values
-            .iter()
-            .map(|value| Source::Register(registers[of_value[*value]]));
-        out.words.push(Primitive::Bus {
-            targets,
-            sources: views.chain(values).collect(),
-        });
-        out.live
-            .push(live(&ranges, &registers, &of_value, i as isize));
-    }
-    // A goal that is elsewhere: none of these targets is needed as a source any more.
-    for (range, to) in &last {
-        if registers[*range] == *to {
-            continue;
-        }
-        let conflict = last
-            .iter()
-            .any(|(other, _)| registers[*other] == *to && other != range);
-        if conflict {
-            return None;
-        }
-        let bus = |target, source| Primitive::Bus {
-            targets: vec![Target::Register(target)],
-            sources: vec![Source::Register(source)],
-        };
-        out.words.push(bus(file.news, registers[*range]));
-        out.words.push(bus(*to, file.news));
-        let held = live(&ranges, &registers, &of_value, end);
-        out.live.extend([held.clone(), held]);
-    }
+    let mut out = live.words(plan, file, &registers)?;
+    live.copy_goals(&copies, file, &registers, &mut out)?;
     Some(out)
 }
 
-/// Whether NEWS can take the half that nobody reads: it is neither read now nor later.
+impl LiveRanges {
+    /// Makes the goals live to the end, in the registers of `pinned`. Returns the ranges of those
+    /// that cannot be there all the time, and where they are to be copied.
+    fn pin_goals(
+        &mut self,
+        plan: &Plan,
+        file: &RegisterFile,
+        pinned: &[Option<Analog>],
+    ) -> Option<Vec<(usize, Analog)>> {
+        let mut copies = Vec::new();
+        for (goal, (value, pin)) in plan.goals.iter().zip(pinned).enumerate() {
+            let range = *self.of_value.get(*value)?;
+            let taken = plan.goals[..goal].contains(value);
+            self.ranges[range].read = plan.words.len() as isize;
+            let own = self.ranges[range].pinned;
+            if own.is_some() && own != *pin || pin.is_none() || taken {
+                copies.push((range, *file.into.get(goal)?));
+            } else {
+                self.ranges[range].pinned = *pin;
+            }
+        }
+        Some(copies)
+    }
+
+    /// The words of a plan, with registers in place of values.
+    fn words(&self, plan: &Plan, file: &RegisterFile, registers: &[Analog]) -> Option<Allocated> {
+        let mut out = Allocated {
+            words: Vec::new(),
+            live: Vec::new(),
+        };
+        let mut stored = 0;
+        for (i, word) in plan.words.iter().enumerate() {
+            let mut targets = Vec::new();
+            if let Store::Register | Store::Both(_) = word.store {
+                stored += 1;
+                targets.push(Target::Register(registers[*self.of_value.get(stored)?]));
+            }
+            if let Store::News(to) | Store::Both(to) = word.store {
+                targets.push(to.map_or(Target::Register(file.news), Target::Neighbour));
+            }
+            if word.halved {
+                let other = self.spare[i].map_or(file.news, |range| registers[range]);
+                targets.push(Target::Register(other));
+            }
+            let views = word
+                .views
+                .iter()
+                .map(|view| view.map_or(Source::Register(file.news), Source::Neighbour));
+            let values = word
+                .values
+                .iter()
+                .map(|value| Source::Register(registers[self.of_value[*value]]));
+            out.words.push(Primitive::Bus {
+                targets,
+                sources: views.chain(values).collect(),
+            });
+            let now = i as isize;
+            out.live
+                .push(live(&self.ranges, registers, &self.of_value, now));
+        }
+        Some(out)
+    }
+
+    /// Adds the words that copy goals to their registers, by way of NEWS, which keeps their sign.
+    /// `None` where a copy would overwrite the source of another.
+    fn copy_goals(
+        &self,
+        copies: &[(usize, Analog)],
+        file: &RegisterFile,
+        registers: &[Analog],
+        out: &mut Allocated,
+    ) -> Option<()> {
+        let end = out.words.len() as isize;
+        for (range, to) in copies {
+            if registers[*range] == *to {
+                continue;
+            }
+            let conflict = copies
+                .iter()
+                .any(|(other, _)| registers[*other] == *to && other != range);
+            if conflict {
+                return None;
+            }
+            let bus = |target, source| Primitive::Bus {
+                targets: vec![Target::Register(target)],
+                sources: vec![Source::Register(source)],
+            };
+            out.words.push(bus(file.news, registers[*range]));
+            out.words.push(bus(*to, file.news));
+            let held = live(&self.ranges, registers, &self.of_value, end);
+            out.live.extend([held.clone(), held]);
+        }
+        Some(())
+    }
+}
+
+/// Whether NEWS is dead at word `at`, so that it can take the unread half of a halving store.
 fn takes_half(plan: &Plan, at: usize) -> bool {
     let word = &plan.words[at];
     let writes = |word: &Word| matches!(word.store, Store::News(_) | Store::Both(_));
@@ -207,7 +234,7 @@ fn takes_half(plan: &Plan, at: usize) -> bool {
     true
 }
 
-/// The registers that hold a value while word `now` runs, and which.
+/// The registers that are live while word `now` runs, and the value in each.
 fn live(
     ranges: &[LiveRange],
     registers: &[Analog],
@@ -230,7 +257,7 @@ fn interfere(a: LiveRange, b: LiveRange) -> bool {
     a.born <= b.read && b.born <= a.read
 }
 
-/// One range after the other; `None` when tried too often.
+/// Assigns registers to one live range after the other; `None` after [`TRIES`] steps.
 fn assign(
     ranges: &[LiveRange],
     registers: &mut Vec<Option<Analog>>,

@@ -1,7 +1,8 @@
 //! Border-safe plans: they always exist and are right up to the border.
-//! Sums move only towards the pixel, rows along rows, then all of them along columns, so that
-//! nothing passes a place off the array.
-//! As on a [`walk`](super::walk), what is held of the input is added at both ends of a move.
+//!
+//! Sums move only towards the pixel, along rows first and then along columns, so that no partial
+//! sum passes a place off the array. As on a [`walk`](super::walk), the held multiples of the input
+//! are added at both ends of a move.
 
 use super::{
     beam::SOURCES,
@@ -53,7 +54,7 @@ fn plan(
         writer.builder.hold(most_halved(&visits));
         total = writer.gathered(total, visits);
     }
-    // Without a digit there was no group.
+    // A goal without a digit has no group; it is the plan of a kernel of zeros.
     let Some(total) = total else {
         return writer.builder.zero();
     };
@@ -65,15 +66,15 @@ fn plan(
 #[derive(Clone)]
 struct BorderSafe {
     builder: PlanBuilder,
-    /// The other way round.
+    /// Whether columns are summed up before rows.
     columns_first: bool,
 }
 
-/// What is added at each distance of an arm, from the far end.
+/// An arm: the digits to be added at each distance from the middle, from the far end inwards.
 type Arm = Vec<(i16, Vec<Digit>)>;
 
 impl BorderSafe {
-    /// All of a group, and a sum that lies at the pixel already.
+    /// Adds all digits of a group to `total`, a sum that lies at the pixel already.
     fn gathered(&mut self, mut total: Option<Sum>, mut visits: Visits) -> Option<Sum> {
         if self.columns_first {
             for ((y, x), _) in &mut visits {
@@ -123,7 +124,7 @@ impl BorderSafe {
         Sum::stored(both, a.negative)
     }
 
-    /// A row's sum, to a sum that lies in its middle already.
+    /// Adds a row's digits to `to`, a sum that lies in the row's middle already.
     fn row(&mut self, to: Option<Sum>, row: Vec<(i16, Vec<Digit>)>) -> Option<Sum> {
         let mut sum = to;
         let (middle, sides): (Arm, Arm) = row.into_iter().partition(|(x, _)| *x == 0);
@@ -134,7 +135,7 @@ impl BorderSafe {
             if arm.is_empty() {
                 continue;
             }
-            // With the sign that costs less.
+            // Begins with the sign that costs fewer words.
             let tries = [false, true].map(|negative| {
                 let (mut writer, mut left) = (self.clone(), pending.clone());
                 let sum = writer.arm(&arm, direction, negative, sum, &mut left);
@@ -159,8 +160,8 @@ impl BorderSafe {
         }
     }
 
-    /// One side of a row, moved to its middle, with what lies there and can be added; begun with
-    /// this sign.
+    /// Sums up one side of a row, moves the sum to the middle, and adds what fits of the digits
+    /// there; it begins with the given sign.
     fn arm(
         &mut self,
         arm: &Arm,

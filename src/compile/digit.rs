@@ -1,12 +1,12 @@
-//! The signed digits (non-adjacent form) of a kernel's weights, in groups that a walk takes in
-//! together.
+//! The signed digits (non-adjacent form) of a kernel's weights, in groups of exponents that one
+//! walk adds.
 
 use super::linear_form::LinearForm;
 
 /// Rows and columns from the pixel.
 pub(super) type Place = (i16, i16);
 
-/// A halved input that is added at a place; minus it, if so.
+/// A signed digit: the input, halved some times, to be added or subtracted at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Digit {
     /// The number of halvings.
@@ -15,7 +15,7 @@ pub(super) struct Digit {
     pub(super) negative: bool,
 }
 
-/// What is added where.
+/// The digits to be added at each place.
 pub(super) type Visits = Vec<(Place, Vec<Digit>)>;
 
 /// The digits of a goal in groups of `held` exponents, the lowest first; the whole of one group
@@ -49,7 +49,8 @@ pub(super) fn planes(goal: &LinearForm) -> Vec<Vec<(Place, bool)>> {
         let (mut left, mut exponent) = (tap.weight, 0);
         while left != 0 {
             if left % 2 != 0 {
-                // 1 or -1, so that the next digit is 0.
+                // In non-adjacent form a digit is followed by a zero: it is chosen so that the rest
+                // is divisible by 4.
                 let digit = 2 - left.rem_euclid(4);
                 left -= digit;
                 if planes.len() <= exponent {
@@ -64,7 +65,7 @@ pub(super) fn planes(goal: &LinearForm) -> Vec<Vec<(Place, bool)>> {
     planes
 }
 
-/// The most halvings of the input that these need.
+/// The most halvings of the input among these digits.
 pub(super) fn most_halved(visits: &Visits) -> usize {
     let all = visits.iter().flat_map(|(_, digits)| digits);
     all.map(|digit| digit.halved).max().unwrap_or(0)

@@ -1,10 +1,9 @@
-//! A compiled filter: its words, and what is known of them.
+//! A compiled filter: its words, and their properties.
 
 use std::fmt::Write as _;
 
 use super::{
     linear_form::LinearForm,
-    request::Request,
     solve::{FINE, Solved, fine},
 };
 use crate::isa::{Analog, Device, Primitive, Source, Target};
@@ -20,9 +19,10 @@ pub struct Filter {
     pub prescale: u32,
     /// Whether the results are right up to the border, zeros beyond it.
     pub border: bool,
-    /// The largest magnitude that any word stores, for an input of magnitude 1.
+    /// Where a range was given: whether nothing saturates, the chip's transfer errors included.
     pub peak: f64,
-    /// With a range: nothing saturates, the chip's transfer errors included.
+    /// The transfer error left in each result, in errors of one store (-1 is one uncancelled
+    /// store).
     pub holds: bool,
     /// What is left of the transfer error in each result, in errors of one store.
     pub offsets: Vec<f64>,
@@ -41,24 +41,23 @@ impl Filter {
         text
     }
 
-    /// A solved plan behind `words`, which halve the input `prescale` times.
+    /// A solved plan behind `words`, which halve the input `prescale` times; its results are in
+    /// `into`.
     pub(super) fn from_solved(
-        request: &Request<'_>,
+        device: &Device,
+        into: &[Analog],
         solved: &Solved,
         unit: i64,
         prescale: u32,
         mut words: Vec<Primitive>,
     ) -> Self {
-        let mut live: Vec<Vec<Analog>> = words
-            .iter()
-            .map(|word| registers(word, request.device))
-            .collect();
+        let mut live: Vec<Vec<Analog>> = words.iter().map(|word| registers(word, device)).collect();
         words.extend(solved.allocated.words.iter().cloned());
         for held in &solved.allocated.live {
             live.push(held.iter().map(|(register, _)| *register).collect());
         }
         Self {
-            offsets: offsets(&words, &request.into, request.device),
+            offsets: offsets(&words, into, device),
             words,
             live,
             prescale,
@@ -92,7 +91,7 @@ fn registers(word: &Primitive, device: &Device) -> Vec<Analog> {
     all
 }
 
-/// What each word of a plan stores.
+/// The linear form that each word of a plan stores.
 fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = LinearForm> {
     let trace = solved.plan.trace(unit * FINE);
     trace.into_iter().flat_map(|trace| trace.stored)

@@ -17,10 +17,10 @@ pub(super) struct LinearForm {
     taps: Vec<Tap>,
 }
 
-/// The largest weight that the search follows: sums of such weights stay far from overflow.
+/// The largest weight that the search follows, so that sums stay far from overflow.
 const LARGEST_WEIGHT: i64 = 1 << 40;
 
-/// Farther than this nothing is moved.
+/// The farthest a value is moved, in pixels.
 const FARTHEST: i16 = 64;
 
 /// The NEWS cells that a pixel can read: its own, then its neighbours' in the order of
@@ -41,7 +41,7 @@ impl LinearForm {
         Self::new(vec![Tap { y: 0, x: 0, weight }])
     }
 
-    /// From taps at different places.
+    /// A form of taps at different places.
     pub(super) fn new(mut taps: Vec<Tap>) -> Self {
         taps.retain(|tap| tap.weight != 0);
         taps.sort_unstable();
@@ -104,7 +104,7 @@ impl LinearForm {
         Self { taps }
     }
 
-    /// Whether this is `times` what `other` is, read a step away.
+    /// Whether this is `times` the form that `other` is when it is read a step away.
     pub(super) fn is_shifted(&self, other: &Self, (dy, dx): (i16, i16), times: i64) -> bool {
         self.taps.len() == other.taps.len()
             && self
@@ -114,7 +114,7 @@ impl LinearForm {
                 .all(|(a, b)| (a.y, a.x, a.weight) == (b.y + dy, b.x + dx, b.weight * times))
     }
 
-    /// A number for this form that hardly any other has.
+    /// A 64-bit hash of the form.
     pub(super) fn fingerprint(&self) -> u64 {
         let mut hash = 0x243F_6A88_85A3_08D3u64;
         for tap in &self.taps {
@@ -170,7 +170,8 @@ impl LinearForm {
         Self { taps }
     }
 
-    /// Exact division: the form that, read from all these steps and summed, gives this one.
+    /// Exact division by a sum of shifts: the form that, read from all these steps and summed,
+    /// gives this one.
     pub(super) fn divided(&self, steps: &[(i16, i16)]) -> Option<Self> {
         let (&lead, others) = steps.split_first()?;
         if others.is_empty() {

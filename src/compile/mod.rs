@@ -1,9 +1,10 @@
 //! From kernels to instruction words.
 //!
-//! A filter is found backwards, from the kernels to the input: each step takes the last bus
-//! word away and puts what it read in place of what it stored. Whatever a bus does in one word
-//! is a step: up to four sources, neighbours among them, the sign that turns with every store,
-//! halving by two targets. So symmetry, separability, sums along a walk and work shared between
+//! A filter is found backwards, from the kernels to the input: each step removes the last bus word
+//! and replaces the value that it stored by those that it read. Everything that a bus does in one
+//! word is a step: up to four sources, neighbours among them, the negation by every store, halving
+//! by two targets. So symmetry, separability, running sums and common subexpressions of several
+//! kernels are found without being special cases. A `walk` over the kernel is the plan to beat.
 //! kernels are found without being named. A `walk` over the kernel is the plan to beat.
 //!
 //! ```

@@ -1,12 +1,12 @@
-//! The naive cost: what the plainest program of a kernel takes, as a yardstick.
+//! The naive cost of a kernel: the words of the plainest program, as a yardstick.
 
 use super::{error::CompileError, goals::goals, linear_form::LinearForm};
 use crate::{kernel::Kernel, number::signed_digits};
 
-/// The words of the naive program, a walk in lines over each kernel (a "snake"): two for every step of a shifted copy to the next
-/// place of the kernel, two for every signed digit that is added, and two for every halving or
-/// doubling of the copy on the way from digit to digit; and two to bring the result of a
-/// single weight back to where the picture was.
+/// The words of the naive program, which moves a shifted copy of the input over each kernel row by
+/// row, to and fro: two for every step to the next place, two for every signed digit that is added,
+/// and two for every halving or doubling of the copy from digit to digit; and two to bring the
+/// result of a single weight back to the pixel.
 ///
 /// # Errors
 /// When a weight is not dyadic or a kernel is too large.

@@ -14,9 +14,9 @@ use crate::isa::{Analog, Device, Figure, Primitive, Source, Target};
 /// What a filter adds to its result, as standard deviations in LSB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilterNoise {
-    /// From frame to frame.
+    /// Temporal noise, drawn anew in every frame.
     pub temporal: f64,
-    /// From pixel to pixel, the same in every frame: mismatch, at the given input.
+    /// Fixed-pattern noise, the same in every frame: mismatch between pixels, at the given input.
     pub fixed: f64,
 }
 
@@ -29,7 +29,7 @@ enum Draw {
     Gain(Analog),
     /// Fixed offset deviation of a cell.
     Offset(Analog),
-    /// Fixed imbalance of a pixel's bus that splits.
+    /// Fixed imbalance of a pixel's bus when it splits a sum.
     Split(usize),
 }
 
@@ -140,7 +140,7 @@ fn run(
         cell.draw(Draw::Store(word, part), value(Figure::StoreNoise));
         if count > 1 {
             cell.level += value(Figure::DivisionError);
-            // What the others get more the last gets less.
+            // The shares of a split add up to 1: what the others get more, the last gets less.
             let mut more = vec![0.0; count - 1];
             match more.get_mut(part) {
                 Some(own) => *own = 1.0,

@@ -1,4 +1,4 @@
-//! A filter as bus words over values, before register allocation.
+//! Plans: a filter as bus words over values, before register allocation.
 
 use super::linear_form::{LinearForm, step};
 use crate::isa::Direction;
@@ -17,12 +17,12 @@ pub(super) enum Store {
     Both(Option<Direction>),
 }
 
-/// What every store adds on the chip, LSB.
+/// The errors that every store adds on the chip, LSB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StoreErrors {
     /// The transfer error.
     pub(super) transfer: f64,
-    /// The division error, which comes on top where the bus splits.
+    /// The division error, which is added where the bus splits a sum.
     pub(super) division: f64,
 }
 
@@ -46,18 +46,19 @@ pub(super) struct Word {
     pub(super) views: Vec<Option<Direction>>,
     /// Values that are read.
     pub(super) values: Vec<Value>,
-    /// Half of the sum goes to a target that nobody reads.
+    /// Whether half of the sum goes to a target that nobody reads (the bus divides by the number of
+    /// targets).
     pub(super) halved: bool,
 }
 
 impl Word {
-    /// Whether the sum is stored in two parts.
+    /// Whether the bus splits the sum between two targets.
     pub(super) const fn splits(&self) -> bool {
         self.halved || matches!(self.store, Store::Both(_))
     }
 }
 
-/// Straight code that makes some values from the input.
+/// Straight-line code that makes the goals from the input.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Plan {
     /// In the order in which they run.
@@ -66,12 +67,12 @@ pub(super) struct Plan {
     pub(super) goals: Vec<Value>,
 }
 
-/// Symbolic values of a run.
+/// The symbolic values of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Trace {
     /// Every value in a register, the input first.
     pub(super) values: Vec<LinearForm>,
-    /// What each word stored.
+    /// The form that each word stored.
     pub(super) stored: Vec<LinearForm>,
     /// Whether the result is right up to the border, where zeros lie beyond it.
     pub(super) border: bool,
@@ -153,7 +154,7 @@ impl Plan {
                 stored = stored.half()?;
             }
             if let Store::News(to) | Store::Both(to) = word.store {
-                // What a pixel puts into its western neighbour, that one has from its east.
+                // A pixel that stores into its western neighbour is that neighbour's east.
                 let from = to.map(Direction::opposite);
                 trace.border &= stored.is_outward(step(from));
                 news = stored.shifted(step(from));

@@ -1,5 +1,5 @@
-//! The plan builder of `walk` and `border_safe`: sums that grow from word to word, and the input
-//! and its halves to be added to them.
+//! The plan builder of `walk` and `border_safe`: running sums, and the multiples of the input that
+//! are added to them.
 
 use super::{
     beam::SOURCES,
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::isa::Direction;
 
-/// A sum in a register, and whether it is minus what it stands for.
+/// A running sum in a register, and whether it holds the negated sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sum {
     pub(super) value: Value,
@@ -16,7 +16,7 @@ pub(super) struct Sum {
 }
 
 impl Sum {
-    /// A sum after a store, which negates.
+    /// A sum after a store, which negates: `before` is the sign before it.
     pub(super) const fn stored(value: Value, before: bool) -> Self {
         Self {
             value,
@@ -29,19 +29,19 @@ impl Sum {
 #[derive(Clone, Debug)]
 pub(super) struct PlanBuilder {
     pub(super) plan: Plan,
-    /// The input and its halves; every other one is minus what it stands for, unless `steady`.
+    /// The input and its halves. Every other one holds the negated value, unless `steady`.
     held: Vec<Value>,
-    /// What is held carries no transfer error: it was stored twice.
+    /// Whether held values carry no transfer error, since each was stored twice.
     steady: bool,
-    /// Minus the input.
+    /// The negated input.
     minus: Option<Value>,
     /// Values in registers so far.
     values: usize,
 }
 
 impl PlanBuilder {
-    /// An empty plan. With `minus`, minus the input is held too; with `steady`, halves are stored
-    /// twice.
+    /// An empty plan. With `minus`, the negated input is held too; with `steady`, halves are stored
+    /// twice so that transfer errors cancel.
     pub(super) fn new(minus: bool, steady: bool) -> Self {
         let mut builder = Self {
             plan: Plan::default(),
@@ -61,7 +61,7 @@ impl PlanBuilder {
         builder
     }
 
-    /// One word into a register.
+    /// Adds a word that stores in a register.
     pub(super) fn register(
         &mut self,
         views: Vec<Option<Direction>>,
@@ -78,7 +78,7 @@ impl PlanBuilder {
         self.values - 1
     }
 
-    /// One word into NEWS, of the pixel to which this one lies in direction `from`.
+    /// Adds a word that stores in NEWS; seen from the pixel of the sum, that NEWS cell lies `from`.
     pub(super) fn news(&mut self, from: Option<Direction>, values: Vec<Value>) {
         self.plan.words.push(Word {
             store: Store::News(from.map(Direction::opposite)),
@@ -99,7 +99,8 @@ impl PlanBuilder {
         }
     }
 
-    /// Takes out of `pending` what can be added to a sum that is `negative`, so many at most.
+    /// Takes those digits out of `pending` that can be added to a sum whose sign is `negative`, at
+    /// most `room`.
     pub(super) fn take(&self, pending: &mut Vec<Digit>, negative: bool, room: usize) -> Vec<Value> {
         let mut values = Vec::new();
         pending.retain(|digit| {
@@ -121,7 +122,7 @@ impl PlanBuilder {
         values
     }
 
-    /// Adds all that is pending, where the sum is.
+    /// Adds all pending digits at the place where the sum is.
     pub(super) fn add_all(&mut self, mut sum: Sum, pending: &mut Vec<Digit>) -> Sum {
         while !pending.is_empty() {
             let mut values = vec![sum.value];
@@ -141,13 +142,13 @@ impl PlanBuilder {
         Sum::stored(self.register(vec![], vec![sum.value], true), sum.negative)
     }
 
-    /// The sum times 2^`times`: of two copies one word makes their sum, two words two copies.
+    /// The sum times 2^`times`: of two copies one word makes their sum, two words make two copies.
     pub(super) fn doubled(&mut self, sum: Sum, times: usize) -> Sum {
         if times == 0 {
             return sum;
         }
         let mut one = Sum::stored(self.register(vec![], vec![sum.value], false), sum.negative);
-        // The other copy; in NEWS where it is not a value.
+        // The other copy; it is in NEWS where it is not a value.
         let mut other: Option<Value> = None;
         self.news(None, vec![sum.value]);
         for left in (0..times).rev() {
@@ -172,7 +173,7 @@ impl PlanBuilder {
             sum = self.halved(sum);
         }
         if self.held.len() == 1 && self.minus.is_none() {
-            // A word more each, and a register less.
+            // Doubling step by step takes a word more for each, and a register less.
             for _ in 0..up {
                 sum = self.doubled(sum, 1);
             }

@@ -51,7 +51,8 @@ pub struct Request<'a> {
     pub into: Vec<Analog>,
     /// Registers that stay as they are.
     pub keep: Vec<Analog>,
-    /// Try to be right up to the border of the array, zeros beyond it.
+    /// Whether the results should be right up to the border of the array, with zeros beyond it,
+    /// where such a plan exists.
     pub border: bool,
     /// What the input can be, in LSB; with it, the input is halved first as often as nothing
     /// then saturates.
@@ -99,9 +100,12 @@ impl<'a> Request<'a> {
             .into_iter()
             .filter(|register| !self.keep.contains(register))
             .collect();
+        let built = |solved: &Solved, bits, first| {
+            Filter::from_solved(self.device, &self.into, solved, unit, bits, first)
+        };
         let Some((low, high)) = self.range else {
             let plus = self.solve(&goals, unit, self.input, &all, None)?;
-            return Ok(Filter::from_solved(self, &plus, unit, 0, Vec::new()));
+            return Ok(built(&plus, 0, Vec::new()));
         };
         let figure = |figure| self.device.value(figure);
         let mut limits = Limits {
@@ -126,9 +130,10 @@ impl<'a> Request<'a> {
         };
         if bits.is_multiple_of(2) {
             let first = prescale(self.device, self.input, other, bits);
-            return Ok(Filter::from_solved(self, &plus, unit, bits, first));
+            return Ok(built(&plus, bits, first));
         }
-        // Each halving negates, and after an odd number of them the input lies elsewhere.
+        // Every store negates, so an odd number of halvings gives the negated input, in the other
+        // register.
         let goals: Vec<LinearForm> = goals.iter().map(|goal| goal.times(-1)).collect();
         limits.input = (-high, -low);
         limits.odd = true;
@@ -138,7 +143,7 @@ impl<'a> Request<'a> {
             return Err(CompileError::Range { low, high });
         };
         let first = prescale(self.device, self.input, other, bits);
-        Ok(Filter::from_solved(self, &minus, unit, bits, first))
+        Ok(built(&minus, bits, first))
     }
 
     fn solve(
@@ -174,7 +179,7 @@ impl<'a> Request<'a> {
     }
 }
 
-/// Words that halve the input `bits` times, to and fro between two registers.
+/// Words that halve the input `bits` times, alternating between two registers.
 fn prescale(device: &Device, from: Analog, other: Analog, bits: u32) -> Vec<Primitive> {
     let ends = [from, other];
     let half = |i: u32| Primitive::Bus {

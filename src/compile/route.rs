@@ -1,11 +1,10 @@
-//! The tour of a walk over the places of a kernel: a travelling salesman, by start tours and
-//! 2-opt.
+//! The tour of a walk over the places of a kernel: a travelling salesman problem, solved by 2-opt
+//! from several start tours.
 
 use super::digit::Place;
 
-/// Places to be visited, and what for, from where the walk is, if it has begun, and with the
-/// way to the pixel after it: the best of lines to and fro and of spirals, then improved by
-/// turning parts of it round.
+/// An order in which to visit `visits`, starting at `from` if the walk has begun, and ending at the
+/// pixel: the best of boustrophedon lines and spirals, improved by 2-opt.
 pub(super) fn route<T: Clone>(visits: &[(Place, T)], from: Option<Place>) -> Vec<(Place, T)> {
     let places: Vec<Place> = visits.iter().map(|(place, _)| *place).collect();
     let best = start_tours(&places)
@@ -51,7 +50,7 @@ fn start_tours(places: &[Place]) -> Vec<Vec<Place>> {
         spiral.sort_by_key(|place| {
             let (y, x) = turned(*place);
             let ring = y.abs().max(x.abs());
-            // Round the ring, beginning beside where the ring outside it ended.
+            // Continue around the next ring, beginning beside the end of the ring outside it.
             let side = if y == -ring && x < ring {
                 x + ring
             } else if x == ring && y < ring {

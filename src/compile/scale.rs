@@ -1,8 +1,8 @@
 //! Scaling by a constant: a single weight, its integer part by doubling, its fraction by halving.
 //!
-//! A bus does not take a register twice, so what is to be doubled is held twice. One word makes
-//! of such a pair twice its value, and takes the input in besides where a digit asks for it;
-//! two words make the next pair.
+//! A bus cannot read a register twice, so a value to be doubled is held in two copies. One word
+//! makes twice the value of such a pair, and adds the input where a digit asks for it; two words
+//! make the next pair.
 
 use super::{
     digit::planes,
@@ -19,7 +19,7 @@ pub(super) fn scale(goal: &LinearForm, unit: i64) -> Option<Plan> {
     if !at_home || planes.len() < one + 2 {
         return None;
     }
-    // From the lowest; whether it is minus one, if it is not zero.
+    // Digits from the lowest: `Some(true)` for -1, `None` for 0.
     let digits: Vec<Option<bool>> = planes
         .iter()
         .map(|plane| plane.first().map(|(_, negative)| *negative))
@@ -37,7 +37,7 @@ pub(super) fn scale(goal: &LinearForm, unit: i64) -> Option<Plan> {
 struct Scale {
     plan: Plan,
     stores: usize,
-    /// Minus the input.
+    /// The negated input.
     minus: Value,
 }
 
@@ -61,7 +61,7 @@ impl Scale {
         if negative { self.minus } else { 0 }
     }
 
-    /// Minus the digits below one.
+    /// Adds up the digits below one; the result is negated.
     fn fraction(&mut self, digits: &[Option<bool>]) -> Option<Value> {
         let first = digits.iter().position(Option::is_some)?;
         let later = digits[first + 1..].iter().flatten().count();
@@ -81,13 +81,13 @@ impl Scale {
         Some(self.store(false, vec![value], true))
     }
 
-    /// The digits from one on, and what is below.
+    /// Adds up the digits from one on, and the fraction `rest`.
     fn whole(&mut self, digits: &[Option<bool>], mut rest: Option<Value>) -> Value {
         let steps = digits.len() - 1;
         let mut negated = !steps.is_multiple_of(2);
         let first = digits[steps].unwrap_or(false) != negated;
         let mut one = self.input(first);
-        // The other of the pair; in NEWS where it is not a value.
+        // The other copy of the pair; it is in NEWS where it is not a value.
         let mut other = Some(self.store(false, vec![self.input(!first)], false));
         for (left, digit) in digits[..steps].iter().enumerate().rev() {
             let mut values = vec![one];

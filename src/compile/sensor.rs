@@ -1,4 +1,4 @@
-//! A whole sensor as a program: capture, filter, compare, events, memory, readout.
+//! A whole sensor as a program: capture, filter, threshold comparison, events, memory, readout.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use crate::{
     kernel::Kernel,
 };
 
-/// The slots of a readout that a compiled program asks for: all that there are.
+/// Readout slots that a compiled program asks for in each scan: as many as the chip has.
 pub const SLOTS: u32 = 4000;
 
 /// One kind of cell.
@@ -24,7 +24,7 @@ pub struct CellKind {
     pub off: f64,
 }
 
-/// Where a program remembers the drives of the last events.
+/// The kind of memory for the drives of the last events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DriveMemory {
     /// In analogue registers, one for each kind.
@@ -66,7 +66,7 @@ pub struct SensorProgram {
     pub filter: Filter,
     /// The register of each kind's drive.
     pub drives: Vec<Analog>,
-    /// From kernel times light to LSB in the drive.
+    /// Scale of a drive: LSB for each unit of kernel times light.
     pub scale: f64,
     /// The memory of each kind, where it is in bits.
     pub steps: Vec<BitMemory>,
@@ -88,29 +88,8 @@ impl SensorProgram {
         let device = request.device;
         let all = ordinary_registers(device);
         let count = kinds.len();
-        // One for each memory, or one in which they are put together by turns.
-        let (remembered, each) = match memory {
-            DriveMemory::Analogue => (count, "a drive and a memory"),
-            DriveMemory::Bits(_) => (1, "a drive, and a memory"),
-        };
-        let needed = count + remembered + 2;
-        if all.len() < needed {
-            return Err(CompileError::Kinds {
-                count,
-                each,
-                needed,
-                free: all.len(),
-            });
-        }
-        if let DriveMemory::Bits(bits) = memory
-            && !(1..=MEMORY.len()).contains(&(usize::from(bits) * count))
-        {
-            return Err(CompileError::Bits {
-                count,
-                bits,
-                free: MEMORY.len(),
-            });
-        }
+        let remembered = memory_registers(memory, count, all.len())?;
+        // From the first register on: drives, a scratch; the threshold and the memories are last.
         let memories = all[all.len() - remembered..].to_vec();
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
         let light = device.value(Figure::LightScale) * 255.0;
@@ -127,7 +106,7 @@ impl SensorProgram {
             ..request.clone()
         };
         let filter = request.filter()?;
-        // The filter stands in `init` and in `frame`.
+        // The filter is in `init` (for the first memory) and in `frame`.
         let (words, room) = (
             2 * filter.words.len() as u64,
             device.value(Figure::Store) as u64,
@@ -170,8 +149,40 @@ impl SensorProgram {
     }
 }
 
+/// How many of `free` analogue registers hold memories of `count` kinds.
+///
+/// # Errors
+/// When there are too few registers, analogue or of one bit.
+fn memory_registers(memory: DriveMemory, count: usize, free: usize) -> Result<usize, CompileError> {
+    // One register for each memory, or one in which bit memories are assembled in turn.
+    let (remembered, each) = match memory {
+        DriveMemory::Analogue => (count, "a drive and a memory"),
+        DriveMemory::Bits(_) => (1, "a drive, and a memory"),
+    };
+    // Besides, a threshold and a scratch.
+    let needed = count + remembered + 2;
+    if free < needed {
+        return Err(CompileError::Kinds {
+            count,
+            each,
+            needed,
+            free,
+        });
+    }
+    if let DriveMemory::Bits(bits) = memory
+        && !(1..=MEMORY.len()).contains(&(usize::from(bits) * count))
+    {
+        return Err(CompileError::Bits {
+            count,
+            bits,
+            free: MEMORY.len(),
+        });
+    }
+    Ok(remembered)
+}
+
 impl BitMemory {
-    /// Steps of whole LSB where the range is wide enough for them: the host sets no others.
+    /// Steps of a whole number of LSB where the range is wide enough: the host can set no others.
     fn new(kind: &CellKind, scale: f64, registers: &[&'static str]) -> Self {
         let sum = |sign: f64| -> f64 {
             let weights = kind.kernel.weights().iter();
@@ -180,7 +191,7 @@ impl BitMemory {
         let (low, high) = (sum(-1.0), sum(1.0));
         let step = (high - low) / 2f64.powi(registers.len() as i32);
         let step = if step > 1.0 {
-            // The largest that is added must be a constant of the chip.
+            // The largest constant that is added must lie within the host's range.
             step.ceil()
                 .min(LARGEST / 2f64.powi(registers.len() as i32 - 1))
         } else {
@@ -286,7 +297,7 @@ impl Writer<'_> {
         text
     }
 
-    /// Names of the thresholds.
+    /// The names of a kind's ON and OFF thresholds.
     fn constants(&self, i: usize) -> (String, String) {
         let number = if self.kinds.len() > 1 {
             i.to_string()
@@ -310,7 +321,7 @@ impl Writer<'_> {
         text.push('\n');
     }
 
-    /// Compare, note, remember, read out.
+    /// Writes one kind's part of the frame: compare, set event bits, update the memory, read out.
     fn events(&self, text: &mut String, i: usize) {
         let name = |register: Analog| self.device.analog_name(register);
         let in_bits = !self.steps.is_empty();
@@ -357,7 +368,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Minus the middle of the remembered step.
+    /// Writes statements that recall minus the middle of the remembered step.
     fn recall_bits(&self, text: &mut String, i: usize) {
         let BitMemory {
             low,
@@ -380,7 +391,8 @@ impl Writer<'_> {
         }
     }
 
-    /// The step in which the drive lies, where R5 is set: the highest bit first.
+    /// Writes statements that encode the drive's step into the bits, where R5 is set: the highest
+    /// bit first (successive approximation).
     fn remember_bits(&self, text: &mut String, i: usize) {
         let BitMemory {
             low,

@@ -6,10 +6,10 @@ use super::{
     plan::{Plan, Store},
 };
 
-/// A goal of one dimension, and its unit.
+/// A one-dimensional goal, and its unit.
 pub(super) type Factor = (LinearForm, i64);
 
-/// The row and the column whose product a goal is, if it has more than one of both.
+/// The row and the column whose outer product a goal is, if there are more than one of both.
 pub(super) fn factors(goal: &LinearForm, unit: i64) -> Option<[Factor; 2]> {
     let first = goal.taps().first()?;
     let of_row = |y: i16| goal.taps().iter().filter(move |tap| tap.y == y);
@@ -38,7 +38,7 @@ pub(super) fn factors(goal: &LinearForm, unit: i64) -> Option<[Factor; 2]> {
     if row.len() < 2 || column.len() < 2 || LinearForm::new(product) != *goal {
         return None;
     }
-    // The row is made as small as the input again, as far as the kernel is.
+    // The row is scaled to be as small as the input again, as far as the kernel is.
     let sum: i64 = row.iter().map(|(_, weight)| weight.abs()).sum();
     let share = unit.trailing_zeros().min(sum.ilog2());
     Some([

@@ -38,7 +38,8 @@ pub(super) struct Problem {
 pub(super) struct Limits {
     /// The lowest and highest input, LSB.
     pub(super) input: (f64, f64),
-    /// What is left of an odd number of halvings: they are done in pairs and one more.
+    /// What remains of an odd number of halvings, which are done in pairs and one more: whether the
+    /// input is negated.
     pub(super) odd: bool,
     pub(super) errors: StoreErrors,
 }
@@ -58,7 +59,7 @@ impl Limits {
                 continue;
             }
             let scale = fine(unit) * 2f64.powi(bits);
-            // An odd number of halvings leaves minus the input, for which a plan of its own is
+            // An odd number of halvings leaves the negated input, for which a plan of its own is
             // made.
             let (low, high) = if self.odd || bits % 2 == 0 {
                 (low, high)
@@ -67,11 +68,11 @@ impl Limits {
             };
             let fits = |(form, dark): (&LinearForm, f64)| {
                 let (low, high) = form.bounds(low, high);
-                // With the errors and without them: neither may be what saves the other.
+                // Both with the errors and without: neither may be what prevents saturation.
                 low / scale + dark.min(0.0) >= -128.0 && high / scale + dark.max(0.0) <= 127.0
             };
             let darks = plan.dark(dark, self.errors);
-            // Minus the input may be stored on the way.
+            // The negated input may be stored on the way.
             let halved = bits == 0 || largest <= 127.0;
             if halved && trace.stored.iter().zip(darks).all(fits) {
                 return Some(bits as u32);
@@ -81,7 +82,7 @@ impl Limits {
     }
 }
 
-/// The input in the units of a trace.
+/// The unit of a trace, in which every half of a plan is a whole number.
 pub(super) fn fine(unit: i64) -> f64 {
     unit as f64 * FINE as f64
 }
@@ -92,13 +93,13 @@ pub(super) struct Solved {
     pub(super) plan: Plan,
     pub(super) allocated: Allocated,
     pub(super) border: bool,
-    /// Some number of halvings of the input keeps it within the limits, errors of the chip
+    /// Whether with some number of halvings of the input nothing saturates, errors of the chip
     /// included.
     pub(super) holds: bool,
     pub(super) seen: u64,
 }
 
-/// Finer units in which every half of a plan is whole.
+/// How much finer the units of a trace are, so that every half of a plan is a whole number.
 pub(super) const FINE: i64 = 1 << 20;
 
 impl Problem {
@@ -129,7 +130,7 @@ impl Problem {
         best.map(|best| Solved { seen, ..best })
     }
 
-    /// Several searches of one width, side by side.
+    /// Several searches of one beam width, in parallel.
     fn round(
         &self,
         round: u64,
@@ -184,7 +185,7 @@ impl Problem {
         (seen, solved)
     }
 
-    /// The row, then the column.
+    /// Searches for a separable kernel: the row's filter, then the column's.
     fn factored(
         &self,
         parts: [Factor; 2],
@@ -214,7 +215,8 @@ impl Problem {
         (a + b, plan)
     }
 
-    /// One goal after the other, the input kept for the next; that over the input last.
+    /// Searches for one goal after the other; the input is kept for the next, and the goal that
+    /// replaces the input comes last.
     fn in_turn(&self, heuristics: &[Heuristic], left: u64) -> (u64, Option<Plan>) {
         let order = self.order();
         let tasks: Vec<(Task, usize)> = order
@@ -291,7 +293,7 @@ impl Problem {
         whole
     }
 
-    /// The plan to beat: one that needs no search for each goal.
+    /// The plan to beat: without any search, one goal after the other.
     fn base(&self) -> Option<Solved> {
         let mut parts = Vec::new();
         for (done, goal) in self.order().into_iter().enumerate() {
@@ -305,14 +307,14 @@ impl Problem {
         self.finish(self.joined(parts))
     }
 
-    /// Whether nothing saturates, if the input is halved often enough.
+    /// Whether nothing saturates for some number of halvings.
     fn holds(&self, plan: &Plan, trace: &Trace, unit: i64) -> bool {
         let halvings = |limits: Limits| limits.halvings(plan, trace, unit);
         self.limits.is_none_or(|limits| halvings(limits).is_some())
     }
 
     /// The shortest of the plans that need no search and fit into `registers`; one within the
-    /// limits, if there is any.
+    /// limits is preferred.
     fn plain(
         &self,
         kind: fn(&LinearForm, i64) -> Vec<Plan>,
@@ -339,7 +341,8 @@ impl Problem {
         least(plans, unit)
     }
 
-    /// A plan with registers, if it is one; it is checked here once more.
+    /// Allocates registers; `None` where there are too few. The plan is verified once more by its
+    /// trace.
     fn finish(&self, plan: Plan) -> Option<Solved> {
         let trace = plan.trace(self.unit.checked_mul(FINE)?)?;
         for (goal, value) in self.goals.iter().zip(&plan.goals) {
@@ -371,10 +374,10 @@ fn better(new: &Solved, old: Option<&Solved>, border: bool) -> bool {
     key(new) < key(old)
 }
 
-/// Rounds that look at the factors too: lines are soon searched through.
+/// Rounds in which separable kernels are also searched by their factors, which is quick.
 const FACTORED: u64 = 4;
 
-/// Searches side by side.
+/// Searches in parallel, each with a heuristic of its own.
 const SEARCHES: u64 = 4;
 
 /// Heuristic number `i` of a seed: random weights.

@@ -1,10 +1,11 @@
-//! Plans that always exist: the accumulator walks over the kernel to the pixel and takes the
-//! input in on its way, digit by digit of the weights.
+//! Walks, plans that always exist: a running sum is moved over the places of the kernel to the
+//! pixel, and the input is added on the way, digit by digit of the weights.
 //!
-//! One word stores into NEWS, the next one from NEWS: each can move the sum by one pixel, and
-//! where one ends at a place and the next begins there, each can add what is held besides, one
-//! with this sign, the other with that. Held are the input and its halves, a word each, so that
-//! a visit takes in all digits of a weight; digits below those that are held come first, on a
+//! One word stores the sum into a NEWS cell, the next one reads it from there: each can move the
+//! sum by one pixel. Where one move ends and the next begins, each of the two words can add held
+//! multiples of the input, one with a positive sign, the other with a negative one. The input and
+//! its halves are held, at a word each, so that one visit adds all digits of a weight. Digits below
+//! those that are held are added first, on a walk of their own, and are halved with the sum.
 //! walk of their own, and are halved with the sum.
 
 use super::{
@@ -20,7 +21,7 @@ use crate::isa::Direction;
 /// Registers that the narrowest walk needs, the input's included.
 pub(super) const FEWEST_REGISTERS: usize = 3;
 
-/// The most exponents that one walk takes in.
+/// The most exponents of digits that one walk adds.
 pub(super) const MOST_EXPONENTS: usize = 6;
 
 /// Plans for one goal that differ in words and in registers.
@@ -41,7 +42,7 @@ pub(super) fn walks(goal: &LinearForm, unit: i64) -> Vec<Plan> {
     plans
 }
 
-/// A walk that takes in so many exponents at a time and begins with this sign.
+/// A walk that adds `held` exponents at a time and begins with the given sign.
 fn walk(goal: &LinearForm, unit: i64, held: usize, builder: PlanBuilder, negative: bool) -> Plan {
     let Some((groups, last)) = groups(goal, held) else {
         return PlanBuilder::new(false, false).zero();
@@ -73,16 +74,16 @@ enum At {
 
 struct Walk {
     builder: PlanBuilder,
-    /// Where the sum is held.
+    /// The register or NEWS cell in which the sum is.
     place: At,
-    /// Whether it is minus what it stands for.
+    /// Whether the negated sum is held.
     negative: bool,
-    /// The place of the kernel to which a digit added now belongs.
+    /// The place of the kernel to which a digit belongs if it is added now.
     cursor: Place,
 }
 
 impl Walk {
-    /// The way to a place, as what is seen from there; the cursor moves.
+    /// The direction of a first step to a place, as seen from there; moves the cursor.
     fn towards(&mut self, to: Place) -> Option<Direction> {
         let (dy, dx) = (self.cursor.0 - to.0, self.cursor.1 - to.1);
         let direction = match (dy, dx) {
@@ -97,7 +98,7 @@ impl Walk {
         Some(direction)
     }
 
-    /// Takes the input in at each place.
+    /// Visits all places and adds their digits.
     fn visit(&mut self, visits: &Visits) {
         for (i, (place, digits)) in visits.iter().enumerate() {
             if matches!(self.place, At::Nowhere) {
@@ -155,7 +156,7 @@ impl Walk {
         self.stored(At::Register(sum));
     }
 
-    /// Brings the sum to the pixel itself, and into a register.
+    /// Moves the sum to the pixel itself, and into a register.
     fn home(&mut self) -> Sum {
         loop {
             match self.place {
@@ -177,7 +178,7 @@ impl Walk {
         }
     }
 
-    /// Halves the sum so often, if there is one.
+    /// Halves the running sum, if there is one.
     fn halve(&mut self, times: usize) {
         if matches!(self.place, At::News) {
             self.read(None, vec![]);

@@ -60,7 +60,7 @@ pub struct Lines {
 impl Lines {
     /// The lines of a text.
     #[must_use]
-    pub fn of(text: &str) -> Self {
+    pub fn new(text: &str) -> Self {
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         Self {
             starts: ends.map(|(at, _)| at + 1).collect(),
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!(line_column(text, 3), (2, 1));
         assert_eq!(line_column(text, 5), (2, 2), "µ has two bytes");
         assert_eq!(line_column(text, 999), (2, 7), "past the end is the end");
-        let lines = Lines::of(text);
+        let lines = Lines::new(text);
         assert!((0..9).all(|byte| lines.line(byte) == line_column(text, byte).0));
     }
 }

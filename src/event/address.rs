@@ -24,7 +24,7 @@ impl AddressWord {
     /// The word of a sensor: each field as wide as its count of values asks, so none for a
     /// single row, column or kind.
     #[must_use]
-    pub fn of(size: Size, channels: u8) -> Self {
+    pub fn new(size: Size, channels: u8) -> Self {
         Self {
             x: width(size.width),
             y: width(size.height),
@@ -43,7 +43,7 @@ impl AddressWord {
 /// Bits of all events of a packet, each sent as one fixed word. What was dropped was not sent.
 #[must_use]
 pub fn bits(packet: &Packet) -> u64 {
-    let word = AddressWord::of(packet.size, packet.channels);
+    let word = AddressWord::new(packet.size, packet.channels);
     packet.events.len() as u64 * u64::from(word.bits())
 }
 
@@ -70,9 +70,9 @@ mod tests {
 
     #[test]
     fn known_sensors() {
-        assert_eq!(AddressWord::of(Size::new(256, 256), 1).bits(), 17);
-        assert_eq!(AddressWord::of(Size::new(260, 346), 1).bits(), 19);
-        assert_eq!(AddressWord::of(Size::new(256, 256), 4).bits(), 19);
-        assert_eq!(AddressWord::of(Size::new(1, 1), 1).bits(), 1);
+        assert_eq!(AddressWord::new(Size::new(256, 256), 1).bits(), 17);
+        assert_eq!(AddressWord::new(Size::new(260, 346), 1).bits(), 19);
+        assert_eq!(AddressWord::new(Size::new(256, 256), 4).bits(), 19);
+        assert_eq!(AddressWord::new(Size::new(1, 1), 1).bits(), 1);
     }
 }

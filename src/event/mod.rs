@@ -1,4 +1,4 @@
-//! Events and packets: all that a sensor says, and all that is compared.
+//! Events and packets: what sensors give, and what is compared.
 
 pub mod address;
 pub mod codec;
@@ -41,13 +41,13 @@ impl Polarity {
 /// One address-event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Event {
-    /// When.
+    /// Time, in whole microseconds.
     pub t: Micros,
-    /// Column, image coordinates.
+    /// Column, in image coordinates: from 0 on the left.
     pub x: u16,
-    /// Row, image coordinates.
+    /// Row, in image coordinates: from 0 at the top.
     pub y: u16,
-    /// Sign.
+    /// ON for a rise, OFF for a fall.
     pub polarity: Polarity,
     /// Which kind of ganglion cell, from 0.
     pub channel: u8,
@@ -98,25 +98,25 @@ impl ops::AddAssign for Dropped {
     }
 }
 
-/// What one sensor said over one scene.
+/// A packet: all events of one sensor over one scene.
 ///
 /// Events are ordered by time, ties in readout order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packet {
     /// Size of the sensor.
     pub size: Size,
-    /// Number of kinds of cells per pixel.
+    /// Number of kinds of cells in each pixel.
     pub channels: u8,
-    /// The time watched: first and last frame.
+    /// The time span watched: times of the first and of the last frame.
     pub span: (Micros, Micros),
     /// The events.
     pub events: Vec<Event>,
-    /// What is missing, and why.
+    /// Events that were made and not delivered, by reason.
     pub dropped: Dropped,
 }
 
 impl Packet {
-    /// An empty packet of a sensor that has not seen anything yet.
+    /// An empty packet.
     #[must_use]
     pub const fn new(size: Size, channels: u8) -> Self {
         Self {
@@ -133,7 +133,7 @@ impl Packet {
         }
     }
 
-    /// Bytes of so many events in a packet.
+    /// Memory of `events` events in a packet, bytes.
     #[must_use]
     pub const fn bytes(events: u64) -> u128 {
         events as u128 * size_of::<Event>() as u128

@@ -1,4 +1,4 @@
-//! What the buses of a pixel can read and store in.
+//! Terminals of a pixel's buses: what they can read and where they can store.
 
 use super::direction::Direction;
 

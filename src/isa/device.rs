@@ -1,4 +1,4 @@
-//! A chip: its registers, its numbers, its instructions.
+//! A chip as data: its registers, figures and instructions.
 
 use std::sync::Arc;
 
@@ -38,11 +38,11 @@ pub struct Device {
     pub(super) primitives: Vec<PrimitiveRow>,
     pub(super) hosts: Vec<HostRow>,
     pub(super) macros: Vec<Macro>,
-    /// What it extends.
+    /// The chip that it extends.
     pub(super) base: Option<Arc<Device>>,
 }
 
-/// One thing that a statement can be.
+/// One meaning of a statement.
 #[derive(Clone, Copy, Debug)]
 pub enum Callable<'a> {
     /// An instruction word.
@@ -54,7 +54,7 @@ pub enum Callable<'a> {
 }
 
 impl<'a> Callable<'a> {
-    /// What it takes.
+    /// Its form: name and parameters.
     #[must_use]
     pub const fn signature(&self) -> &'a Signature {
         match self {
@@ -123,7 +123,7 @@ impl Device {
         Ok(self)
     }
 
-    /// What a word reads, writes and does to FLAG on this chip.
+    /// The operands of a word: what it reads, writes and does to FLAG on this chip.
     #[must_use]
     pub fn operands(&self, word: &Primitive) -> Operands {
         word.operands(self.registers.news, self.registers.roles)
@@ -160,7 +160,7 @@ impl Device {
         &self.hosts[kind as usize]
     }
 
-    /// Instruction words of a primitive.
+    /// Instruction words that a primitive takes.
     #[must_use]
     pub fn words(&self, primitive: &Primitive) -> u64 {
         self.row(primitive.kind()).words
@@ -195,7 +195,7 @@ impl Device {
             .chain(hosts)
     }
 
-    /// How much of what is known about the chip is a guess: the figures of this evidence.
+    /// The figures about the chip whose evidence is `evidence`.
     pub fn figures_of(&self, evidence: Evidence) -> impl Iterator<Item = Figure> {
         Figure::ALL
             .iter()

@@ -1,4 +1,4 @@
-//! Numbers about the silicon, each with its unit, its source and how well it is known.
+//! Figures: numbers about the silicon, each with its unit, its source and how well it is known.
 
 use serde::Serialize;
 
@@ -16,16 +16,16 @@ pub struct Quantity {
     pub value: f64,
     /// Its unit.
     pub unit: String,
-    /// Who says so.
+    /// The publication or reasoning that it comes from.
     pub source: String,
     /// How well it is known.
     pub evidence: Evidence,
-    /// What else is to be said about it.
+    /// A remark about it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
 
-/// What values make sense.
+/// The set of values that a figure can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// Any finite number.
@@ -36,9 +36,9 @@ pub enum Domain {
     Positive,
     /// A whole number, at least one.
     Count,
-    /// A side of the array.
+    /// A side of the array, in pixels.
     Side,
-    /// Words of the kernel store.
+    /// A number of words of the kernel store.
     Words,
     /// A whole number from 2 to 256.
     Codes,
@@ -103,7 +103,7 @@ impl Domain {
         format!("{expected}{limit}")
     }
 
-    /// In words.
+    /// The set in words.
     #[must_use]
     pub const fn expected(self) -> &'static str {
         match self {
@@ -151,7 +151,7 @@ macro_rules! figures {
                 match self { $(Self::$name => concat!($($doc),*),)* }
             }
 
-            /// The unit in which it is stated.
+            /// The unit in which it is stated in `device.toml`.
             #[must_use]
             pub const fn unit(self) -> &'static str {
                 match self { $(Self::$name => $unit,)* }
@@ -208,36 +208,36 @@ figures! {
     Edge = "edge"."analogue", "LSB", Any;
     /// FLAG off the array.
     EdgeFlag = "edge"."flag", "bit", NotNegative;
-    /// Error of one store; two stores cancel it.
+    /// Transfer error of one store; two stores cancel it.
     TransferError = "error"."transfer", "LSB", Any;
-    /// An analogue register that nothing was put on.
+    /// Level of an analogue register on which nothing was stored.
     ResetLevel = "error"."reset_level", "LSB", Any;
-    /// Part of the signal that one store loses.
+    /// Relative loss of the signal in one store.
     StoreLoss = "error"."loss", "1", Part;
-    /// What a bus that splits adds to the error of its stores.
+    /// Additional error of a store when the bus splits between several targets.
     DivisionError = "error"."division", "LSB", Any;
-    /// Spread over the cells of the gain of a store.
+    /// Standard deviation over the cells of the relative gain of a store.
     GainMismatch = "error"."gain_mismatch", "1", Part;
-    /// Spread over the cells of the error of a store.
+    /// Standard deviation over the cells of the error of a store.
     OffsetMismatch = "error"."offset_mismatch", "LSB", NotNegative;
-    /// Correlation over the cells of the two.
+    /// Correlation over the cells between the two.
     MismatchCorrelation = "error"."mismatch_correlation", "1", Correlation;
-    /// Spread over the pixels of how unevenly a bus splits.
+    /// Standard deviation over the pixels of a split bus's imbalance.
     DivisionMismatch = "error"."division_mismatch", "1", Part;
-    /// Noise of one store.
+    /// Temporal noise of one store, standard deviation.
     StoreNoise = "error"."noise", "LSB", NotNegative;
-    /// How far beyond the ADC's scale a register saturates.
+    /// How far beyond the ADC's range a register saturates.
     Headroom = "error"."headroom", "LSB", NotNegative;
-    /// How fast an analogue register decays to its reset level.
+    /// Decay of an analogue register towards its reset level.
     AnalogueDecay = "error"."analogue_decay", "LSB/s", NotNegative;
-    /// How long a one-bit register holds without being written.
+    /// Retention of a one-bit register: how long it holds without being written.
     Retention = "error"."retention", "s", Positive;
-    /// Spread over the cells of how much longer they hold, as a part of that.
+    /// Standard deviation over the cells of a longer retention, relative to it.
     RetentionSpread = "error"."retention_spread", "1", NotNegative;
     /// One link of the diffusion network against the pixel's own cell: one part in so many of
     /// the difference flows in one `blur`.
     DiffusionParts = "diffusion"."parts", "1", Links;
-    /// What the squarer makes of 1 LSB squared.
+    /// Result of the squarer for a sum of 1 LSB.
     SquareGain = "squarer"."gain", "1/LSB", Any;
     /// How far a bit travels in one propagation, in pixels.
     Travel = "propagation"."travel", "px", Count;

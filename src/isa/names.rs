@@ -1,4 +1,4 @@
-//! What registers, neighbours and lines are called on a chip.
+//! Names on a chip: registers, neighbours, lines.
 
 use super::{
     Analog, Bit, Device, Digital, Direction, Registers, Source, Target, Value,

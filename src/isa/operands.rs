@@ -1,4 +1,5 @@
-//! What an instruction word reads, what it writes, what it does to FLAG: said once.
+//! Operands: what an instruction word reads and writes, and what it does to FLAG. This is the only
+//! place that says so.
 //!
 //! Liveness, halos, basic blocks, the rules of expansion and the checks of programs are folds
 //! over [`Primitive::operands`]. What a word computes is in `array/semantics.rs`.
@@ -31,16 +32,16 @@ pub enum Terminal {
     Select,
 }
 
-/// What a word does with a terminal.
+/// How a word uses a terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Computes with it.
+    /// As an operand of the computation.
     Read,
-    /// Lets it decide what is connected.
+    /// As a switch that decides what is connected.
     Gate,
-    /// Lets it decide in which pixels the result is stored.
+    /// As a mask that decides in which pixels the result is stored.
     Mask,
-    /// Stores in it.
+    /// As a destination.
     Write,
 }
 
@@ -92,7 +93,7 @@ impl Access {
     }
 }
 
-/// What a word does to FLAG.
+/// The effect of a word on FLAG.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlagEffect {
     /// Leaves it as it is.
@@ -103,7 +104,7 @@ pub enum FlagEffect {
     May,
 }
 
-/// Which part of the pixel does a word.
+/// The functional unit of the pixel that executes a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// None that a program can see: waiting, or making a network ready.
@@ -124,7 +125,7 @@ pub enum Unit {
     Propagation,
 }
 
-/// All that must be known of a word to order, mask, tile or drop it.
+/// The operands of a word: all that must be known to reorder, mask, tile or drop it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Operands {
     /// Its connections: writes first.
@@ -186,7 +187,7 @@ impl Operands {
         self.and(Mode::Read, terminal, offset)
     }
 
-    /// One-bit registers that it stores in: one of them has a mask.
+    /// Adds one-bit destinations; `propagated` has a mask of its own.
     fn targets(self, targets: &[Digital], roles: Roles) -> Self {
         targets.iter().fold(self, |operands, target| {
             let operands = operands.own(Mode::Write, Cell::Digital(*target));
@@ -198,7 +199,7 @@ impl Operands {
         })
     }
 
-    /// Its stores are masked by FLAG.
+    /// Masks its stores by FLAG.
     fn masked(self) -> Self {
         self.own(Mode::Mask, Cell::Flag)
     }
@@ -208,12 +209,12 @@ impl Operands {
         Self { flag, ..self }.own(Mode::Write, Cell::Flag)
     }
 
-    /// What it computes with.
+    /// Its operands in the computation.
     pub fn reads(&self) -> impl Iterator<Item = &Access> {
         self.accesses.iter().filter(|a| a.mode == Mode::Read)
     }
 
-    /// What it stores in.
+    /// Its destinations.
     pub fn writes(&self) -> impl Iterator<Item = &Access> {
         self.accesses.iter().filter(|a| a.mode == Mode::Write)
     }
@@ -229,16 +230,16 @@ impl Operands {
         self.writes().filter_map(Access::cell)
     }
 
-    /// Whether what it stores in replaces what was there in all pixels: no mask lets some keep
-    /// theirs. `whole`: FLAG is 1 in all pixels.
+    /// Whether its stores replace the old content in all pixels, so that the old content is dead:
+    /// no mask keeps any. `whole`: FLAG is 1 in all pixels.
     #[must_use]
     pub fn replaces(&self, whole: bool) -> bool {
         let mut masks = self.accesses.iter().filter(|a| a.mode == Mode::Mask);
         masks.all(|mask| whole && mask.cell() == Some(Cell::Flag))
     }
 
-    /// The halo: how many rows, and how many columns, away from a cell that it writes lies what
-    /// it reads. `usize::MAX` where there is no bound.
+    /// The halo: how far, in rows and in columns, the cells that it reads lie from those that it
+    /// writes. `usize::MAX` where there is no bound.
     #[must_use]
     pub fn halo(&self) -> [usize; 2] {
         if self.unit == Unit::Propagation {
@@ -254,9 +255,9 @@ impl Operands {
         halo
     }
 
-    /// The register that it reads in one pixel after it may have written it for another: it must
-    /// read a copy, made before. An analogue register is never both on one bus but by way of
-    /// NEWS; propagation looks after its own.
+    /// The register that must be copied before the word: it is read in one pixel after it may have
+    /// been written for another. On an analogue bus only NEWS can be both; propagation makes its
+    /// own copy.
     #[must_use]
     pub fn copied(&self) -> Option<Cell> {
         if self.unit == Unit::Propagation {
@@ -272,8 +273,8 @@ impl Operands {
         written.find(reads_again)
     }
 
-    /// What is twice on its analogue bus, which would be one connection. The squarer's result is
-    /// not on the bus that it reads.
+    /// A terminal that is twice on its analogue bus, which would be one connection. The squarer's
+    /// result is not on the bus that it reads.
     #[must_use]
     pub fn twice(&self) -> Option<Access> {
         let connected = |a: &&Access| match a.mode {

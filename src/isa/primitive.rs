@@ -1,4 +1,4 @@
-//! What one instruction word does: the primitives of the array.
+//! Primitives: what one instruction word does.
 
 use super::connection::{Analog, Bit, Digital, Source, Target};
 
@@ -12,9 +12,10 @@ pub enum Primitive {
     ResetPix,
     /// `each target := -(sum of sources) / (number of targets) + error`, where FLAG is 1.
     Bus {
-        /// One to three (more on a generic bus).
+        /// One to three destinations (more on a generic bus).
         targets: Vec<Target>,
-        /// None to four (more on a generic bus), pairwise distinct, distinct from the targets.
+        /// Up to four sources (more on a generic bus), pairwise distinct, distinct from the
+        /// targets.
         sources: Vec<Source>,
     },
     /// NEWS := square of the sum of the sources.
@@ -33,9 +34,9 @@ pub enum Primitive {
     BlurSet,
     /// `target := -(diffused source) + error`.
     Blur {
-        /// Where the result goes.
+        /// Destination.
         target: Analog,
-        /// What is diffused.
+        /// Source, which is diffused.
         source: Analog,
         /// Along rows (needs R2).
         horizontal: bool,
@@ -61,7 +62,7 @@ pub enum Primitive {
     },
     /// `target := NOR of sources` (`NOT` is the case of one source).
     Nor {
-        /// Where the result goes.
+        /// Destination.
         target: Digital,
         /// One to four.
         sources: Vec<Bit>,
@@ -76,16 +77,16 @@ pub enum Primitive {
     Dnews {
         /// Where the result goes.
         target: Digital,
-        /// What is read at the neighbours.
+        /// Source, which is read at the neighbours.
         source: Bit,
-        /// What lies off the array.
+        /// Value of the source off the array.
         boundary: bool,
     },
     /// Make R12 ready to propagate.
     PropRead,
     /// R12 spreads through enabled neighbours where R0 is 1, for one clock.
     Prop {
-        /// What lies off the array.
+        /// Value of R12 off the array.
         boundary: bool,
     },
 }

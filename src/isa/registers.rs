@@ -1,4 +1,4 @@
-//! The registers of a pixel, and what the hardware uses some of them for.
+//! The registers of a pixel, and the roles that some of them have in the hardware.
 
 use super::{
     connection::{Analog, Digital},
@@ -16,7 +16,7 @@ pub struct Registers {
     pub digital: Vec<String>,
     /// Other names of one-bit registers.
     pub aliases: Vec<(String, Digital)>,
-    /// What the hardware uses some of them for.
+    /// The one-bit registers that have a role in the hardware.
     pub roles: Roles,
 }
 

@@ -18,16 +18,16 @@ use super::{
     text::{Cursor, Expression, Kind, Token},
 };
 
-/// What a statement does to a register that is its argument.
+/// How a statement uses a register argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// Reads it.
     In,
-    /// Gives the result in it.
+    /// Leaves the result in it.
     Out,
-    /// Reads it and gives the result in it.
+    /// Reads it and leaves the result in it.
     InOut,
-    /// Leaves something in it that is of no use.
+    /// Overwrites it as scratch.
     Trash,
 }
 
@@ -52,7 +52,7 @@ pub enum Operand {
     Number(f64, f64),
     /// A whole number, bounds included.
     Integer(f64, f64),
-    /// A name of the host.
+    /// A name that only the host knows, such as a buffer.
     Word,
     /// This number.
     Literal(f64),
@@ -174,7 +174,7 @@ impl Signature {
             .is_some_and(|parts| parts.len() == self.parameters.len())
     }
 
-    /// Gives each parameter its arguments.
+    /// Splits the arguments between the parameters; `None` where their number does not fit.
     fn split<'a>(&self, given: &'a [Given]) -> Option<Vec<&'a [Given]>> {
         let mut rest = given;
         let mut parts = Vec::new();
@@ -292,7 +292,7 @@ impl Operand {
     }
 }
 
-/// As many arguments as a statement has.
+/// Stands for "any number" of arguments.
 const OPEN: f64 = 1e6;
 
 impl Parameter {

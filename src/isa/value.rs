@@ -1,4 +1,4 @@
-//! What an argument is, once its name is looked up.
+//! The value of an argument, once its name is looked up.
 
 use super::{Analog, Bit, Digital, Direction, Source};
 

@@ -120,7 +120,7 @@ impl KernelFileError {
 }
 
 impl Kernel {
-    /// Reads a kernel file's text; `name` is told in messages.
+    /// Reads a kernel file's text; `name` is for messages.
     ///
     /// # Errors
     /// When the text is not a kernel file, or what it says is not a kernel.

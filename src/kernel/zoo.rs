@@ -1,4 +1,4 @@
-//! The built-in kernels: the files of `kernels/`, shipped inside the program.
+//! The built-in kernels: the files of `kernels/`, compiled into the program.
 
 use super::Kernel;
 

@@ -1,5 +1,5 @@
-//! What a sheet costs in silicon: constants, noise, power, area, drift. All of it is modelled
-//! (textbook equations over the numbers that are given), nothing is measured.
+//! What a resistive grid costs in silicon: constants, noise, power, area, drift with temperature.
+//! All of it is modelled (textbook equations over the numbers that are given), nothing is measured.
 //!
 //! | equation | source |
 //! |---|---|
@@ -15,7 +15,7 @@ pub const BOLTZMANN: f64 = 1.380_649e-23;
 /// The elementary charge, C (exact in the SI since 2019).
 pub const CHARGE: f64 = 1.602_176_634e-19;
 
-/// The parts of one pixel.
+/// The circuit of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Circuit {
     /// Lateral resistor, ohm.
@@ -30,14 +30,14 @@ pub struct Circuit {
     pub kappa: f64,
 }
 
-/// A resistor layer.
+/// A layer of the process from which resistors are made.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Layer {
-    /// Ohm a square.
+    /// Sheet resistance, ohm per square.
     pub sheet: f64,
     /// Width of a resistor, micrometres.
     pub width: f64,
-    /// From one turn of a resistor to the next, micrometres.
+    /// Distance from one turn of a meandering resistor to the next, micrometres.
     pub pitch: f64,
 }
 
@@ -57,13 +57,13 @@ impl Circuit {
         1.0 / (self.lateral * self.transverse).sqrt()
     }
 
-    /// Time constant, seconds.
+    /// Time constant `C / g`, seconds.
     #[must_use]
     pub fn tau(self) -> f64 {
         self.capacitance / self.transverse
     }
 
-    /// `kT/q`, volts.
+    /// Thermal voltage `kT/q`, volts.
     #[must_use]
     pub fn thermal_volts(self) -> f64 {
         BOLTZMANN * self.kelvin / CHARGE
@@ -75,13 +75,15 @@ impl Circuit {
         self.thermal_volts() / self.kappa
     }
 
-    /// Noise of a node, volts. Active followers make more.
+    /// Thermal noise of a node, `sqrt(kT/C)`, volts, standard deviation. Active followers make
+    /// more.
     #[must_use]
     pub fn noise_volts(self) -> f64 {
         (BOLTZMANN * self.kelvin / self.capacitance).sqrt()
     }
 
-    /// Noise of a node in e-folds of light: the `noise` of a mesh behind a logarithm.
+    /// The same noise in e-folds of light: the `noise` of a mesh behind a logarithmic
+    /// photoreceptor.
     #[must_use]
     pub fn noise_efolds(self) -> f64 {
         self.noise_volts() / self.volts_per_efold()
@@ -94,7 +96,7 @@ impl Circuit {
         supply * 2.0 * self.thermal_volts() * self.transverse / self.kappa
     }
 
-    /// What one lateral resistor turns into heat with `volts` across it, watts.
+    /// Power dissipated by one lateral resistor with `volts` across it, watts.
     #[must_use]
     pub fn lateral_watts(self, volts: f64) -> f64 {
         volts * volts / self.lateral

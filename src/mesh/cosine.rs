@@ -11,7 +11,7 @@
 use std::{fmt, sync::Arc};
 
 use multiversion::multiversion;
-use rustfft::{Fft, FftNum, FftPlanner, num_complex::Complex};
+use rustfft::{Fft, num_complex::Complex};
 
 use super::Float;
 use crate::elementary;
@@ -27,7 +27,7 @@ pub(super) struct Cosine<T: Float> {
     scratch: Vec<Complex<T>>,
 }
 
-/// Written by hand, as a plan of `rustfft` has no text.
+/// Written by hand, since a plan of `rustfft` has no `Debug`.
 impl<T: Float> fmt::Debug for Cosine<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Cosine of {}", self.row.len())
@@ -57,7 +57,8 @@ impl<T: Float> Cosine<T> {
         }
     }
 
-    /// The modes of two rows, in place; `off` is taken off each row first.
+    /// The modes (DCT-II coefficients) of two rows, in place; `off` is subtracted from each value
+    /// first.
     pub(super) fn forward(&mut self, a: &mut [T], b: &mut [T], off: T) {
         gather(a, b, off, &mut self.row);
         self.forward
@@ -65,7 +66,7 @@ impl<T: Float> Cosine<T> {
         part(&self.row, &self.twiddles, a, b);
     }
 
-    /// Two rows from their modes, in place.
+    /// Two rows from their modes, in place: the inverse transform.
     pub(super) fn inverse(&mut self, a: &mut [T], b: &mut [T]) {
         let scale = T::nearest(1.0 / self.row.len() as f64);
         join(a, b, &self.twiddles, scale, &mut self.row);
@@ -75,16 +76,8 @@ impl<T: Float> Cosine<T> {
     }
 }
 
-/// The Fourier transform of so many numbers, and its inverse.
-pub(super) fn transforms<T: FftNum>(length: usize) -> [Arc<dyn Fft<T>>; 2] {
-    let mut planner = FftPlanner::new();
-    [
-        planner.plan_fft_forward(length),
-        planner.plan_fft_inverse(length),
-    ]
-}
-
-/// Two rows as one: even columns from the left, odd ones from the right.
+/// Two real rows as one complex row in Makhoul's order: even columns from the left, odd ones from
+/// the right.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn gather<T: Float>(a: &[T], b: &[T], off: T, row: &mut [Complex<T>]) {
     let length = a.len();
@@ -101,7 +94,7 @@ fn gather<T: Float>(a: &[T], b: &[T], off: T, row: &mut [Complex<T>]) {
     }
 }
 
-/// The other way round.
+/// The inverse of [`gather`]: two real rows from a complex row.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn scatter<T: Float>(row: &[Complex<T>], a: &mut [T], b: &mut [T]) {
     let length = a.len();
@@ -118,8 +111,8 @@ fn scatter<T: Float>(row: &[Complex<T>], a: &mut [T], b: &mut [T]) {
     }
 }
 
-/// The modes of two rows from the spectrum of both: those of `a` are in its part that is its
-/// own mirror image, those of `b` in the other.
+/// The modes of two rows from the spectrum of the complex row: those of `a` (the real part) are in
+/// its Hermitian-symmetric half, those of `b` in the antisymmetric one.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn part<T: Float>(row: &[Complex<T>], twiddles: &[Complex<T>], a: &mut [T], b: &mut [T]) {
     let length = a.len();
@@ -161,7 +154,7 @@ fn part<T: Float>(row: &[Complex<T>], twiddles: &[Complex<T>], a: &mut [T], b: &
     }
 }
 
-/// The spectrum of both rows from the modes of each.
+/// The inverse of [`part`]: the spectrum of the complex row from the modes of both rows.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn join<T: Float>(a: &[T], b: &[T], twiddles: &[Complex<T>], scale: T, row: &mut [Complex<T>]) {
     let length = a.len();

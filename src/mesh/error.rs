@@ -1,8 +1,8 @@
-//! Reason a sheet cannot be solved.
+//! Errors of the resistive grid.
 
 use crate::plane::Size;
 
-/// Reason a sheet cannot be solved.
+/// Why a resistive grid cannot be solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum MeshError {
     /// A space constant that is not a number, negative or too large.

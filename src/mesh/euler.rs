@@ -1,4 +1,5 @@
-//! v2e's way: explicit Euler. Only to agree with it; [`Flow`](super::Flow) is exact.
+//! The surround by explicit Euler steps, as v2e computes it. It exists only to agree with v2e;
+//! [`Flow`](super::Flow) is exact.
 //!
 //! Read from the behaviour of v2e 1.5.1 (`EventEmulator`, `cs_lambda_pixels`, `cs_tau_p_ms`):
 //! a frame is stepped `ceil(5 dt / min(τ, τ/λ²))` times towards the later frame,
@@ -15,7 +16,7 @@
 use super::{MeshError, Sheet, signal::checked_range};
 use crate::plane::{Plane, Size};
 
-/// A sheet that is stepped as v2e does it.
+/// A resistive grid that is stepped as v2e does it.
 #[derive(Clone, Debug)]
 pub struct Euler {
     lambda: f64,
@@ -24,17 +25,17 @@ pub struct Euler {
     steps: u64,
 }
 
-/// Steps in the shorter time constant.
+/// Steps in the shorter of the two time constants.
 const STEPS: f64 = 5.0;
 /// What stands for a time constant of 0, in seconds.
 const INSTANT: f64 = 1e-9;
-/// A step that moves no pixel by more is the last.
+/// A frame's stepping ends early once no pixel moves by more than this in a step.
 const STILL: f64 = 1e-5;
 /// Steps of one frame at most: beyond, a frame takes minutes.
-const MOST: u64 = 1_000_000;
+const MAX_STEPS: u64 = 1_000_000;
 
 impl Euler {
-    /// A sheet that starts as the first frame, with time constant `tau` in seconds.
+    /// Starts with the first frame as its surround; `tau` is the time constant in seconds.
     ///
     /// # Errors
     /// When `tau` is not a time, the space constants differ (v2e knows one), or a pixel is no
@@ -59,19 +60,19 @@ impl Euler {
         })
     }
 
-    /// The surround.
+    /// The surround `H`, `[y, x]`, in the signal's unit.
     #[must_use]
     pub const fn surround(&self) -> &Plane<f64> {
         &self.surround
     }
 
-    /// Euler steps so far.
+    /// Euler steps taken so far.
     #[must_use]
     pub const fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Moves on by `seconds` with `signal`.
+    /// Advances by `seconds` with `signal` as input.
     ///
     /// # Errors
     /// When the time is none, the signal has another size or a pixel that is no number, or the
@@ -100,15 +101,21 @@ impl Euler {
             return Ok(());
         }
         if steps.is_infinite() {
-            return Err(MeshError::Steps { what, most: MOST });
+            return Err(MeshError::Steps {
+                what,
+                most: MAX_STEPS,
+            });
         }
         let (own, side) = (seconds / steps / tau, seconds / steps / lateral);
         let (mut before, mut now) = (self.surround.clone(), self.surround.clone());
         let mut done = 0u64;
         let mut moved = 2.0 * STILL;
         while (done as f64) < steps && moved > STILL {
-            if done == MOST {
-                return Err(MeshError::Steps { what, most: MOST });
+            if done == MAX_STEPS {
+                return Err(MeshError::Steps {
+                    what,
+                    most: MAX_STEPS,
+                });
             }
             std::mem::swap(&mut before, &mut now);
             moved = step(&before, signal, own, side, &mut now);
@@ -120,7 +127,7 @@ impl Euler {
     }
 }
 
-/// One step; how far the pixel went that went furthest.
+/// Takes one step; returns the largest change of a pixel.
 fn step(
     before: &Plane<f64>,
     signal: &Plane<f64>,

@@ -1,10 +1,10 @@
-//! Which receptive fields a sheet can carry.
+//! Which receptive fields a resistive grid can carry.
 //!
-//! A sensor of resistors computes `c δ + sum a_i H(λ_i)`: the pixel itself, and the surrounds
-//! of some sheets with gains of either sign. Every surround is its own mirror image (a network of
-//! resistors is reciprocal, so a shift by `d` weighs what a shift by `-d` does), and that of equal
-//! resistors looks the same from all four sides, on the diagonals too. What a kernel has besides
-//! cannot be reached at any price:
+//! A sensor of resistors computes `c δ + sum a_i H(λ_i)`: the pixel itself, and the surrounds of
+//! some sheets with gains of either sign. Every surround is point-symmetric (a network of resistors
+//! is reciprocal, so a shift by `d` weighs what a shift by `-d` does). With equal resistors it also
+//! has the eight symmetries of the square. Parts of a kernel without these symmetries cannot be
+//! reached at any gain:
 //!
 //! | part of the kernel | reached by |
 //! |---|---|
@@ -13,9 +13,9 @@
 //! | not the same under the eight turns and mirrors | no sheet of equal resistors |
 //!
 //! The rest is fitted over the whole plane, in the frequency domain, where a surround is
-//! `1 / (1 + λ² μ)`: for given space constants the gains are linear least squares, held down by a
-//! ridge (for a Laplacian they would grow without bound); space constants come from a grid and
-//! are then refined. Nothing is drawn by chance.
+//! `1 / (1 + λ² μ)`. For given space constants the gains are linear least squares with a ridge
+//! (Tikhonov) penalty, without which those of a Laplacian would grow without bound. Space constants
+//! come from a grid search and are then refined by coordinate descent. Nothing is random.
 
 use std::f64::consts::PI;
 
@@ -25,59 +25,61 @@ use crate::{elementary, kernel::Kernel, plane::Plane};
 /// How a kernel is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Fitting {
-    /// Sheets, 1 to 3.
+    /// Number of sheets, 1 to 3.
     pub sheets: usize,
-    /// Whether resistors down and across may differ.
+    /// Whether vertical and horizontal resistors may differ.
     pub anisotropic: bool,
-    /// What is added to the squared relative error for each squared gain, of a kernel whose
-    /// squares sum to 1.
+    /// Weight of the ridge: what a squared gain adds to the squared relative error, for a kernel
+    /// whose squares sum to 1.
     pub ridge: f64,
 }
 
-/// A kernel as sheets would have it.
+/// A kernel as the nearest sum of surrounds. Errors are norms (root of the sum of squares) relative
+/// to the kernel's.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Fit {
-    /// The odd part over the kernel, in root mean square; no resistors have it.
+    /// Norm of the odd part, relative to the kernel; no resistors can carry it.
     pub odd: f64,
-    /// The part that mirrors change; no sheet has it.
+    /// Norm of the part without mirror symmetry; no sheet can carry it.
     pub mirrored: f64,
-    /// The part that turns and mirrors change; no sheet of equal resistors has it.
+    /// Norm of the part without the square's eight symmetries; no sheet of equal resistors can
+    /// carry it.
     pub turned: f64,
-    /// Gain of the pixel itself.
+    /// Gain of the pixel itself, `c`.
     pub centre: f64,
     /// The sheets.
     pub sheets: Vec<FittedSheet>,
-    /// The answer to uniform light, the sum of all gains; the kernel's own is its sum.
+    /// The response to uniform light, which is the sum of all gains; that of the kernel is its sum.
     pub uniform: f64,
-    /// What is not reached, over the kernel, on the whole plane.
+    /// Norm of kernel less fit, relative to the kernel, over the whole plane.
     pub error: f64,
-    /// The sum of all gains in size over the root of the kernel's sum of squares: what noise and
-    /// offsets of the parts are multiplied by.
+    /// Sum of the gains' magnitudes, relative to the kernel's norm: the factor by which noise and
+    /// offsets of the parts are multiplied.
     pub gain: f64,
-    /// What of the fitted field lies outside the kernel's window, over the field.
+    /// Norm of the fitted field outside the kernel's window, relative to the field.
     pub tail: f64,
 }
 
 /// One sheet of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct FittedSheet {
-    /// What its surround is multiplied by.
+    /// Gain by which its surround is multiplied, `a_i`.
     pub gain: f64,
-    /// Space constant down, pixels.
+    /// Vertical space constant, pixels.
     pub lambda_y: f64,
-    /// Space constant across, pixels.
+    /// Horizontal space constant, pixels.
     pub lambda_x: f64,
 }
 
-/// Frequencies each way, from 0 to half a cycle a pixel. The plane is as good as infinite for
-/// space constants well below this.
+/// Frequencies in each direction, from 0 to half a cycle a pixel. The plane is as good as infinite
+/// for space constants well below this.
 const GRID: usize = 96;
-/// Space constants that are tried, in pixels: the least, the most, how many.
+/// Grid of space constants in pixels: the smallest, the largest, how many.
 const LAMBDAS: (f64, f64, usize) = (0.05, 24.0, 40);
 /// Sheets at most.
 const MOST_SHEETS: usize = 3;
 
-/// Fits a kernel.
+/// Fits a kernel by a pixel and the surrounds of sheets.
 ///
 /// # Errors
 /// When the kernel is 0 everywhere, or is to be fitted by no sheet or by more than three.
@@ -124,7 +126,7 @@ pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
     })
 }
 
-/// The kernel in a square window.
+/// The kernel centred in a square window.
 fn squared(kernel: &Kernel) -> Plane<f64> {
     let (ry, rx) = kernel.reach();
     let reach = ry.max(rx);
@@ -135,10 +137,10 @@ fn squared(kernel: &Kernel) -> Plane<f64> {
     square
 }
 
-/// Where a weight at `(y, x)` goes in a window whose last row and column have this number.
+/// A symmetry: the index to which `(y, x)` goes in a window whose last index is the third argument.
 type Turn = fn(usize, usize, usize) -> (usize, usize);
 
-/// A kernel's parts, each the mean over the symmetries that it has.
+/// Parts of a kernel by symmetry, each a mean over the group of symmetries.
 struct Parts {
     even: Plane<f64>,
     mirrored: Plane<f64>,
@@ -173,12 +175,13 @@ impl Parts {
     }
 }
 
-/// The frequencies, in radians a pixel: half steps, so that none is on an edge.
+/// Frequency number `i`, in radians a pixel: at half steps (midpoint rule), so that none is on an
+/// edge.
 fn frequency(i: usize) -> f64 {
     PI * (i as f64 + 0.5) / GRID as f64
 }
 
-/// The spectrum of a kernel that is its own image in both mirrors.
+/// The spectrum of a kernel with both mirror symmetries, hence real.
 fn spectrum(square: &Plane<f64>) -> Plane<f64> {
     let reach = (square.nrows() / 2) as f64;
     let waves = Plane::from_shape_fn((GRID, square.nrows()), |(i, d)| {
@@ -187,7 +190,7 @@ fn spectrum(square: &Plane<f64>) -> Plane<f64> {
     waves.dot(square).dot(&waves.t())
 }
 
-/// The spectrum of a surround.
+/// The frequency response of a surround.
 fn surround((lambda_y, lambda_x): (f64, f64)) -> Plane<f64> {
     let loss = |lambda: f64| -> Vec<f64> {
         let mu = |i| 4.0 * elementary::sin(frequency(i) / 2.0).powi(2);
@@ -197,20 +200,20 @@ fn surround((lambda_y, lambda_x): (f64, f64)) -> Plane<f64> {
     Plane::from_shape_fn((GRID, GRID), |(y, x)| 1.0 / (1.0 + down[y] + across[x]))
 }
 
-/// The mean of a product: by Parseval, the sum over the plane.
+/// The inner product of two spectra as a mean: by Parseval, the sum of products over the plane.
 fn product(a: &Plane<f64>, b: &Plane<f64>) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
     sum / (GRID * GRID) as f64
 }
 
-/// A candidate: its space constants, the best gains (the pixel's first), what is left.
+/// A candidate: its space constants, the best gains for them (the pixel's first), the residual.
 #[derive(Clone, Debug)]
 struct Candidate {
     lambdas: Vec<(f64, f64)>,
     gains: Vec<f64>,
-    /// Squared, without the ridge.
+    /// Squared norm of the residual, without the ridge.
     left: f64,
-    /// Squared, with it.
+    /// Squared norm of the residual and the ridge's penalty: what is minimised.
     price: f64,
 }
 
@@ -282,7 +285,7 @@ fn search(target: &Plane<f64>, how: Fitting) -> Candidate {
         .unwrap_or_else(|| try_out(&[0]))
 }
 
-/// Moves each space constant up and down, by less and less.
+/// Refines by coordinate descent: moves each space constant up and down by shrinking factors.
 fn refined(start: Candidate, target: &Plane<f64>, whole: f64, how: Fitting) -> Candidate {
     let mut best = solved(start.lambdas, target, whole, how.ridge);
     let mut step = 0.2f64;
@@ -329,7 +332,7 @@ fn solved(lambdas: Vec<(f64, f64)>, target: &Plane<f64>, whole: f64, ridge: f64)
     )
 }
 
-/// The gains that leave least, with the ridge: `(X'X + r) a = X'k`, by elimination.
+/// The gains of least squares with the ridge: `(X'X + r) a = X'k`, by Gaussian elimination.
 fn gains(
     gram: impl Fn(usize, usize) -> f64,
     right: &[f64],
@@ -375,7 +378,7 @@ fn gains(
     }
 }
 
-/// What of the field lies outside a window of this reach.
+/// Norm of the field outside a window of reach `(ry, rx)`, relative to the field.
 fn tail(field: &Candidate, (ry, rx): (usize, usize)) -> f64 {
     let mut all = Plane::from_elem((GRID, GRID), field.gains[0]);
     for (gain, &lambdas) in field.gains[1..].iter().zip(&field.lambdas) {

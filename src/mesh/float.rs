@@ -1,29 +1,26 @@
-//! The floats in which a sheet can be solved.
+//! The float types in which a grid can be solved.
 
 use std::sync::Arc;
 
-use rustfft::Fft;
+use rustfft::{Fft, FftNum, FftPlanner};
 
-use super::{
-    cosine,
-    sheet::{MOST_LAMBDA, MOST_SIGNAL},
-};
+use super::sheet::{MOST_LAMBDA, MOST_SIGNAL};
 
-/// What a sheet is computed in: `f64`, or `f32` where speed matters more.
-pub trait Float: rustfft::FftNum + PartialOrd {
-    /// The largest space constant that can be answered in it.
+/// A float type for solving grids: `f64`, or `f32` where speed matters more.
+pub trait Float: FftNum + PartialOrd {
+    /// The largest space constant, in pixels, that can be solved in it.
     const MOST_LAMBDA: f64;
-    /// The largest signal, in size.
+    /// The largest magnitude of a signal.
     const MOST_SIGNAL: f64;
 
-    /// The nearest number.
+    /// Rounds to the nearest value of this type.
     fn nearest(value: f64) -> Self;
 
-    /// As a double.
+    /// Converts to `f64`.
     fn to_f64(self) -> f64;
 
-    /// The Fourier transform of so many numbers, and its inverse. Not generic, so that its code,
-    /// which is long, is in this library alone.
+    /// The Fourier transform of `length` numbers, and its inverse. Not generic, so that the long
+    /// code of `rustfft` is compiled in this library alone.
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 }
 
@@ -42,7 +39,7 @@ impl Float for f64 {
     }
 
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
-        cosine::transforms(length)
+        planned(length)
     }
 }
 
@@ -61,6 +58,15 @@ impl Float for f32 {
     }
 
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
-        cosine::transforms(length)
+        planned(length)
     }
+}
+
+/// The Fourier transform of so many numbers, and its inverse.
+fn planned<T: FftNum>(length: usize) -> [Arc<dyn Fft<T>>; 2] {
+    let mut planner = FftPlanner::new();
+    [
+        planner.plan_fft_forward(length),
+        planner.plan_fft_inverse(length),
+    ]
 }

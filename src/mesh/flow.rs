@@ -1,4 +1,4 @@
-//! How a sheet moves, exactly: each cosine mode relaxes on its own.
+//! A uniform resistive grid in time, exactly: each cosine mode relaxes on its own.
 //!
 //! A mode of eigenvalue `μ` obeys `dH/dt = a (s P - H)` with `s = 1 / (1 + λ² μ)` and
 //! `a = 1 / (τ s)`. Over a time `t` in which its `P` is a straight line from `P0` to `P1`,
@@ -42,13 +42,13 @@ pub enum Between {
     Step,
 }
 
-/// A sheet in time.
+/// A sheet in time: its state as the modes of signal and surround.
 #[derive(Clone, Debug)]
 pub struct Flow<T: Float = f64> {
     sheet: Sheet,
     tau: f64,
     modes: Modes<T>,
-    /// The level that is taken off all signals.
+    /// The level subtracted from all signals, so that rounding errors scale with contrast.
     off: T,
     /// Modes of the last signal, and of the surround.
     signal: Vec<T>,
@@ -58,18 +58,18 @@ pub struct Flow<T: Float = f64> {
     noise: Option<Noise>,
 }
 
-/// What a time does to each mode.
+/// What an interval does to each mode.
 #[derive(Clone, Debug)]
 struct Step<T> {
     seconds: f64,
     between: Between,
-    /// For each mode: what is left of it, and what the earlier and the later signal give.
+    /// Per mode: the decay factor `E`, and the shares of the earlier and the later signal.
     left: Vec<T>,
     earlier: Vec<T>,
     later: Vec<T>,
 }
 
-/// Noise of the resistors.
+/// Thermal noise of the resistors.
 #[derive(Clone, Copy, Debug)]
 struct Noise {
     /// `sqrt(kT/C)`, in the signal's unit.
@@ -78,7 +78,7 @@ struct Noise {
     step: u64,
 }
 
-/// Frames whose distance differs by less than this part are equally far apart: times that are
+/// Intervals whose lengths differ by less than this part share their exponentials: times that are
 /// computed from the number of a frame differ in their last digits.
 const SAME: f64 = 1e-9;
 
@@ -157,7 +157,7 @@ impl<T: Float> Flow<T> {
         self.tau
     }
 
-    /// Moves on by `seconds`, at the end of which there is `signal`.
+    /// Advances by `seconds`, at the end of which the signal is `signal`.
     ///
     /// # Errors
     /// When the time is none, or the signal has another size or a pixel that is no number; the
@@ -204,7 +204,7 @@ impl<T: Float> Flow<T> {
         Ok(())
     }
 
-    /// The surround from its modes.
+    /// Computes the surround from its modes.
     fn show(&mut self) {
         self.modes
             .inverse(&self.state, self.off, &mut self.surround);
@@ -236,7 +236,7 @@ impl<T: Float> Step<T> {
     }
 }
 
-/// `E`, and the shares of the earlier and the later signal.
+/// `E`, and the shares of the earlier and the later signal: the module head's equations over `s`.
 fn parts(z: f64, between: Between) -> (f64, f64, f64) {
     let left = elementary::exp(-z);
     match between {
@@ -274,14 +274,15 @@ fn gains(sheet: Sheet, size: Size) -> impl Iterator<Item = f64> {
     })
 }
 
-/// The size of a mode whose orthonormal size is 1, in the order of [`Modes`].
+/// The standard deviation of each mode when every node has noise of unit variance, in the order of
+/// [`Modes`].
 fn norms(size: Size) -> impl Iterator<Item = f64> {
     let norm = |k: usize, n: usize| (n as f64 / if k == 0 { 1.0 } else { 2.0 }).sqrt();
     let Size { height, width } = size;
     (0..width).flat_map(move |kx| (0..height).map(move |ky| norm(kx, width) * norm(ky, height)))
 }
 
-/// The cosine transform of planes. Modes lie column by column: those of one `kx` together.
+/// The two-dimensional cosine transform. Modes lie column by column: those of one `kx` together.
 #[derive(Clone, Debug)]
 struct Modes<T: Float> {
     size: Size,
@@ -357,7 +358,7 @@ impl<T: Float> Modes<T> {
     }
 }
 
-/// Rows of `width` become columns, in blocks that stay in cache.
+/// Transposes rows of `width` into columns, in blocks that stay in cache.
 fn transpose<T: Copy>(from: &[T], width: usize, to: &mut [T]) {
     const BLOCK: usize = 16;
     let height = from.len() / width;

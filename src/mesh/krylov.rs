@@ -1,27 +1,27 @@
-//! How a network of unequal parts moves, to all digits.
+//! A network of unequal parts in time, by a Krylov subspace method.
 //!
-//! Over a time in which the signal is a straight line, the state is the line that it would
-//! follow for ever, and a rest that dies away: `exp(-t C⁻¹ K)` of what it is at first. That is
-//! found in the space of Lanczos (Saad, SIAM J. Numer. Anal. 29(1):209-228, 1992), which grows
-//! until nothing is missed outside it. What is missed is bounded, not guessed: it enters through
-//! the last direction alone and can only fade, so it is at most the integral over time of what
-//! that direction held.
+//! Over an interval in which the signal is a straight line, the state is a particular solution
+//! (also a straight line) and a transient that decays: `exp(-t C⁻¹ K)` of its initial value. The
+//! exponential is applied in a Lanczos subspace (Saad, SIAM J. Numer. Anal. 29(1):209-228, 1992),
+//! which grows until the residual is negligible. The residual has a rigorous bound: it enters
+//! through the last basis vector alone and can only decay, so it is at most the integral over time
+//! of that vector's coefficient.
 
 use super::{MeshError, Network, network::dot};
 use crate::{elementary, plane::Plane};
 
-/// Directions kept at most; a time that needs more is cut in two.
-const MOST: usize = 96;
-/// Pieces of a time at most; of a sheet of 256x256 each takes a second.
-const MOST_PIECES: u64 = 4000;
-/// What may be missed outside the space.
+/// Most basis vectors; an interval that needs more is cut in two.
+const MAX_BASIS: usize = 96;
+/// Most pieces of an interval; for a grid of 256x256 each takes a second.
+const MAX_PIECES: u64 = 4000;
+/// Bound on the relative residual outside the subspace.
 const NOTHING: f64 = 1e-14;
-/// What has faded by so many e-folds is gone.
+/// A transient that has decayed by this many e-folds is dropped.
 const GONE: f64 = 40.0;
 
 impl Network {
-    /// The state after `seconds` in which the signal went from `earlier` to `later` in a
-    /// straight line; in the unit of capacitance over conductance.
+    /// The state after `seconds`, over which the signal goes from `earlier` to `later` in a
+    /// straight line. `seconds` is in the unit of capacitance over conductance.
     ///
     /// # Errors
     /// When a plane has another size or a pixel that is no number, the time is none, the
@@ -54,7 +54,7 @@ impl Network {
             self.taken_up(&weighed(&p0))?,
             self.taken_up(&weighed(&minus(&p1, &p0)))?,
         );
-        // How far the state hangs behind a signal that rises for ever.
+        // The constant lag of the state behind a signal that rises linearly.
         let charge: Vec<f64> = rise
             .iter()
             .zip(&self.capacitance)
@@ -64,7 +64,7 @@ impl Network {
         let roots: Vec<f64> = self.capacitance.iter().map(|c| c.sqrt()).collect();
         let rest = state.iter().zip(&settled).zip(&behind).zip(&roots);
         let mut rest: Vec<f64> = rest.map(|(((h, s), b), root)| (h - s + b) * root).collect();
-        // Nothing fades more slowly than through the weakest tie to a signal.
+        // No mode decays more slowly than by the smallest `g/C`, the weakest tie to a signal.
         let ties = self.transverse.iter().zip(&self.capacitance);
         let slowest = ties.map(|(g, c)| g / c).fold(f64::INFINITY, f64::min);
         let mut left = seconds;
@@ -82,10 +82,10 @@ impl Network {
                 }
                 None => piece *= 0.5,
             }
-            if piece * (MOST_PIECES as f64) < left {
+            if piece * (MAX_PIECES as f64) < left {
                 return Err(MeshError::Steps {
                     what: "network",
-                    most: MOST_PIECES,
+                    most: MAX_PIECES,
                 });
             }
         }
@@ -95,7 +95,7 @@ impl Network {
         Ok(self.plane(&moved))
     }
 
-    /// `exp(-t C^-1/2 K C^-1/2)` of a vector; `None` if the time is too long for the space.
+    /// `exp(-t C^-1/2 K C^-1/2)` of a vector; `None` if the subspace is too small for the interval.
     fn faded(&self, from: &[f64], roots: &[f64], time: f64) -> Option<Vec<f64>> {
         let length = dot(from, from).sqrt();
         if length == 0.0 {
@@ -108,7 +108,7 @@ impl Network {
             let pushed = self.pushed(&self.down, &self.across, &voltages);
             let mut new: Vec<f64> = pushed.iter().zip(roots).map(|(i, root)| i / root).collect();
             own.push(dot(&new, last));
-            // Twice, so that nothing of the other directions is left.
+            // Gram-Schmidt twice: rounding leaves a part of the older basis vectors the first time.
             for _ in 0..2 {
                 for other in &basis {
                     let part = dot(&new, other);
@@ -120,7 +120,7 @@ impl Network {
             let norm = dot(&new, &new).sqrt();
             let count = basis.len();
             let all = norm <= 1e-14 * own[0].abs() || count == from.len();
-            if all || count.is_multiple_of(8) || count == MOST {
+            if all || count.is_multiple_of(8) || count == MAX_BASIS {
                 let shares = exponential(&own, &next, time);
                 if all || norm * held_by_last(&own, &next, &shares) <= NOTHING {
                     let mut sum = vec![0.0; from.len()];
@@ -131,7 +131,7 @@ impl Network {
                     }
                     return Some(sum);
                 }
-                if count == MOST {
+                if count == MAX_BASIS {
                     return None;
                 }
             }
@@ -142,8 +142,9 @@ impl Network {
     }
 }
 
-/// The integral over the time of what the last direction held. With `T` tridiagonal it is the
-/// last of `T^-1 (1 - exp(-t T))` of the first direction; none of its parts changes sign.
+/// The integral over the interval of the last basis vector's coefficient. With `T` tridiagonal it
+/// is the last component of `T^-1 (1 - exp(-t T)) e1`, in which all terms have one sign, so nothing
+/// cancels.
 fn held_by_last(own: &[f64], next: &[f64], shares: &[f64]) -> f64 {
     let (mut sum, mut pivot) = (1.0 - shares[0], own[0]);
     for i in 1..own.len() {
@@ -158,8 +159,8 @@ fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// The first column of `exp(-t T)`, `T` tridiagonal and symmetric: its series for a time so
-/// short that it converges at once, doubled again and again.
+/// The first column of `exp(-t T)` for a symmetric tridiagonal `T`, by scaling and squaring: a
+/// Taylor series for an interval so short that it converges at once, doubled again and again.
 fn exponential(own: &[f64], next: &[f64], time: f64) -> Vec<f64> {
     let n = own.len();
     let norm: f64 = (0..n)

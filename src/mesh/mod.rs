@@ -1,4 +1,5 @@
-//! The resistor sheet: a surround made by the silicon itself.
+//! The resistive grid, a centre-surround filter made by the silicon itself. It is called a *sheet*
+//! here when its parts are equal, a *network* when they differ.
 //!
 //! Every pixel has a node. A transverse conductance `g` ties it to the pixel's own signal,
 //! four lateral resistors `R` tie it to its neighbours, a capacitor `C` to ground:

@@ -1,4 +1,4 @@
-//! A sheet as silicon has it: every resistor another, and laterals that may be transistors.
+//! A resistive grid as silicon has it: parts that differ, and laterals that may be transistors.
 //!
 //! ```text
 //! C(i) dH(i)/dt = g(i) (P(i) - H(i)) + sum over neighbours j of G(ij) f(H(j) - H(i))
@@ -8,12 +8,12 @@
 //! f(v) = V sinh(v / V)     a pseudo-resistor, which opens up
 //! ```
 //!
-//! The settled state of a linear network is found by conjugate gradients. Each step is made
-//! ready by the exact solution of the sheet of equal parts that is nearest ([`Steady`]), so that
-//! the number of steps depends on how far the parts are spread, not on size or space constant.
-//! With other laterals the settled state is where the content
-//! `sum g (P - H)² / 2 + sum G F(v)`, `F' = f`, is least (Millar 1951); it is convex, and damped
-//! Newton steps go there. Both say how far they may be off, and give no answer if that is too far.
+//! The settled state of a linear network is found by preconditioned conjugate gradients. The
+//! preconditioner is the exact solver of the nearest sheet of equal parts ([`Steady`]), so that the
+//! number of steps depends on the spread of the parts, not on size or space constant. With
+//! nonlinear laterals the settled state minimises the co-content `sum g (P - H)² / 2 + sum G F(v)`,
+//! `F' = f` (Millar 1951), which is convex; damped Newton steps find the minimum. Both estimate
+//! their error, and refuse to answer where it is too large.
 
 use super::{
     MeshError, Sheet, Steady,
@@ -25,23 +25,23 @@ use crate::{
     plane::{Plane, Size},
 };
 
-/// A sheet of parts that differ. Conductances and capacitances in any units that fit together:
-/// siemens, farads and seconds, or parts of the nominal ones and of τ.
+/// A grid of parts that differ. Conductances and capacitances are in any consistent units: siemens,
+/// farads and seconds, or relative to the nominal ones and to τ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     pub(super) size: Size,
-    /// From each node to its signal.
+    /// Transverse conductances, from each node to its signal.
     pub(super) transverse: Vec<f64>,
-    /// From each node to the one below; 0 in the last row.
+    /// Conductances from each node to the one below; 0 in the last row.
     pub(super) down: Vec<f64>,
-    /// From each node to the one on the right; 0 in the last column.
+    /// Conductances from each node to the one on the right; 0 in the last column.
     pub(super) across: Vec<f64>,
-    /// From each node to ground.
+    /// Capacitances from each node to ground.
     pub(super) capacitance: Vec<f64>,
     laterals: Laterals,
 }
 
-/// What a lateral resistor does, in the signal's unit.
+/// The current law of the lateral resistors, in the signal's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Laterals {
     /// A resistor.
@@ -49,18 +49,18 @@ pub enum Laterals {
     Linear,
     /// `V tanh(v / V)`: the current stops growing at differences beyond `V`.
     Saturating {
-        /// `V`.
+        /// The difference `V` at which it saturates, in the signal's unit.
         scale: f64,
     },
     /// `V sinh(v / V)`: the current runs away at differences beyond `V`.
     Opening {
-        /// `V`.
+        /// The difference `V` beyond which it opens, in the signal's unit.
         scale: f64,
     },
 }
 
-/// How far parts are spread: standard deviations of the logarithm of each kind of part. The
-/// nominal value is the median.
+/// Mismatch of the parts: the standard deviation of the logarithm of each kind of part. The nominal
+/// value is the median.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Mismatch {
     /// Lateral resistors.
@@ -74,17 +74,17 @@ pub struct Mismatch {
 /// A settled state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settled {
-    /// `H`, in the signal's unit.
+    /// The surround `H`, `[y, x]`, in the signal's unit.
     pub surround: Plane<f64>,
-    /// Steps of conjugate gradients, all together.
+    /// Steps of conjugate gradients in all.
     pub iterations: usize,
     /// Newton steps; 0 with linear laterals.
     pub newton: usize,
-    /// How far a node may be off, estimated from the currents that are left.
+    /// Bound on a node's error, estimated from the residual currents, in the signal's unit.
     pub error: f64,
 }
 
-/// A state that is off by more than this part of the signal's range is no answer.
+/// A state whose error is a larger part of the signal's range is refused.
 const MOST_ERROR: f64 = 1e-10;
 const MOST_NEWTON: usize = 300;
 const MOST_STEPS: usize = 4000;
@@ -147,7 +147,7 @@ impl Network {
         })
     }
 
-    /// A sheet of equal parts: conductances over the transverse one, times over τ.
+    /// A sheet of equal parts: conductances relative to the transverse one, times to τ.
     ///
     /// # Errors
     /// When the size is empty.
@@ -160,7 +160,7 @@ impl Network {
         Self::new(&one, &down, &across, &one)
     }
 
-    /// The same with parts spread by chance; `seed` is the chip.
+    /// The same network with log-normal mismatch drawn from `seed`, which stands for the chip.
     #[must_use]
     pub fn with_mismatch(mut self, mismatch: Mismatch, seed: u64) -> Self {
         let kinds = [
@@ -185,7 +185,7 @@ impl Network {
         self
     }
 
-    /// The same with other laterals.
+    /// The same network with other laterals.
     ///
     /// # Errors
     /// When the scale is not a number above 0.
@@ -218,7 +218,7 @@ impl Network {
         self.plane(&self.capacitance)
     }
 
-    /// Whether the laterals are resistors.
+    /// Whether all laterals are linear.
     pub(super) fn is_linear(&self) -> bool {
         self.laterals == Laterals::Linear
     }
@@ -241,7 +241,7 @@ impl Network {
         Ok(self.plane(&self.at_nodes(&signal, &surround)))
     }
 
-    /// A plane of this size, row after row.
+    /// The values of a plane of this size, row after row.
     pub(super) fn values(&self, plane: &Plane<f64>) -> Result<Vec<f64>, MeshError> {
         let (got, want) = (Size::of(plane), self.size);
         if got != want {
@@ -288,7 +288,8 @@ impl Network {
                 error: settled.error,
             });
         }
-        // Where the exact one is.
+        // The exact solution lies within the signal's range, so clamping only removes rounding
+        // error.
         settled.surround.mapv_inplace(|h| h.clamp(low, high));
         Ok(settled)
     }
@@ -303,7 +304,8 @@ impl Network {
         let mut surround = nearest.solve(&weighed)?;
         let mut iterations = 0;
         let mut error = f64::INFINITY;
-        // What conjugate gradients lose to rounding, a second round on what is left brings back.
+        // A second solve for the residual (iterative refinement) recovers what the first lost to
+        // rounding.
         for _ in 0..6 {
             let left = self.at_nodes(signal, &surround);
             error = largest(&nearest.solve(&left)?);
@@ -328,7 +330,7 @@ impl Network {
     }
 
     fn newton(&self, signal: &[f64], (low, high): (f64, f64)) -> Result<Settled, MeshError> {
-        // No lateral carries anything at first.
+        // Start from a uniform surround: no lateral carries a current.
         let mut surround = vec![low + (high - low) * 0.5; signal.len()];
         let (mut iterations, mut error) = (0, f64::INFINITY);
         let mut content = self.content(signal, &surround);
@@ -347,7 +349,7 @@ impl Network {
                 let moved = surround.iter().zip(&change).map(|(h, d)| h + part * d);
                 next = moved.collect();
                 lower = self.content(signal, &next);
-                // Near the end the fall is below the content's last digits.
+                // Near the minimum the decrease is below the last digits of the co-content.
                 let enough = lower <= content - 1e-4 * part * fall;
                 if done || enough || fall <= 1e-12 * content {
                     break;
@@ -367,7 +369,7 @@ impl Network {
         Err(MeshError::Unsettled { error })
     }
 
-    /// What is least in the settled state.
+    /// The co-content, which the settled state minimises.
     fn content(&self, signal: &[f64], surround: &[f64]) -> f64 {
         let own = signal.iter().zip(surround).zip(&self.transverse);
         let mut content: f64 = own.map(|((p, h), g)| 0.5 * g * (p - h) * (p - h)).sum();
@@ -380,7 +382,7 @@ impl Network {
         content
     }
 
-    /// The conductances for small changes, down and across.
+    /// The differential conductances `G f'(v)` at a state, vertical and horizontal.
     fn slopes(&self, surround: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let zero = vec![0.0; surround.len()];
         let (mut down, mut across) = (zero.clone(), zero);
@@ -394,8 +396,8 @@ impl Network {
         (down, across)
     }
 
-    /// Conjugate gradients for the change that takes up `currents`, until the energy that is
-    /// left is `part²` of that at the beginning.
+    /// Solves `K x = currents` by preconditioned conjugate gradients, until the energy of the
+    /// residual is `part²` of that at the beginning.
     fn gradients(
         &self,
         nearest: &mut Nearest,
@@ -431,7 +433,7 @@ impl Network {
         Ok((change, MOST_STEPS))
     }
 
-    /// The currents that voltages push out of the nodes.
+    /// `K` times `voltages`: the currents that leave the nodes.
     pub(super) fn pushed(&self, down: &[f64], across: &[f64], voltages: &[f64]) -> Vec<f64> {
         let own = voltages.iter().zip(&self.transverse);
         let mut currents: Vec<f64> = own.map(|(v, g)| v * g).collect();
@@ -447,7 +449,7 @@ impl Network {
         currents
     }
 
-    /// The change that takes up `currents` in a linear network, to all digits.
+    /// Solves `K x = currents` for a linear network to rounding accuracy.
     pub(super) fn taken_up(&self, currents: &[f64]) -> Result<Vec<f64>, MeshError> {
         let mut nearest = Nearest::new(self.size, &self.transverse, &self.down, &self.across)?;
         let mut sum = vec![0.0; currents.len()];
@@ -462,8 +464,8 @@ impl Network {
         Ok(sum)
     }
 
-    /// Noise of the resistors at one moment: every node has the variance `kt / C` and knows
-    /// nothing of its neighbours. `kt` in the unit of capacitance times signal squared.
+    /// Thermal noise of the resistors at one moment: independent at each node with variance
+    /// `kt / C`. `kt` is in the unit of capacitance times signal squared.
     #[must_use]
     pub fn noise(&self, kt: f64, seed: u64, moment: u64) -> Plane<f64> {
         let parts = self.capacitance.iter().enumerate();
@@ -491,13 +493,13 @@ impl Laterals {
         }
     }
 
-    /// The integral of the current.
+    /// The integral `F` of the current law, the co-content of a lateral.
     fn content(self, v: f64) -> f64 {
         match self {
             Self::Linear => 0.5 * v * v,
             Self::Saturating { scale } => {
                 let u = (v / scale).abs();
-                // ln cosh u; for small u its series, or nothing would be left of it.
+                // ln cosh u; for small u by its series, since the closed form would cancel.
                 let log = if u < 1e-3 {
                     u * u * (0.5 - u * u / 12.0)
                 } else {
@@ -513,14 +515,14 @@ impl Laterals {
     }
 }
 
-/// Which neighbour.
+/// The direction of a lateral from its node.
 #[derive(Clone, Copy)]
 enum Way {
     Down,
     Across,
 }
 
-/// Every lateral once: from node `i` to node `j`.
+/// Calls `of(i, j, way)` once for every lateral, from node `i` to node `j`.
 fn each_lateral(size: Size, mut of: impl FnMut(usize, usize, Way)) {
     let Size { height, width } = size;
     for y in 0..height {
@@ -535,7 +537,7 @@ fn each_lateral(size: Size, mut of: impl FnMut(usize, usize, Way)) {
     }
 }
 
-/// The sheet of equal parts that is nearest to a network.
+/// The preconditioner: the sheet of equal parts nearest to a network.
 struct Nearest {
     steady: Steady,
     transverse: f64,
@@ -569,7 +571,7 @@ impl Nearest {
         })
     }
 
-    /// The voltages that take up `currents`.
+    /// The solution of the nearest sheet for `currents`.
     fn solve(&mut self, currents: &[f64]) -> Result<Vec<f64>, MeshError> {
         let Size { width, .. } = self.size;
         let plane = Plane::from_shape_fn(self.size.shape(), |(y, x)| {

@@ -1,8 +1,8 @@
-//! What sheets draw random numbers for.
+//! What the grid draws random numbers for.
 
 use crate::rng::{self, Hash};
 
-/// Why a number is drawn: no two reasons share their numbers.
+/// Why a number is drawn: each reason has random numbers of its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Reason {
     LateralDown = 1,

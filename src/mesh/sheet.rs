@@ -1,4 +1,4 @@
-//! A sheet of equal parts: its space constants, its gain, its modes.
+//! A resistive grid of equal parts: its space constants, gain and modes.
 
 use super::error::MeshError;
 use crate::elementary;
@@ -10,10 +10,10 @@ pub struct Sheet {
     lambda_x: f64,
 }
 
-/// The largest space constant, in pixels: its square must be a number.
+/// The largest space constant, in pixels: its square must stay finite.
 pub const MOST_LAMBDA: f64 = 1e150;
 
-/// The largest signal in size: sums over a sheet must be numbers.
+/// The largest magnitude of a signal: sums over a grid must stay finite.
 pub const MOST_SIGNAL: f64 = 1e290;
 
 impl Sheet {
@@ -39,7 +39,7 @@ impl Sheet {
                 });
             }
         }
-        // There is no minus zero pixels.
+        // -0.0 becomes 0.0.
         Ok(Self {
             lambda_y: lambda_y.abs(),
             lambda_x: lambda_x.abs(),
@@ -52,8 +52,8 @@ impl Sheet {
         (self.lambda_y, self.lambda_x)
     }
 
-    /// What is left in the surround of a wave of `fy` and `fx` cycles a pixel: from 1 for
-    /// uniform light down to `1 / (1 + 8 λ²)` for a checkerboard.
+    /// The gain of the surround for a grating of `fy` and `fx` cycles a pixel: 1 for uniform light,
+    /// down to `1 / (1 + 8 λ²)` for a checkerboard.
     #[must_use]
     pub fn gain(self, fy: f64, fx: f64) -> f64 {
         let loss = |lambda: f64, f: f64| {

@@ -1,12 +1,12 @@
-//! Checks of the signals that a sheet is given.
+//! Checks of the signals given to a grid.
 
 use super::{error::MeshError, float::Float};
 use crate::plane::Plane;
 
-/// The least and the greatest value of a plane.
+/// The smallest and the largest value of a plane.
 ///
 /// # Errors
-/// When a pixel is no number or beyond [`Float::MOST_SIGNAL`].
+/// When a pixel is not finite or beyond [`Float::MOST_SIGNAL`].
 pub(super) fn checked_range<T: Float>(plane: &Plane<T>) -> Result<(T, T), MeshError> {
     let most = T::nearest(T::MOST_SIGNAL);
     let fault = || {
@@ -23,14 +23,14 @@ pub(super) fn checked_range<T: Float>(plane: &Plane<T>) -> Result<(T, T), MeshEr
         Some(values) => extremes(values, most),
         None => extremes(&plane.iter().copied().collect::<Vec<_>>(), most),
     };
-    // What is no number is never within.
+    // A NaN is never within the range.
     if low >= -most && high <= most {
         return Ok((low, high));
     }
     fault().map_or(Ok((low, high)), Err)
 }
 
-/// The least and the greatest of some numbers; beyond `most` if one of them is none.
+/// The smallest and the largest of some numbers; beyond `most` if one of them is NaN.
 #[multiversion::multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn extremes<T: Float>(values: &[T], most: T) -> (T, T) {
     const LANES: usize = 16;

@@ -1,30 +1,29 @@
-//! The settled state, exactly, in `O(N log N)`: cosine modes along the rows, and for each of
-//! them the ladder of resistors down the columns.
+//! The settled state of a uniform grid, exactly, in `O(N log N)`: a cosine transform along the
+//! rows, and for each mode a tridiagonal system (a ladder of resistors) down the columns.
 //!
-//! The modes of the rows part the sheet into ladders that do not know each other, one for each
-//! mode `k`:
+//! The modes of the rows split the grid into independent ladders, one for each mode `k`:
 //!
 //! ```text
 //! (s + λy² n) h[y] - λy² (h[y-1] + h[y+1]) = p[y]        s = 1 + λx² μ(k), n = 1 or 2 neighbours
 //! ```
 //!
-//! A ladder is solved from one end to the other and back. What is eliminated is not `s + λy² n`,
-//! in which a large `λ` swallows the 1, but the node's conductance to its signal, `e`, with which
-//! the pivot is `e + λy²` and the next node's `s + λy² e / (e + λy²)`. Nothing is subtracted
-//! anywhere, so every pivot is right to its last digits whatever the `λ` (the argument of
-//! Grassmann, Taksar and Heyman, Operations Research 33(5):1107-1116, 1985), and the error does
-//! not grow with the condition number `1 + 8 λ²`.
+//! A ladder is solved by Gaussian elimination from the top down and substitution from the bottom
+//! up. The variable that is eliminated is not the pivot `s + λy² n`, in which a large `λ` swallows
+//! the 1, but the node's conductance to its signal, `e`, with which the pivot is `e + λy²` and the
+//! next node's `e` is `s + λy² e / (e + λy²)`. Nothing is subtracted anywhere, so every pivot is
+//! right to its last digits whatever the `λ` (the argument of Grassmann, Taksar and Heyman,
+//! Operations Research 33(5):1107-1116, 1985), and the error does not grow with the condition
+//! number `1 + 8 λ²`.
 //!
-//! The middle of the light's range is taken off at first and put back at the end, and the result
-//! is held between the least and the most of the light, where the exact one is: uniform light
-//! comes back to the bit.
+//! The middle of the signal's range is subtracted first and added at the end, and the result is
+//! clamped to that range, in which the exact one lies: uniform light comes back to the bit.
 
 use multiversion::multiversion;
 
 use super::{Float, MeshError, Sheet, cosine::Cosine, sheet::eigenvalues, signal::checked_range};
 use crate::plane::{Plane, Size};
 
-/// Solves sheets of one size and space constant, one signal after the other.
+/// A solver for sheets of one size and space constant.
 #[derive(Clone, Debug)]
 pub struct Steady<T: Float = f64> {
     sheet: Sheet,
@@ -32,14 +31,14 @@ pub struct Steady<T: Float = f64> {
     cosine: Cosine<T>,
     /// `λy²`.
     lateral: T,
-    /// Row by row, for each mode: one over the pivot.
+    /// Row by row, the reciprocal pivot of each mode.
     pivots: Vec<T>,
-    /// A row that is not there, next to the last of an odd number.
+    /// A row of zeros that makes a pair with the last row of an odd number.
     spare: Vec<T>,
 }
 
 impl<T: Float> Steady<T> {
-    /// Gets ready for signals of `size`.
+    /// Prepares for signals of `size`.
     ///
     /// # Errors
     /// When the size is empty, or the space constant beyond what the number can hold.
@@ -93,7 +92,7 @@ impl<T: Float> Steady<T> {
         Ok(surround)
     }
 
-    /// The same into a plane that is there already.
+    /// [`Steady::solve`] into a plane that is there already.
     ///
     /// # Errors
     /// As [`Steady::solve`]; the plane is then as it was.
@@ -125,7 +124,7 @@ impl<T: Float> Steady<T> {
         Ok(())
     }
 
-    /// Modes of the rows, and the ladders from the top to the bottom.
+    /// Transforms the rows to modes and eliminates from the top to the bottom.
     fn down(&mut self, values: &mut [T], off: T) {
         let width = self.size.width;
         let mut above: Option<(&[T], &[T])> = None;
@@ -149,7 +148,7 @@ impl<T: Float> Steady<T> {
         }
     }
 
-    /// The ladders from the bottom to the top, and rows from their modes.
+    /// Substitutes from the bottom to the top and transforms modes back to rows.
     fn up(&mut self, values: &mut [T], range: (T, T, T)) {
         let width = self.size.width;
         let mut below = vec![T::nearest(0.0); width];
@@ -174,7 +173,7 @@ impl<T: Float> Steady<T> {
 }
 
 /// `q[y] = p[y] + (l / pivot[y-1]) q[y-1]`, of the row above and its pivots. The factor is at most
-/// 1, so nothing grows out of the number or falls below it, whatever `l` is.
+/// 1, so nothing overflows or underflows, whatever `l` is.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn eliminate<T: Float>(row: &mut [T], above: Option<(&[T], &[T])>, lateral: T) {
     let Some((above, pivots)) = above else {
@@ -193,7 +192,7 @@ fn substitute<T: Float>(row: &mut [T], below: &[T], pivots: &[T], lateral: T) {
     }
 }
 
-/// Puts the middle back, and keeps to the range of the light.
+/// Adds the middle back, and clamps to the range of the signal.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn put_back<T: Float>(values: &mut [T], (low, off, high): (T, T, T)) {
     for value in values {

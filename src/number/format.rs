@@ -79,8 +79,8 @@ const NAMES: &[(&str, Format)] = &[
     ("bf16", Format::Bf16),
 ];
 
-/// How all names are written, with commas between.
-fn known() -> String {
+/// How the names of the floats are written, with commas between.
+pub fn known_floats() -> String {
     let alike = NAMES.chunk_by(|(_, a), (_, b)| a == b);
     let each = alike.map(|names| match names {
         [(own, _), (other, _), ..] => format!("{other} ({own})"),
@@ -88,6 +88,21 @@ fn known() -> String {
         [] => String::new(),
     });
     each.collect::<Vec<_>>().join(", ")
+}
+
+impl Format {
+    /// The floats, each once.
+    pub fn floats() -> impl Iterator<Item = Self> {
+        let alike = NAMES.chunk_by(|(_, a), (_, b)| a == b);
+        alike.filter_map(|names| names.first().map(|(_, format)| *format))
+    }
+
+    /// The names of all formats, with commas between: `f64, f32, …, qM.N`.
+    #[must_use]
+    pub fn names() -> String {
+        let floats = Self::floats().map(|format| format.to_string() + ", ");
+        floats.collect::<String>() + "qM.N"
+    }
 }
 
 impl fmt::Display for Format {
@@ -115,7 +130,7 @@ pub enum FormatError {
     #[error("unknown number format `{name}`")]
     #[diagnostic(help(
         "known are {}, and qM.N for fixed point, for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps instead of saturating",
-        known()
+        known_floats()
     ))]
     Unknown {
         /// What was given.

@@ -1,4 +1,4 @@
-//! Pages one after the other, as a GIF or an APNG that loops.
+//! Several pages one after the other as a looping GIF or APNG.
 //!
 //! A GIF is small, because all colours are known beforehand (grays and a few inks, one palette), and
 //! because a pixel whose gray hardly changes is left as it was.
@@ -17,9 +17,9 @@ use crate::save::save;
 
 /// Levels of gray in the palette.
 const GRAYS: u8 = 64;
-/// The palette's entry for "as it was".
+/// Palette index that leaves a pixel as it was in the page before.
 const UNCHANGED: u8 = GRAYS + COLOURED.len() as u8;
-/// Grays, of 255, that pass for the same.
+/// Two grays (0 to 255) at most this far apart count as the same.
 const HARDLY: u8 = 6;
 
 /// Writes an animation of the moments, each shown for `hold` seconds (to a hundredth).
@@ -138,7 +138,7 @@ fn palette() -> Vec<u8> {
         .collect()
 }
 
-/// The palette's entry for a colour.
+/// The palette index of a colour.
 fn entry(ink: Ink) -> u8 {
     let coloured = COLOURED.iter().position(|other| *other == ink);
     coloured.map_or_else(
@@ -147,7 +147,8 @@ fn entry(ink: Ink) -> u8 {
     )
 }
 
-/// What must be drawn to get from the screen to the page; the screen follows.
+/// Palette indices of a frame that turns `screen` into `page`; pixels that stay are [`UNCHANGED`].
+/// `screen` becomes what is then seen.
 fn changes(screen: &mut RgbImage, page: &RgbImage) -> Vec<u8> {
     screen
         .pixels_mut()
@@ -163,7 +164,7 @@ fn changes(screen: &mut RgbImage, page: &RgbImage) -> Vec<u8> {
         .collect()
 }
 
-/// The same ink, or two grays that are hardly different.
+/// Whether two inks are equal, or two grays no further apart than [`HARDLY`].
 fn alike(a: Ink, b: Ink) -> bool {
     let gray = |ink: Ink| {
         let [r, g, b] = ink.0;

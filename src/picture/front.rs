@@ -10,40 +10,40 @@ use super::{
 };
 use crate::elementary;
 
-/// One sensor.
+/// One sensor, a dot of the chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dot {
     /// What it is called.
     pub name: String,
-    /// Its cost, above zero.
+    /// Its cost, above zero, in the chart's unit.
     pub cost: f64,
     /// Its error, 0 to 1.
     pub error: f64,
-    /// Whether another beats it.
+    /// Whether another sensor is better in both error and cost (it is not on the Pareto front).
     pub dominated: bool,
-    /// Which side of the comparison it is on, 0 to 2: a colour of its own.
+    /// Index of its group in [`FrontShow::sides`], 0 to 2; each group has a colour.
     pub side: usize,
 }
 
-/// Dots that are compared with each other.
+/// One chart: sensors that are compared with each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontShow<'a> {
     /// Above the chart.
     pub heading: String,
     /// What the cost is, with its unit.
     pub cost: &'a str,
-    /// The cost is in seconds; else in units of its own.
+    /// Whether the cost is in seconds, shown on a logarithmic axis in microseconds.
     pub seconds: bool,
-    /// Names of the sides.
+    /// Names of the groups, such as float model and chip.
     pub sides: [&'a str; 3],
     /// The dots.
     pub dots: Vec<Dot>,
 }
 
-/// Of each side.
+/// Colours of the groups.
 const SIDES: [Ink; 3] = [ink::ON, ink::OFF, ink::EXTRA];
 
-/// The page is so wide; the names of the front take the right part of it.
+/// Width of the page in points; the names of the front take the right part of it.
 const WIDTH: f64 = 1120.0;
 const PLOT: f64 = 620.0;
 const HEIGHT: f64 = 330.0;
@@ -69,7 +69,7 @@ pub fn fronts(shows: &[FrontShow<'_>]) -> Drawing {
     drawing
 }
 
-/// Where the dots of a show are on the page.
+/// Where the dots of a chart lie on the page.
 struct Plot<'a> {
     area: Area,
     x: Axis<'a>,
@@ -105,7 +105,7 @@ impl<'a> Plot<'a> {
                 scale,
             },
             y: Axis {
-                label: "error: 1 - F1 against the f64 sensor",
+                label: "error: 1 - kept, against the f64 sensor",
                 from: 0.0,
                 to: if worst > 0.0 { worst * 1.08 } else { 1.0 },
                 scale: Scale::Plain,

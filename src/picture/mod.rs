@@ -7,6 +7,7 @@
 
 mod animation;
 mod chart;
+mod curve;
 mod error;
 pub mod front;
 pub mod ink;
@@ -21,6 +22,7 @@ mod write;
 
 pub use animation::{write_animation, write_frames};
 pub use chart::{Drawing, png, raster, svg};
+pub use curve::{CurvePoint, CurveShow, curve};
 pub use error::PictureError;
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};

@@ -40,7 +40,7 @@ pub fn pale(frame: &RgbImage) -> RgbImage {
     panel
 }
 
-/// Events in ink on `ground`; where a pixel spoke more than once, its last event shows.
+/// Events in ink on `ground`; a pixel with several events shows its last.
 #[must_use]
 pub fn events(ground: RgbImage, events: &[Event]) -> RgbImage {
     let mut panel = ground;
@@ -109,7 +109,8 @@ impl Difference {
     }
 }
 
-/// The weights of a kernel: ON's colour above 0, OFF's below, pale to full at `most`.
+/// The weights of a kernel: ON's colour above 0, OFF's below, from pale to full at magnitude
+/// `most`.
 #[must_use]
 pub fn weights(weights: &Plane<f64>, most: f64) -> RgbImage {
     let (height, width) = weights.dim();
@@ -142,7 +143,7 @@ fn blank(size: Size, ink: Ink) -> RgbImage {
     RgbImage::from_pixel(size.width as u32, size.height as u32, ink)
 }
 
-/// Sets a pixel, if there is one.
+/// Sets a pixel; places outside the panel are ignored.
 fn set(panel: &mut RgbImage, x: usize, y: usize, ink: Ink) {
     if let Some(pixel) = panel.get_pixel_mut_checked(x as u32, y as u32) {
         *pixel = ink;

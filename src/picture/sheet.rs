@@ -51,8 +51,8 @@ pub fn contact_sheet(show: &Show<'_>, moments: &[Moment]) -> Result<RgbImage, Pi
     layout.page(show, &moments.iter().collect::<Vec<_>>())
 }
 
-/// Where everything goes, and which light is black and white: the same for all moments, so
-/// that rows and pictures of an animation can be compared by eye.
+/// Positions of the panels, and the light shown as black and as white: the same for all moments, so
+/// that rows and pages of an animation can be compared by eye.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     size: Size,
@@ -209,7 +209,7 @@ fn legend(page: &mut RgbImage, at: (u32, u32)) {
     }
 }
 
-/// A side of a picture that files can hold.
+/// A side of a picture, in pixels, if a picture file can hold it.
 fn side(pixels: usize) -> Result<u32, PictureError> {
     match u16::try_from(pixels) {
         Ok(pixels) => Ok(pixels.into()),

@@ -1,4 +1,4 @@
-//! What registers hold, line by line of a program.
+//! A strip: what each register holds after each line of a program, as pictures.
 
 use image::{
     RgbImage,
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::plane::Size;
 
-/// A register behind a line.
+/// A register as it is after a line.
 #[derive(Clone, Debug)]
 pub struct StripCell {
     /// What it holds.
@@ -121,8 +121,8 @@ fn frame(page: &mut RgbImage, (x, y): (u32, u32), (width, height): (u32, u32)) {
     }
 }
 
-/// A caption in lines of so many characters, broken at blanks where there are any; what does
-/// not fit is cut.
+/// A caption in at most [`CAPTION`] lines of `room` characters, broken at blanks where there are
+/// any; the rest is cut off.
 fn wrapped(text: &str, room: usize) -> Vec<String> {
     let room = room.max(3);
     let mut rest: Vec<char> = text.chars().collect();

@@ -1,4 +1,4 @@
-//! A resistor sheet in pictures: the field it makes, its frequency response, the voltages on it.
+//! Pictures of a resistive grid: its receptive field, its frequency response, its voltages.
 
 use image::{RgbImage, imageops};
 
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::plane::Plane;
 
-/// What a sheet is shown by.
+/// What is shown of a resistive grid.
 #[derive(Clone, Debug)]
 pub struct SurroundShow {
     /// The line on top.
@@ -17,9 +17,10 @@ pub struct SurroundShow {
     /// Fields side by side, each with its caption: `[y, x]`. Their colours go with the root of
     /// the weight, or the surround would not be seen beside the centre.
     pub fields: Vec<(String, Plane<f64>)>,
-    /// Frequency responses, each with its name: gains at equal steps from 0 to half a cycle.
+    /// Frequency responses, each with its name: gains at equal steps from 0 to half a cycle a
+    /// pixel.
     pub responses: Vec<(String, Vec<f64>)>,
-    /// Voltages seen as a landscape, each with its caption, `[y, x]`.
+    /// Node voltages drawn as a landscape, each with its caption, `[y, x]`.
     pub reliefs: Vec<(String, Plane<f64>)>,
 }
 
@@ -153,7 +154,7 @@ pub fn relief(voltages: &Plane<f64>) -> RgbImage {
             )
         };
         let points: Vec<_> = (0..columns).map(point).collect();
-        // What lies behind is hidden.
+        // Rows behind are hidden: each row fills the page below it with paper.
         for pair in points.windows(2) {
             let (from, to) = (pair[0].0.round() as u32, pair[1].0.round() as u32);
             for x in from..=to {

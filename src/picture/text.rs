@@ -1,11 +1,11 @@
-//! Captions, in a small typeface that is part of the program.
+//! Captions in a small bitmap typeface that is part of the program.
 
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 use super::ink::Ink;
 
-/// A weight at a size.
+/// A typeface at one weight and size.
 #[derive(Clone, Copy, Debug)]
 pub struct Face {
     font: FontWeight,
@@ -34,7 +34,7 @@ impl Face {
 /// Height of a line, in pixels.
 pub const LINE: u32 = 20;
 
-/// Plain or for headings.
+/// The weight of a text: plain, or bold for headings.
 #[derive(Clone, Copy, Debug)]
 pub enum Weight {
     Plain,
@@ -55,12 +55,12 @@ pub const fn fits(width: u32, weight: Weight) -> usize {
     width as usize / get_raster_width(weight.font(), RasterHeight::Size16)
 }
 
-/// Writes a line with its upper left corner at `at`; returns where it ends.
+/// Writes a line with its upper left corner at `at`; returns the x at which it ends.
 pub fn write(page: &mut RgbImage, at: (u32, u32), text: &str, weight: Weight, ink: Ink) -> u32 {
     write_in(page, at, text, Face::new(weight, 1), ink)
 }
 
-/// The same in any face.
+/// [`write`] in any face.
 pub fn write_in(page: &mut RgbImage, at: (u32, u32), text: &str, face: Face, ink: Ink) -> u32 {
     let (mut x, y) = at;
     for c in text.chars() {
@@ -81,7 +81,7 @@ pub fn write_in(page: &mut RgbImage, at: (u32, u32), text: &str, face: Face, ink
     x
 }
 
-/// The same, cut where it would leave `width` pixels.
+/// [`write`], cut off where it would be wider than `width` pixels.
 pub fn write_within(
     page: &mut RgbImage,
     at: (u32, u32),

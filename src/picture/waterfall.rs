@@ -1,4 +1,4 @@
-//! A waterfall of events: step by step, what is kept, changed, lost and new.
+//! The waterfall chart: for each step of a design, which events are kept, changed, lost and new.
 
 use super::{
     chart::{
@@ -9,14 +9,14 @@ use super::{
     text::{LINE, Weight},
 };
 
-/// What a waterfall is shown by.
+/// What a waterfall chart shows.
 #[derive(Clone, Debug)]
 pub struct WaterfallShow<'a> {
     /// The line on top.
     pub title: &'a str,
     /// Lines below it.
     pub captions: &'a [String],
-    /// How many events are 100 %.
+    /// The number of events that counts as 100 %.
     pub whole: u64,
     /// From the first to the last.
     pub steps: &'a [WaterfallStep<'a>],
@@ -27,26 +27,26 @@ pub struct WaterfallShow<'a> {
 /// One step.
 #[derive(Clone, Copy, Debug)]
 pub struct WaterfallStep<'a> {
-    /// What it is called.
+    /// The name of the step.
     pub name: &'a str,
-    /// What it does after the steps before it.
+    /// What it changes when it is added to the steps before it.
     pub forward: Classes,
-    /// What it alone does; none where that is not known.
+    /// What changes when it alone is left out of the whole; `None` where that is not known.
     pub backward: Option<Classes>,
 }
 
-/// Events by what became of them.
+/// Numbers of events by what became of them between two packets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Classes {
-    /// Before and after.
+    /// In both packets, at the same time.
     pub kept: u64,
-    /// Before and after, at another time.
+    /// In both, at another time.
     pub mistimed: u64,
-    /// Before and after, of the opposite sign.
+    /// In both, of the opposite sign.
     pub wrong_sign: u64,
-    /// Before only.
+    /// In the first packet only.
     pub lost: u64,
-    /// After only.
+    /// In the second packet only.
     pub extra: u64,
 }
 
@@ -61,11 +61,11 @@ impl Classes {
 }
 
 const MARGIN: f64 = 24.0;
-/// Room for the names of the steps.
+/// Width of the column of step names, in points.
 const NAMES: f64 = 212.0;
 const PACKETS: f64 = 400.0;
 const CHANGES: f64 = 260.0;
-/// Room for what is written beside the bars.
+/// Width of the column of numbers beside the bars, in points.
 const VALUES: f64 = 76.0;
 const GAP: f64 = 32.0;
 const ROW: f64 = 48.0;
@@ -200,7 +200,7 @@ fn head(page: &mut Drawing, show: &WaterfallShow<'_>, plots: &[Area; 2]) {
     }
 }
 
-/// Where the next row is drawn.
+/// The row that is being drawn.
 struct Row<'a> {
     page: &'a mut Drawing,
     y: f64,
@@ -214,7 +214,7 @@ impl Row<'_> {
         100.0 * events as f64 / self.whole.max(1) as f64
     }
 
-    /// The name, and both packets.
+    /// Draws the step's name, and how many events there are before and after it.
     fn step(&mut self, name: &str, classes: Classes) {
         let line = f64::from(LINE);
         let at = (MARGIN, self.y - 4.0);
@@ -246,7 +246,7 @@ impl Row<'_> {
         }
     }
 
-    /// What a step changes.
+    /// Draws what a step changes, in the plot at `down`.
     fn change(&mut self, down: f64, classes: Option<Classes>) {
         let (area, axis) = self.changes;
         let mut end = 0;
@@ -269,7 +269,7 @@ impl Row<'_> {
             .text(at, Anchor::Start, Weight::Plain, ink::CAPTION, text);
     }
 
-    /// Bars one after the other.
+    /// Draws bars end to end: numbers of events, each in its ink.
     fn stack(&mut self, (area, axis): (Area, Axis<'static>), down: f64, parts: &[(u64, Ink)]) {
         let mut sum = 0;
         let mut x = area.x;

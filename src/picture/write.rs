@@ -1,4 +1,4 @@
-//! Pictures and drawings into files.
+//! Writing pictures and drawings to files.
 
 use std::{io, path::Path};
 

@@ -1,5 +1,4 @@
-//! What can be told before a program runs: FLAG, scratch that a later line still needs, and
-//! the kernel store.
+//! Static checks of a program: FLAG, values destroyed as scratch, and the size of the kernel store.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +13,7 @@ use crate::{
     limit::FAULTS,
 };
 
-/// Adds what is wrong with an expanded program.
+/// Adds the faults of an expanded program.
 pub(super) fn check(expansion: &Expansion, device: &Device, faults: &mut Vec<Fault>) {
     let mut walk = Walk {
         device,
@@ -25,14 +24,14 @@ pub(super) fn check(expansion: &Expansion, device: &Device, faults: &mut Vec<Fau
     walk.entries(&expansion.init, true);
     walk.entries(&expansion.frame, true);
     if !expansion.bare {
-        // The next frame begins where this one ended.
+        // The next frame starts with the state that this one leaves.
         walk.entries(&expansion.frame, false);
     }
     faults.append(&mut walk.faults);
     store(expansion, device, faults);
 }
 
-/// A place that can be named in a message.
+/// A statement, for messages.
 #[derive(Clone, Debug)]
 struct Spot {
     name: String,
@@ -41,7 +40,7 @@ struct Spot {
 }
 
 impl Spot {
-    fn of(statement: &Expanded) -> Self {
+    fn new(statement: &Expanded) -> Self {
         Self {
             name: statement.name.clone(),
             place: statement.place,
@@ -54,17 +53,16 @@ struct Walk<'a> {
     device: &'a Device,
     /// The statement after which FLAG may be 0 somewhere.
     partial: Option<Spot>,
-    /// Who overwrote a cell as scratch.
+    /// The statement that overwrote each cell as scratch.
     destroyed: BTreeMap<Cell, Spot>,
     faults: Vec<Fault>,
 }
 
 impl Walk<'_> {
-    /// Some entries, from left to right. A body that is repeated is walked twice, which is
-    /// enough to see what one pass leaves to the next, but only on the first visit: what a body
-    /// leaves of what came before does not depend on how often it runs, so that all that a
-    /// later visit can bring is seen in its first pass. So repeats inside each other cost the
-    /// sum of their passes, not the product.
+    /// Checks entries in order. The body of a repeat is walked twice, so that what one pass leaves
+    /// to the next is seen, but only on the first visit: what a body leaves of earlier state does
+    /// not depend on how often it runs, so a later visit brings nothing that its first pass does
+    /// not show. So nested repeats cost the sum of their passes, not the product.
     fn entries(&mut self, entries: &[Entry], first: bool) {
         for entry in entries {
             match entry {
@@ -90,11 +88,11 @@ impl Walk<'_> {
         }
         match statement.effect.flag {
             Some(FlagState::Whole) => self.partial = None,
-            Some(FlagState::Partial) => self.partial = Some(Spot::of(statement)),
+            Some(FlagState::Partial) => self.partial = Some(Spot::new(statement)),
             None => {}
         }
         for cell in statement.destroys().filter(|cell| *cell != Cell::Flag) {
-            self.destroyed.insert(cell, Spot::of(statement));
+            self.destroyed.insert(cell, Spot::new(statement));
         }
         for cell in &statement.results {
             if statement.effect.writes.contains(cell) {
@@ -135,7 +133,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The same fault again, from the next pass, says nothing new.
+    /// Reports a fault once; the second pass would report it again.
     fn report(&mut self, fault: Fault) {
         let alike = self.faults.iter().filter(|f| f.severity == fault.severity);
         if alike.count() > FAULTS {

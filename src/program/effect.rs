@@ -1,18 +1,18 @@
-//! What steps read and write: the ground of every check. What a word does is in its operands.
+//! Effects of steps: the cells that they read and write, folded over the operands of their words.
 
 use std::collections::BTreeSet;
 
 use super::{Action, Host, Step};
 use crate::isa::{Cell, Device, operands::FlagEffect};
 
-/// What some steps do to a pixel's cells.
+/// The effect of some steps on a pixel's cells.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Effect {
-    /// Read before the steps themselves have written them.
+    /// Cells that are read before the steps write them.
     pub reads: BTreeSet<Cell>,
-    /// Written.
+    /// Cells that are written.
     pub writes: BTreeSet<Cell>,
-    /// What the last of them that touches FLAG leaves in it.
+    /// FLAG after the last step that touches it; `None` if none does.
     pub flag: Option<FlagState>,
 }
 

@@ -1,4 +1,4 @@
-//! Host operations: from a statement, and back to one.
+//! Host operations: parsed from a statement, and printed as one.
 
 use super::{Area, Host, Pattern, Shape, SumOver, Window};
 use crate::{

@@ -1,4 +1,4 @@
-//! From text to tree. After a fault it goes on, so that all faults of a file are found.
+//! Parsing text to a tree. It recovers after a fault, so that all faults of a file are reported.
 
 use super::syntax::{Comment, Item, Node, Syntax};
 use crate::{
@@ -16,7 +16,7 @@ pub(super) struct Parsed {
     pub faults: Vec<Fault>,
 }
 
-/// Takes a text apart.
+/// Parses a text.
 pub(super) fn parse(text: &str) -> Parsed {
     let (tokens, mut faults) = lex(text);
     let (comments, tokens): (Vec<Token>, Vec<Token>) = tokens
@@ -72,7 +72,7 @@ pub(super) fn parse(text: &str) -> Parsed {
     }
 }
 
-/// What may stand here.
+/// Where an item stands, which decides what it may be.
 #[derive(Clone, Copy, PartialEq)]
 enum Level {
     Top,
@@ -81,11 +81,11 @@ enum Level {
 
 struct Parser<'a> {
     cursor: Cursor<'a>,
-    /// Those that are still to come.
+    /// Comments not yet attached to an item.
     comments: &'a [Token],
     text: &'a str,
     faults: Vec<Fault>,
-    /// Where the thing before ended.
+    /// Where the item before ended.
     end: usize,
 }
 
@@ -120,7 +120,7 @@ impl Parser<'_> {
                 Err(fault) => {
                     self.faults.push(fault);
                     self.cursor.recover();
-                    // What cannot even begin an item is stepped over.
+                    // Tokens that cannot begin an item are skipped.
                     if self.cursor.place().start == start {
                         self.cursor.advance();
                     }

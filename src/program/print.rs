@@ -1,5 +1,5 @@
-//! From tree to text, always the same way: one statement a line, four blanks a level, comments
-//! and single blank lines kept.
+//! Formatting a tree as text, always the same way: one statement a line, four blanks a level,
+//! comments and single blank lines kept.
 
 use std::fmt::{self, Write as _};
 

@@ -1,4 +1,4 @@
-//! A chip's instructions, written down from its data: `docs/scamp5.md` is this text.
+//! The reference of a chip's instructions, generated from its data: `docs/scamp5.md` is this text.
 
 use std::fmt::Write as _;
 
@@ -237,7 +237,7 @@ fn sequence(text: &mut String, body: &[Item], level: usize) {
     }
 }
 
-/// What a macro writes and does not give, parameters by their names.
+/// The registers that a macro writes besides its results; parameters by their names.
 fn destroyed(it: &Macro, device: &Device) -> Vec<String> {
     let Some((arguments, expansion)) = sample(it, device, &nearest_to_one(it)) else {
         return Vec::new();
@@ -265,7 +265,7 @@ fn nearest_to_one(it: &Macro) -> Vec<f64> {
         .collect()
 }
 
-/// How many words a macro takes, and how they go with its numbers.
+/// The number of words of a macro, and how it depends on its numeric parameters.
 fn words(it: &Macro, device: &Device) -> String {
     let numbers: Vec<&Parameter> = it
         .signature

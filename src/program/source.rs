@@ -27,7 +27,7 @@ pub struct Program {
     pub settings: Settings,
     /// What it is expected to give.
     pub expectation: Expectation,
-    /// What is wrong with the text itself.
+    /// Faults of the text itself.
     faults: Vec<Fault>,
 }
 

@@ -1,5 +1,5 @@
-//! Expanded code as text again: one primitive a line, in the vendor's way of writing. Read
-//! back, it gives the same words.
+//! Disassembly: expanded code as text, one primitive a line, in the vendor's notation. Parsed
+//! again, it gives the same words.
 
 use std::fmt::Write as _;
 

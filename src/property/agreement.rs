@@ -108,9 +108,9 @@ pub fn agree(
     let code = expansion.map_err(|e| broken(file, &e))?.code;
     let settings = Settings {
         clip: true,
-        ..Settings::of(device)
+        ..Settings::from_device(device)
     };
-    let chip = (tolerance.arithmetic).chip(file, code, device, size, settings);
+    let chip = (tolerance.arithmetic).chip(file, &code, device, size, settings);
     let mut chip = chip.map_err(|e| broken(file, &e))?;
     let mut float =
         Reference::new(reference.clone(), size, 0).map_err(|e| broken(&reference.name, &e))?;

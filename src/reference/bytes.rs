@@ -1,4 +1,4 @@
-//! What a sensor will hold, worked out before it is made.
+//! The memory that a sensor will need, computed before it is made.
 
 use crate::{number::Number, plane::Size};
 
@@ -34,7 +34,7 @@ impl<N: Number> Reference<N> {
         });
         let low_pass = 16 * usize::from(description.noise.cutoff_hz > 0.0);
         let cell: usize = channels.sum::<usize>() + held + low_pass;
-        // Rims, and rows that are rounded up to whole lines of the cache.
+        // Rims, and rows that are padded to whole cache lines.
         let padded = (size.height as u128 + 64) * (size.width as u128 + 128);
         padded * cell as u128
     }

@@ -1,4 +1,4 @@
-//! Counts: signed events of each cell in a pair of frames.
+//! Counts: the signed number of events of each cell in an interval.
 
 use std::ops::Range;
 
@@ -9,11 +9,11 @@ use crate::{
 };
 
 use super::{
-    train::{BandSink, Pair, Sink, TrainRow},
+    train::{BandSink, Interval, Sink, TrainRow},
     voxel::split,
 };
 
-/// Signed events of each cell in the current pair; `[channel][y, x]`.
+/// Signed event counts of each cell in the current interval; `[channel][y, x]`.
 #[derive(Clone, Debug)]
 pub struct Counts {
     planes: Vec<Plane<i32>>,
@@ -28,7 +28,7 @@ impl Counts {
         }
     }
 
-    /// The counts of the current pair, one plane for each channel.
+    /// The counts of the current interval, one plane for each channel.
     #[must_use]
     pub fn planes(&self) -> &[Plane<i32>] {
         &self.planes
@@ -41,7 +41,7 @@ pub struct CountBand<'a> {
     top: usize,
     width: usize,
     rows: Vec<&'a mut [i32]>,
-    /// The row and channel told last, which may be told again.
+    /// The row and channel passed last; the same may come again.
     last: Option<(usize, usize)>,
 }
 
@@ -52,7 +52,7 @@ impl Sink for Counts {
         false
     }
 
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<CountBand<'_>> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<CountBand<'_>> {
         let width = self.planes.first().map_or(0, Plane::ncols);
         let parts = split(&mut self.planes, bands).into_iter().zip(bands);
         parts
@@ -92,13 +92,13 @@ mod tests {
     #[test]
     fn a_row_that_is_told_again_adds() {
         let mut counts = Counts::new(Size::new(1, 2), 2);
-        let pair = Pair {
+        let interval = Interval {
             index: 0,
             from: 0.0,
             to: 1.0,
         };
         for _ in 0..2 {
-            let mut bands = counts.begin(pair, std::slice::from_ref(&(0..1)));
+            let mut bands = counts.begin(interval, std::slice::from_ref(&(0..1)));
             for (channel, told) in [(0, [1, 2]), (0, [3, -5]), (1, [7, 0])] {
                 let mut row = TrainRow::<f32>::new(2);
                 row.channel = channel;

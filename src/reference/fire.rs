@@ -1,4 +1,4 @@
-//! Fire: how many thresholds the drive has crossed, and when.
+//! Events of a cell: how many thresholds the drive has crossed, and when.
 //!
 //! With the drive's distance from memory `d = S - M`, the threshold `θ = θ_on` for `d ≥ 0`
 //! and `θ_off` below, and `p = sign(d)`:
@@ -25,22 +25,23 @@ use crate::number::Real;
 
 use super::train::TrainRow;
 
-/// Whole thresholds in a distance, from one by each threshold; 2^31 if they are more, or the
-/// distance is not a number.
+/// The number of whole thresholds in a distance; `per_on` and `per_off` are their reciprocals. At
+/// most 2^31, which also stands for a distance that is not a number.
 #[inline]
 pub(super) fn whole<R: Real>(d: R, per_on: R, per_off: R) -> R {
     let quotient = d.abs() * if d >= R::ZERO { per_on } else { per_off };
-    // In single precision the tolerance of a large count would be more than an event.
+    // In single precision the tolerance of a large count would exceed one event.
     let half = R::from_f64(0.5);
-    let hair = quotient * R::TIE;
-    let whole = (quotient + if hair < half { hair } else { half }).floor();
+    let tolerance = quotient * R::TIE;
+    let whole = (quotient + if tolerance < half { tolerance } else { half }).floor();
     let beyond = R::from_f64(2_147_483_648.0);
     if whole < beyond { whole } else { beyond }
 }
 
-/// Where a line from one distance to another meets the first threshold, and how far the next
-/// is, by linear interpolation between the frames.
+/// The place of the first crossing on the line from one distance to another, and the spacing of the
+/// crossings, by linear interpolation between the frames.
 ///
+/// Where the line does not rise, a disturbance made the crossing: it is placed at the later frame.
 /// Where the line does not rise, a disturbance made the crossing: it is seen at the frame.
 #[inline]
 pub(super) fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
@@ -58,8 +59,8 @@ pub(super) fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
     )
 }
 
-/// The one decision of a memory that snaps: 1, 0 or -1 event, when the frame is taken. Whether
-/// all distances are numbers: without one nothing is above a threshold, and nothing below.
+/// The decision of a memory that snaps: 1, 0 or -1 event, at the later frame. Returns whether all
+/// distances are numbers, since a NaN is neither above nor below a threshold.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut TrainRow<R>) -> bool {
     let mut numbers = true;
@@ -79,7 +80,7 @@ pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut Trai
     numbers
 }
 
-/// Neither infinite nor NaN: nought times those is NaN.
+/// Whether it is finite: 0 times infinity or NaN is NaN.
 #[inline]
 pub(super) fn is_number<R: Real>(d: R) -> bool {
     d * R::ZERO == R::ZERO

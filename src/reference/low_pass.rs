@@ -1,4 +1,4 @@
-//! Photoreceptors of finite bandwidth; [`super::noise`] states the law.
+//! Photoreceptors of finite bandwidth; [`super::noise`] has the equation.
 
 use ndarray::ArrayView1;
 
@@ -10,8 +10,7 @@ use crate::{
 
 use super::description::Description;
 
-/// Photoreceptors that take their time: a first-order low-pass for each pixel, settled at the
-/// first frame.
+/// A first-order low-pass filter for each pixel, settled at the first frame.
 #[derive(Clone, Debug)]
 pub(super) struct LowPass {
     state: Plane<f64>,
@@ -24,7 +23,7 @@ impl LowPass {
         }
     }
 
-    /// Moves towards the response to `frame`, `dt` seconds after the last (infinite at first).
+    /// Filters the response to `frame`, `dt` seconds after the last (infinite at first).
     pub(super) fn see(
         &mut self,
         description: &Description,

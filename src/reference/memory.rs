@@ -1,4 +1,4 @@
-//! Memory: what a cell compares with, and what an event does to it.
+//! The memory of a cell: what the drive is compared with, and how an event changes it.
 //!
 //! | rule | holds | distance `d` | when a cell fires |
 //! |---|---|---|---|
@@ -32,12 +32,12 @@ use crate::{
 pub(super) enum Memory<N: Number> {
     RawSnap {
         pixels: Vec<N::Held>,
-        /// The distances at the frame before, to notice what fires for ever.
+        /// The distances at the frame before, to recognise cells that fire for ever.
         before: Vec<N::Held>,
     },
     FilteredSnap {
         filtered: Vec<N::Held>,
-        /// The signal when the cell last fired, where the polarity is the pixel's.
+        /// The signal when the cell last fired, where the polarity is the pixel's own.
         pixels: Option<Vec<N::Held>>,
     },
     FilteredStep(Stepped<N>),
@@ -48,14 +48,14 @@ pub(super) enum Memory<N: Number> {
 #[derive(Clone, Debug)]
 pub(super) struct Stepped<N: Number> {
     pub(super) base: Aligned<N::Held>,
-    /// ON steps less OFF steps.
+    /// Number of ON steps less number of OFF steps.
     pub(super) net: Aligned<i32>,
-    /// OFF steps, where the two thresholds differ.
+    /// Number of OFF steps, where the two thresholds differ.
     pub(super) off: Option<Vec<f64>>,
 }
 
 impl<N: Number> Stepped<N> {
-    /// A memory that has not moved.
+    /// A memory without steps.
     pub(super) fn new(base: &[N::Held], equal_thresholds: bool) -> Self {
         let cells = base.len();
         Self {
@@ -65,9 +65,10 @@ impl<N: Number> Stepped<N> {
         }
     }
 
-    /// Where the memory of the cells in `range` is: `base + net θ_on + off (θ_on - θ_off)`.
+    /// The memories of the cells in `range`: `base + net θ_on + off (θ_on - θ_off)`.
     ///
-    /// With equal thresholds nothing is lost, however often the memory went up and down.
+    /// With equal thresholds the last term is 0, and no precision is lost however often the memory
+    /// went up and down.
     pub(super) fn values(
         &self,
         number: &N,
@@ -89,8 +90,8 @@ impl<N: Number> Stepped<N> {
         }
     }
 
-    /// Moves the memory of the cells in `range` by `counts` steps; the column of the first
-    /// cell that is then further from its base than is counted, if there is one.
+    /// Moves the memories of the cells in `range` by `counts` steps; the error is the column of the
+    /// first cell that has moved too many steps.
     pub(super) fn take(
         &mut self,
         range: std::ops::Range<usize>,
@@ -109,14 +110,15 @@ impl<N: Number> Stepped<N> {
     }
 }
 
-/// How far a memory may move, in steps; so far that `net` cannot wrap unnoticed, whatever one
-/// pair of frames adds.
-pub(super) const MOST: i32 = 1 << 30;
+/// The most steps that a memory may be away from its base; so few that `net` cannot overflow
+/// unnoticed, whatever one interval adds.
+pub(super) const MAX_STEPS: i32 = 1 << 30;
 
-/// Below zero if the memory is too far, so that many can be checked at once.
+/// Below 0 if a memory is too many steps away, so that the sign bits of many can be checked at
+/// once.
 #[inline]
 pub(super) fn room(net: i32) -> i32 {
-    net.wrapping_add(MOST)
+    net.wrapping_add(MAX_STEPS)
 }
 
 /// `base + net θ_on`
@@ -151,7 +153,7 @@ fn stepped<N: Number>(
     }
 }
 
-/// Whether all cells could take their steps.
+/// Adds the steps; returns whether all memories are within bounds.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn take(net: &mut [i32], counts: &[i32]) -> bool {
     let mut all = 0;
@@ -162,7 +164,7 @@ fn take(net: &mut [i32], counts: &[i32]) -> bool {
     all >= 0
 }
 
-/// `d = S - M` in the number format, as what it is worth.
+/// The distances `d = S - M`: subtracted in the number format, then converted to reals.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn distance<N: Number>(
     number: &N,

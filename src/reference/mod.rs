@@ -18,11 +18,13 @@ mod counts;
 mod description;
 mod drive;
 mod fire;
+mod firing;
 mod list;
 mod low_pass;
 mod memory;
 pub mod model;
 mod noise;
+mod noise_event;
 mod reason;
 mod refractory;
 mod report;
@@ -32,7 +34,6 @@ mod sheets;
 mod signal;
 mod sinks;
 mod step;
-mod stray;
 mod surround;
 mod tally;
 mod thresholds;
@@ -44,11 +45,12 @@ pub use description::{
     Border, Channel, Description, MemoryRule, PolarityRule, ReadFile, Refractory, RefractoryRule,
     Threshold, keys,
 };
+pub use firing::{Firing, FiringBand};
 pub use list::{EventList, Limit, ListBand, WhenFull};
 pub use noise::Noise;
 pub use report::Report;
 pub use sensor::Reference;
 pub use surround::{SheetRule, Surround, Surrounds};
 pub use tally::{Tally, TallyBand};
-pub use train::{BandSink, Pair, Sink, Train, TrainRow};
+pub use train::{BandSink, Interval, Sink, Train, TrainRow};
 pub use voxel::{VoxelBand, VoxelGrid, bins};

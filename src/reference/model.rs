@@ -1,7 +1,7 @@
 //! The model of one cell, from its drive to its train, in the order of the paper (So &
 //! Wetzstein, *Neural Ganglion Sensors*, arXiv 2504.13457).
 //!
-//! It is the definition: one cell, one pair of frames, one operation after the other. The
+//! It is the definition: one cell, one interval, one operation after the other. The
 //! other files of this folder compute the same for whole rows, and `tests/reference_twin.rs`
 //! holds them to it, to the bit, in every number format.
 //!
@@ -37,12 +37,12 @@
 //!
 //! The cell is given its drive (1): the sum over pixels is a step of its own. Drives, memories
 //! and their differences are held in the number format and rounded once an operation; (3) to
-//! (5) are computed in its [`Number::Real`], times in double precision. When noise makes stray
-//! events, and how it jitters a train, is not part of it.
+//! (5) are computed in its [`Number::Real`], times in double precision. Noise events, and
+//! the jitter of a train, are not part of it.
 //!
 //! ```
 //! use amacrine::number::F64;
-//! use amacrine::reference::{Pair, PolarityRule, Refractory, RefractoryRule};
+//! use amacrine::reference::{Interval, PolarityRule, Refractory, RefractoryRule};
 //! use amacrine::reference::model::{Cell, FilteredStep, Seen, Setting};
 //!
 //! let setting = Setting {
@@ -55,8 +55,8 @@
 //! };
 //! let seen = |drive| Seen { signal: drive, drive, memory: 0.0 };
 //! let mut cell = Cell::<_, FilteredStep>::new(setting, 0.0, seen(0.0), 0.0);
-//! let pair = Pair { index: 0, from: 0.0, to: 0.01 };
-//! let train = cell.see(seen(0.8), pair).unwrap();
+//! let interval = Interval { index: 0, from: 0.0, to: 0.01 };
+//! let train = cell.see(seen(0.8), interval).unwrap();
 //! assert_eq!((train.count, train.first, train.spacing), (4, 0.25, 0.25));
 //! assert_eq!(cell.memory(), 0.8);
 //! ```
@@ -70,31 +70,31 @@ use crate::{
 
 use super::{
     description::{PolarityRule, Refractory, RefractoryRule},
-    train::{Pair, Train},
+    train::{Interval, Train},
 };
 
-/// What a cell sees in a frame, in the unit of the signal.
+/// What a cell sees in one frame, in the unit of the signal.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<N: Number> {
-    /// `u(x)`: what its own pixel says.
+    /// `u(x)`: the signal of its own pixel.
     pub signal: N::Held,
     /// (1): what the kernel makes of the signal; for [`RawSnap`] of the signal less the
     /// memory, `u - M`.
     pub drive: N::Held,
-    /// What the memory's own kernel makes of the memory; only for [`PixelStep`].
+    /// What the memory's own kernel gives of the memory; only for [`PixelStep`].
     pub memory: N::Held,
 }
 
-/// What is fixed in a cell.
+/// The constants of a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<N: Number> {
-    /// How reals are held.
+    /// The number format.
     pub number: N,
     /// `θ_on`, above 0, in the unit of the drive; with the cell's mismatch.
     pub on: f64,
     /// `θ_off`, a positive magnitude.
     pub off: f64,
-    /// How far the memory falls, in the unit of the drive per second; 0 without leak.
+    /// How far the leak lowers the memory, in the unit of the drive per second; 0 without leak.
     pub leak: f64,
     /// Where the sign of an event comes from.
     pub polarity: PolarityRule,
@@ -102,15 +102,15 @@ pub struct Setting<N: Number> {
     pub refractory: Refractory,
 }
 
-/// A memory rule: what is stored, what is compared with it, and what an event does.
-pub trait MemoryRule {
-    /// Whether an event stores what is seen (3, 6), or moves what is stored (4, 7).
+/// A memory rule: what is stored, what it is compared with, and what an event does to it.
+pub trait MemoryModel {
+    /// What an event does: it stores what is seen (3, 6), or moves what is stored (4, 7).
     type Event: EventRule;
 
-    /// What is stored of what is seen: the signal or the drive.
+    /// What is stored in a frame: the signal or the drive.
     fn stored<N: Number>(seen: &Seen<N>) -> N::Held;
 
-    /// (2) How far what is seen is from the memory.
+    /// The distance (2) of what is seen from the memory.
     fn distance<N: Number>(number: &N, seen: &Seen<N>, memory: N::Held) -> N::Held;
 }
 
@@ -132,7 +132,7 @@ pub type FilteredStep = Filtered<Step>;
 #[derive(Clone, Copy, Debug)]
 pub struct PixelStep;
 
-impl MemoryRule for RawSnap {
+impl MemoryModel for RawSnap {
     type Event = Snap;
 
     fn stored<N: Number>(seen: &Seen<N>) -> N::Held {
@@ -143,7 +143,7 @@ impl MemoryRule for RawSnap {
     }
 }
 
-impl<E: EventRule> MemoryRule for Filtered<E> {
+impl<E: EventRule> MemoryModel for Filtered<E> {
     type Event = E;
 
     fn stored<N: Number>(seen: &Seen<N>) -> N::Held {
@@ -154,7 +154,7 @@ impl<E: EventRule> MemoryRule for Filtered<E> {
     }
 }
 
-impl MemoryRule for PixelStep {
+impl MemoryModel for PixelStep {
     type Event = Step;
 
     fn stored<N: Number>(seen: &Seen<N>) -> N::Held {
@@ -165,20 +165,20 @@ impl MemoryRule for PixelStep {
     }
 }
 
-/// When a cell fires, and what that does to its memory.
+/// An event rule: when a cell fires, and what that does to its memory.
 pub trait EventRule {
-    /// The crossings on the way from distance `d0` to `d`, if there are any.
+    /// The crossings on the line from distance `d0` to `d`, if there are any.
     fn fires<R: Real>(d0: R, d: R, on: R, off: R) -> Option<Train>;
 
     /// Moves the memory by these events, where `now` is what it would store.
     fn moves<H>(memory: &mut Memory<H>, events: &Train, now: H);
 }
 
-/// The memory becomes what is seen.
+/// The memory becomes what is seen (it snaps).
 #[derive(Clone, Copy, Debug)]
 pub struct Snap;
 
-/// The memory moves by thresholds.
+/// The memory moves by whole thresholds (it steps).
 #[derive(Clone, Copy, Debug)]
 pub struct Step;
 
@@ -191,7 +191,7 @@ pub struct Memory<H> {
 }
 
 impl<H> Memory<H> {
-    const fn of(base: H) -> Self {
+    const fn new(base: H) -> Self {
         let (ups, downs) = (0.0, 0.0);
         Self { base, ups, downs }
     }
@@ -205,7 +205,7 @@ impl EventRule for Snap {
     }
     /// (6)
     fn moves<H>(memory: &mut Memory<H>, _: &Train, now: H) {
-        *memory = Memory::of(now);
+        *memory = Memory::new(now);
     }
 }
 
@@ -214,15 +214,15 @@ impl EventRule for Step {
     fn fires<R: Real>(d0: R, d: R, on: R, off: R) -> Option<Train> {
         let theta = if d >= R::ZERO { on } else { off };
         let levels = d.abs() * (R::ONE / theta);
-        let (hair, half) = (levels * R::TIE, R::from_f64(0.5));
-        let count = (levels + if hair < half { hair } else { half }).floor();
+        let (tolerance, half) = (levels * R::TIE, R::from_f64(0.5));
+        let count = (levels + if tolerance < half { tolerance } else { half }).floor();
         let start = d0.mul_sign(d);
         let rise = d.abs() - start;
         let per = R::ONE / rise;
         if rise > R::ZERO {
             train(d, count, (theta - start) * per, theta * per)
         } else {
-            // A leak made the crossing: it is seen at the later frame.
+            // The leak made the crossing: it is placed at the later frame.
             train(d, count, R::ONE, R::ZERO)
         }
     }
@@ -262,20 +262,20 @@ pub struct Cell<N: Number, M> {
     memory: Memory<N::Held>,
     /// What it saw in the frame before.
     before: Seen<N>,
-    /// `u'`: what its pixel said when it last fired, or at first.
+    /// `u'`: the signal of its pixel when it last fired, or in the first frame.
     pixel: N::Held,
     /// `t'`: when it last fired, in seconds.
     fired: f64,
-    /// The same before the last pair, strays of the pair included.
+    /// When it last fired before the last interval, or by a noise event in it.
     rested: f64,
-    /// Crossings and strays that the refractory period has swallowed so far.
+    /// Crossings and noise events lost to the refractory period so far.
     pub lost: u64,
-    /// How often it fired without a sign of its own (8), and said nothing.
+    /// How often it fired without a sign of its own (8), and so made no event.
     pub without_sign: u64,
     rule: PhantomData<M>,
 }
 
-impl<N: Number, M: MemoryRule> Cell<N, M> {
+impl<N: Number, M: MemoryModel> Cell<N, M> {
     /// A cell that sees its first frame at `seconds`, and has never fired. Its memory is
     /// `memory`: what it stores of that frame, less what has leaked before.
     #[must_use]
@@ -283,7 +283,7 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         Self {
             setting,
             start: seconds,
-            memory: Memory::of(memory),
+            memory: Memory::new(memory),
             before: first,
             pixel: first.signal,
             fired: f64::NEG_INFINITY,
@@ -298,27 +298,27 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
     pub fn memory(&self) -> N::Held {
         let Memory { base, ups, downs } = self.memory;
         let ([on, off], number) = (self.thresholds(), self.setting.number);
-        // In this order nothing is lost where the two thresholds are equal.
+        // In this order no precision is lost where the two thresholds are equal.
         let up = number.hold_real(number.real(base) + N::Real::from_f64(ups - downs) * on);
         number.hold_real(number.real(up) + N::Real::from_f64(downs) * (on - off))
     }
 
-    /// Sees the later frame of a pair; the train between the two, if it fires.
+    /// Sees the later frame of an interval; returns the train in the interval, if it fires.
     ///
     /// Unlike the sensor, which refuses what it cannot count, it does not look at how many
     /// events there are, nor at whether a distance is a number.
-    pub fn see(&mut self, seen: Seen<N>, pair: Pair) -> Option<Train> {
+    pub fn see(&mut self, seen: Seen<N>, interval: Interval) -> Option<Train> {
         let (Setting { number, leak, .. }, [on, off]) = (self.setting, self.thresholds());
-        let elapsed = pair.to - self.start;
+        let elapsed = interval.to - self.start;
         let memory = self.memory();
         let fallen = |elapsed: f64| N::Real::from_f64(leak) * N::Real::from_f64(elapsed);
         let distance = |seen| number.real(M::distance(&number, seen, memory));
-        let d0 = distance(&self.before) + fallen(elapsed - pair.duration());
+        let d0 = distance(&self.before) + fallen(elapsed - interval.duration());
         let d = distance(&seen) + fallen(elapsed);
         (self.before, self.rested) = (seen, self.fired);
         let authors = self.setting.refractory.rule == RefractoryRule::Authors;
         let events = if authors {
-            self.authors(d.to_f64(), pair)?
+            self.authors(d.to_f64(), interval)?
         } else {
             M::Event::fires(d0, d, on, off)?
         };
@@ -328,9 +328,9 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         let kept = if authors {
             events
         } else {
-            self.awake(events, pair)?
+            self.awake(events, interval)?
         };
-        self.fired = pair.from + kept.last() * pair.duration();
+        self.fired = interval.from + kept.last() * interval.duration();
         Some(Train {
             first: N::Real::from_f64(kept.first).to_f64(),
             spacing: N::Real::from_f64(kept.spacing).to_f64(),
@@ -338,16 +338,16 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         })
     }
 
-    /// Whether a stray event at `u` in the pair (0 at the earlier frame, 1 at the later) is heard
-    /// beside the cell's own `train`. It must lie a refractory period from all events of the
-    /// cell; strays are told in order.
-    pub fn hears(&mut self, u: f64, train: Option<&Train>, pair: Pair) -> bool {
-        let dt = pair.duration();
+    /// Whether a noise event at `u` in the interval (0 at the earlier frame, 1 at the later)
+    /// survives beside the cell's own `train`. It must lie a refractory period from all events of
+    /// the cell; noise events must be passed in order of time.
+    pub fn hears(&mut self, u: f64, train: Option<&Train>, interval: Interval) -> bool {
+        let dt = interval.duration();
         let r = self.setting.refractory.us * 1e-6 / dt * (1.0 - 1e-9);
         let own = |train: &Train| (0..train.count).all(|i| (train.at(i) - u).abs() >= r);
-        let heard = u - (self.rested - pair.from) / dt >= r && train.is_none_or(own);
+        let heard = u - (self.rested - interval.from) / dt >= r && train.is_none_or(own);
         if heard {
-            self.rested = pair.from + u * dt;
+            self.rested = interval.from + u * dt;
             self.fired = self.fired.max(self.rested);
         } else {
             self.lost += 1;
@@ -372,15 +372,15 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         (own != N::Real::ZERO).then_some(Train { polarity, ..events })
     }
 
-    /// (9), one crossing after the other; all times in units of the pair.
-    fn awake(&mut self, events: Train, pair: Pair) -> Option<Train> {
-        let dt = pair.duration();
-        // A crossing that rounding puts a hair before the end of the dead time is kept.
+    /// The dead time (9), one crossing after the other; all times in units of the interval.
+    fn awake(&mut self, events: Train, interval: Interval) -> Option<Train> {
+        let dt = interval.duration();
+        // The tolerance keeps a crossing that rounding puts just before the end of the dead time.
         let r = self.setting.refractory.us * 1e-6 / dt * (1.0 - 1e-9);
         if r == 0.0 {
             return Some(events);
         }
-        let rested = (pair.from - self.fired) / dt;
+        let rested = (interval.from - self.fired) / dt;
         let mut kept = Vec::new();
         for i in (0..events.count).map(|i| i as f64) {
             let since = match kept.last() {
@@ -401,13 +401,13 @@ impl<N: Number, M: MemoryRule> Cell<N, M> {
         })
     }
 
-    /// (10) to (13), in the order of the released code.
-    fn authors(&self, d: f64, pair: Pair) -> Option<Train> {
-        let (dt, r) = (pair.duration(), self.setting.refractory.us * 1e-6);
+    /// The authors' rule (10) to (13), with the operations in the order of the released code.
+    fn authors(&self, d: f64, interval: Interval) -> Option<Train> {
+        let (dt, r) = (interval.duration(), self.setting.refractory.us * 1e-6);
         let theta = self.thresholds()[usize::from(d < 0.0)].to_f64();
         let alpha = dt / ((d.abs() + 1e-9) / theta);
         let alpha_r = ((r / alpha).floor() + 1.0) * alpha;
-        let beta_r = ((r - (pair.from - self.fired)) / alpha).floor() * alpha;
+        let beta_r = ((r - (interval.from - self.fired)) / alpha).floor() * alpha;
         let beta_r = beta_r.max(0.0);
         (d != 0.0 && alpha_r <= dt - beta_r).then(|| Train {
             polarity: polarity(d),

@@ -1,5 +1,5 @@
 //! Noise: what disturbs a cell. Each is off by default; each is a hash of
-//! (seed, reason, channel, pixel, pair), so the same seed gives the same events in any order
+//! (seed, reason, channel, pixel, interval), so the same seed gives the same events in any order
 //! of work.
 //!
 //! | key of `[noise]` | unit | what it does | rate on a still scene |
@@ -9,7 +9,7 @@
 //! | `shot-hz` | events/s | noise events in the dark, half ON half OFF, a Poisson process in each cell | `shot-hz` |
 //! | `shot-at-white` | - | the share of it that is left at light 255; a straight line between, constant above | `shot-hz (1 + (shot-at-white - 1) I / 255)` |
 //! | `hot-fraction`, `hot-hz` | -, events/s | this share of the cells fires ON at this rate instead, a Poisson process, whatever it sees | `hot-fraction hot-hz` per cell |
-//! | `jitter-us` | us | the events of a cell in a pair move together by a normal draw, reflected at the pair's frames | |
+//! | `jitter-us` | us | the events of a cell in an interval move together by a normal draw, reflected at the interval's ends | |
 //! | `cutoff-hz` | Hz | the photoreceptor is a first-order low-pass whose bandwidth grows with light, `cutoff-hz (I + 20) / 275` (v2e's law) | |
 //!
 //! The threshold's own mismatch is `sigma` of a channel's `threshold`.
@@ -20,7 +20,7 @@
 //!
 //! **Shot noise and hot pixels** leave the memory alone. Under a dead time a cell is deaf to
 //! them for that time after each of its events, and they give way to an event of the scene
-//! that follows within it in the same pair of frames.
+//! that follows within it in the same interval.
 //!
 //! **Low-pass.** The light of a frame is held since the frame before, so a step is followed as
 //! `1 - exp(-2π f t)` at any frame rate. It starts settled.
@@ -41,7 +41,7 @@ use super::{
     train::Train,
 };
 
-/// What disturbs the cells of a sensor.
+/// The noise of a sensor's cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// ON events a second that leakage makes in a cell.
@@ -71,7 +71,7 @@ impl Default for Noise {
 /// The light at which `shot-at-white` holds: white in 8-bit video.
 const WHITE: f64 = 255.0;
 
-/// A cell that fires more often than once a microsecond has no times.
+/// The highest rate of events in hertz: times have microseconds.
 const FASTEST: f64 = 1e6;
 
 /// A key of `[noise]`: a number from 0 on.
@@ -198,13 +198,13 @@ impl Noise {
         Ok(noise)
     }
 
-    /// Whether cells fire for other reasons than what they see.
+    /// Whether cells may fire for other reasons than the scene.
     #[must_use]
     pub fn fires(&self) -> bool {
         self.shot_hz > 0.0 || (self.hot_hz > 0.0 && self.hot_fraction > 0.0)
     }
 
-    /// How far the memory of a cell falls in a second, in the unit of its threshold.
+    /// How far the leak lowers the memory of a cell in a second, in the unit of its threshold.
     pub(super) fn leak(&self, place: Place, threshold: f64) -> f64 {
         let spread = if self.leak_spread > 0.0 {
             elementary::pow(10f64, self.leak_spread * place.normal(Reason::LeakRate, 0))
@@ -214,7 +214,7 @@ impl Noise {
         self.leak_hz * spread * threshold
     }
 
-    /// How much of a threshold a cell has leaked before its first frame.
+    /// How far, in thresholds, a cell's memory has leaked before its first frame.
     pub(super) fn leaked(place: Place) -> f64 {
         place.uniform(Reason::LeakPhase, 0)
     }
@@ -225,9 +225,9 @@ impl Noise {
         1.0 + (self.shot_at_white - 1.0) * (light / WHITE).clamp(0.0, 1.0)
     }
 
-    /// Moves a train by the cell's jitter, reflected so that it stays within the pair.
-    pub(super) fn jitter(&self, train: Train, place: Place, pair: u64, dt: f64) -> Train {
-        let shift = self.jitter_us * 1e-6 / dt * place.normal(Reason::Jitter, pair);
+    /// Moves a train by the cell's jitter, reflected so that it stays within the interval.
+    pub(super) fn jitter(&self, train: Train, place: Place, interval: u64, dt: f64) -> Train {
+        let shift = self.jitter_us * 1e-6 / dt * place.normal(Reason::Jitter, interval);
         let room = 1.0 - (train.last() - train.first);
         let first = if room > 0.0 {
             let folded = (train.first + shift).rem_euclid(2.0 * room);
@@ -238,8 +238,9 @@ impl Noise {
         Train { first, ..train }
     }
 
-    /// How much of the way to its input a photoreceptor goes in `dt` seconds, 0 to 1: the exact
-    /// first-order low-pass with v2e's bandwidth, `cutoff-hz (light + 20) / 275`.
+    /// The step of the low-pass: the share of the way to its input that a photoreceptor goes in
+    /// `dt` seconds, 0 to 1. It is the exact first-order filter with v2e's bandwidth,
+    /// `cutoff-hz (light + 20) / 275`.
     #[must_use]
     pub fn low_pass(&self, light: f64, dt: f64) -> f64 {
         let bandwidth = self.cutoff_hz * (light.max(0.0) + 20.0) / 275.0;

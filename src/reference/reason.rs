@@ -2,7 +2,7 @@
 
 use crate::rng::{self, Hash};
 
-/// Why a number is drawn: no two reasons share their numbers.
+/// Why a number is drawn: each reason has random numbers of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reason {
     ThresholdOn = 1,
@@ -26,12 +26,12 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// A uniform number in [0, 1); `step` is the pair, or whatever else comes again.
+    /// A uniform number in [0, 1); `step` is the number of the interval, or another counter.
     pub(super) fn uniform(self, reason: Reason, step: u64) -> f64 {
         self.uniform_at(reason, step, 0)
     }
 
-    /// The same for the `turn`-th number of a step.
+    /// The same, the `turn`-th number of a step.
     pub(super) fn uniform_at(self, reason: Reason, step: u64, turn: u64) -> f64 {
         Draws::new(self.seed, reason).uniform_at(self, step, turn)
     }
@@ -45,7 +45,7 @@ impl Place {
     }
 }
 
-/// All numbers of one reason: what they have in common is mixed once.
+/// The generator of one reason: the part of the hash that all places share, computed once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Draws(Hash);
 

@@ -1,4 +1,4 @@
-//! Refractory: how long a cell is silent after an event.
+//! Refractory periods: how long a cell is silent after an event.
 //!
 //! Two rules, named apart because they count differently:
 //!
@@ -26,23 +26,23 @@ use crate::number::Real;
 
 use super::{
     memory,
-    train::{Pair, Train, TrainRow},
+    train::{Interval, Train, TrainRow},
 };
 
-/// What a dead time of `seconds` leaves of a row of trains; `fired` says when each cell last
-/// fired, in seconds.
+/// Removes the events of a row of trains that a dead time of `seconds` loses; `fired` has the time
+/// at which each cell last fired, in seconds.
 ///
 /// Division by a spacing of 0, of a train that is one event, gives infinity, as it should. No
 /// branch depends on the cells, so that the loop is vectorised.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn dead_time<R: Real>(
-    pair: Pair,
+    interval: Interval,
     seconds: f64,
     fired: &mut [f64],
     row: &mut TrainRow<R>,
 ) {
-    let dt = pair.duration();
-    // A crossing that rounding puts a hair before the end of the dead time is kept.
+    let dt = interval.duration();
+    // The tolerance keeps a crossing that rounding puts just before the end of the dead time.
     let r = seconds / dt * (1.0 - 1e-9);
     let cells = fired.len();
     let (counts, first, spacing) = (
@@ -53,7 +53,7 @@ pub(super) fn dead_time<R: Real>(
     for x in 0..cells {
         let (place, step) = (first[x].to_f64(), spacing[x].to_f64());
         let all = f64::from(counts[x]);
-        let wait = r - (pair.from - fired[x]) / dt - place;
+        let wait = r - (interval.from - fired[x]) / dt - place;
         let skip = if wait > 0.0 {
             (wait / step).ceil()
         } else {
@@ -69,7 +69,7 @@ pub(super) fn dead_time<R: Real>(
         let last = place + step * (kept - 1.0);
         let last = if last < 1.0 { last } else { 1.0 };
         fired[x] = if kept > 0.0 {
-            pair.from + last * dt
+            interval.from + last * dt
         } else {
             fired[x]
         };
@@ -78,8 +78,8 @@ pub(super) fn dead_time<R: Real>(
     }
 }
 
-/// Whether a cell is awake for a stray event at `u`, given what the scene made it fire in this
-/// pair and when it fired last before; all in units of the pair's duration.
+/// Whether a noise event at `u` survives, given the scene's events of the cell in this interval and
+/// the time at which it last fired before; all in units of the interval.
 ///
 /// It must not come within a dead time after an event, and gives way to an event of the scene
 /// within a dead time after it.
@@ -88,7 +88,7 @@ pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool 
     let Some(train) = scene else {
         return u - before >= r;
     };
-    // How many of the scene's events lie before.
+    // Number of the scene's events before it.
     let passed = if u < train.first {
         0
     } else if train.spacing > 0.0 {
@@ -103,21 +103,21 @@ pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool 
     u - last >= r && (passed == train.count || train.at(passed) - u >= r)
 }
 
-/// The released simulator's trains of a row, from the distances of its cells; whether all
-/// could be counted. `fired` says when each cell last fired, in seconds.
+/// The released simulator's trains of a row, from the distances of its cells. Returns whether all
+/// could be counted. `fired` has the time at which each cell last fired, in seconds.
 ///
 /// The operations are in the order of the published definition, in double precision, so that
 /// the counts agree to the last event.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn authors<R: Real>(
-    pair: Pair,
+    interval: Interval,
     r: f64,
     (on, off): (&[R], &[R]),
     distances: &[R],
     fired: &mut [f64],
     row: &mut TrainRow<R>,
 ) -> bool {
-    let dt = pair.duration();
+    let dt = interval.duration();
     let cells = distances.len();
     let (on, off, fired) = (&on[..cells], &off[..cells], &mut fired[..cells]);
     let (counts, first, spacing) = (
@@ -130,12 +130,12 @@ pub(super) fn authors<R: Real>(
         let d = distances[x].to_f64();
         let theta = if d >= 0.0 { on[x] } else { off[x] }.to_f64();
         let distance = d.abs();
-        let since = pair.from - fired[x];
+        let since = interval.from - fired[x];
         let alpha = dt / ((distance + 1e-9) / theta);
         let alpha_r = ((r / alpha).floor() + 1.0) * alpha;
         let beta_r = ((r - since) / alpha).floor() * alpha;
         let beta_r = if beta_r > 0.0 { beta_r } else { 0.0 };
-        // The sign of 0 is 0 in the code.
+        // In the released code the sign of 0 is 0.
         let fires = distance > 0.0 && alpha_r <= dt - beta_r;
         let count = if fires {
             ((dt - beta_r) / alpha_r).floor()
@@ -146,16 +146,16 @@ pub(super) fn authors<R: Real>(
         let last = place + step * (count - 1.0);
         let last = if last < 1.0 { last } else { 1.0 };
         fired[x] = if count > 0.0 {
-            pair.from + last * dt
+            interval.from + last * dt
         } else {
             fired[x]
         };
-        let most = f64::from(memory::MOST) + 1.0;
-        // A distance that is no number is not counted either.
+        let most = f64::from(memory::MAX_STEPS) + 1.0;
+        // A NaN is not counted either.
         let counted = count < most && distance < f64::INFINITY;
         let count = if counted { count } else { most };
         counts[x] = if d >= 0.0 { count } else { -count }.to_i32_in_range();
-        room |= memory::MOST - counts[x].abs();
+        room |= memory::MAX_STEPS - counts[x].abs();
         (first[x], spacing[x]) = (R::from_f64(place), R::from_f64(step));
     }
     room >= 0
@@ -168,7 +168,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// A second between the frames.
-    const PAIR: Pair = Pair {
+    const PAIR: Interval = Interval {
         index: 0,
         from: 0.0,
         to: 1.0,
@@ -224,13 +224,13 @@ mod tests {
 
     /// How many events the released rule makes of a distance, at 240 frames a second.
     fn released(d: f64, r: f64) -> Option<i32> {
-        let pair = Pair {
+        let interval = Interval {
             index: 0,
             from: 1.0,
             to: 1.0 + 1.0 / 240.0,
         };
         let mut row = TrainRow::new(1);
-        authors(pair, r, (&[0.2], &[0.2]), &[d], &mut [0.0], &mut row).then_some(row.counts[0])
+        authors(interval, r, (&[0.2], &[0.2]), &[d], &mut [0.0], &mut row).then_some(row.counts[0])
     }
 
     /// Facts about the released rule that were seen by running it.

@@ -1,9 +1,9 @@
-//! What a run of the float model counts.
+//! Counters of a run of the float model.
 
-/// What a run noticed.
+/// Counters of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Report {
-    /// Events made.
+    /// Number of events.
     pub events: u64,
     /// Crossings lost to the refractory period.
     pub lost_to_refractory: u64,

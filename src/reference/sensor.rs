@@ -1,4 +1,4 @@
-//! The sensor as a whole: what it holds, and how it watches a frame.
+//! The sensor as a whole: its state, and how it watches a frame.
 
 use std::{convert::Infallible, ops::Range};
 
@@ -16,21 +16,21 @@ use crate::{
 };
 
 use super::{
-    band::{Band, Plan, Sight},
+    band::{Band, IntervalInput, Plan},
     description::{Description, MemoryRule},
     list::{Buffers, EventList, Limit},
     low_pass::LowPass,
     report::Report,
     sheets::Sheets,
     signal::{Light, Padded, Photoreceptors},
-    train::{Pair, Sink},
+    train::{Interval, Sink},
 };
 
-/// Below so many pixels, sharing out the work costs more than it gives.
+/// With fewer pixels, threads cost more than they save.
 const SMALL: usize = 1 << 13;
 
-/// Rows of a band: small enough that a band's scratch stays in cache, large enough to be
-/// worth sharing out. The events do not depend on it.
+/// Rows of a band: few enough that a band's working memory stays in cache, enough to be worth a
+/// task. Events do not depend on it.
 const BAND_ROWS: usize = 32;
 
 /// The float model of one sensor, in one number format.
@@ -42,17 +42,17 @@ pub struct Reference<N: Number = F64> {
     photoreceptors: Photoreceptors<N>,
     low_pass: Option<LowPass>,
     sheets: Option<Sheets>,
-    /// Rows and columns that the kernels reach.
+    /// Rows and columns that the kernels reach beyond a pixel.
     reach: (usize, usize),
     /// For each channel a pixel memory, or the signal's distance from it; none otherwise.
     pixels: Vec<Padded<N::Held>>,
     cut: Vec<Range<usize>>,
     bands: Vec<Band<N>>,
-    /// What [`Sensor::watch`] makes its lists in.
+    /// Working memory for the lists of [`Sensor::watch`].
     buffers: Buffers,
     /// Times of the first frame and of the last, in seconds.
     seen: Option<(f64, f64)>,
-    pairs: u64,
+    intervals: u64,
 }
 
 impl Reference<F64> {
@@ -85,7 +85,7 @@ impl<N: Number> Reference<N> {
         Self::in_bands(number, description, size, seed, rows)
     }
 
-    /// The same, in bands of so many rows.
+    /// A sensor with bands of so many rows.
     fn in_bands(
         number: N,
         description: Description,
@@ -129,7 +129,7 @@ impl<N: Number> Reference<N> {
             bands: Vec::new(),
             buffers: Buffers::default(),
             seen: None,
-            pairs: 0,
+            intervals: 0,
             plan: Plan::new(number, description, size, seed),
         })
     }
@@ -141,13 +141,13 @@ impl<N: Number> Reference<N> {
         self
     }
 
-    /// What this sensor is.
+    /// The description of this sensor.
     #[must_use]
     pub const fn description(&self) -> &Description {
         &self.plan.description
     }
 
-    /// What the run so far noticed.
+    /// Counters of the run so far.
     #[must_use]
     pub fn report(&self) -> Report {
         let mut all = Report::default();
@@ -192,8 +192,8 @@ impl<N: Number> Reference<N> {
         ])
     }
 
-    /// How far the memory of every cell of a channel falls in a second, `[y, x]`, in the unit of
-    /// the drive; `None` before the first frame, or for a channel that is not there.
+    /// How far the leak lowers the memory of every cell of a channel in a second, `[y, x]`, in the
+    /// unit of the drive; `None` before the first frame, or for a channel that is not there.
     #[must_use]
     pub fn leak(&self, channel: usize) -> Option<Plane<f64>> {
         if channel >= self.plan.weights.len() || self.bands.is_empty() {
@@ -210,9 +210,9 @@ impl<N: Number> Reference<N> {
         Some(plane)
     }
 
-    /// Watches one frame and tells `sink` of the trains since the frame before.
+    /// Watches one frame and passes the trains since the frame before to `sink`.
     ///
-    /// The first frame sets the memory; the sink hears nothing of it.
+    /// The first frame sets the memory and makes no event.
     ///
     /// # Errors
     /// When the frame has another size, is not later than the last, holds light that the
@@ -245,16 +245,16 @@ impl<N: Number> Reference<N> {
             return self.settle(frame);
         };
         self.seen = Some((start, seconds));
-        let pair = Pair {
-            index: self.pairs,
+        let interval = Interval {
+            index: self.intervals,
             from,
             to: seconds,
         };
-        self.pairs += 1;
-        self.advance(frame, pair, seconds - start, sink)
+        self.intervals += 1;
+        self.advance(frame, interval, seconds - start, sink)
     }
 
-    /// The first frame.
+    /// Takes the first frame.
     fn settle(&mut self, frame: &Frame) -> Result<(), SensorError> {
         let Self {
             plan, size, reach, ..
@@ -276,7 +276,7 @@ impl<N: Number> Reference<N> {
     fn advance<S: Sink>(
         &mut self,
         frame: &Frame,
-        pair: Pair,
+        interval: Interval,
         elapsed: f64,
         sink: &mut S,
     ) -> Result<(), SensorError> {
@@ -294,16 +294,16 @@ impl<N: Number> Reference<N> {
             bands.par_iter_mut().try_for_each(see).map_err(fault)?;
             lay_out_pixels(plan, bands, &mut self.pixels);
         }
-        let sight = Sight {
+        let input = IntervalInput {
             light: (!holds_pixels).then_some(light),
             pixels: &self.pixels,
             sheets: self.sheets.as_ref(),
-            pair,
+            interval,
             elapsed,
             times: sink.wants_times(),
         };
-        let mut parts = sink.begin(pair, &self.cut);
-        let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| band.advance(plan, sight, part);
+        let mut parts = sink.begin(interval, &self.cut);
+        let one = |(band, part): (&mut Band<N>, &mut S::Band<'_>)| band.advance(plan, input, part);
         let advanced = if bands.len() == 1 || rayon::current_num_threads() == 1 {
             bands.iter_mut().zip(&mut parts).try_for_each(one)
         } else {
@@ -315,7 +315,7 @@ impl<N: Number> Reference<N> {
     }
 }
 
-/// Lays out pixel memories (or the distances from them) as planes that kernels can read.
+/// Copies the pixel memories (or the distances from them) into padded planes that kernels can read.
 fn lay_out_pixels<N: Number>(plan: &Plan<N>, bands: &[Band<N>], pixels: &mut [Padded<N::Held>]) {
     for (channel, pixels) in pixels.iter_mut().enumerate() {
         for band in bands {
@@ -335,8 +335,8 @@ fn lay_out_pixels<N: Number>(plan: &Plan<N>, bands: &[Band<N>], pixels: &mut [Pa
     }
 }
 
-/// The first light, row by row, that the response is not defined for: whichever band met one
-/// first.
+/// The first pixel, row by row, whose light the response is not defined for: which band finds one
+/// first must not matter.
 fn first_fault<N: Number>(light: Light<'_, N>, size: Size) -> Option<SensorError> {
     let mut row = vec![N::ZERO; size.width];
     (0..size.height).find_map(|y| light.row(y, &mut row).err())

@@ -1,4 +1,4 @@
-//! The resistor sheets of a sensor while it runs; [`super::surround`] has the equation.
+//! The resistive grids of a sensor while it runs; [`super::surround`] has the equation.
 
 use crate::{
     mesh::{Between, Euler, Flow, MeshError, Steady},
@@ -13,7 +13,7 @@ use super::{
     surround::{SheetRule, Surround, Surrounds},
 };
 
-/// The sheets of a sensor while it runs.
+/// The resistive grids of a sensor while it runs.
 #[derive(Clone, Debug)]
 pub(super) struct Sheets {
     name: String,
@@ -21,7 +21,7 @@ pub(super) struct Sheets {
     signal: Plane<f64>,
     /// Time of the frame before, in seconds.
     before: Option<f64>,
-    /// For each channel that has sheets.
+    /// For each channel, its grids, if it has some.
     channels: Vec<Option<Running>>,
 }
 
@@ -34,14 +34,14 @@ struct Running {
 
 #[derive(Clone, Debug)]
 enum Moved {
-    /// A sheet that takes no time, and where it stands.
+    /// A grid that settles at once: its solver and its state.
     Settled(Box<(Steady, Plane<f64>)>),
     Exact(Box<Flow>),
     V2e(Euler),
 }
 
 impl Sheets {
-    /// The sheets of a sensor; `None` if it has none.
+    /// The grids of a sensor; `None` if it has none.
     pub(super) fn new<'a>(
         name: &str,
         channels: impl Iterator<Item = Option<&'a Surrounds>>,
@@ -64,7 +64,7 @@ impl Sheets {
         })
     }
 
-    /// Takes in a frame.
+    /// Advances the grids by a frame.
     ///
     /// # Errors
     /// When it holds light that the response is not defined for, or that cannot be summed.
@@ -97,7 +97,7 @@ impl Sheets {
         Ok(())
     }
 
-    /// Row `y` of the drive of a channel, if it has sheets.
+    /// Row `y` of the drive of a channel, if it has grids.
     pub(super) fn row(&self, channel: usize, y: usize) -> Option<&[f64]> {
         let running = self.channels.get(channel)?.as_ref()?;
         let (start, width) = (y * running.drive.ncols(), running.drive.ncols());
@@ -160,7 +160,7 @@ impl Running {
     }
 }
 
-/// What a channel sees of row `y`: its sheets if it has some, else what `kernel` makes of it.
+/// The drive of row `y` of a channel: by its grids if it has some, else by `kernel`.
 pub(super) fn row<N: Number>(
     number: &N,
     sheets: Option<&Sheets>,

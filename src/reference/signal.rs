@@ -1,4 +1,4 @@
-//! From a frame to the signal that the kernels see: light, response, number format, rim.
+//! From a frame to the signal that the kernels read: response, number format, padding.
 
 use std::ops::Range;
 
@@ -15,23 +15,24 @@ use crate::{
 
 use super::{description::Border, low_pass::LowPass, rounding::TWO_52};
 
-/// Some rows of a plane, with a rim, so that a kernel can be laid on every pixel of them; row
-/// after row.
+/// Some rows of a plane, padded by a rim so that a kernel can be applied to every pixel; row after
+/// row.
 #[derive(Clone, Debug)]
 pub(super) struct Padded<H> {
     values: Aligned<H>,
     size: Size,
-    /// Which rows of the plane.
+    /// The rows of the plane.
     rows: Range<usize>,
-    /// Rows above and below, columns left and right.
+    /// Size of the rim: rows above and below, columns left and right.
     rim: (usize, usize),
-    /// From one row to the next: the columns, both rims, and room for a whole block at the end.
+    /// Distance from one row to the next: the columns, both rims, and room for a whole block at the
+    /// end.
     stride: usize,
-    /// Where in a row the first pixel of the plane lies: at the beginning of a line of the cache.
+    /// Offset in a row of the first pixel of the plane: at the beginning of a cache line.
     left: usize,
 }
 
-/// Pixels that are worked on at a time, at most.
+/// The most pixels that are worked on at a time.
 pub(super) const BLOCK: usize = 64;
 
 impl<H: Copy> Padded<H> {
@@ -51,7 +52,7 @@ impl<H: Copy> Padded<H> {
         }
     }
 
-    /// Where row `y` lies.
+    /// Index of row `y`.
     fn start(&self, y: usize) -> usize {
         (y + self.rim.0 - self.rows.start) * self.stride
     }
@@ -62,18 +63,18 @@ impl<H: Copy> Padded<H> {
         &self.values[start..start + self.size.width]
     }
 
-    /// Which rows of the plane these are.
+    /// The rows of the plane.
     pub(super) fn rows(&self) -> Range<usize> {
         self.rows.clone()
     }
 
-    /// The plane from `reach` above and left of the first pixel of row `y` on, and how far it is
-    /// from one row to the next. Each row of a kernel of that reach finds whole blocks there.
+    /// The values from `reach` rows above and columns left of the first pixel of row `y` on, and
+    /// the stride. Each row of a kernel of that reach finds whole blocks there.
     pub(super) fn from(&self, y: usize, reach: (usize, usize)) -> (&[H], usize) {
         (&self.values[self.place(y, reach)..], self.stride)
     }
 
-    /// Where in all values that begins.
+    /// The index of that place.
     pub(super) fn place(&self, y: usize, reach: (usize, usize)) -> usize {
         self.start(y) - reach.0 * self.stride + self.left - reach.1
     }
@@ -83,19 +84,19 @@ impl<H: Copy> Padded<H> {
         self.stride
     }
 
-    /// All values, with the rim.
+    /// All values, the rim included.
     pub(super) fn all(&self) -> &[H] {
         &self.values
     }
 
-    /// The rows of the plane that are needed: these, and those in the rim.
+    /// The rows of the plane that are needed: these rows, and those of the rim.
     pub(super) fn needed(&self) -> Range<usize> {
         let above = self.rim.0;
         self.rows.start.saturating_sub(above)..(self.rows.end + above).min(self.size.height)
     }
 
-    /// Row `y` of those needed is what `fill` makes it; its rim follows, and what lies off the
-    /// array next to it.
+    /// Fills row `y` of those needed by `fill`, then its rim, and what lies off the array next to
+    /// it.
     pub(super) fn fill<E>(
         &mut self,
         y: usize,
@@ -129,16 +130,16 @@ impl<H: Copy> Padded<H> {
     }
 }
 
-/// A frame as the photoreceptors give it.
+/// A frame and the photoreceptors that see it.
 #[derive(Debug)]
 pub(super) struct Light<'a, N: Number> {
     pub(super) photoreceptors: &'a Photoreceptors<N>,
     pub(super) frame: &'a Frame,
-    /// What they are slow to say, where they are.
+    /// Their low-pass filters, where they have some.
     pub(super) low_pass: Option<&'a LowPass>,
 }
 
-/// Derived, it would ask for a number that can be copied.
+/// Implemented by hand: derived, it would require `N: Copy`.
 impl<N: Number> Copy for Light<'_, N> {}
 
 #[expect(clippy::expl_impl_clone_on_copy, reason = "as above")]
@@ -161,14 +162,14 @@ impl<N: Number> Light<'_, N> {
     }
 }
 
-/// The photoreceptors: light in, signal out.
+/// The photoreceptors: from light to signal.
 #[derive(Clone, Debug)]
 pub(super) struct Photoreceptors<N: Number> {
     number: N,
     response: Response,
-    /// The signal of each 8-bit light.
+    /// The signal of each 8-bit light level.
     table: [N::Held; 256],
-    /// What 8-bit light times the sum of these two is, without a division.
+    /// Two parts of a factor that replaces the division for 8-bit light.
     slope: Option<(N::Real, N::Real)>,
 }
 
@@ -224,8 +225,8 @@ impl<N: Number> Photoreceptors<N> {
         Ok(())
     }
 
-    /// The responses that are a straight line, for a row at once; whether this is one, and all
-    /// the light is within what it is defined for.
+    /// Linear responses, for a row at once; returns whether this is one, and all light is in its
+    /// domain.
     fn straight(&self, light: &[f64], out: &mut [N::Held]) -> bool {
         let Response { curve, round_f32 } = self.response;
         let (least, white) = match curve {
@@ -237,7 +238,7 @@ impl<N: Number> Photoreceptors<N> {
     }
 }
 
-/// The inverse of `white` in two parts, the first so short that its product with 8 bits is
+/// The reciprocal of `white` in two parts, the first so short that its product with 8 bits is
 /// exact. The sum of both products is then rounded as the quotient is, but for rare ties.
 fn slope<R: Real>(white: f64) -> (R, R) {
     let inverse = R::from_f64(1.0 / white);
@@ -253,11 +254,10 @@ fn product<R: Real>(light: R, (long, rest): (R, R)) -> R {
     light * long + light * rest
 }
 
-/// Which of 0, 1, … 255 a light is, if it is one of them: then the second is 0, and the first is
-/// it.
+/// Which of 0, 1, … 255 a light is: the first result. The second is 0 if it is one of them.
 #[inline]
 fn byte(light: f64) -> (u64, u64) {
-    // Added to 2^52, a whole number stands in the lowest bits, and comes back whole.
+    // Added to 2^52, an integer stands in the lowest bits, and comes back unchanged.
     let sum = light + TWO_52;
     (
         sum.to_bits() ^ TWO_52.to_bits(),
@@ -265,7 +265,7 @@ fn byte(light: f64) -> (u64, u64) {
     )
 }
 
-/// Multiplies light that is 0, 1, … 255, as it is in 8-bit video; whether all of it was.
+/// Multiplies light that is 0, 1, … 255, as in 8-bit video; returns whether all of it was.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn multiply<N: Number>(
     number: &N,
@@ -283,7 +283,7 @@ fn multiply<N: Number>(
     all <= 0xff && wrong == 0
 }
 
-/// Looks up light that is 0, 1, … 255; whether all of it was.
+/// Looks up light that is 0, 1, … 255; returns whether all of it was.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn from_table<H: Copy>(table: &[H; 256], light: &[f64], out: &mut [H]) -> bool {
     for (light, out) in light.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
@@ -305,7 +305,7 @@ fn from_table<H: Copy>(table: &[H; 256], light: &[f64], out: &mut [H]) -> bool {
     true
 }
 
-/// `light / white`; whether all the light is finite and at least `least`.
+/// `light / white`; returns whether all light is finite and at least `least`.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn divide<N: Number>(
     number: &N,

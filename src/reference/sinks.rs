@@ -1,10 +1,10 @@
-//! Sinks side by side: one that may not be wanted, and several at once.
+//! Composite sinks: an optional one, and several at once.
 
 use std::ops::Range;
 
 use crate::{number::Real, sensor::SensorError};
 
-use super::train::{BandSink, Pair, Sink, TrainRow};
+use super::train::{BandSink, Interval, Sink, TrainRow};
 
 impl<S: Sink> Sink for &mut S {
     type Band<'a>
@@ -16,8 +16,8 @@ impl<S: Sink> Sink for &mut S {
         S::wants_times(self)
     }
 
-    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<S::Band<'_>> {
-        S::begin(self, pair, bands)
+    fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<S::Band<'_>> {
+        S::begin(self, interval, bands)
     }
 
     fn end(&mut self) -> Result<(), SensorError> {
@@ -35,9 +35,9 @@ impl<S: Sink> Sink for Option<S> {
         self.as_ref().is_some_and(S::wants_times)
     }
 
-    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<Self::Band<'_>> {
+    fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<Self::Band<'_>> {
         match self {
-            Some(sink) => sink.begin(pair, bands).into_iter().map(Some).collect(),
+            Some(sink) => sink.begin(interval, bands).into_iter().map(Some).collect(),
             None => bands.iter().map(|_| None).collect(),
         }
     }
@@ -63,9 +63,12 @@ impl<A: Sink, B: Sink> Sink for (A, B) {
         self.0.wants_times() || self.1.wants_times()
     }
 
-    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<Self::Band<'_>> {
-        let first = self.0.begin(pair, bands);
-        first.into_iter().zip(self.1.begin(pair, bands)).collect()
+    fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<Self::Band<'_>> {
+        let first = self.0.begin(interval, bands);
+        first
+            .into_iter()
+            .zip(self.1.begin(interval, bands))
+            .collect()
     }
 
     fn end(&mut self) -> Result<(), SensorError> {

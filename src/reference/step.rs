@@ -1,9 +1,9 @@
-//! A row of cells whose memory steps, in one pass: distance, fire, time, memory, as
-//! [`super::memory`] and [`super::fire`] say, cell by cell.
+//! A row of cells whose memory steps, in one pass: distance, events, times, memory, as
+//! [`super::memory`] and [`super::fire`] define them, cell by cell.
 //!
-//! The passes one after the other would be the same, and take half as long again: each is
-//! either all loads and stores or all division. Only how a whole number becomes an integer is a
-//! pass of its own: as good as always all are so small that there is a short way.
+//! Separate passes would give the same, and take half as long again: each is either all loads and
+//! stores or all division. Only the conversion of whole numbers to integers is a pass of its own:
+//! nearly always all are so small that a short way suffices.
 
 use std::ops::Range;
 
@@ -17,25 +17,25 @@ use super::{
     train::TrainRow,
 };
 
-/// What a row of cells sees, and how its memory has fallen.
+/// The input of a row of cells.
 pub(super) struct Seen<'a, N: Number> {
     /// The drive at the later frame.
     pub(super) drive: &'a [N::Held],
     pub(super) on: &'a [N::Real],
     pub(super) off: &'a [N::Real],
-    /// One by each of the two.
+    /// Reciprocals of the two thresholds.
     pub(super) per: (&'a [N::Real], &'a [N::Real]),
-    /// How far each memory falls in a second; empty without leak.
+    /// How far the leak lowers each memory in a second; empty without leak.
     pub(super) leak: &'a [N::Real],
     /// The times of the two frames, in seconds since the first.
     pub(super) elapsed: (f64, f64),
 }
 
 impl<N: Number> Stepped<N> {
-    /// Lets the cells in `range` cross thresholds on the way from the drive `before` to the
-    /// one they see now, which takes its place, and moves their memory; with when, if `times`
-    /// are wanted. How many events that is, or the column of the first cell that crossed more
-    /// than are counted, if there is one.
+    /// Advances the cells in `range` from the drive `before` to the present one, which replaces it:
+    /// counts the thresholds crossed and moves the memories; also when they were crossed, if
+    /// `times` are wanted. Returns the number of events; the error is the column of the first cell
+    /// that crossed too many.
     pub(super) fn cross(
         &mut self,
         number: &N,
@@ -77,14 +77,14 @@ impl<N: Number> Stepped<N> {
     }
 }
 
-/// The memory of a row.
+/// The memories of a row.
 struct Steps<'a, N: Number> {
     base: &'a [N::Held],
     net: &'a [i32],
     off: &'a mut [f64],
 }
 
-/// `whole` is how many thresholds each cell crossed; whether all are small.
+/// Computes into `whole` how many thresholds each cell crossed; returns whether all are small.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     number: &N,
@@ -95,7 +95,7 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     whole: &mut [N::Real],
 ) -> bool {
     let cells = seen.drive.len();
-    // All of one length, so that nothing is checked in the loop.
+    // All slices have one length, so that the loop has no bounds checks.
     let (drive, on, off) = (seen.drive, &seen.on[..cells], &seen.off[..cells]);
     let (per_on, per_off) = (&seen.per.0[..cells], &seen.per.1[..cells]);
     let (base, net, before) = (
@@ -113,7 +113,7 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     );
     let mut most = N::Real::ZERO;
     for x in 0..cells {
-        // Without OFF steps of their own the two thresholds are equal.
+        // Without a count of OFF steps the two thresholds are equal.
         let (on, off) = (on[x], if OFF { off[x] } else { on[x] });
         let mut memory = memory::at(number, base[x], net[x], on);
         if OFF {
@@ -144,8 +144,8 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     most < N::Real::IN_RANGE
 }
 
-/// From whole numbers to counts, small ones by a shorter way, and on to where memories are; how
-/// many events they are, if all could be counted.
+/// Converts whole numbers to integer counts, small ones by a shorter way, and moves the memories;
+/// returns the number of events, if all could be counted.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn count<R: Real, const SMALL: bool>(
     whole: &[R],
@@ -164,7 +164,7 @@ fn count<R: Real, const SMALL: bool>(
         few = few.wrapping_add(count.unsigned_abs());
         any |= count.unsigned_abs();
     }
-    // As good as always their sum fits: a row is no longer than 2^16.
+    // Nearly always their sum fits: a row has at most 2^16 cells.
     let events = if any < 1 << 15 {
         few.into()
     } else {

@@ -1,4 +1,4 @@
-//! Drive through a resistor sheet: the surround that the silicon makes itself.
+//! The drive through a resistive grid: a surround that the silicon makes itself.
 //!
 //! ```text
 //! S(p) = c u(p) + sum over i of a_i H_i(p)          u = R(I), H_i the sheet's answer to u
@@ -16,31 +16,31 @@ use crate::{
     mesh::Sheet,
 };
 
-/// The sheets of a channel, in place of a kernel.
+/// The resistive grids of a channel, in place of a kernel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surrounds {
     /// The gain of the pixel itself.
     pub centre: f64,
     /// The sheets, at least one.
     pub sheets: Vec<Surround>,
-    /// How they are moved on.
+    /// How they are advanced in time.
     pub rule: SheetRule,
 }
 
-/// One sheet.
+/// One grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surround {
-    /// What it is multiplied by.
+    /// The gain of its surround, `a_i`.
     pub gain: f64,
     /// Its space constants.
     pub sheet: Sheet,
     /// Its time constant C/g, in seconds; 0 settles at once.
     pub tau: f64,
-    /// `sqrt(kT/C)`, in the signal's unit.
+    /// Thermal noise `sqrt(kT/C)` of a node, in the signal's unit.
     pub noise: f64,
 }
 
-/// How sheets are moved on.
+/// How grids are advanced in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SheetRule {
     /// Exactly; the signal is a straight line between frames.

@@ -1,4 +1,4 @@
-//! Tally: how many events of each kind and sign.
+//! Tally: the total number of events of each kind and sign.
 
 use std::ops::Range;
 
@@ -6,9 +6,9 @@ use multiversion::multiversion;
 
 use crate::{number::Real, sensor::SensorError};
 
-use super::train::{BandSink, Pair, Sink, TrainRow};
+use super::train::{BandSink, Interval, Sink, TrainRow};
 
-/// Events of each channel, `(on, off)`, over all pairs told.
+/// Events of each channel, `(on, off)`, over all intervals.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally {
     kinds: Vec<(u64, u64)>,
@@ -49,7 +49,7 @@ impl Sink for Tally {
         false
     }
 
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<TallyBand<'_>> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<TallyBand<'_>> {
         let none = vec![(0, 0); self.kinds.len()];
         self.bands = vec![none; bands.len()];
         self.bands.iter_mut().map(TallyBand).collect()

@@ -7,19 +7,19 @@ use super::{
     reason::{Place, Reason},
 };
 
-/// The thresholds of one channel: the nominal ones, and what silicon made of them.
+/// The thresholds of one channel: the nominal ones and their mismatch.
 ///
-/// A fixed pattern: each pixel keeps its own as long as the sensor lives (the released
-/// simulator draws anew for each clip). No threshold falls below a twentieth of its nominal
-/// value, the released simulator's 0.01 at its 0.2.
+/// The mismatch is a fixed pattern: each pixel keeps its own as long as the sensor lives (the
+/// released simulator draws anew for each clip). No threshold falls below a twentieth of its
+/// nominal value, the released simulator's 0.01 at its 0.2.
 #[derive(Clone, Debug)]
 pub(super) struct Thresholds<R> {
     on: Vec<R>,
     off: Vec<R>,
-    /// One by each.
+    /// Their reciprocals.
     inverse: (Vec<R>, Vec<R>),
     width: usize,
-    /// How many different rows there are: 1, 2 for a 2x2 pattern, or all.
+    /// Number of different rows: 1, 2 for a 2x2 pattern, or all.
     rows: usize,
     pub(super) equal: bool,
 }
@@ -74,7 +74,7 @@ impl<R: Real> Thresholds<R> {
         (&self.on[row.clone()], &self.off[row])
     }
 
-    /// One by each of them.
+    /// The reciprocals of the thresholds of row `y`.
     pub(super) fn inverse(&self, y: usize) -> (&[R], &[R]) {
         let row = self.place(y);
         (&self.inverse.0[row.clone()], &self.inverse.1[row])

@@ -1,10 +1,9 @@
-//! A train: the events of one cell in one pair of frames.
+//! A train: the events of one cell in one interval.
 //!
-//! Between two frames the drive is a straight line, so the crossings of equally spaced
-//! levels are equally spaced in time, and so are those that a refractory period leaves.
-//! Every model therefore says the same thing about a cell and a pair: how many events, the
-//! first one's place, the spacing. Counts, voxels and event lists are all made from that,
-//! the voxels in closed form.
+//! Between two frames the drive is a straight line, so the crossings of equally spaced levels are
+//! equally spaced in time, and so are those that a refractory period leaves. The events of a cell
+//! in an interval are therefore three numbers: how many, the place of the first, the spacing.
+//! Counts, voxels and event lists are all made from these, the voxels in closed form.
 
 use std::ops::Range;
 
@@ -39,14 +38,14 @@ impl Train {
     }
 }
 
-/// The trains of a row of cells, one place for each column; a count of 0 is no train.
+/// The trains of a row of cells, one entry for each column; a count of 0 is no train.
 #[derive(Clone, Debug)]
 pub struct TrainRow<R> {
     /// Kind of cell, from 0.
     pub channel: usize,
     /// Row.
     pub y: usize,
-    /// How many events, with their sign.
+    /// Number of events, with their sign.
     pub counts: Vec<i32>,
     /// As [`Train::first`]; anything where there is no train.
     pub first: Vec<R>,
@@ -83,7 +82,7 @@ impl<R: Real> TrainRow<R> {
         })
     }
 
-    /// Puts a train, or none, into column `x`.
+    /// Sets the train in column `x`, or none.
     pub(super) fn set(&mut self, x: usize, train: Option<Train>) {
         match train {
             None => self.counts[x] = 0,
@@ -126,7 +125,7 @@ fn events(counts: &[i32]) -> u64 {
             few = few.wrapping_add(count.unsigned_abs());
             any |= count.unsigned_abs();
         }
-        // As good as always they fit.
+        // Nearly always they fit.
         sum += if any < 1 << 24 {
             u64::from(few)
         } else {
@@ -136,10 +135,10 @@ fn events(counts: &[i32]) -> u64 {
     sum
 }
 
-/// The two frames a train lies between, in seconds.
+/// An interval: the time between two frames, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
-    /// Number of the pair, from 0.
+pub struct Interval {
+    /// Number of the interval, from 0.
     pub index: u64,
     /// Time of the earlier frame.
     pub from: f64,
@@ -147,7 +146,7 @@ pub struct Pair {
     pub to: f64,
 }
 
-impl Pair {
+impl Interval {
     /// The time between the frames, in seconds.
     #[must_use]
     pub fn duration(&self) -> f64 {
@@ -155,11 +154,11 @@ impl Pair {
     }
 }
 
-/// Something that is told of every train, pair after pair.
+/// A receiver of all trains, interval after interval.
 ///
-/// A pair is told in bands of rows, which may be told at the same time.
+/// An interval is passed in bands of rows, which may be passed in parallel.
 pub trait Sink {
-    /// The part of a sink that a band of rows is told to.
+    /// The part of a sink for one band of rows.
     type Band<'a>: BandSink + Send
     where
         Self: 'a;
@@ -167,20 +166,20 @@ pub trait Sink {
     /// Whether the times of the events matter, or only their number.
     fn wants_times(&self) -> bool;
 
-    /// A new pair begins; one part for each band of rows, in order.
-    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<Self::Band<'_>>;
+    /// Begins a new interval; returns one part for each band of rows, in order.
+    fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<Self::Band<'_>>;
 
-    /// The pair has ended.
+    /// Ends the interval.
     ///
     /// # Errors
-    /// When the sink cannot hold what it was told.
+    /// When the sink cannot hold what it has taken.
     fn end(&mut self) -> Result<(), SensorError>;
 }
 
-/// The part of a sink that one band of rows is told to.
+/// The part of a sink for one band of rows.
 pub trait BandSink {
-    /// One row of one channel. Rows come in order, and for each row the channels in turn. A
-    /// row that is told again adds to what it said before.
+    /// Takes one row of one channel. Rows come in order, and for each row the channels in turn. A
+    /// row that comes again adds to what came before.
     ///
     /// # Errors
     /// When the sink cannot hold it.

@@ -1,6 +1,6 @@
 //! Binning: events into voxels, in closed form.
 //!
-//! Bins are centred on the frames. An event at `u` (0 at the earlier frame of its pair, 1 at
+//! Bins are centred on the frames. An event at `u` (0 at the earlier frame of its interval, 1 at
 //! the later) gives `1 - u` to the earlier bin and `u` to the later, as in the paper's Eq. 5-8
 //! (bilinear binning). A train of `N` events at `u_0 + i s` therefore gives, without a loop,
 //!
@@ -23,14 +23,14 @@ use crate::{
     sensor::SensorError,
 };
 
-use super::train::{BandSink, Pair, Sink, Train, TrainRow};
+use super::train::{BandSink, Interval, Sink, Train, TrainRow};
 
-/// The two bins that the current pair of frames lies between; `[channel][y, x]`.
+/// The two bins between which the current interval lies; `[channel][y, x]`.
 #[derive(Clone, Debug)]
 pub struct VoxelGrid {
     earlier: Vec<Plane<f64>>,
     later: Vec<Plane<f64>>,
-    /// The later bin holds what is left of a bin that is over: it is written, not added to.
+    /// Whether the later bin still holds a bin that is over: it is overwritten, not added to.
     stale: bool,
 }
 
@@ -47,7 +47,7 @@ impl VoxelGrid {
         }
     }
 
-    /// The bin of the earlier frame, which no later event can reach once the pair is over.
+    /// The bin of the earlier frame, which no later event can reach once the interval is over.
     #[must_use]
     pub fn earlier(&self) -> &[Plane<f64>] {
         &self.earlier
@@ -65,7 +65,7 @@ impl VoxelGrid {
     }
 }
 
-/// What a train gives to the bins of the earlier and the later frame.
+/// The shares of a train in the bins of the earlier and the later frame.
 #[must_use]
 pub fn bins(train: &Train) -> (f64, f64) {
     let n = train.count as f64;
@@ -83,7 +83,7 @@ fn share<R: Real>(count: R, first: R, spacing: R) -> (R, R) {
     (count - later, later)
 }
 
-/// The rows of the two bins that a band of rows gives to.
+/// A band's rows of the two bins.
 #[derive(Debug)]
 pub struct VoxelBand<'a> {
     top: usize,
@@ -92,7 +92,7 @@ pub struct VoxelBand<'a> {
     earlier: Vec<&'a mut [f64]>,
     later: Vec<&'a mut [f64]>,
     stale: bool,
-    /// The row and channel told last, which may be told again.
+    /// The row and channel passed last; the same may come again.
     last: Option<(usize, usize)>,
 }
 
@@ -103,7 +103,7 @@ impl Sink for VoxelGrid {
         true
     }
 
-    fn begin(&mut self, _: Pair, bands: &[Range<usize>]) -> Vec<VoxelBand<'_>> {
+    fn begin(&mut self, _: Interval, bands: &[Range<usize>]) -> Vec<VoxelBand<'_>> {
         let width = self.earlier.first().map_or(0, Plane::ncols);
         let earlier = split(&mut self.earlier, bands);
         let later = split(&mut self.later, bands);
@@ -141,14 +141,14 @@ impl BandSink for VoxelBand<'_> {
     }
 }
 
-/// Adds a row's shares to its two bins, or with `FRESH` writes them to the later.
+/// Adds the shares of a row to its two bins, or with `FRESH` overwrites the later one.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn share_out<R: Real, const FRESH: bool>(
     (counts, first, spacing): (&[i32], &[R], &[R]),
     earlier: &mut [f64],
     later: &mut [f64],
 ) {
-    // In the precision of the trains first, where more of them then go into a vector.
+    // First in the precision of the trains, of which more fit in a vector.
     let narrow = size_of::<R>() < size_of::<f64>();
     let whole = if narrow {
         counts.len() / BLOCK * BLOCK
@@ -176,7 +176,7 @@ fn share_out<R: Real, const FRESH: bool>(
     }
 }
 
-/// The same, of some columns.
+/// The same for a block of columns.
 #[expect(
     clippy::inline_always,
     reason = "what is not inlined is not compiled for the wide vectors"
@@ -199,7 +199,7 @@ fn share_out_block<R: Real, const FRESH: bool>(
     }
 }
 
-/// A train's shares; none without a train, whose place and spacing may be anything.
+/// The shares of a train; 0 without a train, whose place and spacing may be anything.
 #[inline]
 fn given<R: Real>(count: i32, first: R, spacing: R) -> (R, R) {
     let given = |what| if count == 0 { R::ZERO } else { what };
@@ -212,7 +212,7 @@ fn put<const FRESH: bool>(bin: &mut f64, share: f64) {
     *bin = if FRESH { share } else { *bin + share };
 }
 
-/// Trains that are shared out at a time.
+/// Trains of a block.
 const BLOCK: usize = 64;
 
 /// Cuts planes into bands of rows: `[band][channel]`.
@@ -295,12 +295,12 @@ mod tests {
             &[(1, 1)],
         ];
         for (n, rows) in told.into_iter().enumerate() {
-            let pair = Pair {
+            let interval = Interval {
                 index: n as u64,
                 from: n as f64,
                 to: n as f64 + 1.0,
             };
-            let mut bands = grid.begin(pair, std::slice::from_ref(&(0..2)));
+            let mut bands = grid.begin(interval, std::slice::from_ref(&(0..2)));
             // Every row is told in every pair.
             for y in 0..2 {
                 let mut counts: Vec<i32> = rows.iter().filter(|r| r.0 == y).map(|r| r.1).collect();

@@ -1,9 +1,9 @@
 //! Animations, GIF and APNG: decoded frame by frame onto a canvas.
 //!
-//! The delays must be even to within the unit in which they are written (a GIF of 30
-//! frames/s says 3, 3, 4 hundredths); the rate is then their mean. The last frame's delay
-//! says when the animation begins again and does not count. To know all this beforehand the
-//! file is read twice. Where nothing is drawn there is black.
+//! The delays must be equal to within the unit in which they are written (a GIF of 30 frames/s has
+//! delays of 3, 3, 4 hundredths); the rate is then the inverse of their mean. The last frame's
+//! delay says when the animation begins again and does not count. The file is read twice, as all
+//! delays must be known before the first frame. Pixels that are never drawn are black.
 
 use std::{
     io::{BufRead, Cursor, Seek},
@@ -14,6 +14,7 @@ use std::{
 use super::{
     Frame, OpenOptions, Scene, SceneError,
     canvas::{Area, Canvas, Delay, Disposal, Patch},
+    decoded::Source,
     gray::{self, Depth, Layout},
     light::{self, MemoryLimit},
     rate::Rate,
@@ -21,18 +22,23 @@ use super::{
 };
 use crate::plane::Size;
 
-/// Bytes of a pixel: as it is coded, as a patch, on the canvas now and before, as light.
+/// Bytes held per pixel: as it is coded, as a patch, on the canvas now and before, as light.
 const HELD: u128 = MOST_CODED + 16 + 3 * light::PIXEL_BYTES;
 
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 
-/// A file of patches.
+/// A decoder that gives an animation as patches.
 trait Patches: Send {
     /// Size of the canvas.
     fn size(&self) -> Size;
 
     /// The unit of the delays, in seconds.
     fn unit(&self) -> f64;
+
+    /// Bits of a sample.
+    fn bits(&self) -> u32 {
+        8
+    }
 
     /// The next patch.
     fn next_patch(&mut self) -> Result<Option<Patch>, Cause>;
@@ -53,8 +59,8 @@ struct Animation {
 pub(super) fn open_gif(
     path: &Path,
     options: OpenOptions,
-) -> Result<impl Scene + use<>, SceneError> {
-    Animation::new(path, options, &|| {
+) -> Result<(impl Scene + use<>, Source), SceneError> {
+    Animation::open(path, options, &|| {
         Ok(Box::new(Gif::new(
             path,
             light::open_file(path)?,
@@ -67,8 +73,8 @@ pub(super) fn open_gif(
 pub(super) fn open_apng(
     path: &Path,
     options: OpenOptions,
-) -> Result<impl Scene + use<>, SceneError> {
-    Animation::new(path, options, &|| {
+) -> Result<(impl Scene + use<>, Source), SceneError> {
+    Animation::open(path, options, &|| {
         Ok(Box::new(Apng::new(
             path,
             light::open_file(path)?,
@@ -81,9 +87,9 @@ pub(super) fn open_apng(
 pub(super) fn play_apng(
     name: &Path,
     bytes: &'static [u8],
-) -> Result<impl Scene + use<>, SceneError> {
-    let options = OpenOptions::default();
-    Animation::new(name, options, &|| {
+    options: OpenOptions,
+) -> Result<(impl Scene + use<>, Source), SceneError> {
+    Animation::open(name, options, &|| {
         let stream = Cursor::new(bytes);
         Ok(Box::new(Apng::new(
             name,
@@ -107,6 +113,17 @@ pub(super) fn is_apng(path: &Path) -> Result<bool, SceneError> {
 }
 
 impl Animation {
+    /// The animation, and what its samples are.
+    fn open(
+        path: &Path,
+        options: OpenOptions,
+        start: &dyn Fn() -> Result<Box<dyn Patches>, Cause>,
+    ) -> Result<(Self, Source), SceneError> {
+        let animation = Self::new(path, options, start)?;
+        let source = Source::pictures(animation.patches.bits());
+        Ok((animation, source))
+    }
+
     fn new(
         path: &Path,
         options: OpenOptions,
@@ -329,6 +346,13 @@ impl<R: BufRead + Seek + Send> Patches for Apng<R> {
     }
     fn unit(&self) -> f64 {
         0.001
+    }
+    fn bits(&self) -> u32 {
+        match self.reader.info().bit_depth {
+            png::BitDepth::Sixteen => 16,
+            // Fewer are spread over the eight.
+            _ => 8,
+        }
     }
     fn next_patch(&mut self) -> Result<Option<Patch>, Cause> {
         if self.left == 0 {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Scene, SceneError, animation};
+use super::{OpenOptions, Scene, SceneError, animation, rate};
 
 /// People walking past a still camera: a crop of `vtest.avi`, which comes with `OpenCV`, as
 /// gray 8-bit video of 256x256 at 10 frames/s.
@@ -13,7 +13,24 @@ use super::{Scene, SceneError, animation};
 /// # Errors
 /// None in a sound build; the type is that of every other scene.
 pub fn bundled() -> Result<Box<dyn Scene>, SceneError> {
+    bundled_with(&OpenOptions::default())
+}
+
+/// The same with the options that every scene takes.
+///
+/// # Errors
+/// When the options ask for what it is not.
+pub fn bundled_with(options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
     const CLIP: &[u8] = include_bytes!("../../clips/vtest_256x256.apng");
     let name = Path::new("clips/vtest_256x256.apng");
-    Ok(Box::new(animation::play_apng(name, CLIP)?))
+    if let Some(fps) = options.fps.filter(|fps| !rate::usable(*fps)) {
+        return Err(SceneError::BadRate { fps });
+    }
+    // It is small, and in memory anyway.
+    let options = &OpenOptions {
+        memory: None,
+        ..*options
+    };
+    let (scene, source) = animation::play_apng(name, CLIP, *options)?;
+    source.decode(scene, name, options)
 }

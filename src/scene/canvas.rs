@@ -1,7 +1,7 @@
 //! The canvas of an animation, on which each frame may draw only a part.
 //!
-//! What is kept is the light that a viewer sees on a black wall. Laying a half-transparent
-//! picture over another is linear in that light, so no colours need to be kept.
+//! The canvas holds the light that a viewer sees on a black background. Alpha compositing is linear
+//! in that light, so no colours need to be kept.
 
 use super::gray::Pixel;
 use crate::plane::{Plane, Size};
@@ -9,13 +9,13 @@ use crate::plane::{Plane, Size};
 /// A canvas, black at first.
 pub(super) struct Canvas {
     light: Plane<f64>,
-    /// Area and disposal of the last patch.
+    /// Area and disposal method of the last patch.
     disposal: Option<(Area, Disposal)>,
-    /// The canvas before the last patch, where that one asks for it.
+    /// The canvas before the last patch, kept where its disposal is [`Disposal::Previous`].
     before: Option<Plane<f64>>,
 }
 
-/// What happens to the area of a patch before the next one: "disposal" in both formats.
+/// What happens to the area of a patch before the next one: the "disposal method" of both formats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Disposal {
     /// It stays.
@@ -34,13 +34,13 @@ pub(super) struct Area {
     pub size: Size,
 }
 
-/// One step of an animation.
+/// One frame of an animation: the pixels that it draws.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Patch {
     pub area: Area,
     /// In row order, as many as the area has.
     pub pixels: Vec<Pixel>,
-    /// Whether it lies over what is there, or takes its place.
+    /// Whether it is alpha-blended over the canvas; else it replaces what is there.
     pub over: bool,
     pub disposal: Disposal,
     /// How long it is shown.
@@ -69,7 +69,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a patch and gives what is then seen; `None` when it does not fit.
+    /// Draws a patch and returns the canvas; `None` when it does not fit.
     pub fn draw(&mut self, patch: &Patch) -> Option<&Plane<f64>> {
         match self.disposal.take() {
             None | Some((_, Disposal::Keep)) => {}

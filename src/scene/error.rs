@@ -1,8 +1,8 @@
-//! Why a scene cannot be read: one variant a cause, each with what to do.
+//! Errors of scenes: one variant for each cause, each with what to do about it.
 
 use std::{io, path::PathBuf};
 
-use crate::{memory::Bytes, plane::Size};
+use crate::{memory::TooMuch, plane::Size};
 
 /// Why a scene cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -27,7 +27,7 @@ pub enum SceneError {
         missing: &'static str,
     },
 
-    /// A file name that says nothing known.
+    /// A file name whose extension is not known.
     #[error("{path}: {} is no known kind of scene", kind(path))]
     #[diagnostic(help(
         "known: .y4m .mp4 .gif .apng .png .pgm .npy, a folder of .png or .pgm pictures, \
@@ -39,13 +39,13 @@ pub enum SceneError {
     },
 
     /// The first bytes say another kind of file than the name.
-    #[error("{path}: the name says {said}, but the content is {found}")]
+    #[error("{path}: the name says {stated}, but the content is {found}")]
     #[diagnostic(help("give the file the ending that its content has, or write it anew"))]
     Disguised {
         /// The file or folder of the scene.
         path: PathBuf,
         /// The kind that the name promises.
-        said: &'static str,
+        stated: &'static str,
         /// What the first bytes are.
         found: &'static str,
     },
@@ -54,11 +54,11 @@ pub enum SceneError {
     #[error("{path}: header field {field}: got {got}, expected {want}")]
     #[diagnostic(help("write the file anew; for video: ffmpeg -i FILE -pix_fmt gray clip.y4m"))]
     Header {
-        /// The file or folder of the scene.
+        /// Name of the field.
         path: PathBuf,
-        /// Which field.
+        /// Its value in the file.
         field: &'static str,
-        /// What stands there.
+        /// The value that it should have.
         got: String,
         /// What should.
         want: &'static str,
@@ -97,7 +97,7 @@ pub enum SceneError {
     NumberType {
         /// The file or folder of the scene.
         path: PathBuf,
-        /// The `descr` in its header.
+        /// The type string (`descr`) in its header.
         got: String,
     },
 
@@ -129,7 +129,7 @@ pub enum SceneError {
     Inexact {
         /// The file or folder of the scene.
         path: PathBuf,
-        /// Which frame.
+        /// Number of the frame, from 0.
         frame: u64,
         /// Row of the pixel, from 0 at the top.
         y: usize,
@@ -174,18 +174,9 @@ pub enum SceneError {
     },
 
     /// Frames that do not fit into the memory that there may be.
-    #[error("{path}: to read frames of {size}, {bytes} are held at a time; {most} are allowed")]
-    #[diagnostic(help("scale the clip down first, or allow more with --max-memory SIZE"))]
-    NoRoom {
-        /// The file or folder of the scene.
-        path: PathBuf,
-        /// Their size.
-        size: Size,
-        /// What the reader would hold.
-        bytes: Bytes,
-        /// What it may.
-        most: Bytes,
-    },
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    NoRoom(#[from] TooMuch),
 
     /// More frames than any scene has.
     #[error("{path}: more than {most} frames")]
@@ -427,6 +418,18 @@ pub enum SceneError {
         value: f64,
         /// What is added to it.
         offset: f64,
+    },
+
+    /// Samples cannot be what the caller says.
+    #[error("{path}: {what}")]
+    #[diagnostic(help("{help}"))]
+    Coding {
+        /// The scene.
+        path: PathBuf,
+        /// What was asked for.
+        what: String,
+        /// What to do.
+        help: &'static str,
     },
 
     /// A bound of the upsampling that bounds nothing.

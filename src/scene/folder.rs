@@ -10,19 +10,20 @@ use std::{
 
 use super::{
     Frame, OpenOptions, Scene, SceneError,
+    decoded::Source,
     light::{self, MemoryLimit},
     rate::Rate,
     still,
 };
 use crate::{limit::PICTURES, plane::Size};
 
-/// Endings of pictures that are read.
+/// Extensions of the pictures that are read.
 pub(super) const ENDINGS: [&str; 4] = ["png", "pgm", "ppm", "pnm"];
 
-/// Pictures still to be read.
+/// A folder being read.
 struct Folder {
     path: PathBuf,
-    /// Their names.
+    /// Names of the pictures still to be read, in order.
     left: VecDeque<OsString>,
     room: MemoryLimit,
     count: u64,
@@ -33,8 +34,11 @@ struct Folder {
     rate: Rate,
 }
 
-/// Opens a folder.
-pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
+/// Opens a folder. The bits of a sample are those of the first picture.
+pub(super) fn open(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<(impl Scene + use<>, Source), SceneError> {
     let unreadable = |cause| SceneError::unreadable(path, cause);
     let mut pictures = Vec::new();
     for entry in fs::read_dir(path).map_err(unreadable)? {
@@ -65,8 +69,8 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
             missing: "picture",
         });
     };
-    let light = still::read(&path.join(first), 0, room)?;
-    Ok(Folder {
+    let (light, bits) = still::read_with_bits(&path.join(first), 0, room)?;
+    let folder = Folder {
         path: path.into(),
         room,
         left,
@@ -79,7 +83,8 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
             light,
         }),
         rate: Rate::asked_or_assumed(options.fps),
-    })
+    };
+    Ok((folder, Source::pictures(bits)))
 }
 
 impl Scene for Folder {
@@ -149,7 +154,7 @@ fn natural(a: &str, b: &str) -> Ordering {
     }
 }
 
-/// The first run of digits, or of anything else, and what follows.
+/// Splits off the first run of digits, or of anything but digits.
 fn word(text: &str) -> (&str, &str) {
     let is_digit = |c: char| c.is_ascii_digit();
     let first = text.starts_with(is_digit);

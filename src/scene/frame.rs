@@ -1,6 +1,6 @@
-//! A frame, and the trait of all that gives frames.
+//! A frame, and the trait of all sources of frames.
 
-use super::{error::SceneError, light};
+use super::{coding::Light, error::SceneError, light};
 use crate::plane::{Plane, Size};
 
 /// One picture of a scene.
@@ -10,7 +10,8 @@ pub struct Frame {
     pub index: u64,
     /// When it was taken, in seconds.
     pub seconds: f64,
-    /// Linear light, `[y, x]`: 0 to 255 for 8-bit video, as given for `.npy`.
+    /// Light, `[y, x]`: 0 to 255 for video and pictures, as given for `.npy`;
+    /// [`Scene::coding`] says what was undone.
     pub light: Plane<f64>,
 }
 
@@ -37,8 +38,13 @@ pub trait Scene: Send {
     /// When the source cannot be read, or a frame is damaged, of another size, or not finite.
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError>;
 
-    /// Bytes that the source holds at most while frames are taken from it, the frame that it
-    /// gives included.
+    /// How its samples became light, and who said so.
+    fn coding(&self) -> Light {
+        Light::DRAWN
+    }
+
+    /// The most bytes that the source holds while frames are taken from it, the frame that it gives
+    /// included.
     fn bytes(&self) -> u128 {
         light::PIXEL_BYTES_HELD * self.size().pixels() as u128
     }
@@ -59,6 +65,9 @@ impl<S: Scene + ?Sized> Scene for Box<S> {
     }
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         (**self).next_frame()
+    }
+    fn coding(&self) -> Light {
+        (**self).coding()
     }
     fn bytes(&self) -> u128 {
         (**self).bytes()

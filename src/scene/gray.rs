@@ -1,6 +1,6 @@
-//! Samples of a decoded picture to light.
+//! Conversion of a decoded picture's samples to light.
 
-/// What one pixel of a decoded picture is made of.
+/// The samples of one pixel of a decoded picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     /// 1 gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha.
@@ -9,7 +9,7 @@ pub(super) struct Layout {
     pub depth: Depth,
 }
 
-/// How a sample is stored; all of its values are used.
+/// The type of a sample; its whole range is used.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Depth {
     Eight,
@@ -25,7 +25,7 @@ impl Depth {
         }
     }
 
-    /// The value of full light.
+    /// The sample value of full light.
     const fn full_scale(self) -> f64 {
         match self {
             Self::Eight => 255.0,

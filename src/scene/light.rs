@@ -1,10 +1,11 @@
-//! Checks that every source of light shares.
+//! Checks that all sources of frames share.
 
 use std::{fs::File, io::BufReader, path::Path};
 
 use super::{OpenOptions, SceneError};
 use crate::{
     limit::{DRAWN_PIXELS, FRAMES, PIXELS},
+    memory::{Budget, Need},
     plane::{Plane, Size},
 };
 
@@ -15,7 +16,7 @@ pub(super) const PIXEL_BYTES_HELD: u128 = 2 * PIXEL_BYTES;
 /// Bytes of a pixel of a frame.
 pub(super) const PIXEL_BYTES: u128 = 8;
 
-/// A size that a sensor can watch, or an error that names the file.
+/// The size of a frame, checked against the limits; errors name the file.
 pub(super) fn checked_size(path: &Path, height: usize, width: usize) -> Result<Size, SceneError> {
     let size = Size::new(height, width);
     if height == 0 || width == 0 {
@@ -34,7 +35,7 @@ pub(super) fn checked_size(path: &Path, height: usize, width: usize) -> Result<S
     })
 }
 
-/// Refuses a frame of a scene that is longer than scenes are; `index` is its number.
+/// Refuses frame number `index` where a scene may not have so many frames.
 pub(super) fn check_number(path: &Path, index: u64) -> Result<(), SceneError> {
     if index < FRAMES {
         return Ok(());
@@ -45,7 +46,8 @@ pub(super) fn check_number(path: &Path, index: u64) -> Result<(), SceneError> {
     })
 }
 
-/// Refuses frames that are drawn from few bytes, or none, where together they are too large.
+/// Refuses drawn scenes that are too large in all: few bytes of input, or none, can ask for any
+/// number of frames.
 pub(super) fn check_drawn(path: &Path, size: Size, frames: u64) -> Result<(), SceneError> {
     check_number(path, frames.saturating_sub(1))?;
     if u128::from(frames) * size.pixels() as u128 <= u128::from(DRAWN_PIXELS) {
@@ -59,31 +61,32 @@ pub(super) fn check_drawn(path: &Path, size: Size, frames: u64) -> Result<(), Sc
     })
 }
 
-/// The most bytes that a reader may hold.
+/// Frames that take so few bytes are read under any limit, so that whoever uses them can refuse
+/// with the sum of all that it would hold, and the least that is enough.
+const SMALL: u128 = 4 << 20;
+
+/// What a program that reads frames may hold, if that is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct MemoryLimit(u64);
+pub(super) struct MemoryLimit(Option<Budget>);
 
 impl MemoryLimit {
     /// The limit that the options give, or none.
-    pub fn new(options: OpenOptions) -> Self {
-        Self(options.memory.unwrap_or(u64::MAX))
+    pub const fn new(options: OpenOptions) -> Self {
+        Self(options.memory)
     }
 
-    /// Refuses frames that take more.
+    /// Refuses frames of which so many bytes are held while they are read.
     pub fn check(self, path: &Path, size: Size, bytes: u128) -> Result<(), SceneError> {
-        if bytes <= u128::from(self.0) {
+        let Some(budget) = self.0.filter(|_| bytes > SMALL) else {
             return Ok(());
-        }
-        Err(SceneError::NoRoom {
-            path: path.into(),
-            size,
-            bytes: crate::memory::Bytes(bytes),
-            most: crate::memory::Bytes(self.0.into()),
-        })
+        };
+        let need = Need::new().and(format!("frames of {size} that are read"), bytes);
+        let what = format!("{}: the scene alone", path.display());
+        Ok(need.within(budget, &what, "scale the clip down first")?)
     }
 }
 
-/// A plane from numbers in row order; `None` when their count is not the size's.
+/// A plane from numbers in row order; `None` when their count does not match the size.
 pub(super) fn plane(size: Size, numbers: Vec<f64>) -> Option<Plane<f64>> {
     Plane::from_shape_vec(size.shape(), numbers).ok()
 }
@@ -94,7 +97,7 @@ pub(super) fn open_file(path: &Path) -> Result<BufReader<File>, SceneError> {
     Ok(BufReader::with_capacity(1 << 16, file))
 }
 
-/// Bytes of a file.
+/// Length of a file, bytes.
 #[cfg(feature = "mp4")]
 pub(super) fn length(path: &Path, file: &BufReader<File>) -> Result<u64, SceneError> {
     let data = file.get_ref().metadata();

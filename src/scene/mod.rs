@@ -15,13 +15,19 @@
 //! | `light.npy` | numbers `(T, H, W)`, used as given | assumed |
 //! | `pattern:NAME?key=value` | drawn, with exact optical flow | a parameter |
 //!
-//! Video is used as it is coded: 0 to 255, no gamma undone, limited range not stretched, as
-//! the authors of the RGC sensor feed their simulator. Colour becomes gray by Rec. 601
-//! (0.299 R + 0.587 G + 0.114 B, the weights of video luma and of `OpenCV`), not rounded.
+//! Light is 0 to 255. Video of limited range is stretched to it, in the range that the file
+//! states (`XCOLORRANGE` of y4m, `colr` and VUI of mp4) or that its kind usually has: limited for
+//! video with colour, full for gray y4m, pictures and arrays. What lies outside is clipped. The
+//! transfer is as coded, as in v2e, ESIM and the simulator of the RGC sensor's authors, unless
+//! [`Coding`] asks for one to be undone. Colour becomes gray by Rec. 601 (0.299 R + 0.587 G +
+//! 0.114 B, the weights of video luma and of `OpenCV`), not rounded.
 
 mod animation;
 mod bundled;
 mod canvas;
+mod coding;
+mod cut;
+mod decoded;
 mod error;
 mod folder;
 mod frame;
@@ -29,6 +35,7 @@ mod gray;
 mod light;
 mod mp4;
 mod npy;
+mod observed;
 mod open;
 mod options;
 mod rate;
@@ -40,9 +47,12 @@ pub mod part;
 pub mod pattern;
 pub mod upsample;
 
-pub use bundled::bundled;
+pub use bundled::{bundled, bundled_with};
+pub use coding::{Coding, Light, Origin, Range, Samples, Transfer};
+pub use cut::Cut;
 pub use error::SceneError;
 pub use frame::{Frame, Scene};
+pub use observed::{Observation, Observed};
 pub use open::open;
 pub use options::OpenOptions;
 pub use rate::ASSUMED_FPS;

@@ -1,4 +1,4 @@
-//! `.npy` arrays of shape `(frames, height, width)`: light as given, never rescaled.
+//! `.npy` arrays of shape `(frames, height, width)`: numbers as given.
 //!
 //! The numbers are read frame by frame; `ndarray-npy`, which reads whole arrays, would hold
 //! the clip in memory. Format: `numpy.lib.format`, versions 1 to 3.
@@ -8,7 +8,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Frame, OpenOptions, Scene, SceneError, light, light::MemoryLimit, rate::Rate};
+use super::{
+    Frame, OpenOptions, Scene, SceneError, decoded::Source, light, light::MemoryLimit, rate::Rate,
+};
 use crate::plane::Size;
 
 /// The first bytes of every file.
@@ -17,7 +19,7 @@ pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 /// The longest header that is read; `numpy` itself stops at 10 000.
 const LONGEST_HEADER: u64 = 65_535;
 
-/// A stream of numbers.
+/// A stream of frames in an `.npy` file.
 pub(super) struct Npy<R> {
     path: PathBuf,
     stream: R,
@@ -30,7 +32,10 @@ pub(super) struct Npy<R> {
 }
 
 /// Opens an `.npy` file.
-pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
+pub(super) fn open(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<(impl Scene + use<>, Source), SceneError> {
     let stream = light::open_file(path)?;
     let length = stream
         .get_ref()
@@ -38,7 +43,9 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
         .ok()
         .filter(std::fs::Metadata::is_file)
         .map(|data| data.len());
-    Npy::new(path, stream, length, options)
+    let npy = Npy::new(path, stream, length, options)?;
+    let source = npy.number.source();
+    Ok((npy, source))
 }
 
 impl<R: Read + Send> Npy<R> {
@@ -74,7 +81,7 @@ impl<R: Read + Send> Npy<R> {
         }
         let axis = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
         let size = light::checked_size(path, axis(height), axis(width))?;
-        // With one axis longer than 1 the two orders are the same bytes.
+        // With at most one axis longer than 1, row-major and column-major order are the same bytes.
         if header.fortran && header.shape.iter().filter(|n| **n > 1).count() > 1 {
             return Err(SceneError::FortranOrder { path: path.into() });
         }
@@ -177,12 +184,12 @@ impl<R: Read + Send> Scene for Npy<R> {
     }
 }
 
-/// Bytes of a frame as it is stored, and as light.
+/// Bytes held for a frame: as it is stored, and as light.
 fn held(number: Number, size: Size) -> u128 {
     (number.bytes() as u128 + light::PIXEL_BYTES_HELD) * size.pixels() as u128
 }
 
-/// How one number is stored.
+/// The type of the array's numbers.
 #[derive(Clone, Copy, Debug)]
 struct Number {
     kind: Kind,
@@ -238,6 +245,16 @@ impl Number {
             kind,
             big_end_first,
         })
+    }
+
+    /// What such numbers are as samples; those with a sign have no range.
+    fn source(self) -> Source {
+        match self.kind {
+            Kind::F2 | Kind::F4 | Kind::F8 => Source::floats(),
+            Kind::U1 => Source::integers(Some(8)),
+            Kind::U2 => Source::integers(Some(16)),
+            _ => Source::integers(None),
+        }
     }
 
     fn bytes(self) -> usize {
@@ -338,7 +355,7 @@ struct Header {
     shape: Vec<u64>,
 }
 
-/// A field that is wrong, and what was expected.
+/// A field that is wrong, and what was expected instead.
 type Wrong = (&'static str, &'static str);
 
 impl Header {
@@ -402,7 +419,7 @@ impl Header {
     }
 }
 
-/// A word in quotes at the start of `text`, and what follows it.
+/// A quoted string at the start of `text`, and what follows it.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
     text[1..].split_once(quote)

@@ -1,10 +1,10 @@
-//! From what the user wrote to a scene: by name, then by the first bytes.
+//! Opening a scene: the format follows from the name, and the first bytes must agree.
 
 use std::{io::Read, path::Path};
 
 use super::{
-    OpenOptions, Scene, SceneError, animation, folder, light, mp4, npy, pattern::Pattern, rate,
-    still, y4m,
+    OpenOptions, Scene, SceneError, animation, decoded::Source, folder, light, mp4, npy,
+    pattern::Pattern, rate, still, y4m,
 };
 
 /// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.
@@ -31,6 +31,7 @@ pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneEr
         return Err(SceneError::BadRate { fps });
     }
     if let Some(pattern) = spec.strip_prefix("pattern:") {
+        options.coding.check_drawn(spec)?;
         return Ok(Box::new(Pattern::with_options(pattern, *options)?));
     }
     let path = Path::new(spec);
@@ -38,26 +39,31 @@ pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneEr
         .metadata()
         .map_err(|cause| SceneError::unreadable(path, cause))?;
     if data.is_dir() {
-        return Ok(Box::new(folder::open(path, *options)?));
+        let (scene, source) = folder::open(path, *options)?;
+        return source.decode(scene, path, options);
     }
     if !data.is_file() {
         return Err(SceneError::NoFile { path: path.into() });
     }
     let kind = FileKind::from_path(path)?;
     kind.check_content(path)?;
-    Ok(match kind {
-        FileKind::Y4m => Box::new(y4m::open(path, *options)?),
-        FileKind::Npy => Box::new(npy::open(path, *options)?),
-        FileKind::Gif => Box::new(animation::open_gif(path, *options)?),
-        FileKind::Png if animation::is_apng(path)? => {
-            Box::new(animation::open_apng(path, *options)?)
-        }
-        FileKind::Png | FileKind::Pnm => Box::new(still::open(path, *options)?),
+    let (scene, source) = match kind {
+        FileKind::Y4m => made(y4m::open(path, *options)?),
+        FileKind::Npy => made(npy::open(path, *options)?),
+        FileKind::Gif => made(animation::open_gif(path, *options)?),
+        FileKind::Png if animation::is_apng(path)? => made(animation::open_apng(path, *options)?),
+        FileKind::Png | FileKind::Pnm => made(still::open(path, *options)?),
         FileKind::Mp4 => mp4::open(path, *options)?,
-    })
+    };
+    source.decode(scene, path, options)
 }
 
-/// The formats of files, by their name and by their first bytes.
+/// A reader, and what it says about its samples.
+fn made<S: Scene + 'static>((scene, source): (S, Source)) -> (Box<dyn Scene>, Source) {
+    (Box::new(scene), source)
+}
+
+/// The formats of files, by extension and by first bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum FileKind {
     Y4m,
@@ -102,7 +108,7 @@ impl FileKind {
         }
     }
 
-    /// Whether a file that begins so is of this kind.
+    /// Whether a file of this format can begin with `start`.
     fn begins(self, start: &[u8]) -> bool {
         match self {
             Self::Y4m => start.starts_with(y4m::MAGIC),
@@ -135,7 +141,7 @@ impl FileKind {
         let found = Self::ALL.into_iter().find(|kind| kind.begins(&start));
         Err(SceneError::Disguised {
             path: path.into(),
-            said: self.name(),
+            stated: self.name(),
             found: found.map_or("something else", Self::name),
         })
     }

@@ -1,6 +1,6 @@
 //! Scenes made of another scene: its first frames, or its frames at another rate.
 
-use super::{Frame, Scene, SceneError};
+use super::{Frame, Light, Scene, SceneError};
 use crate::plane::Size;
 
 /// The first frames of a scene.
@@ -11,7 +11,7 @@ pub struct First<S> {
 }
 
 impl<S: Scene> First<S> {
-    /// At most so many.
+    /// The first `frames` frames of `source`, or all where it has fewer.
     pub const fn new(source: S, frames: u64) -> Self {
         Self {
             source,
@@ -44,6 +44,10 @@ impl<S: Scene> Scene for First<S> {
         self.left -= 1;
         self.source.next_frame()
     }
+
+    fn coding(&self) -> Light {
+        self.source.coding()
+    }
 }
 
 /// A scene whose frames come at another rate.
@@ -54,7 +58,7 @@ pub struct Retimed<S> {
 }
 
 impl<S: Scene> Retimed<S> {
-    /// So many frames a second.
+    /// The frames of `source` at `fps` frames a second.
     ///
     /// # Errors
     /// When the rate is not a finite number above 0.
@@ -86,5 +90,9 @@ impl<S: Scene> Scene for Retimed<S> {
             seconds: frame.index as f64 / self.fps,
             ..frame
         }))
+    }
+
+    fn coding(&self) -> Light {
+        self.source.coding()
     }
 }

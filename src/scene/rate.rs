@@ -1,4 +1,4 @@
-//! Frames per second, and who said so.
+//! Frame rates, and whether they are given or assumed.
 
 use std::path::Path;
 

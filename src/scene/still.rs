@@ -9,6 +9,7 @@ use image::{ImageDecoder, ImageFormat, ImageReader};
 
 use super::{
     Frame, OpenOptions, Scene, SceneError,
+    decoded::Source,
     gray::{self, Depth, Layout},
     light::{self, MemoryLimit},
     rate::Rate,
@@ -23,13 +24,17 @@ pub(super) struct Still {
 }
 
 /// Opens one picture.
-pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
-    let light = read(path, 0, MemoryLimit::new(options))?;
-    Ok(Still {
+pub(super) fn open(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<(impl Scene + use<>, Source), SceneError> {
+    let (light, bits) = read_with_bits(path, 0, MemoryLimit::new(options))?;
+    let still = Still {
         size: Size::of(&light),
         light: Some(light),
         rate: Rate::asked_or_assumed(options.fps),
-    })
+    };
+    Ok((still, Source::pictures(bits)))
 }
 
 impl Scene for Still {
@@ -64,6 +69,15 @@ pub(super) const MOST_CODED: u128 = 8;
 ///
 /// `frame` is its number in the scene, for messages.
 pub(super) fn read(path: &Path, frame: u64, room: MemoryLimit) -> Result<Plane<f64>, SceneError> {
+    Ok(read_with_bits(path, frame, room)?.0)
+}
+
+/// The same, and the bits of a sample.
+pub(super) fn read_with_bits(
+    path: &Path,
+    frame: u64,
+    room: MemoryLimit,
+) -> Result<(Plane<f64>, u32), SceneError> {
     let file = light::open_file(path)?;
     let reader = ImageReader::new(file)
         .with_guessed_format()
@@ -83,7 +97,7 @@ fn decode<R: BufRead + Seek>(
     path: &Path,
     frame: u64,
     room: MemoryLimit,
-) -> Result<Plane<f64>, SceneError> {
+) -> Result<(Plane<f64>, u32), SceneError> {
     let damaged = |cause: Box<dyn std::error::Error + Send + Sync>| SceneError::Picture {
         path: PathBuf::from(path),
         frame,
@@ -100,11 +114,15 @@ fn decode<R: BufRead + Seek>(
     decoder
         .read_image(&mut bytes)
         .map_err(|e| damaged(e.into()))?;
-    let depth = match bytes.len() / (size.pixels() * channels) {
-        1 => Depth::Eight,
-        2 => Depth::Sixteen(u16::from_ne_bytes),
+    let (depth, bits) = match bytes.len() / (size.pixels() * channels) {
+        1 => (Depth::Eight, 8),
+        2 => (Depth::Sixteen(u16::from_ne_bytes), 16),
         _ => return Err(damaged("more than 16 bits a sample".into())),
     };
     let lights = gray::pixels(Layout { channels, depth }, &bytes).map(|p| p.light);
-    light::plane(size, lights.collect()).ok_or_else(|| damaged("too few samples".into()))
+    let light = light::plane(size, lights.collect());
+    Ok((
+        light.ok_or_else(|| damaged("too few samples".into()))?,
+        bits,
+    ))
 }

@@ -8,7 +8,7 @@
 
 use ndarray::Zip;
 
-use super::{Frame, Scene, SceneError, light};
+use super::{Frame, Light, Scene, SceneError, light};
 use crate::{
     elementary,
     plane::{Plane, Size},
@@ -31,7 +31,7 @@ pub enum Bound {
     },
 }
 
-/// How to upsample.
+/// Settings of the upsampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Upsampling {
     /// By how much a pixel may move in one step.
@@ -70,16 +70,16 @@ pub struct Upsampled<S> {
     inserted: u64,
 }
 
-/// Where the next frame lies: after one source frame, up to another.
+/// A pair of source frames, and how far the frames between them have got.
 #[derive(Debug)]
 struct Between {
     from: Frame,
     to: Frame,
-    /// The light that was given last.
+    /// The light of the last frame that was given.
     now: Plane<f64>,
-    /// How far from `from` to `to` that was.
+    /// The position of that frame between `from` and `to`, from 0 to 1.
     share: f64,
-    /// Steps so far.
+    /// Frames given so far in this pair.
     steps: u32,
 }
 
@@ -144,7 +144,7 @@ impl<S: Scene> Upsampled<S> {
         self.inserted
     }
 
-    /// The scene underneath.
+    /// The source.
     #[must_use]
     pub fn source(&self) -> &S {
         &self.source
@@ -173,6 +173,10 @@ impl<S: Scene> Scene for Upsampled<S> {
 
     fn fps_is_assumed(&self) -> bool {
         self.source.fps_is_assumed()
+    }
+
+    fn coding(&self) -> Light {
+        self.source.coding()
     }
 
     /// Not known beforehand; [`source`](Upsampled::source) knows how many it has.
@@ -223,7 +227,7 @@ impl<S: Scene> Scene for Upsampled<S> {
 }
 
 impl<S: Scene> Upsampled<S> {
-    /// Refuses a pair that takes more steps than there may be, before the first of them.
+    /// Refuses a pair that needs more steps than allowed, before the first of them.
     fn check_steps(&self, from: &Frame, to: &Frame) -> Result<(), SceneError> {
         let least = self.how.bound.least_steps(&from.light, &to.light);
         let Upsampling { most_steps, .. } = self.how;
@@ -243,7 +247,7 @@ impl<S: Scene> Upsampled<S> {
         Ok(())
     }
 
-    /// Gives a source frame and looks for the one after it.
+    /// Gives source frame `from` and reads the one after it.
     fn begin(&mut self, from: Frame) -> Result<Option<Frame>, SceneError> {
         let frame = self.give(from.seconds, from.light.clone());
         if let Some(to) = self.source.next_frame()? {
@@ -283,7 +287,8 @@ impl Bound {
         }
     }
 
-    /// The fewest steps from one light to the other, for the pixel that moves most.
+    /// The least number of steps between two source frames, which the pixel of largest change
+    /// needs.
     fn least_steps(self, from: &Plane<f64>, to: &Plane<f64>) -> f64 {
         let most = |change: &dyn Fn(f64, f64) -> f64| {
             let fold = |most: f64, a: &f64, b: &f64| most.max(change(*a, *b).abs());
@@ -297,8 +302,8 @@ impl Bound {
         }
     }
 
-    /// How far, as a share of the way from one source frame to the other, the light may go
-    /// on from where it is; infinite where nothing changes.
+    /// The longest step from the present light that keeps the bound, as a share of the interval
+    /// between the source frames; infinite where nothing changes.
     fn longest_step(self, between: &Between) -> f64 {
         let (from, to) = (&between.from.light, &between.to.light);
         match self {

@@ -1,7 +1,8 @@
 //! YUV4MPEG2, the raw video that `ffmpeg` and `mplayer` write; its luma.
 //!
-//! Samples are used as they are coded: full range is not told from limited (16 to 235), and
-//! more than 8 bits are scaled to 0..255 as real numbers, so that all depths share a scale.
+//! More than 8 bits are scaled to 0..255 as real numbers, so that all depths share a scale. The
+//! range is that of the field `XCOLORRANGE`; without it gray video has full range, and video with
+//! colour limited range, as ffmpeg takes it.
 //! Format: the man page `yuv4mpeg(5)` of mjpegtools; depths above 8 as ffmpeg writes them.
 
 use std::{
@@ -9,7 +10,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Frame, OpenOptions, Scene, SceneError, light, light::MemoryLimit, rate::Rate};
+use super::{
+    Frame, OpenOptions, Range, Scene, SceneError, decoded::Source, light, light::MemoryLimit,
+    rate::Rate,
+};
 use crate::plane::Size;
 
 /// The first word of every file.
@@ -24,6 +28,7 @@ pub(super) struct Y4m<R> {
     stream: R,
     size: Size,
     samples: Samples,
+    source: Source,
     rate: Rate,
     frames: Option<u64>,
     next: u64,
@@ -42,7 +47,10 @@ struct Samples {
 }
 
 /// Opens a y4m file.
-pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use<>, SceneError> {
+pub(super) fn open(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<(impl Scene + use<>, Source), SceneError> {
     let stream = light::open_file(path)?;
     let length = stream
         .get_ref()
@@ -50,7 +58,9 @@ pub(super) fn open(path: &Path, options: OpenOptions) -> Result<impl Scene + use
         .ok()
         .filter(std::fs::Metadata::is_file)
         .map(|data| data.len());
-    Y4m::new(path, stream, length, options)
+    let y4m = Y4m::new(path, stream, length, options)?;
+    let source = y4m.source;
+    Ok((y4m, source))
 }
 
 impl<R: BufRead + Send> Y4m<R> {
@@ -99,10 +109,19 @@ impl<R: BufRead + Send> Y4m<R> {
                 missing: "frame",
             });
         }
+        let usual = if fields.colour.starts_with("mono") {
+            Range::Full
+        } else {
+            Range::Limited
+        };
         Ok(Self {
             path: path.into(),
             stream,
             size,
+            source: Source {
+                range: fields.range,
+                ..Source::video(samples.bits, usual)
+            },
             samples,
             rate,
             frames,
@@ -184,7 +203,7 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
     }
 }
 
-/// Bytes of a frame as it is coded, and as light.
+/// Bytes held for a frame: as it is coded, and as light.
 fn held(samples: Samples, size: Size) -> u128 {
     u128::from(samples.frame) + light::PIXEL_BYTES_HELD * size.pixels() as u128
 }
@@ -195,6 +214,8 @@ struct Fields {
     height: usize,
     fps: Option<f64>,
     colour: String,
+    /// Of the field that ffmpeg writes.
+    range: Option<Range>,
 }
 
 impl Fields {
@@ -210,7 +231,7 @@ impl Fields {
             Some("YUV4MPEG2") => {}
             other => return Err(bad("first word", other.unwrap_or(""), "YUV4MPEG2")),
         }
-        let (mut width, mut height, mut fps) = (None, None, None);
+        let (mut width, mut height, mut fps, mut range) = (None, None, None, None);
         // What the format means when the field is missing.
         let mut colour = "420jpeg".to_owned();
         for word in words {
@@ -234,6 +255,13 @@ impl Fields {
                 }
                 'I' if matches!(value, "p" | "?") => {}
                 'I' => return Err(bad("I", value, "p, t, b, m or ?")),
+                'X' if value.starts_with("COLORRANGE=") => {
+                    range = Some(match value {
+                        "COLORRANGE=FULL" => Range::Full,
+                        "COLORRANGE=LIMITED" => Range::Limited,
+                        other => return Err(bad("X", other, "COLORRANGE=FULL or LIMITED")),
+                    });
+                }
                 // The shape of a pixel, and comments: nothing that changes light.
                 'A' | 'X' => {}
                 _ => return Err(bad("(unknown)", word, "one of W H F I A C X")),
@@ -244,6 +272,7 @@ impl Fields {
             height: height.ok_or_else(|| bad("H", "nothing", "a height"))?,
             fps,
             colour,
+            range,
         })
     }
 }
@@ -259,7 +288,7 @@ fn ratio(text: &str) -> Option<f64> {
     Some(a as f64 / b as f64)
 }
 
-/// The layout that a colour space means; `None` where it is not known.
+/// The sample layout of a colour space; `None` where it is not known.
 fn samples(colour: &str, size: Size) -> Option<Samples> {
     let (layout, bits) = match colour {
         "420" | "420jpeg" | "420mpeg2" | "420paldv" => ("420", 8),
@@ -297,11 +326,11 @@ fn samples(colour: &str, size: Size) -> Option<Samples> {
     })
 }
 
-/// What stood where a line was expected.
+/// The result of reading a line.
 enum Line {
     /// A line of text, without its end.
     Whole(String),
-    /// No end of line, or no text: how it begins.
+    /// No end of line within the limit, or not text: its first bytes.
     Broken(String),
     /// The end of the stream.
     Nothing,

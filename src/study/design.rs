@@ -1,5 +1,5 @@
-//! One cell with a kernel and a threshold, as every sensor that a study compares: the float
-//! model of it, and the program that the compiler makes of it on a chip in any arithmetic.
+//! A design: one cell with a kernel and a threshold, from which all sensors of a study are made:
+//! the float model, and the compiled program on a chip in any arithmetic.
 //!
 //! ```
 //! use amacrine::{
@@ -110,7 +110,7 @@ impl DesignError {
     }
 }
 
-/// The float model as a sensor, its signals, weights and memory in a number format.
+/// The float model as a sensor, with signals, weights and memory in a number format.
 pub(super) fn float(
     description: Description,
     size: Size,
@@ -129,7 +129,7 @@ pub(super) fn float(
 }
 
 impl<'a> Design<'a> {
-    /// The float model of it, in `filtered-snap`, `filtered-step` or another memory.
+    /// The float model with a memory rule such as `filtered-snap` or `filtered-step`.
     ///
     /// # Errors
     /// When the threshold is not positive.
@@ -178,7 +178,7 @@ impl<'a> Design<'a> {
         Ok(float(description, size, self.seed, format)?)
     }
 
-    /// Its kernel in few values, none above 1.
+    /// Its kernel quantised, with levels of at most 1.
     ///
     /// # Errors
     /// When the kernel cannot be quantised as asked.
@@ -186,7 +186,7 @@ impl<'a> Design<'a> {
         Ok(to.quantise(self.kernel, sum, self.seed)?.within_one())
     }
 
-    /// The same cell with the levels for a kernel: the threshold takes in the scale.
+    /// The same cell with the levels as its kernel; the threshold absorbs the scale.
     #[must_use]
     pub fn in_levels<'b>(&self, quantised: &'b Quantised) -> Design<'b>
     where
@@ -277,7 +277,7 @@ impl Compiled {
     pub fn settings(&self) -> Settings {
         Settings {
             clip: true,
-            ..Settings::of(&self.device)
+            ..Settings::from_device(&self.device)
         }
     }
 
@@ -299,14 +299,13 @@ impl Compiled {
         settings: Settings,
     ) -> Result<Box<dyn Array + Send>, DesignError> {
         if let Arithmetic::Silicon { seed } = arithmetic {
-            return self.silicon(Errors::of(&self.device), seed, size, settings);
+            return self.silicon(Errors::from_device(&self.device), seed, size, settings);
         }
         addressed(size)?;
-        let code = self.code.clone();
-        Ok(arithmetic.chip(&self.title, code, &self.device, size, settings)?)
+        Ok(arithmetic.chip(&self.title, &self.code, &self.device, size, settings)?)
     }
 
-    /// A chip that errs as `errors` says: [`Errors::of`] the device, with any of them changed
+    /// A chip that errs as `errors` says: [`Errors::from_device`], with any of them changed
     /// or 0. Analogue cells saturate at the range in it, which has the chip's headroom;
     /// `settings.clip` would take that away, and is left out.
     ///
@@ -320,13 +319,19 @@ impl Compiled {
         settings: Settings,
     ) -> Result<Box<dyn Array + Send>, DesignError> {
         addressed(size)?;
-        let domain = Silicon::new(errors, seed, &Layout::of(&self.device, size));
+        let domain = Silicon::new(errors, seed, &Layout::new(&self.device, size));
         let settings = Settings {
             clip: false,
             ..settings
         };
-        let code = self.code.clone();
-        let chip = Chip::new(&self.title, domain, code, &self.device, size, settings)?;
+        let chip = Chip::new(
+            &self.title,
+            domain,
+            &self.code,
+            &self.device,
+            size,
+            settings,
+        )?;
         Ok(Box::new(chip))
     }
 
@@ -351,8 +356,8 @@ impl Compiled {
     }
 }
 
-/// A chip before its readout: a host's list holds 4000 events at most, the one-bit registers
-/// that it scans hold them all.
+/// A chip before its readout: the host's list holds at most 4000 events, the one-bit registers that
+/// it scans hold them all.
 pub struct AllEvents {
     chip: Box<dyn Array + Send>,
     /// The registers of events, with their sign and kind.

@@ -23,7 +23,7 @@ use crate::{
     event::Packet,
     number::Format,
     plane::Size,
-    reference::MemoryRule,
+    reference::{Description, MemoryRule},
     rig::{self, RigError},
     scene::{Frame, Scene},
     sensor::Sensor,
@@ -78,7 +78,7 @@ struct Rung {
     /// Its threshold as a part of the reference's.
     part: f64,
     events: u64,
-    kept: f64,
+    f1: f64,
 }
 
 /// What the float sensor says at other thresholds.
@@ -113,6 +113,24 @@ pub fn sensors(
         .collect()
 }
 
+/// The parts of the threshold that the equivalent is told by: those of [`RUNGS`] above 1.
+pub fn higher() -> impl Iterator<Item = f64> {
+    RUNGS.into_iter().filter(|part| *part > 1.0)
+}
+
+/// Any sensor with its thresholds at a part of what they are.
+#[must_use]
+pub fn at_part(description: &Description, part: f64) -> Description {
+    let mut other = description.clone();
+    for channel in &mut other.channels {
+        for threshold in &mut channel.thresholds {
+            threshold.on *= part;
+            threshold.off *= part;
+        }
+    }
+    other
+}
+
 impl Ladder {
     /// Of the packets of the reference and of [`sensors`], in their order, at a number of frames
     /// a second.
@@ -126,22 +144,29 @@ impl Ladder {
         fps: f64,
         seed: u64,
     ) -> Result<Self, CompareError> {
-        let redraws = Redraws::new(&Pair::of(&reference, &reference)?, seed);
-        let floor = redraws.floor(window);
-        let mut rungs = vec![Rung {
+        let mut ladder = Self::bare(reference, window, fps, seed)?;
+        for (part, packet) in RUNGS.iter().zip(packets) {
+            ladder.add(*part, packet)?;
+        }
+        Ok(ladder)
+    }
+
+    /// Of the packet of the reference alone.
+    ///
+    /// # Errors
+    /// When the packet is inconsistent.
+    pub fn bare(
+        reference: Packet,
+        window: Micros,
+        fps: f64,
+        seed: u64,
+    ) -> Result<Self, CompareError> {
+        let redraws = Redraws::new(&Pair::new(&reference, &reference)?, seed);
+        let rungs = vec![Rung {
             part: 1.0,
             events: reference.events.len() as u64,
-            kept: 1.0,
+            f1: 1.0,
         }];
-        for (part, packet) in RUNGS.iter().zip(packets) {
-            let f1 = window::f1(&Pair::of(&reference, packet)?, window);
-            rungs.push(Rung {
-                part: *part,
-                events: packet.events.len() as u64,
-                kept: window::kept(f1, floor),
-            });
-        }
-        rungs.sort_by(|a, b| a.part.total_cmp(&b.part));
         Ok(Self {
             reference,
             redraws,
@@ -150,6 +175,33 @@ impl Ladder {
             seed,
             rungs,
         })
+    }
+
+    /// Adds the packet of the float sensor at a part of the threshold.
+    ///
+    /// # Errors
+    /// When the packet is of another sensor.
+    pub fn add(&mut self, part: f64, packet: &Packet) -> Result<(), CompareError> {
+        let rung = Rung {
+            part,
+            events: packet.events.len() as u64,
+            f1: window::f1(&Pair::new(&self.reference, packet)?, self.window),
+        };
+        let above = self.rungs.partition_point(|known| known.part < part);
+        self.rungs.insert(above, rung);
+        Ok(())
+    }
+
+    /// F1 of a redraw of the reference.
+    #[must_use]
+    pub fn floor(&self) -> f64 {
+        self.redraws.floor(self.window)
+    }
+
+    /// Redraws of the reference.
+    #[must_use]
+    pub const fn redraws(&self) -> &Redraws {
+        &self.redraws
     }
 
     /// The packet of the reference.
@@ -169,9 +221,9 @@ impl Ladder {
     /// # Errors
     /// When it is of another sensor.
     pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
-        let pair = Pair::of(&self.reference, packet)?;
+        let pair = Pair::new(&self.reference, packet)?;
         let point = Point::new(&pair, &self.redraws, self.window);
-        let (percent, is_least) = self.equivalent(point.kept);
+        let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
         Ok(Likeness {
             kept: point.kept,
@@ -186,19 +238,17 @@ impl Ladder {
         })
     }
 
-    /// The change of the threshold, in per cent, that costs as much as keeping only this share;
-    /// and whether it is at least that, being beyond the last rung.
+    /// The change of the threshold, in per cent, that costs as much as this F1; and whether it is
+    /// at least that, being beyond the last rung. F1 and what is kept rise together, and F1 tells
+    /// packets apart also where accident scores as much.
     #[must_use]
-    pub fn equivalent(&self, kept: f64) -> (f64, bool) {
+    pub fn equivalent(&self, f1: f64) -> (f64, bool) {
         let (mut part, mut best) = (1.0, 1.0_f64);
         for rung in self.rungs.iter().filter(|rung| rung.part > 1.0) {
-            // A rung that keeps more than one before it, by chance, is passed over.
-            let here = rung.kept.min(best);
-            if kept >= here {
-                return (
-                    percent(between((best, part), (here, rung.part), kept)),
-                    false,
-                );
+            // A rung that scores more than one before it, by chance, is passed over.
+            let here = rung.f1.min(best);
+            if f1 >= here {
+                return (percent(between((best, part), (here, rung.part), f1)), false);
             }
             (part, best) = (rung.part, here);
         }
@@ -230,9 +280,11 @@ impl Ladder {
         packet: &Packet,
         (part, tuned): (f64, &Packet),
     ) -> Result<(), CompareError> {
-        let pair = Pair::of(tuned, packet)?;
+        let pair = Pair::new(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
-        let (equivalent, is_least) = self.equivalent(point.kept);
+        let floor = self.floor();
+        let as_kept = floor + point.kept * (1.0 - floor);
+        let (equivalent, is_least) = self.equivalent(as_kept);
         likeness.tuned = Some(Tuned {
             threshold_percent: percent(part),
             kept: point.kept,
@@ -331,7 +383,7 @@ impl Likeness {
     /// The threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        equivalent(
+        percents(
             self.threshold_equivalent_percent,
             self.threshold_equivalent_is_least,
         )
@@ -342,14 +394,16 @@ impl Tuned {
     /// The threshold equivalent in a few characters.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        equivalent(
+        percents(
             self.threshold_equivalent_percent,
             self.threshold_equivalent_is_least,
         )
     }
 }
 
-fn equivalent(percent: f64, is_least: bool) -> String {
+/// A threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
+#[must_use]
+pub fn percents(percent: f64, is_least: bool) -> String {
     let least = if is_least { "> " } else { "" };
     if percent < 9.95 {
         format!("{least}{percent:.1} %")

@@ -1,4 +1,4 @@
-//! Pareto fronts: what is not beaten in both of two costs.
+//! Pareto fronts: what is not dominated in two costs.
 
 /// Two costs of one thing; the smaller the better.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,8 +17,8 @@ impl Cost {
     }
 }
 
-/// For each of them what dominates it: of those on the front that do, the one of the lowest
-/// `y`; none for those on the front. Equal ones do not dominate each other.
+/// For each cost, what dominates it: of those on the front that do, the one of the lowest `y`; none
+/// for those on the front. Equal ones do not dominate each other.
 #[must_use]
 pub fn dominators(costs: &[Cost]) -> Vec<Option<usize>> {
     let mut order: Vec<usize> = (0..costs.len()).collect();
@@ -28,7 +28,7 @@ pub fn dominators(costs: &[Cost]) -> Vec<Option<usize>> {
         ax.total_cmp(&bx).then(ay.total_cmp(&by))
     });
     let mut by = vec![None; costs.len()];
-    // The lowest so far: of all that cost no more of x.
+    // The lowest `y` of all that cost no more of `x`.
     let mut best: Option<(usize, Cost)> = None;
     for i in order {
         let Some(cost) = costs.get(i).copied() else {

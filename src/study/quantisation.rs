@@ -12,12 +12,15 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{Quantiser, Sum},
+        quantise::{Erasure, Quantiser, Sum},
     },
     number::Format,
     plane::Size,
     reference::MemoryRule,
-    rig::{self, RigError},
+    rig::{
+        self, RigError,
+        guard::{Guard, Warning},
+    },
     scene::{Frame, Scene, SceneError},
     sensor::Sensor,
     unit::Micros,
@@ -93,7 +96,7 @@ impl From<Likeness> for Headline {
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// It runs.
-    OnChip(OnChip),
+    OnChip(Box<OnChip>),
     /// It does not fit; what is short, and by how much.
     Refused(String),
 }
@@ -128,6 +131,9 @@ pub struct Answer {
     pub window_us: Micros,
     /// A row for each quantiser.
     pub rows: Vec<Row>,
+    /// What makes these figures mean something else than they seem to.
+    #[serde(skip)]
+    pub warnings: Vec<Warning>,
 }
 
 /// Why there is no answer.
@@ -176,6 +182,15 @@ pub fn ask(
     for to in question.quantisers {
         built.push(question.build(*to, size)?);
     }
+    let mut guard = Guard::new();
+    let mut subjects = Vec::new();
+    for one in &built {
+        for erasure in &one.erasures {
+            guard.warn(Warning::erased(&one.to, *erasure));
+        }
+        let chips = one.program.iter().flat_map(|program| &program.chips);
+        subjects.extend(chips.map(|chip| format!("{} {}", one.to, chip.domain())));
+    }
     let mut floats = vec![design.reference(size, MEMORY, Format::F64)?];
     floats.extend(equivalent::sensors(&design, size, MEMORY)?);
     let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
@@ -188,14 +203,24 @@ pub fn ask(
     {
         sensors.push(chip);
     }
-    let packets = rig::watch(&mut *scene, &mut sensors, &mut seen)?;
+    let packets = rig::watch(&mut *scene, &mut sensors, |frame| {
+        guard.frame(frame);
+        seen(frame);
+    })?;
     let (rungs, chips) = packets.split_at(floats.len());
     let [truth, rungs @ ..] = rungs else {
         return Err(QuantisationError::Packet("float".to_owned()));
     };
     let ladder = Ladder::new(truth.clone(), rungs, question.within, fps, question.seed)?;
+    guard.packet("the float sensor", truth);
+    if !truth.events.is_empty()
+        && let Some(warning) = Warning::window(question.within, ladder.floor())
+    {
+        guard.warn(warning);
+    }
     let mut judged = Vec::new();
-    for packet in chips {
+    for (packet, subject) in chips.iter().zip(subjects) {
+        guard.packet(&subject, packet);
         judged.push(ladder.judge(packet)?);
     }
     let mut pairs: Vec<_> = chips.iter().zip(&mut judged).collect();
@@ -216,6 +241,7 @@ pub fn ask(
         fps,
         window_us: question.within,
         rows,
+        warnings: guard.warnings(),
     })
 }
 
@@ -225,6 +251,7 @@ const MEMORY: MemoryRule = MemoryRule::FilteredSnap;
 struct Built {
     to: String,
     relative_error: Option<f64>,
+    erasures: Vec<Erasure>,
     /// Or why there is none.
     program: Result<Chips, String>,
 }
@@ -246,7 +273,7 @@ impl Built {
                     exact,
                     silicon,
                 };
-                (Some(silicon.into()), Outcome::OnChip(on_chip))
+                (Some(silicon.into()), Outcome::OnChip(Box::new(on_chip)))
             }
         };
         Ok(Row {
@@ -286,25 +313,27 @@ impl Question<'_> {
 
     fn build(&self, to: Quantiser, size: Size) -> Result<Built, DesignError> {
         let design = self.design();
-        let refused = |relative_error, error: &DesignError| Built {
+        let mut built = Built {
             to: to.to_string(),
-            relative_error,
-            program: Err(error.to_string()),
+            relative_error: None,
+            erasures: Vec::new(),
+            program: Err(String::new()),
         };
         let quantised = match design.quantise(to, self.sum) {
-            Err(error @ DesignError::Quantise(_)) => return Ok(refused(None, &error)),
+            Err(error @ DesignError::Quantise(_)) => {
+                built.program = Err(error.to_string());
+                return Ok(built);
+            }
             quantised => quantised?,
         };
-        let relative_error = Some(quantised.relative_error(self.kernel));
-        match design.in_levels(&quantised).compile("quantised") {
-            Err(error) if error.is_refusal() => Ok(refused(relative_error, &error)),
-            Err(error) => Err(error),
-            Ok(compiled) => Ok(Built {
-                to: to.to_string(),
-                relative_error,
-                program: Ok(self.chips(&compiled, size)?),
-            }),
-        }
+        built.relative_error = Some(quantised.relative_error(self.kernel));
+        built.erasures = quantised.erasures(self.kernel);
+        built.program = match design.in_levels(&quantised).compile("quantised") {
+            Err(error) if error.is_refusal() => Err(error.to_string()),
+            Err(error) => return Err(error),
+            Ok(compiled) => Ok(self.chips(&compiled, size)?),
+        };
+        Ok(built)
     }
 
     fn chips(&self, compiled: &Compiled, size: Size) -> Result<Chips, DesignError> {

@@ -87,7 +87,7 @@ fn repeat(times: u32, body: Vec<Primitive>) -> Vec<Step> {
 }
 
 fn settings() -> Settings {
-    Settings::of(device())
+    Settings::from_device(device())
 }
 
 /// A chip that runs `frame` for every frame, the first one too.
@@ -95,7 +95,13 @@ pub fn chip(domain: &str, size: Size, frame: Vec<Step>) -> Box<dyn Array + Send>
     let init = frame.clone();
     let arithmetic: amacrine::array::Arithmetic = domain.parse().unwrap();
     arithmetic
-        .chip("extremes", Code { init, frame }, device(), size, settings())
+        .chip(
+            "extremes",
+            &Code { init, frame },
+            device(),
+            size,
+            settings(),
+        )
         .unwrap()
 }
 
@@ -364,7 +370,7 @@ fn not_a_number(table: &mut Table) {
         };
         let with = Settings { clip, ..settings() };
         let arithmetic: amacrine::array::Arithmetic = domain.parse().unwrap();
-        let mut chip = arithmetic.chip("x", code, device(), size, with).unwrap();
+        let mut chip = arithmetic.chip("x", &code, device(), size, with).unwrap();
         for register in [A, B] {
             chip.set_analog(register, &Plane::from_elem((1, 1), 6e4))
                 .unwrap();
@@ -495,7 +501,7 @@ fn refusals(table: &mut Table) {
     for (height, width) in [(0, 5), (1, 65_537)] {
         let size = Size::new(height, width);
         let arithmetic: amacrine::array::Arithmetic = "exact".parse().unwrap();
-        let chip = arithmetic.chip("x", Code::default(), device(), size, settings());
+        let chip = arithmetic.chip("x", &Code::default(), device(), size, settings());
         let error = chip.map(|_| ()).unwrap_err();
         table.refused("an array", &size.to_string(), error);
     }
@@ -546,7 +552,7 @@ fn refusals(table: &mut Table) {
             Err(faults) => table.refused(what, to, &faults.faults[0]),
             Ok(expansion) => {
                 let arithmetic: amacrine::array::Arithmetic = "exact".parse().unwrap();
-                let chip = arithmetic.chip("x", expansion.code, device(), size, settings());
+                let chip = arithmetic.chip("x", &expansion.code, device(), size, settings());
                 table.refused(what, to, chip.map(|_| ()).unwrap_err());
             }
         }

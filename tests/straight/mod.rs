@@ -73,7 +73,7 @@ pub fn ran(
         init: vec![],
         frame: steps.to_vec(),
     };
-    let mut chip = Chip::new("test", Exact, code, device(), SIZE, settings).unwrap();
+    let mut chip = Chip::new("test", Exact, &code, device(), SIZE, settings).unwrap();
     for (r, plane) in (0..).zip(registers) {
         chip.set_analog(Analog(r), plane).unwrap();
     }

@@ -1,110 +1,19 @@
-//! What every array answers to, whatever its arithmetic.
+//! A chip as an array: what it answers.
 
 use super::{
     super::{
-        BitPlane, Layout, Ledger, Reading, RowOps, Schedule, Settings,
-        engine::{self, Engine},
+        BitPlane, Layout, Ledger, Reading, RowOps, Settings,
+        engine::{self, Lowered},
     },
-    Chip, RunError, ShapeError,
+    Array, Chip, RunError, ShapeError,
 };
 use crate::{
     event::Packet,
     isa::{Analog, Device, Digital},
     plane::Plane,
     program::Step,
-    sensor::Sensor,
     unit::Micros,
 };
-
-/// An array whose domain was chosen at run time.
-pub trait Array: Sensor {
-    /// The name of its domain.
-    fn domain(&self) -> String;
-
-    /// The chip.
-    fn device(&self) -> &Device;
-
-    /// Its registers and size.
-    fn layout(&self) -> Layout;
-
-    /// Chooses how the array is walked, and by how many threads at most; what it computes
-    /// is the same to the bit.
-    fn set_schedule(&mut self, schedule: Schedule, threads: usize);
-
-    /// How the array is walked.
-    fn schedule(&self) -> Schedule;
-
-    /// Sets an analogue register, in LSB; never clipped.
-    ///
-    /// # Errors
-    /// When the plane has another size.
-    fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError>;
-
-    /// Sets a one-bit register, whatever R0 is.
-    ///
-    /// # Errors
-    /// When the plane has another size.
-    fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError>;
-
-    /// Sets FLAG.
-    ///
-    /// # Errors
-    /// When the plane has another size.
-    fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError>;
-
-    /// An analogue register, in LSB, without loss.
-    fn analog(&self, register: Analog) -> Plane<f64>;
-
-    /// A one-bit register.
-    fn digital(&self, register: Digital) -> Plane<bool>;
-
-    /// FLAG.
-    fn flag(&self) -> Plane<bool>;
-
-    /// Lets light fall on the photodiodes for one exposure.
-    ///
-    /// # Errors
-    /// When the picture has another size.
-    fn expose(&mut self, light: &Plane<f64>) -> Result<(), ShapeError>;
-
-    /// Runs `init` once; events are stamped with `t`.
-    ///
-    /// # Errors
-    /// When the domain has no answer for an instruction.
-    fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
-
-    /// Runs `frame` once; events are stamped with `t`.
-    ///
-    /// # Errors
-    /// When the domain has no answer for an instruction.
-    fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
-
-    /// Runs these steps now, as a kernel of their own; what was read before is kept.
-    ///
-    /// # Errors
-    /// When the domain has no answer for an instruction.
-    ///
-    /// # Panics
-    /// When a step names a register that the array does not have; steps of its own program
-    /// never do.
-    fn run_steps(&mut self, steps: &[Step], t: Micros, packet: &mut Packet)
-    -> Result<(), RunError>;
-
-    /// Forgets what was read before, as each frame does.
-    fn begin_frame(&mut self);
-
-    /// Lets some seconds pass: registers decay, where the domain has it.
-    fn wait(&mut self, seconds: f64);
-
-    /// The photodiodes, in LSB.
-    fn pix(&self) -> Plane<f64>;
-
-    /// What was done since power-on.
-    fn ledger(&self) -> Ledger;
-
-    /// What the host read during the last body that ran.
-    fn readings(&self) -> &[Reading];
-}
 
 impl<D: RowOps> Array for Chip<D> {
     fn domain(&self) -> String {
@@ -117,15 +26,6 @@ impl<D: RowOps> Array for Chip<D> {
 
     fn layout(&self) -> Layout {
         self.state.layout
-    }
-
-    fn set_schedule(&mut self, schedule: Schedule, threads: usize) {
-        self.engine = Engine::new(&self.state, schedule, threads);
-        self.lower();
-    }
-
-    fn schedule(&self) -> Schedule {
-        self.engine.schedule()
     }
 
     fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError> {
@@ -191,7 +91,8 @@ impl<D: RowOps> Array for Chip<D> {
         t: Micros,
         packet: &mut Packet,
     ) -> Result<(), RunError> {
-        let body = self.lowered(steps);
+        let lowering = self.engine.lowering(self.domain.fuses());
+        let body = Lowered::new(steps, &self.device, &self.state.layout, lowering);
         self.run(&body, t, packet)
     }
 

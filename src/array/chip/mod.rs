@@ -7,11 +7,16 @@
 //!
 //! The first frame runs the program's `init`, every later one its `frame`.
 
+mod array;
+mod error;
 mod face;
 mod run;
 mod time;
 
-pub use self::face::Array;
+pub use self::{
+    array::Array,
+    error::{RunError, ShapeError},
+};
 
 use super::{
     CodeError, Layout, Ledger, Reading, RowOps, Schedule, Settings, State, check,
@@ -28,32 +33,6 @@ use crate::{
     unit::Micros,
 };
 
-/// A plane of another size than the array.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("a plane of {got} on an array of {want}")]
-#[diagnostic(help("give a plane of the size of the array"))]
-pub struct ShapeError {
-    /// The plane's size.
-    pub got: Size,
-    /// The array's size.
-    pub want: Size,
-}
-
-/// A program stopped.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("line {line}: `{operation}` has no answer in the domain {domain}")]
-#[diagnostic(help(
-    "here it depends on the light; run the program in a domain of numbers, such as exact"
-))]
-pub struct RunError {
-    /// Line of the program text, from 1.
-    pub line: u32,
-    /// Which instruction.
-    pub operation: &'static str,
-    /// Which domain.
-    pub domain: String,
-}
-
 /// A program on an array in one domain.
 #[derive(Clone, Debug)]
 pub struct Chip<D: RowOps> {
@@ -61,7 +40,6 @@ pub struct Chip<D: RowOps> {
     domain: D,
     device: Device,
     settings: Settings,
-    code: Code,
     state: State<D::Cell>,
     channels: u8,
     /// Time of the last frame watched, in seconds.
@@ -85,47 +63,41 @@ impl<D: RowOps> Chip<D> {
     pub fn new(
         name: &str,
         domain: D,
-        code: Code,
+        code: &Code,
         device: &Device,
         size: Size,
         settings: Settings,
     ) -> Result<Self, CodeError> {
-        let layout = Layout::of(device, size);
-        check(&code, &layout)?;
+        let layout = Layout::new(device, size);
+        check(code, &layout)?;
         let mut state = State::new(&domain, layout, settings.edge);
         // Switched on in the dark.
         state.pix.fill(domain.hold(settings.reset_level));
-        let schedule = Schedule::of(size);
-        let mut chip = Self {
+        let engine = Engine::new(
+            &state,
+            settings
+                .schedule
+                .unwrap_or_else(|| Schedule::for_size(size)),
+            settings.threads.unwrap_or_else(rayon::current_num_threads),
+        );
+        let lowering = engine.lowering(domain.fuses());
+        let lowered = |steps: &[Step]| Lowered::new(steps, device, &layout, lowering);
+        Ok(Self {
             name: name.into(),
-            engine: Engine::new(&state, schedule, rayon::current_num_threads()),
+            init: lowered(&code.init),
+            frame: lowered(&code.frame),
+            engine,
             state,
             channels: channels(&code.init).max(channels(&code.frame)).max(1),
             domain,
             device: device.clone(),
             settings,
-            code,
             watched: None,
             idle: vec![0.0; layout.digital.into()],
             step: 0,
             ledger: Ledger::default(),
             readings: Vec::new(),
-            init: Lowered::default(),
-            frame: Lowered::default(),
-        };
-        chip.lower();
-        Ok(chip)
-    }
-
-    /// Steps, as its engine wants them.
-    fn lowered(&self, steps: &[Step]) -> Lowered {
-        let lowering = self.engine.lowering(self.domain.fuses());
-        Lowered::new(steps, &self.device, &self.state.layout, lowering)
-    }
-
-    fn lower(&mut self) {
-        self.init = self.lowered(&self.code.init);
-        self.frame = self.lowered(&self.code.frame);
+        })
     }
 
     /// All registers.

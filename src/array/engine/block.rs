@@ -1,11 +1,14 @@
 //! Basic blocks: words between two operations of the host that look at the array or change it,
-//! lowered to tile passes.
+//! lowered to passes.
 
 use super::{
-    super::Layout,
+    super::{
+        Layout,
+        semantics::{RowForm, row_form},
+    },
     instruction::{Instruction, Word},
     liveness::{self, Live},
-    pass::{Lowering, Pass},
+    pass::{Lowering, Pass, Tiles},
 };
 use crate::{
     isa::{Cell, Primitive},
@@ -42,17 +45,32 @@ impl Block {
 
     /// Makes its passes, when it has all its words.
     pub(super) fn lower(&mut self, layout: &Layout, lowering: Lowering) {
+        self.lower_with(layout, lowering, row_form);
+    }
+
+    /// The same, where another choice says which words have a row form.
+    pub(super) fn lower_with(
+        &mut self,
+        layout: &Layout,
+        lowering: Lowering,
+        form: fn(&Primitive) -> Option<RowForm<'_>>,
+    ) {
         if !lowering.passes {
             return;
         }
         let mut instructions = Vec::with_capacity(self.words.len());
         for word in &self.words {
+            let Some(form) = form(&word.primitive) else {
+                instructions.push(Instruction::Cells(word));
+                continue;
+            };
             let operands = layout.operands(&word.primitive);
             let copied = operands.copied();
             instructions.extend(copied.map(Instruction::Copy));
             self.copied.extend(copied);
-            instructions.push(Instruction::Word {
+            instructions.push(Instruction::Rows {
                 word,
+                form,
                 copied: copied.is_some(),
                 halo: operands.halo()[0],
                 unit: operands.unit,
@@ -83,9 +101,15 @@ fn passes(
     }
     let mut known = &known[..];
     let mut passes = Vec::new();
-    while !instructions.is_empty() {
-        let pass = Pass::new(instructions, known, layout, lowering);
-        (instructions, known) = (&instructions[pass.len()..], &known[pass.len()..]);
+    while let Some(first) = instructions.first() {
+        let (pass, taken) = match first {
+            Instruction::Cells(word) => (Pass::Cells((*word).clone()), 1),
+            Instruction::Rows { .. } | Instruction::Copy(_) => {
+                let (tiles, taken) = Tiles::new(instructions, known, layout, lowering);
+                (Pass::Tiles(tiles), taken)
+            }
+        };
+        (instructions, known) = (&instructions[taken..], &known[taken..]);
         passes.push(pass);
     }
     passes

@@ -1,9 +1,6 @@
 //! Two stores of the bus at once: what the first puts into a cell goes on to the second by way
 //! of the machine's own registers, and never into the cell.
 
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
-
 use std::ops::Range;
 
 use super::{
@@ -17,7 +14,7 @@ use super::{
 
 /// Does both in these rows, where FLAG is 1 in all pixels and nothing comes from above or below
 /// the array. `room` is for [`ROOM`](super::runs::ROOM) cells.
-#[inline(always)]
+#[inline]
 pub(super) fn fused<D: RowOps>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,
@@ -40,7 +37,7 @@ pub(super) fn fused<D: RowOps>(
 }
 
 /// The same in [interior](super::operation::Store::is_interior) rows.
-#[inline(always)]
+#[inline]
 pub(super) fn fused_interior<D: RowOps>(
     domain: &D,
     slab: &mut Slab<'_, D::Cell>,
@@ -80,7 +77,7 @@ fn columns_of<D: RowOps>(
 }
 
 /// With `N` bus inputs, besides the cell itself.
-#[inline(always)]
+#[inline]
 fn interior<D: RowOps, const N: usize>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,
@@ -92,14 +89,14 @@ fn interior<D: RowOps, const N: usize>(
     let (at, n) = (view.cell(rows.start, 0), rows.len() * view.size.width);
     let starts = view.starts(&bus_inputs, at, store.first.beside);
     let operands = &view.sources(&bus_inputs, &starts, 0, n);
-    let extra = extra(view, store, &[at], 0, n);
+    let extra = extra(view, store, [at], 0, n);
     let new = &mut cells[at..][..n];
     domain.store_fused(operands, store.own, store.first.share.by, extra, new);
     view.put(store.second.register, cells);
 }
 
 /// The cells of these rows at the left and right border.
-#[inline(always)]
+#[inline]
 fn columns<D: RowOps>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,
@@ -180,20 +177,20 @@ fn column<D: RowOps>(
 const COLUMN: usize = 64;
 
 /// What else is on the second bus.
-#[inline(always)]
+#[inline]
 fn extra<'b, C>(
     view: &'b View<'_, '_, C>,
     store: &FusedStore,
-    starts: &[usize; 1],
+    starts: [usize; 1],
     after: usize,
     n: usize,
 ) -> Option<&'b [C]> {
-    let [cells] = view.sources(&[store.extra?], starts, after, n);
+    let [cells] = view.sources(&[store.extra?], &starts, after, n);
     Some(cells)
 }
 
 /// By way of a few cells of their own.
-#[inline(always)]
+#[inline]
 fn by_way<D: RowOps, const N: usize>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,
@@ -221,7 +218,7 @@ fn by_way<D: RowOps, const N: usize>(
         let cells = view.take(store.second.register);
         let new = &mut cells[at + done..][..some];
         let place = view.place(&store.second, rows.start, left + done);
-        match extra(view, store, &more, done, some) {
+        match extra(view, store, more, done, some) {
             None => domain.store_row(&[between], UNDIVIDED, place, new),
             Some(extra) => domain.store_row(&[between, extra], UNDIVIDED, place, new),
         }

@@ -1,5 +1,6 @@
 //! The words of a basic block.
 
+use super::super::semantics::RowForm;
 use crate::isa::{Cell, Primitive, operands::Unit};
 
 /// A word of a block.
@@ -15,35 +16,38 @@ pub(in crate::array) struct Word {
 
 /// A word, or the copy of a register that the next word needs.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::array) enum Instruction<'a> {
-    Word {
+pub(super) enum Instruction<'a> {
+    /// A word that has a row form.
+    Rows {
         word: &'a Word,
+        form: RowForm<'a>,
         /// Whether it reads the copy of a register: see [`Operands::copied`](crate::isa::Operands).
         copied: bool,
         /// How many rows away it reads from the cell that it writes.
         halo: usize,
         unit: Unit,
     },
+    /// A word that has none.
+    Cells(&'a Word),
     Copy(Cell),
 }
 
 impl Instruction<'_> {
     /// How many rows away it reads from the cell that it writes.
-    pub(in crate::array) const fn halo(&self) -> usize {
+    pub(super) const fn halo(&self) -> usize {
         match self {
-            Self::Word { halo, .. } => *halo,
-            Self::Copy(_) => 0,
+            Self::Rows { halo, .. } => *halo,
+            Self::Cells(_) | Self::Copy(_) => 0,
         }
     }
 
-    /// Whether it is one-bit logic of each pixel alone.
-    pub(in crate::array) const fn is_bits(&self) -> bool {
-        matches!(
-            self,
-            Self::Word {
-                unit: Unit::Logic | Unit::Idle,
-                ..
-            }
-        )
+    /// Whether those beside it in a pass may be one-bit logic of each pixel alone.
+    pub(super) const fn is_bits(&self) -> bool {
+        match self {
+            Self::Rows { unit, .. } => matches!(unit, Unit::Logic | Unit::Idle),
+            // A pass of its own.
+            Self::Cells(_) => true,
+            Self::Copy(_) => false,
+        }
     }
 }

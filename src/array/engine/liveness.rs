@@ -39,7 +39,8 @@ impl Live {
         // are driven from off it.
         let stored = || operands.writes().filter_map(Access::analog);
         let replaces = operands.replaces(whole);
-        if replaces && stored().next().is_some() && !stored().any(|register| self.has(register)) {
+        let unread = |write: &Access| write.analog().is_some_and(|register| !self.has(register));
+        if replaces && stored().next().is_some() && operands.writes().all(unread) {
             // A dead store: nobody reads what it reads, either.
             return self;
         }
@@ -78,7 +79,9 @@ pub(super) fn known(
     layout: &Layout,
 ) -> Vec<Known> {
     let operands = instructions.iter().map(|instruction| match instruction {
-        Instruction::Word { word, .. } => Some(layout.operands(&word.primitive)),
+        Instruction::Rows { word, .. } | Instruction::Cells(word) => {
+            Some(layout.operands(&word.primitive))
+        }
         Instruction::Copy(_) => None,
     });
     let operands: Vec<_> = operands.collect();

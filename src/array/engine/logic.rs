@@ -2,132 +2,104 @@
 
 use std::ops::Range;
 
-use super::super::bits;
-use super::slab::Slab;
+use super::{
+    super::bits,
+    bit_slab::BitSlab,
+    operation::{Logic, MaskedLogic, Neighbours},
+};
 use crate::{
-    isa::{Bit, Digital, Direction},
+    isa::{Bit, Direction},
     plane::Size,
 };
 
-/// `words := [kept words or] any of the sources`, `own` excepted.
-pub(super) fn any<C>(
-    slab: &Slab<'_, C>,
-    words: &mut [u64],
-    rows: Range<usize>,
-    sources: &[Bit],
-    own: Bit,
-    (kept, not): (bool, bool),
-) {
-    bits::or(words, [], kept, not);
-    for bit in sources.iter().filter(|bit| **bit != own) {
-        let other = &slab.bits(*bit, false)[rows.clone()];
-        // Not of all is not of each and of each.
+impl BitSlab<'_> {
+    /// `target := [not] any source`, where the engine knows all of it beforehand.
+    pub(super) fn logic(&mut self, logic: &Logic, rows: Range<usize>) {
+        let words = self.row_words(rows);
+        let target = self.take(logic.target);
+        let mut others: [&[u64]; 4] = [&[]; 4];
+        for (other, plane) in others.iter_mut().zip(logic.others()) {
+            *other = &self.planes[*plane][words.clone()];
+        }
+        let others = &others[..logic.others().len()];
+        let bits = &mut target[words];
+        bits::or_any(bits, others, logic.kept, logic.not);
+        if logic.not {
+            bits::cut(bits, self.layout.size.width);
+        }
+        self.put(logic.target, target);
+    }
+
+    /// `target := [not] any source`, of any sources, into any target.
+    pub(super) fn masked_logic(&mut self, logic: &MaskedLogic, rows: Range<usize>) {
+        let words = self.row_words(rows.clone());
+        let target = self.take(logic.target);
+        if let Some(mask) = logic.mask {
+            // A row at a time, by way of a row of its own.
+            let mut new = std::mem::take(&mut self.room);
+            for y in rows {
+                let words = self.row_words(y..y + 1);
+                let old = &mut target[words.clone()];
+                new.copy_from_slice(old);
+                self.any(logic, &mut new, words.clone());
+                bits::assign_where(old, &new, &self.digital(mask)[words]);
+            }
+            self.room = new;
+        } else {
+            self.any(logic, &mut target[words.clone()], words);
+        }
+        self.put(logic.target, target);
+    }
+
+    /// `words := [not] (any other source, or, where kept, themselves)`.
+    fn any(&self, logic: &MaskedLogic, words: &mut [u64], rows: Range<usize>) {
+        let MaskedLogic { kept, not, .. } = *logic;
+        bits::or_any(words, &[], kept, not);
+        for bit in &logic.others {
+            let other = &self.bits(*bit, false)[rows.clone()];
+            // Not of all is not of each and of each.
+            if not {
+                bits::clear_where(words, other);
+            } else {
+                bits::or_any(words, &[other], true, false);
+            }
+        }
         if not {
-            bits::clear_where(words, other);
-        } else {
-            bits::or(words, [other], true, false);
+            bits::cut(words, self.layout.size.width);
         }
     }
-    if not {
-        bits::cut(words, slab.layout.size.width);
-    }
-}
 
-/// `target := [not] any source`.
-pub(super) fn logic<C>(
-    slab: &mut Slab<'_, C>,
-    target: Digital,
-    sources: &[Bit],
-    not: bool,
-    rows: Range<usize>,
-) {
-    let own = Bit::Register(target);
-    let kept = sources.contains(&own);
-    let words = slab.row_words(rows.clone());
-    let bits = slab.take_bits(target);
-    if target == slab.layout.roles.propagated {
-        // A row at a time, by way of a row of its own.
-        let mut new = std::mem::take(&mut slab.bits);
+    /// `target := OR over the directions that are enabled in the reading pixel`.
+    pub(super) fn neighbours(&mut self, word: Neighbours, rows: Range<usize>) {
+        let Neighbours {
+            target,
+            source,
+            boundary,
+        } = word;
+        let Size { height, width } = self.layout.size;
+        let roles = self.layout.roles;
+        let copied = source == Bit::Register(target);
+        let mut new = std::mem::take(&mut self.room);
         for y in rows {
-            let words = slab.row_words(y..y + 1);
+            let words = self.row_words(y..y + 1);
+            let source = self.bits(source, copied);
+            new.fill(0);
+            for direction in Direction::ALL {
+                let to = y.wrapping_add_signed(direction.step().0);
+                let there = (to < height).then(|| &source[self.row_words(to..to + 1)]);
+                let enabled = &self.digital(roles.enables(direction))[words.clone()];
+                bits::or_seen(&mut new, there, direction, width, boundary, enabled);
+            }
+            let plane = usize::from(target.0);
+            let bits = self.take(plane);
             let old = &mut bits[words.clone()];
-            new.copy_from_slice(old);
-            any(slab, &mut new, words.clone(), sources, own, (kept, not));
-            bits::assign_where(old, &new, &slab.digital(slab.layout.roles.mask)[words]);
+            if target == roles.propagated {
+                bits::assign_where(old, &new, &self.digital(roles.mask)[words]);
+            } else {
+                old.copy_from_slice(&new);
+            }
+            self.put(plane, bits);
         }
-        slab.bits = new;
-    } else {
-        any(
-            slab,
-            &mut bits[words.clone()],
-            words,
-            sources,
-            own,
-            (kept, not),
-        );
+        self.room = new;
     }
-    slab.put_bits(target, bits);
-}
-
-/// Sets or clears registers; R12 only where R0 is 1.
-pub(super) fn fill<C>(
-    slab: &mut Slab<'_, C>,
-    targets: &[Digital],
-    value: bool,
-    rows: Range<usize>,
-) {
-    let width = slab.layout.size.width;
-    let words = slab.row_words(rows);
-    let roles = slab.layout.roles;
-    // R12 first: it goes by R0 as it was before this word.
-    if targets.contains(&roles.propagated) {
-        let bits = slab.take_bits(roles.propagated);
-        let mask = &slab.digital(roles.mask)[words.clone()];
-        let old = &mut bits[words.clone()];
-        if value {
-            bits::or(old, [mask], true, false);
-        } else {
-            bits::clear_where(old, mask);
-        }
-        slab.put_bits(roles.propagated, bits);
-    }
-    for target in targets.iter().filter(|target| **target != roles.propagated) {
-        let bits = slab.take_bits(*target);
-        bits::fill(&mut bits[words.clone()], width, value);
-        slab.put_bits(*target, bits);
-    }
-}
-
-/// `target := OR over the directions that are enabled in the reading pixel`.
-pub(super) fn dnews<C>(
-    slab: &mut Slab<'_, C>,
-    target: Digital,
-    source: Bit,
-    boundary: bool,
-    rows: Range<usize>,
-) {
-    let copied = source == Bit::Register(target);
-    let mut new = std::mem::take(&mut slab.bits);
-    for y in rows {
-        let words = slab.row_words(y..y + 1);
-        let Size { height, width } = slab.layout.size;
-        let source = slab.bits(source, copied);
-        new.fill(0);
-        for direction in Direction::ALL {
-            let to = y.wrapping_add_signed(direction.step().0);
-            let there = (to < height).then(|| &source[slab.row_words(to..to + 1)]);
-            let enabled = &slab.digital(slab.layout.roles.enables(direction))[words.clone()];
-            bits::or_seen(&mut new, there, direction, width, boundary, enabled);
-        }
-        let roles = slab.layout.roles;
-        let bits = slab.take_bits(target);
-        let old = &mut bits[words.clone()];
-        if target == roles.propagated {
-            bits::assign_where(old, &new, &slab.digital(roles.mask)[words]);
-        } else {
-            old.copy_from_slice(&new);
-        }
-        slab.put_bits(target, bits);
-    }
-    slab.bits = new;
 }

@@ -2,12 +2,17 @@
 //! [`semantics`](super::semantics) says of one pixel, to the bit.
 //!
 //! ```text
-//!   body ─ lower ─► basic blocks ─ liveness ─► operations on rows ─ pass ─► tiles, threads
-//!                                              fused stores, masks         ─ sweep ─► store, sign, logic
+//!   body ─ lower ─► basic blocks ─ liveness, select ─► operations on rows ─ pass ─► tiles, threads
+//!                                                      fused stores, masks         ─ sweep ─► store, sign, logic
+//!                                                    ─► words that have no row form: cell by cell
 //! ```
 
+mod bit_slab;
 mod block;
 mod constants;
+mod diffusion;
+mod drive;
+mod expose;
 mod fused;
 mod instruction;
 mod liveness;
@@ -16,22 +21,29 @@ mod lower;
 mod operation;
 mod pass;
 mod planes;
-mod rows;
 mod runs;
-mod schedule;
+mod select;
 mod sign;
 mod slab;
+mod square;
 mod store;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod view;
 
+pub(super) use expose::expose;
 pub(super) use lower::{Counted, Lowered, Stage};
-pub(super) use rows::expose;
-pub use schedule::{Schedule, ScheduleError};
 pub(super) use sweep::Semantics;
 
-use self::{block::Block, constants::Constants, pass::Lowering, slab::Copies};
-use super::{RowOps, State, Undecided, semantics};
+use self::{
+    block::Block,
+    constants::Constants,
+    instruction::Word,
+    pass::{Lowering, Pass},
+    slab::Copies,
+};
+use super::{RowOps, Schedule, State, Undecided, semantics};
 use crate::plane::Size;
 
 /// Arrays of so many pixels are plainly run cell by cell: a row is no gain.
@@ -56,10 +68,6 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
             copies: Copies::default(),
             constants: Constants::new(state),
         }
-    }
-
-    pub(super) const fn schedule(&self) -> Schedule {
-        self.schedule
     }
 
     /// Whether rows would be no gain.
@@ -103,10 +111,12 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
         block: &Block,
     ) -> Result<(), (u32, Undecided)> {
         if self.is_cell_by_cell() {
-            self.cell_by_cell(semantics, state, block)?;
+            for word in &block.words {
+                cells(semantics, state, word, &self.constants)?;
+            }
         } else {
             for register in &block.copied {
-                sweep::make_copies(&mut self.copies, state, *register);
+                self.copies.make(state, *register);
             }
             let threads = match self.schedule {
                 Schedule::Plain => 1,
@@ -115,8 +125,10 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
             let passes = &block.passes[usize::from(!state.flag.is_full())];
             let (copies, constants) = (&mut self.copies, &self.constants);
             let mut run = || {
-                let mut passes = passes.iter();
-                passes.try_for_each(|pass| pass.run(semantics, threads, state, copies, constants))
+                passes.iter().try_for_each(|pass| match pass {
+                    Pass::Tiles(tiles) => tiles.run(semantics, threads, state, copies, constants),
+                    Pass::Cells(word) => cells(semantics, state, word, constants),
+                })
             };
             if threads > 1 {
                 // Among the threads, so that they need not be woken for every pass.
@@ -130,21 +142,18 @@ impl<C: Clone + PartialEq + Send + Sync> Engine<C> {
             .clone_from(&self.constants.inputs[1 + block.inputs.len()][0]);
         Ok(())
     }
+}
 
-    /// Word after word, pixel after pixel, as [`semantics`] says.
-    fn cell_by_cell<D: RowOps<Cell = C>>(
-        &self,
-        semantics: Semantics<'_, D>,
-        state: &mut State<C>,
-        block: &Block,
-    ) -> Result<(), (u32, Undecided)> {
-        for word in &block.words {
-            let input = &self.constants.inputs[word.input][0];
-            let step = self.constants.first + word.step;
-            let (domain, settings) = (semantics.domain, semantics.settings);
-            let ran = semantics::execute(domain, settings, state, &word.primitive, input, step);
-            ran.map_err(|undecided| (word.line, undecided))?;
-        }
-        Ok(())
-    }
+/// A word, pixel after pixel, as [`semantics`] says.
+fn cells<D: RowOps>(
+    semantics: Semantics<'_, D>,
+    state: &mut State<D::Cell>,
+    word: &Word,
+    constants: &Constants<D::Cell>,
+) -> Result<(), (u32, Undecided)> {
+    let input = &constants.inputs[word.input][0];
+    let step = constants.first + word.step;
+    let (domain, settings) = (semantics.domain, semantics.settings);
+    let ran = semantics::execute(domain, settings, state, &word.primitive, input, step);
+    ran.map_err(|undecided| (word.line, undecided))
 }

@@ -1,22 +1,21 @@
-//! Words taken apart: which planes lie on the bus of each pixel, and what is stored where.
+//! What there is to do on rows: which planes lie on the bus of each pixel, and what is stored
+//! where. Words become operations in [`select`](super::select).
 
 use std::ops::Range;
 
 use super::{
     super::{Layout, Share},
-    instruction::Word,
-    liveness::{Known, Live},
     planes,
 };
 use crate::{
-    isa::{Analog, Bit, Cell, Primitive, Source, Target},
+    isa::{Analog, Bit, Cell, Digital},
     plane::Size,
 };
 
 /// A cell on the bus of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BusInput {
-    /// Which plane of a [`Slab`]; beyond them, which of its inputs.
+    /// Which plane of a [`Slab`](super::slab::Slab); beyond them, which of its inputs.
     pub(super) plane: usize,
     /// Where the cell lies, seen from the pixel whose bus it is.
     pub(super) beside: (isize, isize),
@@ -42,7 +41,7 @@ pub(super) struct Border {
 
 impl Border {
     /// Of cells that lie `beside` the pixel whose bus they get.
-    fn of(bus_inputs: &[BusInput], beside: (isize, isize)) -> Self {
+    pub(super) fn new(bus_inputs: &[BusInput], beside: (isize, isize)) -> Self {
         let mut border = Self::default();
         // The pixel itself, and each cell on its bus, as seen from the cell that is written.
         for (dy, dx) in bus_inputs
@@ -126,7 +125,7 @@ pub(super) struct FusedStore {
 
 impl FusedStore {
     /// `None` where they cannot be one.
-    fn of(first: &Store, second: &Store, bus_inputs: &[BusInput]) -> Option<Self> {
+    pub(super) fn new(first: &Store, second: &Store, bus_inputs: &[BusInput]) -> Option<Self> {
         let (one, two) = (
             &bus_inputs[first.bus_inputs.clone()],
             &bus_inputs[second.bus_inputs.clone()],
@@ -167,41 +166,87 @@ impl FusedStore {
 }
 
 /// One bit of each pixel: `target := [not] (others, or itself)`.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Logic {
-    /// Planes of bits of a [`Slab`].
+    /// Planes of bits of a [`BitSlab`](super::bit_slab::BitSlab).
     pub(super) target: usize,
-    pub(super) others: [usize; 4],
+    others: [usize; 4],
     /// How many they are.
-    pub(super) count: usize,
+    count: usize,
     /// Whether the target is among the sources.
     pub(super) kept: bool,
     pub(super) not: bool,
 }
 
 impl Logic {
-    /// `None` where a mask or more sources are in play.
-    fn of(target: Bit, sources: &[Bit], not: bool, layout: &Layout) -> Option<Self> {
-        let plane = |bit: Bit| match bit {
-            Bit::Register(register) => Some(usize::from(register.0)),
-            Bit::Flag => Some(planes::flag(layout)),
-            Bit::Select | Bit::Rect => None,
-        };
+    /// `None` where a mask, what the host has selected, or more sources are in play.
+    pub(super) fn new(target: Bit, sources: &[Bit], not: bool, layout: &Layout) -> Option<Self> {
         if target == Bit::Register(layout.roles.propagated) {
             return None;
         }
         let mut logic = Self {
-            target: plane(target)?,
+            target: planes::bit(layout, target)?,
+            others: [0; 4],
+            count: 0,
             kept: sources.contains(&target),
             not,
-            ..Self::default()
         };
         for source in sources.iter().filter(|source| **source != target) {
-            *logic.others.get_mut(logic.count)? = plane(*source)?;
+            *logic.others.get_mut(logic.count)? = planes::bit(layout, *source)?;
             logic.count += 1;
         }
         Some(logic)
     }
+
+    /// The planes of the sources that are not the target.
+    pub(super) fn others(&self) -> &[usize] {
+        &self.others[..self.count]
+    }
+}
+
+/// The same of any sources, into any register.
+#[derive(Clone, Debug)]
+pub(super) struct MaskedLogic {
+    pub(super) target: usize,
+    /// The target is written only where this is 1.
+    pub(super) mask: Option<Digital>,
+    /// The sources that are not the target.
+    pub(super) others: Vec<Bit>,
+    pub(super) kept: bool,
+    pub(super) not: bool,
+}
+
+impl MaskedLogic {
+    /// `None` where no word can write the target.
+    pub(super) fn new(target: Bit, sources: &[Bit], not: bool, layout: &Layout) -> Option<Self> {
+        let roles = layout.roles;
+        let others = sources.iter().filter(|source| **source != target);
+        Some(Self {
+            target: planes::bit(layout, target)?,
+            mask: (target == Bit::Register(roles.propagated)).then_some(roles.mask),
+            others: others.copied().collect(),
+            kept: sources.contains(&target),
+            not,
+        })
+    }
+}
+
+/// One bit of each pixel, from its neighbours: see [`Primitive::Dnews`](crate::isa::Primitive).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Neighbours {
+    pub(super) target: Digital,
+    pub(super) source: Bit,
+    pub(super) boundary: bool,
+}
+
+/// One step of the diffusion network: see [`Primitive::Blur`](crate::isa::Primitive).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Diffusion {
+    pub(super) target: Analog,
+    pub(super) source: Analog,
+    pub(super) horizontal: bool,
+    pub(super) vertical: bool,
+    pub(super) step: u64,
 }
 
 /// What there is to do on some rows.
@@ -226,169 +271,12 @@ pub(super) enum Operation {
         bus_inputs: Range<usize>,
         step: u64,
     },
+    /// The photodiodes := the reset level.
+    Reset,
+    Diffusion(Diffusion),
     Logic(Logic),
-    /// Any other word that has no bus.
-    Word {
-        word: Box<Primitive>,
-        step: u64,
-    },
+    MaskedLogic(MaskedLogic),
+    Neighbours(Neighbours),
     /// A register into its copy.
     Copy(Cell),
-}
-
-/// Words taken apart, in order.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Operations {
-    pub(super) operations: Vec<Operation>,
-    pub(super) bus_inputs: Vec<BusInput>,
-}
-
-impl Operations {
-    /// One more word.
-    pub(super) fn word(&mut self, word: &Word, copied: bool, layout: &Layout, known: Known) {
-        match &word.primitive {
-            Primitive::Bus { targets, sources } => {
-                let bus_inputs = self.bus_inputs(sources, word, copied, layout);
-                self.bus(targets, &bus_inputs, word.step, layout, known);
-            }
-            Primitive::Square { sources } => {
-                let bus_inputs = self.bus_inputs(sources, word, copied, layout);
-                let step = word.step;
-                self.operations.push(Operation::Square { bus_inputs, step });
-            }
-            Primitive::Where { sources } => {
-                let bus_inputs = self.bus_inputs(sources, word, copied, layout);
-                let border = Border::of(&self.bus_inputs[bus_inputs.clone()], (0, 0));
-                self.operations.push(Operation::Sign { bus_inputs, border });
-            }
-            Primitive::Or { target, sources } => {
-                self.logic(Bit::Register(*target), sources, false, word, layout);
-            }
-            Primitive::Nor { target, sources } => {
-                self.logic(Bit::Register(*target), sources, true, word, layout);
-            }
-            Primitive::WhereBit { sources } => {
-                self.logic(Bit::Flag, sources, false, word, layout);
-            }
-            Primitive::Nop
-            | Primitive::ResetPix
-            | Primitive::All
-            | Primitive::BlurSet
-            | Primitive::Blur { .. }
-            | Primitive::Set { .. }
-            | Primitive::Clear { .. }
-            | Primitive::Dnews { .. }
-            | Primitive::PropRead
-            | Primitive::Prop { .. } => self.other(word),
-        }
-    }
-
-    /// Makes the last two operations one; whether it did. `live`: as after the last.
-    pub(super) fn join(&mut self, live: Live) -> bool {
-        let [.., Operation::Store(first), Operation::Store(second)] = &self.operations[..] else {
-            return false;
-        };
-        if live.has(first.register) {
-            return false;
-        }
-        let Some(pair) = FusedStore::of(first, second, &self.bus_inputs) else {
-            return false;
-        };
-        self.operations.truncate(self.operations.len() - 2);
-        self.operations.push(Operation::Fused(Box::new(pair)));
-        true
-    }
-
-    fn logic(&mut self, target: Bit, sources: &[Bit], not: bool, word: &Word, layout: &Layout) {
-        match Logic::of(target, sources, not, layout) {
-            Some(logic) => self.operations.push(Operation::Logic(logic)),
-            None => self.other(word),
-        }
-    }
-
-    /// A word that is executed as it is.
-    fn other(&mut self, word: &Word) {
-        self.operations.push(Operation::Word {
-            word: Box::new(word.primitive.clone()),
-            step: word.step,
-        });
-    }
-
-    fn bus(
-        &mut self,
-        targets: &[Target],
-        bus_inputs: &Range<usize>,
-        step: u64,
-        layout: &Layout,
-        known: Known,
-    ) {
-        let place = |target: &Target| match target {
-            Target::Register(register) => (*register, (0, 0)),
-            Target::Neighbour(direction) => (layout.news, direction.step()),
-        };
-        let to_news = |target: &&Target| place(target).0 == layout.news;
-        let several = targets.iter().filter(to_news).count() > 1;
-        let share = |part| Share::of(targets.len(), part);
-        for (part, target) in targets.iter().enumerate() {
-            let (register, beside) = place(target);
-            let lost = known.whole && !known.live.has(register);
-            if lost || (several && register == layout.news) {
-                continue;
-            }
-            let bus = &self.bus_inputs[bus_inputs.clone()];
-            let border = Border::of(bus, beside);
-            let planes = planes::count(layout);
-            self.operations.push(Operation::Store(Store {
-                bus_inputs: bus_inputs.clone(),
-                register,
-                share: share(part),
-                beside,
-                interior: known.whole
-                    && matches!(bus.len(), 1..=3)
-                    && bus.iter().all(|bus_input| bus_input.plane < planes),
-                border,
-                whole: known.whole,
-                step,
-            }));
-        }
-        if several {
-            let driven = targets
-                .iter()
-                .enumerate()
-                .filter(|(_, target)| to_news(target))
-                .map(|(part, target)| (place(target).1, share(part)));
-            self.operations.push(Operation::Drive {
-                bus_inputs: bus_inputs.clone(),
-                driven: driven.collect(),
-                step,
-            });
-        }
-    }
-
-    /// What the sources put on the bus.
-    fn bus_inputs(
-        &mut self,
-        sources: &[Source],
-        word: &Word,
-        copied: bool,
-        layout: &Layout,
-    ) -> Range<usize> {
-        let first = self.bus_inputs.len();
-        let news = if copied {
-            planes::copy(layout)
-        } else {
-            usize::from(layout.news.0)
-        };
-        self.bus_inputs.extend(sources.iter().map(|source| {
-            let (plane, beside) = match source {
-                Source::Register(register) if *register == layout.news => (news, (0, 0)),
-                Source::Register(register) => (usize::from(register.0), (0, 0)),
-                Source::Pix => (planes::light(layout), (0, 0)),
-                Source::In => (planes::count(layout) + word.input, (0, 0)),
-                Source::Neighbour(direction) => (news, direction.step()),
-            };
-            BusInput { plane, beside }
-        }));
-        first..self.bus_inputs.len()
-    }
 }

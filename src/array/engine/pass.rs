@@ -1,4 +1,5 @@
-//! Bands of rows that go through many words while they are in the cache.
+//! What becomes of a block, one pass over the array after the other: bands of rows that go through
+//! many words while they are in the cache.
 //!
 //! ```text
 //!            rows ─►                       word i works on rows [b·R - s, (b+1)·R - s), where
@@ -23,9 +24,10 @@ use rayon::prelude::*;
 use super::{
     super::{Layout, RowOps, State, Undecided},
     constants::Constants,
-    instruction::Instruction,
+    instruction::{Instruction, Word},
     liveness::Known,
-    operation::{Operation, Operations},
+    operation::Operation,
+    select::Operations,
     slab::{Copies, Slab},
     sweep::{self, Semantics},
 };
@@ -56,32 +58,41 @@ pub(in crate::array) struct Lowering {
     pub(in crate::array) passes: bool,
 }
 
+/// One pass over the array.
+#[derive(Clone, Debug)]
+pub(super) enum Pass {
+    Tiles(Tiles),
+    /// A word that has no row form: its meaning is executed, pixel by pixel, on the whole array.
+    /// So nothing that it reads anywhere has changed, and its operands need not say how far it
+    /// looks.
+    Cells(Word),
+}
+
 /// A tile pass: words that the bands go through, and how far the bands have moved up at each.
 #[derive(Clone, Debug)]
-pub(super) struct Pass {
+pub(super) struct Tiles {
     operations: Operations,
     /// Of each operation.
     shifts: Vec<usize>,
     lines: Vec<u32>,
     rows: usize,
-    instructions: usize,
 }
 
-impl Pass {
-    /// As many of the instructions as can go together.
+impl Tiles {
+    /// As many of the instructions as can go together, and how many they are.
     pub(super) fn new(
         instructions: &[Instruction<'_>],
         known: &[Known],
         layout: &Layout,
         lowering: Lowering,
-    ) -> Self {
+    ) -> (Self, usize) {
         let mut pass = Self {
             operations: Operations::default(),
             shifts: Vec::with_capacity(instructions.len()),
             lines: Vec::with_capacity(instructions.len()),
             rows: lowering.rows,
-            instructions: 0,
         };
+        let mut taken = 0;
         // One band does not move.
         let moves = lowering.rows < layout.size.height;
         let mut before = 0;
@@ -97,12 +108,15 @@ impl Pass {
                     pass.operations.operations.push(Operation::Copy(*cell));
                     0
                 }
-                Instruction::Word { word, copied, .. } => {
-                    pass.operations.word(word, *copied, layout, *known);
+                Instruction::Rows {
+                    word, form, copied, ..
+                } => {
+                    pass.operations.word(word, *form, *copied, layout, *known);
                     word.line
                 }
+                Instruction::Cells(_) => break,
             };
-            pass.instructions += 1;
+            taken += 1;
             // It writes nothing that the one before it reads, nor reads beside its own pixel.
             let one_more = pass.operations.operations.len() == pass.shifts.len() + 1;
             if moves && lowering.fuses && one_more && pass.operations.join(known.live) {
@@ -114,12 +128,7 @@ impl Pass {
             pass.shifts.resize(pass.operations.operations.len(), shift);
             pass.lines.resize(pass.operations.operations.len(), line);
         }
-        pass
-    }
-
-    /// How many they are.
-    pub(super) const fn len(&self) -> usize {
-        self.instructions
+        (pass, taken)
     }
 
     /// Runs them on the whole array.

@@ -1,9 +1,8 @@
 //! Cells under a mask.
 
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
-
 use std::hint::black_box;
+
+use multiversion::multiversion;
 
 use super::super::{RowOps, each::lanes};
 
@@ -40,7 +39,7 @@ pub(super) struct Run {
 }
 
 impl<'a> Runs<'a> {
-    #[inline(always)]
+    #[inline]
     pub(super) fn new(flags: &'a [u64], offset: usize, cells: usize) -> Self {
         Self {
             flags,
@@ -52,13 +51,13 @@ impl<'a> Runs<'a> {
     }
 
     /// All of them.
-    #[inline(always)]
+    #[inline]
     pub(super) fn all(cells: usize) -> Self {
         Self::new(&[], 0, cells)
     }
 
     /// The bits of the last run's cells.
-    #[inline(always)]
+    #[inline]
     pub(super) const fn words(&self) -> &[u64; WORDS] {
         &self.words
     }
@@ -75,7 +74,7 @@ impl<'a> Runs<'a> {
     }
 
     /// Takes the bits of some cells; whether any of them is 1, and whether all are.
-    #[inline(always)]
+    #[inline]
     fn take(&mut self, from: usize, to: usize) -> (bool, bool) {
         let at = (self.offset + from) / 64;
         match self.flags[at..].as_chunks::<WORDS>().0.first() {
@@ -108,7 +107,7 @@ impl<'a> Runs<'a> {
     }
 
     /// The next cells of which at least one is to be stored.
-    #[inline(always)]
+    #[inline]
     pub(super) fn next(&mut self) -> Option<Run> {
         while self.next < self.cells {
             let from = self.next;
@@ -132,7 +131,7 @@ impl<'a> Runs<'a> {
 }
 
 /// Takes `new` where the bit is 1.
-#[inline(always)]
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn merge<D: RowOps>(
     domain: &D,
     cells: &mut [D::Cell],

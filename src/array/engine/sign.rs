@@ -1,8 +1,5 @@
 //! Where the bus is above zero.
 
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
-
 use std::ops::Range;
 
 use super::{
@@ -16,11 +13,14 @@ use crate::bits::packed;
 /// Words of bits that are made together.
 const BATCH: usize = 16;
 
+/// Bus inputs of a bus that is worked on many pixels at once, at most.
+const FEW: usize = 3;
+
 /// Sets the bits of these rows where the bus is above zero; `bits` are theirs alone.
 ///
 /// # Errors
 /// In domains that have no answer.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn sign_bits<D: RowOps>(
     domain: &D,
     view: &View<'_, '_, D::Cell>,
@@ -30,9 +30,7 @@ pub(super) fn sign_bits<D: RowOps>(
     rows: Range<usize>,
 ) -> Result<(), Undecided> {
     let decided = match bus_inputs.len() {
-        1 => sign_bits_n::<D, 1>(domain, view, bus_inputs, border, bits, rows),
-        2 => sign_bits_n::<D, 2>(domain, view, bus_inputs, border, bits, rows),
-        3 => sign_bits_n::<D, 3>(domain, view, bus_inputs, border, bits, rows),
+        1..=FEW => few(domain, view, bus_inputs, border, bits, rows),
         _ => all(domain, view, bus_inputs, bits, rows.start, rows),
     };
     if decided {
@@ -42,9 +40,8 @@ pub(super) fn sign_bits<D: RowOps>(
     }
 }
 
-/// With `N` bus inputs; whether the domain has an answer.
-#[inline(always)]
-fn sign_bits_n<D: RowOps, const N: usize>(
+/// With few bus inputs; whether the domain has an answer.
+fn few<D: RowOps>(
     domain: &D,
     view: &View<'_, '_, D::Cell>,
     bus_inputs: &[BusInput],
@@ -63,7 +60,7 @@ fn sign_bits_n<D: RowOps, const N: usize>(
     if inner.is_empty() {
         return decided;
     }
-    let bus_inputs: [BusInput; N] = *bus_inputs.as_array().unwrap_or(&[BusInput::NONE; N]);
+    let (inputs, count) = (padded(bus_inputs), bus_inputs.len());
     let words = width.div_ceil(64);
     let even = width.is_multiple_of(64);
     if even && border.left + border.right == 0 {
@@ -76,7 +73,7 @@ fn sign_bits_n<D: RowOps, const N: usize>(
     // Many at once: bytes that were just written are slow to read in another width.
     let mut bytes = [0; 64 * BATCH];
     for y in inner.clone().step_by(run) {
-        let starts = view.starts(&bus_inputs, view.cell(y, 0), (0, 0));
+        let starts = view.starts(&inputs, view.cell(y, 0), (0, 0));
         let (first, last) = (border.left, run * width - border.right);
         let bits = &mut bits[(y - top) * words..][..run * words];
         for (batch, bits) in bits.chunks_mut(BATCH).enumerate() {
@@ -84,8 +81,8 @@ fn sign_bits_n<D: RowOps, const N: usize>(
             let bytes = &mut bytes[..64 * bits.len()];
             // What needs something from off the array is done afterwards.
             let (begin, end) = (from.max(first), (from + bytes.len()).min(last).max(from));
-            let sources = view.sources(&bus_inputs, &starts, begin, end - begin);
-            decided &= domain.positives(&sources, &mut bytes[begin - from..end - from]);
+            let sources = view.sources(&inputs, &starts, begin, end - begin);
+            decided &= domain.positives(&sources[..count], &mut bytes[begin - from..end - from]);
             let blocks = bytes.as_chunks::<64>().0;
             for (word, bytes) in bits.iter_mut().zip(blocks) {
                 *word = packed(bytes);
@@ -96,27 +93,33 @@ fn sign_bits_n<D: RowOps, const N: usize>(
     for x in (0..border.left).chain(width - border.right..width) {
         for y in inner.clone() {
             let row = &mut bits[(y - top) * words..];
-            decided &= one(domain, view, &bus_inputs, row, y, x);
+            decided &= one(domain, view, bus_inputs, row, y, x);
         }
     }
     decided
 }
 
+/// Few bus inputs, at least one: the last again and again behind them. So what follows is compiled
+/// once, not for each number of them.
+fn padded(bus_inputs: &[BusInput]) -> [BusInput; FEW] {
+    std::array::from_fn(|k| bus_inputs[k.min(bus_inputs.len() - 1)])
+}
+
 /// Whole words from a row on, where nothing is asked for that lies off the array; whether the
 /// domain makes words.
-#[inline(always)]
-fn in_words<D: RowOps, const N: usize>(
+fn in_words<D: RowOps>(
     domain: &D,
     view: &View<'_, '_, D::Cell>,
-    bus_inputs: [BusInput; N],
+    bus_inputs: &[BusInput],
     bits: &mut [u64],
     y: usize,
 ) -> bool {
-    let starts = view.starts(&bus_inputs, view.cell(y, 0), (0, 0));
+    let (inputs, count) = (padded(bus_inputs), bus_inputs.len());
+    let starts = view.starts(&inputs, view.cell(y, 0), (0, 0));
     let mut pieces = bits.chunks_mut(PIECE / 64).enumerate();
     pieces.all(|(k, bits)| {
-        let sources = view.sources(&bus_inputs, &starts, PIECE * k, 64 * bits.len());
-        domain.positive_words(&sources, bits)
+        let sources = view.sources(&inputs, &starts, PIECE * k, 64 * bits.len());
+        domain.positive_words(&sources[..count], bits)
     })
 }
 

@@ -2,12 +2,7 @@
 //!
 //! Cells are worked on in long runs, over the ends of rows, or under a mask in blocks of the 64
 //! pixels of one word of bits. What comes from off the array is put right afterwards, pixel by
-//! pixel or column by column. Loops are compiled for several vector widths: those over whole runs
-//! by the domain, which is called, those under a mask with the sweep that they are part of.
-//! Sources and target are never the same plane.
-
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
+//! pixel or column by column. Sources and target are never the same plane.
 
 use std::ops::Range;
 
@@ -21,7 +16,7 @@ use super::{
 
 /// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `room` is
 /// for [`ROOM`] cells.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn store<D: RowOps>(
     domain: &D,
     view: &mut View<'_, '_, D::Cell>,
@@ -68,7 +63,7 @@ pub(super) fn store<D: RowOps>(
 }
 
 /// The same in [interior](Store::is_interior) rows.
-#[inline(always)]
+#[inline]
 pub(super) fn store_interior<D: RowOps>(
     domain: &D,
     slab: &mut Slab<'_, D::Cell>,
@@ -107,7 +102,7 @@ fn columns_of<D: RowOps>(
 }
 
 /// With `N` bus inputs.
-#[inline(always)]
+#[inline]
 fn interior<D: RowOps, const N: usize>(
     domain: &D,
     view: &View<'_, '_, D::Cell>,
@@ -125,7 +120,7 @@ fn interior<D: RowOps, const N: usize>(
 
 /// Rows as one run, inside the border or one that is not.
 #[allow(clippy::too_many_arguments)]
-#[inline(always)]
+#[inline]
 fn run<D: RowOps, const N: usize>(
     domain: &D,
     view: &View<'_, '_, D::Cell>,

@@ -1,8 +1,5 @@
 //! What the loops over pixels read: planes, and what lies off the array.
 
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
-
 use std::ops::Range;
 
 use super::{
@@ -37,7 +34,7 @@ pub(super) struct View<'b, 'a, C> {
 
 impl<'a, C> View<'_, 'a, C> {
     /// Where a cell lies that is stored into, and when that is.
-    #[inline(always)]
+    #[inline]
     pub(super) fn place(&self, store: &Store, y: usize, x: usize) -> Place {
         Place {
             y,
@@ -58,14 +55,14 @@ impl<'a, C> View<'_, 'a, C> {
     }
 
     /// Where a cell lies in its plane.
-    #[inline(always)]
+    #[inline]
     pub(super) const fn cell(&self, y: usize, x: usize) -> usize {
         (y - self.top) * self.size.width + x
     }
 
     /// The cells of some rows, from the first that needs nothing from off the array to the last;
     /// those between, at the ends of rows, are among them.
-    #[inline(always)]
+    #[inline]
     pub(super) fn between(&self, border: Border, rows: &Range<usize>) -> Stretch {
         let left = border.left;
         Stretch {
@@ -78,7 +75,7 @@ impl<'a, C> View<'_, 'a, C> {
     /// The same, where it does not matter what is stored at the ends of rows: if it can be, from
     /// the beginning of the first to the end of the last, so that vectors do not lie across
     /// lines of the cache.
-    #[inline(always)]
+    #[inline]
     pub(super) fn stretch(
         &self,
         bus_inputs: &[BusInput],
@@ -106,7 +103,7 @@ impl<'a, C> View<'_, 'a, C> {
 
     /// Where each bus input begins, that leads to the cells of a plane from `at` on; those lie
     /// `beside` the pixels whose bus they get.
-    #[inline(always)]
+    #[inline]
     pub(super) fn starts<const N: usize>(
         &self,
         bus_inputs: &[BusInput; N],
@@ -122,7 +119,7 @@ impl<'a, C> View<'_, 'a, C> {
     }
 
     /// Where the bus inputs of the buses of one row lead, which may lie off the array.
-    #[inline(always)]
+    #[inline]
     pub(super) fn beyond<const N: usize>(
         &self,
         bus_inputs: &[BusInput; N],
@@ -144,7 +141,7 @@ impl<'a, C> View<'_, 'a, C> {
     }
 
     /// What comes along each bus input: `n` cells, at most a [`PIECE`], so many after its start.
-    #[inline(always)]
+    #[inline]
     pub(super) fn sources<const N: usize>(
         &self,
         bus_inputs: &[BusInput; N],
@@ -163,7 +160,7 @@ impl<'a, C> View<'_, 'a, C> {
     }
 
     /// The words of FLAG of some rows.
-    #[inline(always)]
+    #[inline]
     pub(super) fn flags(&self, y: usize, rows: usize) -> &[u64] {
         let words = self.size.width.div_ceil(64);
         &self.flag[(y - self.top) * words..][..rows * words]
@@ -231,7 +228,7 @@ impl<C: Clone> View<'_, '_, C> {
 
     /// What a bus input leads to from the buses of one column, which may lie off the array; its rows
     /// and those where the bus input leads do not.
-    #[inline(always)]
+    #[inline]
     pub(super) fn column(&self, bus_input: BusInput, y: usize, x: usize, cells: &mut [C]) {
         let width = self.size.width;
         let (to_y, to_x) = (

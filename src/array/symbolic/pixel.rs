@@ -86,7 +86,7 @@ impl<'a, D: Symbolic> GenericPixel<'a, D> {
             return Err(GenericError::Reach { rows, columns });
         }
         let size = Size::new(2 * rows + 1, 2 * columns + 1);
-        let mut state = State::new(domain, Layout::of(device, size), settings.edge);
+        let mut state = State::new(domain, Layout::new(device, size), settings.edge);
         let places = (0..size.height).flat_map(|y| (0..size.width).map(move |x| At { y, x }));
         for (i, at) in places.enumerate() {
             for (r, plane) in (0..).zip(&mut state.analog) {

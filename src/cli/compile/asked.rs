@@ -8,6 +8,7 @@ use super::{super::complain, Arguments, Asked};
 use crate::{
     photoreceptor::Curve,
     reference::{Border, MemoryRule},
+    rig::guard::{Guard, Warning},
 };
 
 impl Asked {
@@ -39,6 +40,7 @@ impl Asked {
             thresholds: vec![(threshold, threshold); kernels.len()],
             scales: vec![1.0; kernels.len()],
             kernels,
+            warnings: Vec::new(),
             stacked,
             title: format!(
                 "events of {}",
@@ -97,6 +99,7 @@ impl Asked {
         Self {
             scales: vec![1.0; kernels.len()],
             kernels,
+            warnings: Vec::new(),
             stacked: true,
             thresholds,
             title: description.name,
@@ -110,8 +113,12 @@ impl Asked {
         let Some(to) = arguments.to.0 else {
             return Ok(self);
         };
+        let mut guard = Guard::new();
         for (i, kernel) in self.kernels.iter_mut().enumerate() {
             let quantised = to.quantise(kernel, arguments.sum.into(), arguments.seed)?;
+            for erasure in quantised.erasures(kernel) {
+                guard.warn(Warning::erased(&to.to_string(), erasure));
+            }
             let quantised = if arguments.filter_only {
                 quantised
             } else {
@@ -122,6 +129,7 @@ impl Asked {
             let (on, off) = self.thresholds[i];
             self.thresholds[i] = (on / scale, off / scale);
         }
+        self.warnings = guard.warnings();
         Ok(self)
     }
 }

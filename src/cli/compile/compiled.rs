@@ -52,6 +52,7 @@ impl Compiled {
             "kernel": kernel,
             "scale": self.scale,
             "quantised_scales": asked.scales,
+            "warnings": asked.warnings,
             "prescale_bits": self.filter.prescale,
             "filter_words": self.filter.words.len(),
             "snake_words": self.snake,
@@ -204,7 +205,7 @@ impl Compiled {
     /// What the chip makes of a kernel's thresholds; `scale`: times its weights the kernel is
     /// the one asked for.
     pub(super) fn threshold(&self, thresholds: [f64; 2], scale: f64, device: &Device) -> String {
-        let step = Errors::of(device).input_step;
+        let step = Errors::from_device(device).input_step;
         let held = thresholds.map(|lsb| (lsb / step).round_ties_even() * step);
         let both = |[on, off]: [f64; 2], digits: usize| {
             if on == off {

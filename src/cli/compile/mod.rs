@@ -11,7 +11,8 @@ use miette::{IntoDiagnostic, miette};
 use super::{
     content::Content,
     files::{self, Named, Output},
-    quantise::Total,
+    light,
+    quantiser::Total,
 };
 use crate::{
     array::{
@@ -23,6 +24,7 @@ use crate::{
     kernel::{Kernel, quantise::Quantiser},
     plane::Plane,
     program::{Cost, Expansion, Program, Step},
+    rig::guard::Warning,
     save::save,
 };
 
@@ -43,7 +45,7 @@ pub struct Arguments {
     #[arg(long, default_value = "exact", value_name = "QUANTISER")]
     to: To,
     /// What quantised kernels must sum to
-    #[arg(long, value_enum, default_value = "free")]
+    #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// Only the filter, from register A into A, as bare statements
     #[arg(long, conflicts_with_all = ["sensor", "threshold"])]
@@ -78,7 +80,7 @@ pub struct Arguments {
     #[arg(long, default_value = "scamp5")]
     chip: Named,
     /// How long to search, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 2.5, value_parser = seconds)]
+    #[arg(long, default_value_t = 2.5, value_parser = super::effort::seconds)]
     effort: f64,
     /// Another seed may find another program
     #[arg(long, default_value_t = 0)]
@@ -99,16 +101,6 @@ fn interval(text: &str) -> Result<(f64, f64), String> {
     match (number(low), number(high)) {
         (Some(low), Some(high)) if low < high => Ok((low, high)),
         _ => Err(wrong()),
-    }
-}
-
-/// An effort, for the command line.
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(value) if (0.0..=3600.0).contains(&value) => Ok(value),
-        _ => Err(format!(
-            "`{text}` is not a number of seconds from 0 to 3600"
-        )),
     }
 }
 
@@ -133,6 +125,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{}\n", compiled.json(&asked, &device, seconds)));
         return Ok(());
     }
+    super::say(&light::of_kernels(&asked.warnings));
     if arguments.output.is_none() {
         super::say(&compiled.text);
         super::say("\n");
@@ -153,6 +146,8 @@ struct Asked {
     kernels: Vec<Kernel>,
     /// What they are to be multiplied by.
     scales: Vec<f64>,
+    /// What few values have taken from them.
+    warnings: Vec<Warning>,
     /// Given as one array of three axes.
     stacked: bool,
     /// ON and OFF, in kernel times light.
@@ -171,7 +166,7 @@ impl std::str::FromStr for To {
         if name == "exact" {
             return Ok(Self(None));
         }
-        super::quantise::quantiser(name).map(|to| Self(Some(to)))
+        super::quantiser::quantiser(name).map(|to| Self(Some(to)))
     }
 }
 

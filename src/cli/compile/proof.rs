@@ -30,7 +30,7 @@ impl Proof<'_> {
         let expansion = program.expand(self.device, &Overrides::default());
         let expansion = expansion.map_err(|faults| self.too_long(&filter, faults))?;
         let steps = &expansion.code.frame;
-        let settings = Settings::of(self.device);
+        let settings = Settings::from_device(self.device);
         let mut kernels = Vec::new();
         let long = filter.words.len() > TRACED;
         for (kernel, register) in self.asked.kernels.iter().zip(self.results) {
@@ -110,13 +110,13 @@ impl Proof<'_> {
     pub(super) fn impulse(&self, code: &Code, register: Analog) -> miette::Result<Plane<f64>> {
         const SIDE: usize = 64;
         let middle = (SIDE / 2, SIDE / 2);
-        let settings = Settings::of(self.device);
+        let settings = Settings::from_device(self.device);
         let left_by = |level: f64| -> miette::Result<Plane<f64>> {
             let mut picture = Plane::zeros((SIDE, SIDE));
             picture[middle] = level;
             let size = Size::new(SIDE, SIDE);
             let code = code.clone();
-            let mut chip = Chip::new("compiled", Exact, code, self.device, size, settings)?;
+            let mut chip = Chip::new("compiled", Exact, &code, self.device, size, settings)?;
             match self.input {
                 Input::Light => chip.expose(&picture)?,
                 Input::Register(register) => chip.set_analog(register, &picture)?,

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use crate::event::address;
 
 use super::{
+    super::light,
     CHOSEN, Demo, KERNEL, THRESHOLD, most_frames,
     showing::{Row, Showing},
 };
@@ -21,7 +22,7 @@ impl Demo<'_> {
             .find(|program| program.is_chosen())
             .map(|program| program.compiled.cost);
         let rows = self.showings.iter().flat_map(|showing| {
-            let row = |row| told(row, showing);
+            let row = |row| row_json(row, showing);
             showing.rows.iter().map(row)
         });
         let span = reference.map(|row| row.packet.span);
@@ -41,15 +42,17 @@ impl Demo<'_> {
             "words_per_frame": cost.map(|cost| cost.words.0),
             "us_per_frame": cost.map(|cost| cost.micros()),
             "frames_per_s": cost.as_ref().map(most_frames),
-            "reference": reference.map(|row| told(row, faster)),
-            "devices": faster.chosen().map(|row| told(row, faster)).collect::<Vec<_>>(),
+            "reference": reference.map(|row| row_json(row, faster)),
+            "devices": faster.chosen().map(|row| row_json(row, faster)).collect::<Vec<_>>(),
             "written": self.written,
+            "light": light::json(&self.observation),
+            "warnings": self.warnings,
         })
     }
 }
 
-fn told(row: &Row<'_>, showing: &Showing<'_>) -> Value {
-    let mut told = json!({
+fn row_json(row: &Row<'_>, showing: &Showing<'_>) -> Value {
+    let mut json = json!({
         "cell": row.cell.name,
         "domain": row.runs_in(),
         "fps": showing.fps,
@@ -61,7 +64,7 @@ fn told(row: &Row<'_>, showing: &Showing<'_>) -> Value {
         "dropped": row.packet.dropped.total(),
         "emulated_frames_per_s": row.speed,
     });
-    if let (Some(chip), Some(told)) = (&row.chip, told.as_object_mut()) {
+    if let (Some(chip), Some(object)) = (&row.chip, json.as_object_mut()) {
         let likeness = &chip.likeness;
         let cost = &chip.program.compiled.cost;
         let more = json!({
@@ -78,8 +81,8 @@ fn told(row: &Row<'_>, showing: &Showing<'_>) -> Value {
             "frames_per_s": most_frames(cost),
         });
         if let Value::Object(more) = more {
-            told.extend(more);
+            object.extend(more);
         }
     }
-    told
+    json
 }

@@ -11,13 +11,15 @@ use std::num::NonZeroU32;
 
 use crate::{
     program::Cost,
-    scene::{Scene, bundled, evenly::Evenly},
+    rig::guard::{Guard, Warning},
+    scene::{Observation, Observed, Scene, SceneError, bundled, evenly::Evenly},
 };
 
 use self::{cell::Cell, files::Moments, showing::Showing};
 use super::{
     content::Content,
     files::{self as outputs, Output},
+    light,
     progress::Progress,
 };
 
@@ -71,20 +73,28 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     outputs::writes(files::pictures(&arguments.out))?;
     let seed = arguments.seed;
     let cells = cell::all(seed)?;
-    let (mut own, mut faster) = (bundled()?, Evenly::new(bundled()?, TIMES));
+    let observation = Observation::new();
+    let clip = || Ok::<_, SceneError>(Observed::new(bundled()?, &observation));
+    let (mut own, mut faster) = (clip()?, Evenly::new(clip()?, TIMES));
     let frames = own.frames().zip(faster.frames());
     let progress = Progress::new("watching", frames.map(|(a, b)| a + b));
-    let own = Showing::new(&cells, &mut *own, seed, |_| progress.tick())?;
+    let mut guard = Guard::new();
+    let own = Showing::new(&cells, &mut own, seed, &mut guard, |_| progress.tick())?;
     let mut moments = Moments::default();
-    let faster = Showing::new(&cells, &mut faster, seed, |frame| {
+    let faster = Showing::new(&cells, &mut faster, seed, &mut guard, |frame| {
         moments.see(frame);
         progress.tick();
     })?;
     progress.finish();
+    let mut warnings = Warning::of_scene(&observation, 255.0);
+    warnings.append(&mut guard.warnings());
+    light::warn(&warnings);
     let written = files::write(&arguments.out, &faster, &moments.kept)?;
     let demo = Demo {
         cells: &cells,
         showings: [own, faster],
+        observation,
+        warnings,
         written,
     };
     if arguments.json {
@@ -100,6 +110,8 @@ struct Demo<'a> {
     cells: &'a [Cell],
     /// At the clip's own rate, and at one that the chip would run.
     showings: [Showing<'a>; 2],
+    observation: Observation,
+    warnings: Vec<Warning>,
     written: Vec<std::path::PathBuf>,
 }
 

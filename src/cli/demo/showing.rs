@@ -1,13 +1,16 @@
 //! One showing of the clip: every cell, on the array and in float, judged by its float sensor.
 
 use crate::{
-    array::{Arithmetic, Array},
+    array::{Arithmetic, Array, AtBorder},
     compare::window,
     event::Packet,
     number::Format,
     plane::Size,
     reference::MemoryRule,
-    rig,
+    rig::{
+        self,
+        guard::{Guard, Warning},
+    },
     scene::{Frame, Scene},
     sensor::Sensor,
     study::equivalent::{self, Ladder, Likeness, RUNGS},
@@ -95,6 +98,7 @@ impl<'a> Showing<'a> {
         cells: &'a [Cell],
         scene: &mut dyn Scene,
         seed: u64,
+        guard: &mut Guard,
         mut seen: impl FnMut(&Frame),
     ) -> miette::Result<Self> {
         let (size, fps) = (scene.size(), scene.fps());
@@ -107,6 +111,7 @@ impl<'a> Showing<'a> {
         let mut frames = 0;
         let packets = rig::watch(scene, &mut sensors, |frame| {
             frames += 1;
+            guard.frame(frame);
             seen(frame);
         })?;
         let mut packets = packets.into_iter();
@@ -125,8 +130,18 @@ impl<'a> Showing<'a> {
                 packet: ladder.reference().clone(),
                 speed: float.speed(),
             });
+            guard.packet(&format!("{}, float", cell.name), ladder.reference());
             for (program, domain, chip) in chips {
                 let packet = next();
+                let subject = format!("{} in {} {domain}", cell.name, program.to);
+                guard.packet(&subject, &packet);
+                let compiled = &program.compiled;
+                let ends = domain.ends(&compiled.device, &compiled.settings());
+                for at in ends.map_or(Vec::new(), |ends| AtBorder::registers(&*chip.sensor, ends)) {
+                    let place = format!("{} after the last frame", at.register);
+                    let counted = (at.pixels, at.of);
+                    guard.warn(Warning::saturation(&subject, &place, counted, at.ends));
+                }
                 rows.push(Row {
                     cell,
                     chip: Some(Judged {

@@ -3,6 +3,7 @@
 use crate::{compare::metric::Short, compile::SLOTS, study::equivalent::rate};
 
 use super::{
+    super::light,
     CHOSEN, DOMAINS, Demo, FEWER, KERNEL, SHOWN, THRESHOLD, TIMES, most_frames,
     showing::{Judged, Row, Showing},
 };
@@ -22,6 +23,9 @@ impl Demo<'_> {
                 to.seconds() - from.seconds()
             ));
         }
+        let light = light::line(&self.observation);
+        let light = light.trim_start_matches("light").trim();
+        lines.push(format!("light   {light}"));
         lines.push(format!(
             "cells   a plain DVS, and {KERNEL} in {CHOSEN} (the values that `amacrine feasibility` chooses for it) and in {FEWER}"
         ));

@@ -2,32 +2,52 @@
 
 use std::ops::ControlFlow;
 
-use miette::WrapErr;
+use miette::{WrapErr, miette};
 
 use super::{
     super::{
         budget::{self, Growth},
         opened::Opened,
         registers::Register,
-        strip,
     },
-    Arguments, Assignment, Bench, Light, Moment, Set, Switch, finite,
-    light::{Lasting, size},
+    arguments::{Arguments, Assignment, Switch},
+    light::{Lasting, Light},
+    moment::Moment,
+    set::Set,
+    strip,
 };
 use crate::{
-    array::{Arithmetic, Array, RunError, Schedule, Settings},
+    array::{Arithmetic, Array, AtBorder, Schedule, Settings},
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,
     memory::Need,
+    plane::Size,
     program::{Expansion, Program},
-    rig,
-    scene::Scene,
+    rig::{
+        self,
+        guard::{Guard, Warning},
+    },
+    scene::{Observation, Scene},
     unit::Micros,
 };
 
+/// A program and all that it needs to run, once or several times.
+pub struct Bench<'a> {
+    arguments: &'a Arguments,
+    pub opened: Opened,
+    planes: Vec<Set>,
+    size: Size,
+    /// What was seen of its light.
+    pub observation: Observation,
+    /// Bytes of the frames of its light.
+    frames: u128,
+    pub arithmetic: Arithmetic,
+    settings: Settings,
+}
+
 impl<'a> Bench<'a> {
-    pub(super) fn new(arguments: &'a Arguments) -> miette::Result<Self> {
+    pub fn new(arguments: &'a Arguments) -> miette::Result<Self> {
         let figures: Vec<(Figure, f64)> = arguments
             .sets
             .iter()
@@ -45,21 +65,12 @@ impl<'a> Bench<'a> {
             Assignment::Figure(..) => None,
         });
         let planes = registers.collect::<miette::Result<Vec<_>>>()?;
-        let light = Light::open(arguments, program)?;
+        let observation = Observation::new();
+        let light = Light::open(arguments, program, &observation)?;
         let size = size(&planes, light.scene.as_deref(), program, device)?;
-        // One step at a time has no use for any other.
-        let schedule = match &arguments.schedule {
-            _ if arguments.debug || arguments.strip.is_some() => Schedule::Plain,
-            Some(name) => name.parse()?,
-            None => Schedule::of(size),
-        };
-        let threads = arguments.threads;
         Ok(Self {
-            schedule,
-            threads: threads
-                .unwrap_or_else(rayon::current_num_threads)
-                .min(THREADS),
             size,
+            observation,
             frames: light.scene.as_ref().map_or(0, Scene::bytes),
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
@@ -90,11 +101,11 @@ impl<'a> Bench<'a> {
                 "registers that are set",
                 8 * pixels * self.planes.len() as u128,
             )
-            .and("registers that are looked at", looked * pixels)
+            .and("registers that are looked at", (8 + looked) * pixels)
     }
 
     /// Refuses an array for which there is no room.
-    pub(super) fn check(&self) -> miette::Result<()> {
+    pub fn check(&self) -> miette::Result<()> {
         let what = format!("an array of {} in {}", self.size, self.arithmetic);
         let help = "take a smaller array or a narrower --domain";
         budget::check(&self.need(), &what, help)
@@ -112,17 +123,45 @@ impl<'a> Bench<'a> {
             .with_seed(seed)
             .chip(
                 &program.file,
-                expansion.code.clone(),
+                &expansion.code,
                 device,
                 self.size,
                 self.settings,
             )
             .wrap_err_with(|| format!("{} cannot run", program.file))?;
-        chip.set_schedule(self.schedule, self.threads);
         for set in &self.planes {
             set.apply(&mut *chip)?;
         }
         Ok(chip)
+    }
+
+    /// What there is to warn of after a run of so many frames.
+    pub fn warnings(
+        &self,
+        mut guard: Guard,
+        chip: &dyn Array,
+        packet: &Packet,
+        frames: u64,
+    ) -> Vec<Warning> {
+        let program = &self.opened.program.file;
+        for warning in Warning::of_scene(&self.observation, 255.0) {
+            guard.warn(warning);
+        }
+        // A program that reads no events out, and a single frame, have none to miss.
+        if chip.ledger().slots > 0 && frames > 1 {
+            guard.packet(program, packet);
+        } else if packet.dropped.no_slot > 0 {
+            let kept = packet.events.len() as u64;
+            guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));
+        }
+        if let Some(ends) = self.arithmetic.ends(&self.opened.device, &self.settings) {
+            for at in AtBorder::registers(chip, ends) {
+                let counted = (at.pixels, at.of);
+                let place = format!("{} after the last frame", at.register);
+                guard.warn(Warning::saturation(program, &place, counted, at.ends));
+            }
+        }
+        guard.warnings()
     }
 
     /// Shows the light to the chip; what it said, and how many frames it saw. `run` runs each
@@ -135,7 +174,7 @@ impl<'a> Bench<'a> {
         chip: &mut dyn Array,
         mut run: impl FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>>,
     ) -> miette::Result<(Packet, u64)> {
-        let light = Light::open(self.arguments, &self.opened.program)?;
+        let light = Light::open(self.arguments, &self.opened.program, &self.observation)?;
         let Expansion { code, bare, .. } = &self.opened.expansion;
         let mut light = Lasting::new(light, self.size, if *bare { 1 } else { 2 });
         let mut packet = Packet::new(chip.size(), chip.channels());
@@ -169,34 +208,74 @@ impl<'a> Bench<'a> {
     }
 }
 
-impl Moment<'_> {
-    /// Runs all of it.
-    pub fn run(&self, chip: &mut dyn Array, packet: &mut Packet) -> Result<(), RunError> {
-        if self.is_init {
-            chip.run_init(self.t, packet)
-        } else {
-            chip.run_frame(self.t, packet)
-        }
-    }
-}
-
-pub(super) fn arithmetic(arguments: &Arguments, program: &Program) -> miette::Result<Arithmetic> {
+fn arithmetic(arguments: &Arguments, program: &Program) -> miette::Result<Arithmetic> {
     let asked = arguments.domain.as_ref();
     let name = asked.or(program.settings.domain.as_ref());
     let arithmetic: Arithmetic = name.map_or("exact", String::as_str).parse()?;
     Ok(arithmetic.with_seed(arguments.seed))
 }
 
-pub(super) fn settings(
-    arguments: &Arguments,
-    program: &Program,
-    device: &Device,
-) -> miette::Result<Settings> {
-    let mut settings = Settings::of(device);
+fn settings(arguments: &Arguments, program: &Program, device: &Device) -> miette::Result<Settings> {
+    let mut settings = Settings::from_device(device);
     let clip = arguments.clip.map(|clip| clip == Switch::On);
     settings.clip = clip.or(program.settings.clip).unwrap_or(settings.clip);
     let asked = arguments.edge.or(program.settings.edge);
     settings.edge = finite("--edge", asked.unwrap_or(settings.edge))?;
     settings.gain = finite("--gain", arguments.gain.unwrap_or(settings.gain))?;
+    settings.schedule = match &arguments.schedule {
+        // One step at a time has no use for any other.
+        _ if arguments.debug || arguments.strip.is_some() => Some(Schedule::Plain),
+        name => name.as_deref().map(str::parse).transpose()?,
+    };
+    let threads = arguments.threads.unwrap_or_else(rayon::current_num_threads);
+    settings.threads = Some(threads.min(THREADS));
     Ok(settings)
+}
+
+fn finite(what: &str, value: f64) -> miette::Result<f64> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(miette!(help = "give a number", "{what} is {value}"))
+}
+
+/// The size of the array: of what is set, else of the light, else of the program, else of the chip.
+fn size(
+    planes: &[Set],
+    scene: Option<&dyn Scene>,
+    program: &Program,
+    device: &Device,
+) -> miette::Result<Size> {
+    let set = planes
+        .iter()
+        .map(|set| (set.path.display().to_string(), Size::of(&set.plane)));
+    let light = scene.map(|scene| ("the light".to_owned(), scene.size()));
+    let mut all = set.chain(light);
+    let Some((first, size)) = all.next() else {
+        let height = device.value(Figure::Height) as usize;
+        let width = device.value(Figure::Width) as usize;
+        let (height, width) = program.settings.size.unwrap_or((height, width));
+        return checked(Size::new(height, width));
+    };
+    if let Some((other, its)) = all.find(|(_, its)| *its != size) {
+        return Err(miette!(
+            help = "all planes and the light must have one size: that of the array",
+            "{first} is {size}, {other} is {its}"
+        ));
+    }
+    checked(size)
+}
+
+fn checked(size: Size) -> miette::Result<Size> {
+    if size.is_possible() {
+        return Ok(size);
+    }
+    Err(miette!(
+        help = format!(
+            "height and width must be from 1 to {}, and {} pixels at most",
+            Size::LONGEST_SIDE,
+            Size::MOST_PIXELS
+        ),
+        "an array of {size}"
+    ))
 }

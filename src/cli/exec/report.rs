@@ -2,11 +2,24 @@
 
 use serde_json::json;
 
-use super::Report;
+use super::{super::light, reading};
 use crate::{
-    array::{Ledger, Reading, Readings},
-    event::Polarity,
+    array::{Arithmetic, Array, Ledger, Readings},
+    event::{Packet, Polarity},
+    rig::guard::Warning,
+    scene::Observation,
 };
+
+/// What the run gave.
+pub struct Report<'a> {
+    pub program: &'a str,
+    pub chip: &'a dyn Array,
+    pub arithmetic: Arithmetic,
+    pub frames: u64,
+    pub packet: &'a Packet,
+    pub light: &'a Observation,
+    pub warnings: &'a [Warning],
+}
 
 impl Report<'_> {
     fn on_and_off(&self) -> (usize, usize) {
@@ -15,7 +28,7 @@ impl Report<'_> {
         (on, events.len() - on)
     }
 
-    pub(super) fn json(&self) -> serde_json::Value {
+    pub fn json(&self) -> serde_json::Value {
         let ledger = self.chip.ledger();
         let cost = ledger.cost(self.chip.device());
         let (on, off) = self.on_and_off();
@@ -63,10 +76,12 @@ impl Report<'_> {
             "dropped": self.packet.dropped,
             "ambiguous": ledger.ambiguous,
             "readings": readings,
+            "light": light::json(self.light),
+            "warnings": self.warnings,
         })
     }
 
-    pub(super) fn table(&self) -> String {
+    pub fn table(&self) -> String {
         let ledger = self.chip.ledger();
         let cost = ledger.cost(self.chip.device());
         let Ledger {
@@ -95,6 +110,10 @@ impl Report<'_> {
                 cost.array_us, cost.host_us
             ),
         ];
+        let light = light::line(self.light);
+        if !light.is_empty() {
+            lines.push(light.trim_end().to_owned());
+        }
         if ledger.slots > 0 {
             lines.push(format!(
                 "events   {} ({on} ON, {off} OFF) in {} slots",
@@ -118,29 +137,8 @@ impl Report<'_> {
             ));
         }
         for reading in self.chip.readings() {
-            lines.push(format!("read     {}", self::reading(reading)));
+            lines.push(format!("read     {}", reading::line(reading)));
         }
         lines.join("\n") + "\n"
     }
-}
-
-/// A reading of the host, in a line.
-pub(in crate::cli) fn reading(reading: &Reading) -> String {
-    let what = match &reading.values {
-        Readings::Analog { values, .. } => match values[..] {
-            [value] => format!("ADC {value}"),
-            _ => format!("{} ADC values (--json lists them)", values.len()),
-        },
-        Readings::Digital { values, .. } => {
-            format!("{} bits (--json lists them)", values.len())
-        }
-        Readings::Box(None) => "no pixel is set".to_owned(),
-        Readings::Box(Some(w)) => format!(
-            "box from row {}, column {} to row {}, column {} (the chip's count)",
-            w.top, w.right, w.bottom, w.left
-        ),
-        Readings::Sum(sum) => format!("sum {sum}"),
-        Readings::Any(any) => format!("any {any}"),
-    };
-    format!("line {}: {what}", reading.line)
 }

@@ -3,7 +3,7 @@
 use miette::miette;
 use ndarray::s;
 
-use super::{Constants, solve};
+use super::{constants::Constants, solve};
 use crate::{
     cli::{
         content::Content,
@@ -67,7 +67,7 @@ const LAND: usize = 16;
 /// # Errors
 /// When an input cannot be read or solved for, or the picture not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let shown = Shown::of(arguments)?;
+    let shown = Shown::new(arguments)?;
     let lights: Vec<(&str, Plane<f64>)> = match &arguments.input {
         Some(path) => vec![("the input", solve::read(path)?)],
         None => vec![
@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 impl Shown {
-    fn of(arguments: &Arguments) -> miette::Result<Self> {
+    fn new(arguments: &Arguments) -> miette::Result<Self> {
         let Some(name) = &arguments.kernel else {
             let lambda = arguments.lambda.unwrap_or(1.0);
             let lambda_y = arguments.lambda_y;

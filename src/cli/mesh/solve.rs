@@ -4,14 +4,16 @@ use std::path::Path;
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use super::{Constants, Show, extremes, write};
+use super::{
+    constants::Constants,
+    output::{Show, extremes, write},
+};
 use crate::{
     cli::{
         budget,
         content::Content,
-        exec::read_plane,
         files::{Named, Output},
-        say,
+        npy, say,
     },
     memory::Need,
     mesh::Steady,
@@ -109,7 +111,7 @@ pub(super) fn read(name: &str) -> miette::Result<Plane<f64>> {
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
     {
-        return read_plane(path);
+        return npy::read(path);
     }
     let mut scene = open(name, &budget::opening(None))?;
     let frame = scene.next_frame()?;

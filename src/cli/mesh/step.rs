@@ -6,12 +6,13 @@ use miette::{WrapErr, miette};
 use ndarray::Array3;
 use ndarray_npy::WriteNpyExt;
 
-use super::{Constants, Show};
+use super::{constants::Constants, output::Show};
 use crate::{
     cli::{
         budget,
         content::Content,
         files::{Named, Output},
+        light::{self, Samples},
         say,
     },
     memory::Need,
@@ -20,7 +21,7 @@ use crate::{
     plane::{Plane, Size},
     rig,
     save::save,
-    scene::{Frame, Scene, open, part::First},
+    scene::{Frame, Observation, Scene, part::First},
     unit::Micros,
 };
 
@@ -38,6 +39,8 @@ pub struct Arguments {
     /// A clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
     #[arg(short, long)]
     scene: Named,
+    #[command(flatten)]
+    samples: Samples,
     /// Frames a second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
@@ -117,8 +120,10 @@ const PLANES: u128 = 14;
 /// When the scene cannot be read or solved for, or the output not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
-    let options = budget::opening(arguments.fps);
-    let scene = open(&arguments.scene, &options)?;
+    let observation = Observation::new();
+    let scene = arguments
+        .samples
+        .open(Some(&arguments.scene), arguments.fps, &observation)?;
     let size = scene.size();
     let layers = asked(arguments, &*scene);
     let need = budget::of_scene(&*scene);
@@ -157,8 +162,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         _ => String::new(),
     };
     say(&format!(
-        "{}  {frames} frames of {size}{steps}\n",
-        arguments.output.display()
+        "{}  {frames} frames of {size}{steps}\n{}",
+        arguments.output.display(),
+        light::line(&observation)
     ));
     Ok(())
 }

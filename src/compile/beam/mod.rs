@@ -1,8 +1,9 @@
 //! Beam search: from the goals back to the input, word by word.
 //!
-//! A state is what must be held before the words found so far: values in registers, and perhaps
-//! one in NEWS. A step takes the last word away: whatever it stored is given up for what it
-//! read. The search keeps the states that look nearest to "the input alone".
+//! A state is the set of values that must be held before the words found so far: in registers, and
+//! perhaps one in NEWS. A step removes the last word: the value that it stored is replaced by those
+//! that it read. The beam keeps the states whose estimated cost is lowest; the search ends at the
+//! state "the input alone".
 
 mod before;
 mod score;
@@ -15,18 +16,18 @@ use super::{
 };
 use crate::isa::Direction;
 
-/// The goals of one search.
+/// The task of one search.
 #[derive(Clone, Debug)]
 pub(super) struct Task {
     /// What must be held in the end.
     pub(super) goals: Vec<LinearForm>,
     /// The input, in units.
     pub(super) unit: i64,
-    /// Ordinary registers, that of the input included.
+    /// Ordinary registers that may be used, that of the input included.
     pub(super) registers: usize,
-    /// The goal that ends in the register in which the input begins.
+    /// Index of the goal that ends in the register in which the input begins, if one does.
     pub(super) over_input: Option<usize>,
-    /// Every value is right up to the border.
+    /// Whether every value must be right up to the border.
     pub(super) border: bool,
 }
 
@@ -37,11 +38,11 @@ pub(super) struct Heuristic {
     pub(super) width: usize,
     /// Estimated words for each digit of a weight beyond the first.
     pub(super) digit: f32,
-    /// Estimated words for each place.
+    /// Estimated words for each place of the kernel.
     pub(super) place: f32,
-    /// Estimated words for each halving.
+    /// Estimated words for each halving level.
     pub(super) level: f32,
-    /// Estimated words for each value besides.
+    /// Estimated words for each further value.
     pub(super) value: f32,
     /// Whether the estimate allows for values made from each other.
     pub(super) related: bool,
@@ -54,7 +55,7 @@ pub(super) struct Heuristic {
 pub(super) const SOURCES: usize = 4;
 const SOURCES_SPLIT: usize = 2;
 
-/// Values of a state that are tried as the last one stored.
+/// How many values of a state are tried as the one that was stored last.
 const EXPANDED: usize = 2;
 
 /// A value that must be held.
@@ -62,11 +63,11 @@ const EXPANDED: usize = 2;
 struct Item {
     form: LinearForm,
     hash: u64,
-    /// Estimated words to make it from the input alone.
+    /// Estimated words to make it from the input alone, once computed.
     cost: OnceCell<f32>,
 }
 
-/// What must be held before the words found so far.
+/// The values that must be held before the words found so far.
 #[derive(Clone, Debug)]
 struct State {
     live: Vec<Rc<Item>>,
@@ -86,14 +87,14 @@ struct Step {
         reason = "none of the neighbours is the pixel itself"
     )]
     news: Option<Option<Direction>>,
-    /// The NEWS cells that it read, as a mask over [`NEWS_CELLS`].
+    /// The NEWS cells that it read, as a bit mask over [`NEWS_CELLS`].
     views: u8,
     values: Vec<Rc<Item>>,
     halved: bool,
 }
 
 impl Step {
-    /// A word that stored in a register alone; what it read is not said yet.
+    /// A word that stored in a register alone, its sources still to be added.
     fn into_register(stored: &Rc<Item>, halved: bool) -> Self {
         Self {
             stored: Some(stored.clone()),
@@ -147,9 +148,9 @@ struct Search<'a> {
     /// The goal that ends in the register of the input.
     over: Option<LinearForm>,
     /// Hashes of the states seen before.
-    known: HashSet<u64>,
+    visited: HashSet<u64>,
     seen: u64,
-    /// The sets of NEWS cells that a word can read.
+    /// The sets of NEWS cells that a word can read, each as a mask and its offsets.
     shapes: Vec<(u8, Vec<(i16, i16)>)>,
 }
 
@@ -170,7 +171,7 @@ impl<'a> Search<'a> {
             over: task
                 .over_input
                 .and_then(|goal| task.goals.get(goal).cloned()),
-            known: HashSet::new(),
+            visited: HashSet::new(),
             seen: 0,
             shapes: (1u8..32)
                 .map(shape)
@@ -235,7 +236,7 @@ impl<'a> Search<'a> {
             && (!state.open || self.over.as_ref() == Some(&self.input.form))
     }
 
-    /// Adds a state before a word, if it is one.
+    /// Adds the state before a word, unless it is impossible or was seen.
     fn child(
         &mut self,
         state: &State,
@@ -245,7 +246,7 @@ impl<'a> Search<'a> {
         news: Option<LinearForm>,
         out: &mut Out<'_>,
     ) {
-        // Before the word its target is free, and what it read is held.
+        // Before the word its target is free, and its sources are held.
         let mut live = state.live.clone();
         let mut open = state.open;
         if let Some(at) = at {
@@ -260,16 +261,18 @@ impl<'a> Search<'a> {
                 live.push(value.clone());
             }
         }
-        // Where the input lies, the goal that ends there cannot be yet.
+        // Where the input lies, the goal that ends there cannot be held yet.
         if state.open && live.iter().any(|item| item.hash == self.input.hash) {
             return;
         }
-        // While the word runs, its target and the part that nobody reads are held as well.
+        // Register pressure: while the word runs, its target and an unread half are held as well.
         let spare = base.halved && (base.news.is_some() || base.views != 0 || state.news.is_some());
         let during = live.len() + usize::from(at.is_some()) + usize::from(spare);
         if during > self.task.registers {
             return;
         }
+        // Right up to the border: a form may be read from a neighbour only where no tap points back
+        // from beyond the array.
         if self.task.border
             && let Some(news) = &news
         {
@@ -284,7 +287,7 @@ impl<'a> Search<'a> {
         if news.as_ref().is_some_and(|news| !news.is_bounded()) {
             return;
         }
-        // Large forms take longer to look at.
+        // The budget counts large forms more than once, as they take longer to look at.
         self.seen += 1 + live
             .iter()
             .map(|item| item.form.taps().len())
@@ -295,7 +298,8 @@ impl<'a> Search<'a> {
             Some(old) if old.form == form => old.clone(),
             _ => self.item(form),
         });
-        // The same state by another order of words is kept once.
+        // A state that another order of words has led to is kept once.
+        // The sum does not depend on the order of the values.
         let mut hash = u64::from(open);
         for item in &live {
             hash = hash.wrapping_add(item.hash.wrapping_mul(0x9E37_79B9_7F4A_7C15));
@@ -307,7 +311,7 @@ impl<'a> Search<'a> {
                     .wrapping_mul(0xC2B2_AE3D_27D4_EB4F),
             );
         }
-        if !self.known.insert(hash) {
+        if !self.visited.insert(hash) {
             return;
         }
         let before = State { live, news, open };
@@ -364,7 +368,7 @@ impl<'a> Search<'a> {
                     .count();
                 held.push((&item.form, next));
             }
-            // What nobody reads any more is forgotten, the oldest copies first.
+            // Values that nobody reads any more are dropped, the oldest copies first.
             let mut kept = Vec::new();
             let mut wanted: Vec<&LinearForm> = parent.state.live.iter().map(|i| &i.form).collect();
             for entry in held.into_iter().rev() {
@@ -387,13 +391,14 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Where the children of a state are collected.
+/// Collects the predecessors of a state.
 struct Out<'a> {
     parent: u32,
     children: &'a mut Vec<Child>,
 }
 
-/// Keeps the best, in an order that does not depend on anything else.
+/// Keeps the `width` best; ties are broken by content, so that the result does not depend on the
+/// order of work.
 fn trim(children: &mut Vec<Child>, width: usize) {
     let better = |a: &Child, b: &Child| a.score.total_cmp(&b.score);
     if children.len() > width && width > 0 {

@@ -48,7 +48,7 @@ impl Search<'_> {
             .iter()
             .map(|tap| signed_digits(tap.weight).saturating_sub(1))
             .sum();
-        // From the unit down by halves, up by doubles, all weights of a value together.
+        // All weights are made together: halvings from the unit down, doublings up.
         let one = i64::from(unit.trailing_zeros());
         let low = taps.iter().map(|tap| tap.weight.trailing_zeros()).min();
         let high = taps
@@ -64,7 +64,7 @@ impl Search<'_> {
             + self.heuristic.level * levels
     }
 
-    /// The estimate for a state: each value from the cheapest that is made before it.
+    /// The estimate for a state: each value is made from the cheapest of those made before it.
     pub(super) fn score(&self, state: &State) -> f32 {
         let mut items: Vec<(f32, &Rc<Item>)> = state
             .live
@@ -137,8 +137,8 @@ pub(super) fn weight(form: &LinearForm) -> i64 {
     form.taps().iter().map(|tap| tap.weight.abs()).sum()
 }
 
-/// About how far one has to walk from the pixel to visit all places: the length of the minimum
-/// spanning tree.
+/// A lower bound on the moves that visit all places, starting at the pixel: the length of the
+/// minimum spanning tree.
 pub(super) fn spread(taps: &[Tap]) -> f32 {
     let apart = |a: &Tap, b: &Tap| (a.y - b.y).abs() + (a.x - b.x).abs();
     if taps.len() > 40 {
@@ -161,7 +161,7 @@ pub(super) fn spread(taps: &[Tap]) -> f32 {
     f32::from(total)
 }
 
-/// Parts of a sum that may be worth a value of their own.
+/// Parts of a sum that may be worth a value of their own (common subexpressions).
 pub(super) fn parts(sum: &LinearForm) -> Vec<LinearForm> {
     let some = |keep: &dyn Fn(&Tap) -> bool| {
         LinearForm::new(sum.taps().iter().copied().filter(|tap| keep(tap)).collect())

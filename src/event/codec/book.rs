@@ -1,4 +1,4 @@
-//! Huffman's code for kinds: short words for what is frequent.
+//! Huffman codes for kinds of cells: short code words for frequent kinds.
 //!
 //! Lengths are Huffman's (1952), so no code of whole bits a kind is shorter in the mean; the
 //! mean lies from the entropy `H = -sum p log2 p` up to `H + 1`. Words are canonical: in order
@@ -12,17 +12,17 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use super::{BookFault, CodecError, wire::Reader};
 use crate::elementary;
 
-/// Stands for "no word" where a length would be.
+/// Stands for "no code word" in the list of lengths.
 const NONE: u8 = u8::MAX;
-/// The longest word. Counts of 64 bits give at most 91 bits.
+/// The longest code word, in bits. Counts of 64 bits lead to at most 91.
 const LONGEST: u8 = 127;
 
 /// A canonical Huffman code for kinds of cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CodeBook {
-    /// Of each kind; `None` for one that never comes.
+    /// Length of each kind's code word in bits; `None` for a kind that never comes.
     lengths: Vec<Option<u8>>,
-    /// Word of each kind, in the lowest bits.
+    /// Code word of each kind, in the lowest bits.
     words: Vec<u128>,
     /// Kinds in the order of their words.
     order: Vec<u8>,
@@ -34,7 +34,7 @@ impl CodeBook {
     ///
     /// Kinds beyond 255 are left out: a packet has no more.
     #[must_use]
-    pub fn of(counts: &[u64]) -> Self {
+    pub fn from_counts(counts: &[u64]) -> Self {
         let counts = counts.get(..255).unwrap_or(counts);
         let equal = vec![1; counts.len()];
         let counts = if counts.iter().all(|c| *c == 0) {
@@ -117,7 +117,7 @@ impl CodeBook {
         Ok(book)
     }
 
-    /// A book from the beginning of words.
+    /// Reads a book from the beginning of a coded packet.
     pub(super) fn read(input: &mut Reader<'_>, kinds: u8) -> Result<Self, CodecError> {
         let bad = |byte, fault| CodecError::Book { byte, fault };
         let mut bytes = Vec::new();
@@ -146,7 +146,7 @@ impl CodeBook {
             return Err(bad(end, BookFault::Checksum { found, want }));
         }
         let lengths = bytes.get(1..end).unwrap_or_default();
-        // Kraft's sum in units of the longest word.
+        // Kraft's sum, in units of 2^-127.
         let mut room = 1_u128 << LONGEST;
         for (byte, length) in (1..).zip(lengths).filter(|(_, length)| **length != NONE) {
             if *length > LONGEST {
@@ -164,12 +164,13 @@ impl CodeBook {
         Ok(Self::with_lengths(lengths))
     }
 
-    /// The kind whose word comes next, bit by bit. A book is complete, so one does.
+    /// Decodes one kind, bit by bit. A book is complete, so every sequence of bits begins with a
+    /// code word.
     pub(super) fn decode<E>(&self, mut bit: impl FnMut() -> Result<bool, E>) -> Result<u8, E> {
         let (mut word, mut length) = (0_u128, 0);
         let mut at = 0;
         loop {
-            // Among the words of this length, which are consecutive numbers.
+            // The code words of one length are consecutive numbers.
             let kind = self.order.get(at).copied();
             match kind.and_then(|kind| Some((kind, self.word(kind)?))) {
                 Some((kind, (long, code))) if long == length => {
@@ -189,9 +190,9 @@ impl CodeBook {
     }
 }
 
-/// Lengths of Huffman's words: the two rarest become one, again and again, and each time all
-/// kinds in them get a bit longer. Among equally rare ones the earlier go first, so that the
-/// same counts give the same book everywhere.
+/// Huffman's algorithm: the two rarest groups are merged again and again, which makes the code
+/// words of all kinds in them one bit longer. Ties go to the earlier group, so that equal counts
+/// give the same book everywhere.
 fn lengths(counts: &[u64]) -> Vec<Option<u8>> {
     let mut lengths: Vec<Option<u8>> = counts.iter().map(|c| (*c > 0).then_some(0)).collect();
     let mut heap: BinaryHeap<_> = counts
@@ -273,14 +274,14 @@ mod tests {
         fn no_code_is_shorter(counts in prop::collection::vec(1..60_u64, 1..6)) {
             // The longest word that a best code for this many kinds can need.
             let most = counts.len() as u32 - 1;
-            prop_assert_eq!(bits(&CodeBook::of(&counts), &counts), brute_force(&counts, most));
+            prop_assert_eq!(bits(&CodeBook::from_counts(&counts), &counts), brute_force(&counts, most));
         }
 
         #[test]
         fn words_fill_their_space_and_none_begins_another(
             counts in prop::collection::vec(prop_oneof![0..3_u64, 0..u64::MAX], 1..255)
         ) {
-            let book = CodeBook::of(&counts);
+            let book = CodeBook::from_counts(&counts);
             prop_assert_eq!(kraft(&book), 1 << 127);
             let words: Vec<_> = (0..counts.len() as u8).filter_map(|k| book.word(k)).collect();
             for (i, (length, word)) in words.iter().enumerate() {
@@ -300,14 +301,14 @@ mod tests {
             counts in prop::collection::vec(0..1_000_000_u64, 2..40)
         ) {
             prop_assume!(counts.iter().filter(|c| **c > 0).count() > 1);
-            let mean = CodeBook::of(&counts).mean_length(&counts).unwrap();
+            let mean = CodeBook::from_counts(&counts).mean_length(&counts).unwrap();
             let h = entropy(&counts);
             prop_assert!(h <= mean + 1e-9 && mean < h + 1.0, "{h} {mean}");
         }
 
         #[test]
         fn books_come_back(counts in prop::collection::vec(0..9_u64, 1..255)) {
-            let book = CodeBook::of(&counts);
+            let book = CodeBook::from_counts(&counts);
             let back = CodeBook::from_bytes(&book.to_bytes(), counts.len() as u8);
             prop_assert_eq!(back, Ok(book));
         }
@@ -320,7 +321,7 @@ mod tests {
             change in 1..=u8::MAX,
         ) {
             let kinds = counts.len() as u8;
-            let whole = CodeBook::of(&counts).to_bytes();
+            let whole = CodeBook::from_counts(&counts).to_bytes();
             let mut bytes = whole.clone();
             bytes[at.index(whole.len())] ^= change;
             prop_assert!(CodeBook::from_bytes(&bytes, kinds).is_err());
@@ -333,7 +334,7 @@ mod tests {
     #[test]
     fn powers_of_two_meet_the_entropy() {
         let counts = [8, 1, 4, 2, 1];
-        let book = CodeBook::of(&counts);
+        let book = CodeBook::from_counts(&counts);
         let words: Vec<_> = (0..5).map(|k| book.word(k).unwrap()).collect();
         assert_eq!(
             words,
@@ -348,13 +349,13 @@ mod tests {
     #[test]
     fn one_kind_needs_no_bits() {
         for counts in [&[7][..], &[0, 7, 0], &[0]] {
-            let book = CodeBook::of(counts);
+            let book = CodeBook::from_counts(counts);
             let kind = counts.iter().position(|c| *c > 0).unwrap_or(0) as u8;
             assert_eq!(book.word(kind), Some((0, 0)));
             let decoded = book.decode(|| -> Result<bool, ()> { Err(()) });
             assert_eq!(decoded, Ok(kind));
         }
-        assert_eq!(CodeBook::of(&[0, 0]).word(1), Some((1, 1)));
+        assert_eq!(CodeBook::from_counts(&[0, 0]).word(1), Some((1, 1)));
     }
 
     #[test]
@@ -365,7 +366,7 @@ mod tests {
             counts.push(b);
             (a, b) = (b, next);
         }
-        let book = CodeBook::of(&counts);
+        let book = CodeBook::from_counts(&counts);
         assert_eq!(kraft(&book), 1 << 127);
         assert_eq!(book.word(0).unwrap().0, 91);
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with coded events, and where.
+//! Errors of coded events: what is wrong, and where.
 
 use crate::plane::Size;
 

@@ -79,7 +79,7 @@ impl Coding {
     /// # Errors
     /// When an event lies off the packet's sensor, or the book has no word for its kind.
     pub fn encode(&self, packet: &Packet) -> Result<Coded, CodecError> {
-        let fields = AddressWord::of(packet.size, packet.channels);
+        let fields = AddressWord::new(packet.size, packet.channels);
         let mut arrivals: Vec<Arrival> = Vec::new();
         let mut out = Writer::default();
         if let Some(book) = &self.book {
@@ -133,7 +133,7 @@ impl Coding {
     /// # Errors
     /// As [`Coding::encode`].
     pub fn costs(&self, packet: &Packet) -> Result<Vec<u32>, CodecError> {
-        let fields = AddressWord::of(packet.size, packet.channels);
+        let fields = AddressWord::new(packet.size, packet.channels);
         let mut before: Option<&Event> = None;
         let cost = |(number, e)| {
             on_sensor(packet, number, e)?;
@@ -167,7 +167,7 @@ impl Coded {
     /// # Errors
     /// When the bits are not what was agreed; the message names the bit or byte.
     pub fn decode(&self) -> Result<Vec<Event>, CodecError> {
-        let fields = AddressWord::of(self.size, self.channels);
+        let fields = AddressWord::new(self.size, self.channels);
         let mut input = Reader::new(&self.bytes, self.bits)?;
         let book = if self.huffman {
             Some(CodeBook::read(&mut input, self.channels)?)
@@ -215,7 +215,7 @@ impl Coded {
     }
 }
 
-/// Whether a row goes before this event.
+/// Whether an event begins a new burst, so that its row is sent.
 fn opens_burst(before: Option<&Event>, e: &Event) -> bool {
     before.is_none_or(|before| (before.t, before.y) != (e.t, e.y))
 }

@@ -1,4 +1,4 @@
-//! What a link must carry: bits over time.
+//! The bit rate of a packet: what a link must carry.
 
 use crate::{
     event::{Event, Packet, readout::Frame},
@@ -34,7 +34,7 @@ impl Rate {
     /// most bits of all `from <= t < from + window`; a window of 0 counts as 1 us. Bit maps are
     /// sent at whole multiples of `window`.
     #[must_use]
-    pub fn of(packet: &Packet, costs: &[u32], window: Micros) -> Self {
+    pub fn from_packet(packet: &Packet, costs: &[u32], window: Micros) -> Self {
         let window = Micros(window.0.max(1));
         let bits: u64 = costs.iter().map(|c| u64::from(*c)).sum();
         let per_event = (!costs.is_empty()).then(|| bits as f64 / costs.len() as f64);
@@ -64,7 +64,7 @@ impl Rate {
     }
 }
 
-/// The most bits in a window, and when it begins.
+/// The most bits in a window, and the start of that window.
 fn busiest(events: &[Event], costs: &[u32], window: Micros) -> (u64, Option<Micros>) {
     let (mut most, mut from, mut inside) = (0, None, 0);
     let mut first = events.iter().zip(costs).peekable();
@@ -92,7 +92,7 @@ mod tests {
     fn mean_and_peak_of_a_burst() {
         let times = [0, 500, 501, 502, 503, 600, 1000];
         let packet = packet(8, 8, &times.map(|t| event(t, 0, 0)));
-        let rate = Rate::of(&packet, &[10; 7], Micros(100));
+        let rate = Rate::from_packet(&packet, &[10; 7], Micros(100));
         assert_eq!((rate.bits, rate.bits_per_event), (70, Some(10.0)));
         assert!((rate.mean.unwrap() - 70_000.0).abs() < 1e-6);
         // Four in 500 to 599; 600 is no longer inside.
@@ -101,12 +101,12 @@ mod tests {
         // 128 bits a map: 12.8 events of 10 bits.
         assert_eq!((rate.crossover, rate.above), (Some(12.8), 0));
         // At 40 bits an event, the four of 501 to 600 cost more than a map.
-        assert_eq!(Rate::of(&packet, &[40; 7], Micros(100)).above, 1);
+        assert_eq!(Rate::from_packet(&packet, &[40; 7], Micros(100)).above, 1);
     }
 
     #[test]
     fn nothing_costs_nothing() {
-        let rate = Rate::of(&packet(8, 8, &[]), &[], Micros(0));
+        let rate = Rate::from_packet(&packet(8, 8, &[]), &[], Micros(0));
         assert_eq!((rate.bits, rate.bits_per_event, rate.mean), (0, None, None));
         assert_eq!((rate.peak, rate.peak_from, rate.above), (0.0, None, 0));
     }
@@ -121,7 +121,7 @@ mod tests {
             of.sort_by_key(|(t, _)| *t);
             let events: Vec<_> = of.iter().map(|(t, _)| event(*t, 0, 0)).collect();
             let costs: Vec<_> = of.iter().map(|(_, c)| *c).collect();
-            let rate = Rate::of(&packet(1, 1, &events), &costs, Micros(window));
+            let rate = Rate::from_packet(&packet(1, 1, &events), &costs, Micros(window));
             let bits = |from: u64, to: u64| -> u64 {
                 let inside = of.iter().filter(|(t, _)| (from..to).contains(t));
                 inside.map(|(_, c)| u64::from(*c)).sum()

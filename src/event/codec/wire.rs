@@ -1,7 +1,6 @@
-//! Bits out and in, with the place of everything that goes wrong.
+//! Bit streams that know the place of every fault.
 //!
-//! The shifting is `bitstream-io`'s; here is only the count of bits, since its readers know
-//! bytes.
+//! `bitstream-io` does the shifting; this counts bits, since its readers only know bytes.
 
 use bitstream_io::{BigEndian, BitRead, BitReader, BitWrite, BitWriter, UnsignedInteger};
 
@@ -23,14 +22,14 @@ impl Default for Writer {
 }
 
 impl Writer {
-    /// The lowest `bits` of a value, which has no higher ones.
+    /// Writes the lowest `bits` of a value, which has no higher ones.
     pub fn write<U: UnsignedInteger>(&mut self, bits: u32, value: U) {
         let written = self.out.write_unsigned_var(bits, value);
         debug_assert!(written.is_ok(), "a value wider than its field");
         self.bits += u64::from(bits);
     }
 
-    /// All bytes, the last filled up with zeros, and the number of bits.
+    /// The bytes, the last one padded with zeros, and the number of bits.
     pub fn finish(mut self) -> (Vec<u8>, u64) {
         // A vector takes every byte.
         let _ = self.out.byte_align();
@@ -69,7 +68,7 @@ impl<'a> Reader<'a> {
         self.at
     }
 
-    /// A field that holds less than `limit`.
+    /// Reads a field whose value must be below `limit`.
     pub fn read(
         &mut self,
         field: &'static str,
@@ -117,7 +116,7 @@ impl<'a> Reader<'a> {
         Ok(value)
     }
 
-    /// Nothing may be left but zeros that fill the last byte.
+    /// Checks that nothing is left but the zeros that pad the last byte.
     pub fn finish(self) -> Result<(), CodecError> {
         if self.at < self.bits {
             return Err(CodecError::Left {

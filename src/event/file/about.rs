@@ -1,4 +1,4 @@
-//! What a file says about its packet beside the events: one comment.
+//! The remark that a file of this program has about its packet: one comment beside the events.
 //!
 //! `amacrine size=346x260 channels=2 span=0..2000000 dropped=0,0 events=40000 times=12..1999950`
 //! (time in microseconds; dropped for want of a slot, then over the limit, then, where any
@@ -21,7 +21,7 @@ use crate::{
 /// The word that the comment starts with.
 const NAME: &str = "amacrine";
 
-/// Sides of a sensor that 16-bit addresses reach.
+/// The largest side of a sensor that 16-bit addresses reach.
 const LARGEST_SIDE: usize = 1 << 16;
 
 /// What the comment says.
@@ -31,28 +31,28 @@ pub struct About {
     pub size: Option<Size>,
     /// Kinds of cells.
     pub channels: Option<u8>,
-    /// The time watched.
+    /// Time span that was watched.
     pub span: Option<(Micros, Micros)>,
-    /// What is missing.
+    /// Events that the sensor made and could not deliver.
     pub dropped: Option<Dropped>,
     /// How many events the file has.
     pub events: Option<u64>,
-    /// When its first and its last event are.
+    /// Times of its first and its last event.
     pub times: Option<(Micros, Micros)>,
 }
 
-/// Columns of the longest [`About::tail`].
+/// The length of the longest [`About::tail`], in columns.
 const TAIL: usize =
     " events=18446744073709551615 times=18446744073709551615..18446744073709551615".len();
 
-/// The place of a tail that is not known yet, in a remark that stands before the events.
+/// Blanks for a tail that is not known yet, in a remark that is written before the events.
 pub(super) const BLANK: &str = match str::from_utf8(&[b' '; TAIL]) {
     Ok(blank) => blank,
     Err(_) => "",
 };
 
 impl About {
-    /// A file that does not say anything.
+    /// The remark of a file that says nothing.
     pub const NOTHING: Self = Self {
         size: None,
         channels: None,
@@ -64,7 +64,7 @@ impl About {
 
     /// All of a packet but its events.
     #[must_use]
-    pub const fn of(packet: &Packet) -> Self {
+    pub const fn from_packet(packet: &Packet) -> Self {
         Self {
             size: Some(packet.size),
             channels: Some(packet.channels),
@@ -74,7 +74,8 @@ impl About {
         }
     }
 
-    /// What is told of the events when all are written: ` events=40000 times=12..1999950`.
+    /// The tail of the remark, known when all events are written:
+    /// ` events=40000 times=12..1999950`.
     pub(super) fn tail(&self) -> String {
         let mut tail = String::new();
         if let Some(events) = self.events {
@@ -86,26 +87,26 @@ impl About {
         tail
     }
 
-    /// What the comment says and the events are not.
+    /// The first statement of the remark that the events contradict.
     pub(super) fn disagreement(
         &self,
         events: u64,
         times: Option<(Micros, Micros)>,
     ) -> Option<Fault> {
-        let differ = |said, found| Some(Fault::Remark { said, found });
-        if let Some(said) = self.events.filter(|said| *said != events) {
-            return differ(counted(said), counted(events));
+        let differ = |stated, found| Some(Fault::Remark { stated, found });
+        if let Some(stated) = self.events.filter(|stated| *stated != events) {
+            return differ(counted(stated), counted(events));
         }
         match (self.times, times) {
-            (Some(said), found) if Some(said) != found => {
+            (Some(stated), found) if Some(stated) != found => {
                 let found = found.map_or_else(|| counted(0), ends);
-                differ(ends(said), found)
+                differ(ends(stated), found)
             }
             _ => None,
         }
     }
 
-    /// What a comment (without its `#`) says; `None` when it is somebody else's comment.
+    /// Parses a comment (without its `#`); `None` when it is not a remark of this program.
     pub(super) fn parse(comment: &str) -> Result<Option<Self>, Fault> {
         let mut words = comment.split_ascii_whitespace();
         if words.next() != Some(NAME) {
@@ -148,7 +149,7 @@ impl About {
     }
 }
 
-/// So many events, in words.
+/// A number of events in words.
 fn counted(events: u64) -> String {
     match events {
         0 => "no event".into(),
@@ -157,7 +158,7 @@ fn counted(events: u64) -> String {
     }
 }
 
-/// When the first and the last event are, in words.
+/// The times of the first and the last event in words.
 fn ends((first, last): (Micros, Micros)) -> String {
     format!(
         "a first event at {} us and a last at {} us",
@@ -181,13 +182,13 @@ fn dropped(text: &str) -> Option<Dropped> {
     })
 }
 
-/// Two numbers with something between.
+/// Two numbers with `between` in between.
 fn two<T: FromStr>(text: &str, between: &str) -> Option<(T, T)> {
     let (a, b) = text.split_once(between)?;
     Some((a.parse().ok()?, b.parse().ok()?))
 }
 
-/// Holds a sensor to the addresses that events have.
+/// Checks that 16-bit addresses reach all pixels of a sensor.
 pub(super) fn within_reach(size: Size) -> Result<(), Fault> {
     if size.height > LARGEST_SIDE || size.width > LARGEST_SIDE {
         return Err(Fault::SizeLimit { size });

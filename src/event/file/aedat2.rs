@@ -24,10 +24,10 @@ use super::{
 };
 use crate::{event::Event, unit::Micros};
 
-/// What a file begins with.
+/// The first bytes of a file.
 const MAGIC: &[u8] = b"#!AER-DAT2.0";
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "aedat2",
     extension: "aedat",
@@ -50,20 +50,20 @@ pub(super) const ENTRY: Entry = Entry {
     ..Entry::PLAIN
 };
 
-/// Frames and motion.
+/// The bit that marks frames and motion samples.
 const OTHER: u32 = 1 << 31;
 
-/// From outside of the sensor.
+/// The bit that marks external events, which no pixel made.
 const SPECIAL: u32 = 1 << 10;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Aedat2 {
-    /// Something has been read.
+    /// Whether a record was read already.
     begun: bool,
     skipped: u64,
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Aedat2>, Stop> {
     super::aedat3::magic(&mut chunks, MAGIC, Format::Aedat2)?;
     let header = Header::read(&mut chunks, Format::Aedat2, b'#', "")?;
@@ -79,7 +79,7 @@ impl Words for Aedat2 {
         for word in words {
             let word = u64::from_be_bytes(*word);
             let (address, t) = ((word >> 32) as u32, word as u32);
-            // The empty sample at the start is ours, and says nothing.
+            // The empty frame sample at the start, which `sink` may have written.
             let leader = address == OTHER && !self.begun;
             self.begun = true;
             if address & (OTHER | SPECIAL) != 0 {
@@ -102,7 +102,7 @@ impl Words for Aedat2 {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> Writing {
     Writing {
         header: format!(

@@ -21,10 +21,10 @@ use super::{
 };
 use crate::{event::Event, plane::Size, unit::Micros};
 
-/// What a file begins with.
+/// The first bytes of a file.
 const MAGIC: &[u8] = b"#!AER-DAT3.1";
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "aedat3",
     extension: "aedat",
@@ -46,16 +46,16 @@ pub(super) const ENTRY: Entry = Entry {
     ..Entry::PLAIN
 };
 
-/// Packets of pixels' events.
+/// The type number of packets with polarity events.
 const POLARITY: u16 = 1;
 
 /// Bytes of an event.
 const EVENT: usize = 8;
 
-/// Bits of the time in an event.
+/// Bits of the time within an event; the packet's header has the upper bits.
 const LOW: u32 = 31;
 
-/// Holds a file to its first line.
+/// Checks the first line of a file.
 pub fn magic(chunks: &mut Chunks, line: &[u8], format: Format) -> Result<(), Stop> {
     if chunks.ahead(line.len())?.starts_with(line) {
         return Ok(());
@@ -67,15 +67,15 @@ pub fn magic(chunks: &mut Chunks, line: &[u8], format: Format) -> Result<(), Sto
 /// The packet being read.
 #[derive(Clone, Copy, Debug, Default)]
 struct Packet {
-    /// Events of pixels, and not something else.
+    /// Whether it holds polarity events.
     events: bool,
-    /// Turns of the time.
+    /// Overflows of the 31-bit time.
     turns: u64,
     /// Bytes of a record.
     record: usize,
     /// Records left.
     left: u32,
-    /// Where it starts, how many of its records should be valid, and how many were.
+    /// Its place in the file, how many of its records should be valid, and how many were.
     at: u64,
     valid: (u32, u32),
 }
@@ -84,12 +84,12 @@ pub(super) struct Reading {
     chunks: Chunks,
     about: About,
     packet: Packet,
-    /// Where each event of the last block is.
+    /// Places in the file of the events of the last block.
     places: Vec<u64>,
     skipped: u64,
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
     magic(&mut chunks, MAGIC, Format::Aedat3)?;
     let header = Header::read(&mut chunks, Format::Aedat3, b'#', "!END-HEADER")?;
@@ -177,7 +177,7 @@ impl Source for Reading {
             }
             let Packet { record, turns, .. } = self.packet;
             if !self.packet.events {
-                // A frame may be large: in parts.
+                // A frame may be large, so it is skipped in parts.
                 let mut rest = record;
                 while rest > 0 {
                     let here = self.chunks.ahead(1)?.len().min(rest);
@@ -232,7 +232,7 @@ impl Source for Reading {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> Writing {
     let Size { height, width } = head.size;
     Writing {
@@ -258,7 +258,7 @@ impl Sink for Writing {
 
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
         self.bytes.clear();
-        // A packet has one number of turns.
+        // All events of a packet must share the overflow count of its header.
         for part in events.chunk_by(|a, b| a.t.0 >> LOW == b.t.0 >> LOW) {
             let number = part.len() as u32;
             let turns = part.first().map_or(0, |e| (e.t.0 >> LOW) as u32);

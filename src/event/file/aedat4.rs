@@ -29,7 +29,7 @@ use super::{
 };
 use crate::{event::Event, plane::Size};
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "aedat4",
     extension: "aedat4",
@@ -55,24 +55,24 @@ const MAGIC: &[u8] = b"#!AER-DAT4.0\r\n";
 /// Bytes of an event.
 const EVENT: usize = 16;
 
-/// No packet or header is longer, compressed or not.
+/// The longest packet or header, in bytes, compressed or not.
 const LONGEST: usize = 1 << 26;
 
 pub(super) struct Reading {
     chunks: Chunks,
     about: About,
     compression: i32,
-    /// Where the header says that the table of packets is; -1 where there is none.
+    /// Place of the table of packets as the header states it; -1 where there is none.
     table: i64,
     /// The streams that the header describes.
     streams: Vec<Described>,
     /// The stream of the events.
     stream: Option<i32>,
-    /// The packets so far.
+    /// The packets read so far, for comparison with the table.
     found: Vec<Row>,
-    /// What does not agree with the packets, which are read all the same.
+    /// The first disagreement with the table, reported after all packets were read.
     damage: Option<Stop>,
-    /// The recording ends without a table, as its header says.
+    /// Whether the recording was not closed, so that it has no table.
     unclosed: bool,
     /// The packet being read, where it is, and how much of it has been read.
     packet: Vec<u8>,
@@ -88,7 +88,7 @@ fn wrong(at: u64, why: impl Into<String>) -> Stop {
     Stop::layout(Format::Aedat4, at, why)
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
     magic(&mut chunks, MAGIC, Format::Aedat4)?;
     chunks.eat(MAGIC.len());
@@ -186,10 +186,10 @@ fn describe(xml: &str, compression: i32) -> Result<(About, Vec<Described>), Faul
         && let Some(ours) = About::parse(&comment)?
     {
         let twice = |one, other| Err(Fault::twice(Format::Aedat4, one, other));
-        if let (Some(said), Some(other)) = (ours.size, about.size)
-            && said != other
+        if let (Some(stated), Some(other)) = (ours.size, about.size)
+            && stated != other
         {
-            let one = format!("its remark says that the sensor is {said}");
+            let one = format!("its remark says that the sensor is {stated}");
             return twice(one, format!("`sizeX` and `sizeY` say {other}"));
         }
         let named = value(*stream, "compression");
@@ -207,7 +207,7 @@ fn describe(xml: &str, compression: i32) -> Result<(About, Vec<Described>), Faul
 }
 
 impl Reading {
-    /// The next packet with events; false at the end. What did not agree before comes first.
+    /// Moves to the next packet with events; false at the end of the file.
     fn next_packet(&mut self) -> Result<bool, Stop> {
         let next = self.next();
         match (next, self.damage.is_some()) {
@@ -245,7 +245,7 @@ impl Reading {
         }
     }
 
-    /// Reads a packet; whether it has events.
+    /// Reads a packet; returns whether it holds events.
     fn packet(&mut self, at: u64) -> Result<bool, Stop> {
         let header: [u8; 8] = self.chunks.take("the header of a packet")?;
         let [s0, s1, s2, s3, b0, b1, b2, b3] = header;
@@ -294,7 +294,7 @@ impl Reading {
         Ok(!self.packet.is_empty())
     }
 
-    /// Holds a packet to what the header says of its stream.
+    /// Checks a packet against the description of its stream in the header.
     fn hold_to_description(&self, at: u64, stream: i32, kind: [u8; 4]) -> Result<(), Stop> {
         let kind = String::from_utf8_lossy(&kind);
         let mut streams = self.streams.iter();
@@ -319,15 +319,15 @@ impl Reading {
         Err(Stop::twice(Format::Aedat4, at, one, other))
     }
 
-    /// At the table of packets, which is the end.
+    /// Checks the table of packets against those that were read, at the end of the file.
     fn hold_to_table(&mut self, at: u64) -> Result<(), Stop> {
-        let said = match u64::try_from(self.table) {
+        let stated = match u64::try_from(self.table) {
             Ok(table) if table == at => None,
             Ok(table) => Some(format!("is at byte {table}")),
             Err(_) => Some("is not there (-1)".into()),
         };
-        if let (Some(said), None) = (said, &self.damage) {
-            let one = format!("its header says that the table of packets {said}");
+        if let (Some(stated), None) = (stated, &self.damage) {
+            let one = format!("its header says that the table of packets {stated}");
             let other = format!("it is at byte {at}");
             return Err(Stop::twice(Format::Aedat4, at, one, other));
         }
@@ -351,7 +351,7 @@ impl Reading {
         packets::agree(&self.found, &rows).map_err(|fault| Stop::Fault(Place::Byte(at), fault))
     }
 
-    /// At the end of a file without a table.
+    /// Checks the end of a file without a table.
     fn without_table(&mut self, at: u64) -> Result<(), Stop> {
         if self.table == -1 {
             self.unclosed = true;
@@ -366,7 +366,7 @@ impl Reading {
     }
 }
 
-/// A packet as it was before it was compressed.
+/// Decompresses a packet.
 fn inflate(compression: i32, block: Vec<u8>) -> Result<Vec<u8>, String> {
     let mut packet = Vec::new();
     let read = match compression {
@@ -442,7 +442,7 @@ impl Source for Reading {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head, compression: Compression) -> Writing {
     Writing {
         head: *head,
@@ -461,15 +461,15 @@ pub(super) struct Writing {
     head: Head,
     compression: Compression,
     table: Vec<Row>,
-    /// All that stands before the packets.
+    /// The header, which is written again at the end.
     header: Vec<u8>,
-    /// Bytes so far.
+    /// Bytes written so far.
     at: u64,
-    /// Where the header says where the table is.
+    /// Place in the header of the place of the table.
     position: u64,
     /// Events that do not fill a packet yet.
     rest: Vec<Event>,
-    /// The last packet: memory for the next one, which the system would clear each time.
+    /// The memory of the last packet, reused because the system would clear new memory each time.
     block: Vec<u8>,
 }
 
@@ -478,7 +478,7 @@ impl Writing {
         match self.compression {
             Compression::None => Ok(bytes),
             Compression::Lz4 => {
-                // With a check sum: damage is seen.
+                // With a content checksum, so that damage is noticed.
                 let info = FrameInfo::new().content_checksum(true);
                 let mut block = std::mem::take(&mut self.block);
                 block.clear();

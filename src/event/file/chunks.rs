@@ -1,4 +1,4 @@
-//! The bytes of a file, a chunk at a time, with the place in the file.
+//! A buffered reader that knows its place in the file, for error messages.
 
 use std::io::{self, ErrorKind, Read};
 
@@ -10,7 +10,7 @@ const CHUNK: usize = 1 << 16;
 /// Longer than any line of a header.
 const LONGEST_LINE: usize = 1 << 12;
 
-/// A stream of bytes that can be looked at before they are eaten.
+/// A stream of bytes with look-ahead.
 pub struct Chunks {
     input: Box<dyn Read + Send>,
     buffer: Vec<u8>,
@@ -31,17 +31,17 @@ impl Chunks {
         }
     }
 
-    /// Where in the file the next byte is.
+    /// Offset in the file of the next byte.
     pub const fn at(&self) -> u64 {
         self.at
     }
 
-    /// The bytes in hand.
+    /// The bytes in the buffer.
     pub fn here(&self) -> &[u8] {
         &self.buffer[self.start..self.end]
     }
 
-    /// The next bytes, at least `want` of them unless the file ends before.
+    /// At least the next `want` bytes, unless the file ends before.
     pub fn ahead(&mut self, want: usize) -> io::Result<&[u8]> {
         if self.end - self.start < want {
             self.buffer.copy_within(self.start..self.end, 0);
@@ -62,13 +62,13 @@ impl Chunks {
         Ok(self.here())
     }
 
-    /// Leaves `bytes` of those in hand behind.
+    /// Consumes bytes of the buffer.
     pub fn eat(&mut self, bytes: usize) {
         self.start = self.end.min(self.start + bytes);
         self.at += bytes as u64;
     }
 
-    /// Fills `part`, or says in the middle of what the file ends.
+    /// Fills `part`; where the file ends before, the error says inside of what.
     pub fn fill(&mut self, part: &mut [u8], inside: impl Fn() -> String) -> Result<(), Stop> {
         let here = self.ahead(part.len())?;
         let Some(bytes) = here.get(..part.len()) else {
@@ -79,14 +79,15 @@ impl Chunks {
         Ok(())
     }
 
-    /// `N` bytes, or in the middle of what the file ends.
+    /// The next `N` bytes; where the file ends before, the error says inside of what.
     pub fn take<const N: usize>(&mut self, inside: &str) -> Result<[u8; N], Stop> {
         let mut bytes = [0; N];
         self.fill(&mut bytes, || inside.into())?;
         Ok(bytes)
     }
 
-    /// `length` bytes in memory that grows only with what is there.
+    /// The next `length` bytes, in memory that grows only as bytes arrive, whatever length the file
+    /// claims.
     pub fn block(&mut self, length: usize, inside: &str) -> Result<Vec<u8>, Stop> {
         let mut block = Vec::new();
         while block.len() < length {
@@ -124,12 +125,12 @@ impl Chunks {
         Ok(Some(line))
     }
 
-    /// What is wrong at the next byte.
+    /// An error at the next byte.
     pub const fn stop(&self, fault: Fault) -> Stop {
         Stop::Fault(Place::Byte(self.at), fault)
     }
 
-    /// The file ends before it should.
+    /// The error for a file that ends too early.
     pub fn truncated(&self, inside: String) -> Stop {
         let end = self.at + self.here().len() as u64;
         Stop::Fault(Place::Byte(end), Fault::Truncated { inside })

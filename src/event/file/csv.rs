@@ -21,7 +21,7 @@ use super::{
 };
 use crate::event::Event;
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "csv",
     extension: "csv",
@@ -38,7 +38,7 @@ pub(super) const ENTRY: Entry = Entry {
     ..Entry::PLAIN
 };
 
-/// Writes the events, with a column of channels or without.
+/// A writer of events, with a column of channels or without.
 pub(super) const fn sink(channels: bool) -> Writing {
     Writing {
         channels,
@@ -108,7 +108,7 @@ impl Column {
     }
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(chunks: Chunks) -> Text<Csv> {
     Text::new(chunks, Csv::default())
 }

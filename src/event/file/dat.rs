@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{event::Event, unit::Micros};
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "dat",
     extension: "dat",
@@ -46,11 +46,11 @@ pub(super) const ENTRY: Entry = Entry {
 
 #[derive(Clone, Debug)]
 pub(super) struct Dat {
-    /// Bits of column and row.
+    /// Bits of the column and of the row in an address.
     address: (u32, u32),
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Dat>, Stop> {
     let mut header = Header::read(&mut chunks, Format::Dat, b'%', "end")?;
     let wrong = |why| Fault::Layout {
@@ -111,7 +111,7 @@ impl Words for Dat {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> Writing {
     Writing {
         header: format!(

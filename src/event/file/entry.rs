@@ -1,4 +1,4 @@
-//! What is said of each format, and who reads and writes it.
+//! The entry of a format in the list of formats: what is said of it, and its reader and writer.
 
 use std::{fmt, io, path::Path};
 
@@ -11,7 +11,7 @@ use super::{
     source::{Sink, Source},
 };
 
-/// What there is to say of a format, and who reads and writes it: one in each format's file.
+/// The entry of a format; each format's file has one.
 pub(super) struct Entry {
     /// What `--format` calls it; also an extension that its files may have.
     pub name: &'static str,
@@ -27,20 +27,20 @@ pub(super) struct Entry {
     pub module: &'static str,
     /// The expression of Python that opens the file at `path`.
     pub python: &'static str,
-    /// What a file of several possible formats is known by.
+    /// How the start of a file shows that it is of this format.
     pub sign: Sign,
     /// Readers and writers, unless this build has none.
     pub streams: Option<Streams>,
-    /// A writer goes back to the start, where the file says how many events it has.
+    /// Whether the writer goes back to the start at the end, to fill in how many events there are.
     pub rewinds: bool,
-    /// The sensor's size is written as a number of few bits.
+    /// Whether the sensor's size is written in few bits, which limits it.
     pub few_bits_of_size: bool,
-    /// Silence is counted from the first event on, not from time 0.
+    /// Whether silences are counted from the first event on, not from time 0.
     pub clock_from_first: bool,
 }
 
 impl Entry {
-    /// What most formats have in common.
+    /// The values that most formats share.
     pub const PLAIN: Self = Self {
         name: "",
         extension: "",
@@ -57,7 +57,7 @@ impl Entry {
     };
 }
 
-/// What the start of a file says of its format.
+/// How a format is recognised by the start of a file.
 #[derive(Clone, Copy)]
 pub(super) enum Sign {
     /// Nothing.
@@ -90,14 +90,14 @@ pub struct Limits {
     pub y: u16,
     /// Latest time, in microseconds.
     pub t: u64,
-    /// Longest time without an event, in microseconds, from 0 on.
+    /// Longest time without an event, in microseconds, time 0 to the first event included.
     pub silence: u64,
     /// Whether it tells kinds of cells apart.
     pub channels: bool,
 }
 
 impl Limits {
-    /// Those of events themselves.
+    /// The limits of [`Event`](crate::event::Event) itself.
     pub(super) const WIDE: Self = Self {
         x: u16::MAX,
         y: u16::MAX,
@@ -107,7 +107,7 @@ impl Limits {
     };
 }
 
-/// Gives each format of the list the entry of its file.
+/// Gives each format of the list its entry.
 macro_rules! entries {
     ($(#[doc = $about:literal] $format:ident => $file:ident,)+) => {
         impl Format {

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{event::Event, plane::Size, unit::Micros};
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "es",
     extension: "es",
@@ -47,13 +47,13 @@ pub(super) const ENTRY: Entry = Entry {
 
 const MAGIC: &[u8; 12] = b"Event Stream";
 
-/// This much time passes, and nothing else.
+/// The byte that only lets time pass.
 const WAIT: u8 = 0xFF;
 
-/// Microseconds of a wait.
+/// The time that it lets pass, in microseconds.
 const PAUSE: u64 = 127;
 
-/// Nothing.
+/// The padding byte.
 const PADDING: u8 = 0xFE;
 
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ pub(super) struct Es {
     t: u64,
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Es>, Stop> {
     let wrong = |at, why| {
         let format = Format::Es;
@@ -121,7 +121,7 @@ impl Words for Es {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> Writing {
     Writing {
         size: head.size,
@@ -155,7 +155,7 @@ impl Sink for Writing {
             while pause >= PAUSE {
                 self.bytes.push(WAIT);
                 pause -= PAUSE;
-                // A long silence does not pile up.
+                // A long silence is written out at once, not buffered.
                 if self.bytes.len() > 1 << 16 {
                     out.write_all(&self.bytes)?;
                     self.bytes.clear();

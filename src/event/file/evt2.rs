@@ -24,8 +24,8 @@ use crate::{
     unit::Micros,
 };
 
-/// Eleven bits for an address; every turn of the clock that passes is written out, so the time
-/// is held to a few megabytes of turns.
+/// Addresses have eleven bits. Every overflow of the time is written out, so times are limited such
+/// that this takes a few megabytes.
 pub(super) const LIMITS: Limits = Limits {
     x: (1 << 11) - 1,
     y: (1 << 11) - 1,
@@ -34,7 +34,7 @@ pub(super) const LIMITS: Limits = Limits {
     ..Limits::WIDE
 };
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "evt2",
     extension: "raw",
@@ -57,7 +57,7 @@ pub const LOW: u32 = 6;
 /// Bits of the time in a word of its own.
 const HIGH: u32 = 28;
 
-/// The time that counts its own turns.
+/// The time, whose overflows the reader counts itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Clock {
     high: Option<u64>,
@@ -65,7 +65,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A new upper part: a step back by more than half the range is a turn.
+    /// Takes a new upper part: a step back by more than half the range is an overflow.
     pub fn set(&mut self, high: u32) {
         let high = u64::from(high);
         let turned = |last: &u64| last.wrapping_sub(high) > 1 << (HIGH - 1) && high < *last;
@@ -79,8 +79,8 @@ impl Clock {
         Some(Micros(high << LOW | u64::from(low)))
     }
 
-    /// The upper parts to write between that of the last event (0 at first) and `to`, both
-    /// with their turns.
+    /// The upper parts to write between that of the last event (0 at first) and `to`, both with
+    /// their overflows counted.
     pub fn steps(last: Option<u64>, to: u64) -> impl Iterator<Item = u32> {
         let from = last.unwrap_or(0);
         let most = (1 << HIGH) - 1;
@@ -89,7 +89,7 @@ impl Clock {
         let turns = (from >> HIGH)..(to >> HIGH);
         let turns = turns.flat_map(move |_| [most, 0]);
         let end = (to != from).then_some(to as u32 & most);
-        // Nothing twice: some readers take that for a turn.
+        // None twice in a row, which some readers take for an overflow.
         let mut before = last.map(|last| last as u32 & most);
         start
             .into_iter()
@@ -104,7 +104,7 @@ pub const fn polarity(on: bool) -> Polarity {
     if on { Polarity::On } else { Polarity::Off }
 }
 
-/// The header of a file of words, and the byte order that this reads.
+/// Reads the header of a file of words, and checks the byte order.
 pub fn opened(chunks: &mut Chunks, format: Format) -> Result<Header, Stop> {
     let mut header = Header::read(chunks, format, b'%', "end")?;
     header.names(format).map_err(|fault| chunks.stop(fault))?;
@@ -125,7 +125,7 @@ pub(super) struct Evt2 {
     skipped: u64,
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt2>, Stop> {
     let header = opened(&mut chunks, Format::Evt2)?;
     Ok(Stream::new(chunks, Evt2::default(), header.about))
@@ -167,7 +167,7 @@ impl Words for Evt2 {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> Writing {
     Writing {
         header: prophesee(Format::Evt2, head),

@@ -22,7 +22,7 @@ use super::{
 };
 use crate::event::Event;
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "evt2.1",
     extension: "raw",
@@ -43,12 +43,12 @@ pub(super) const ENTRY: Entry = Entry {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Evt21 {
     clock: Clock,
-    /// Upper half first.
+    /// Whether the upper half of a word comes first (`endianness=legacy`).
     legacy: bool,
     skipped: u64,
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt21>, Stop> {
     let header = opened(&mut chunks, Format::Evt21)?;
     let words = Evt21 {
@@ -109,7 +109,7 @@ impl Words for Evt21 {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> Writing {
     Writing {
         header: prophesee(Format::Evt21, head),
@@ -125,8 +125,8 @@ pub(super) struct Writing {
     bytes: Vec<u8>,
 }
 
-/// The pixels that go with the first event in one word of `width` pixels from `from` on, and
-/// how many events they are: those that follow in order of x, so that order is kept.
+/// Groups events into one word: the bit mask of pixels from column `from` on, `width` of them, and
+/// the number of events in it. Only events in order of x are grouped, so that their order is kept.
 pub fn together(events: &[Event], from: u16, width: u32) -> (u32, usize) {
     let (mut pixels, mut count) = (0_u32, 0);
     let Some(first) = events.first() else {

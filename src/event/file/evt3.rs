@@ -27,7 +27,7 @@ use crate::{
     unit::Micros,
 };
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "evt3",
     extension: "raw",
@@ -44,18 +44,18 @@ pub(super) const ENTRY: Entry = Entry {
     ..Entry::PLAIN
 };
 
-/// Bits of either part of the time.
+/// Bits of each of the two parts of the time.
 const PART: u32 = 12;
 
-/// Values of a part.
+/// Number of values of a part.
 const PARTS: u64 = 1 << PART;
 
-/// Half a turn: no step of the upper part is written that is longer.
+/// Half of the range: no longer step of the upper part is written.
 const HALF: u64 = PARTS / 2;
 
 #[derive(Clone, Debug)]
 pub(super) struct Evt3 {
-    /// Upper part of the time with its turns.
+    /// Upper part of the time, overflows included.
     high: Option<u64>,
     low: u16,
     y: Option<u16>,
@@ -65,7 +65,7 @@ pub(super) struct Evt3 {
     skipped: u64,
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt3>, Stop> {
     let header = opened(&mut chunks, Format::Evt3)?;
     let words = Evt3 {
@@ -80,13 +80,13 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt3>, Stop> {
 }
 
 impl Evt3 {
-    /// Time and row, once both have been told.
+    /// Time and row, once words have given both.
     fn here(&self) -> Option<(Micros, u16)> {
         let high = self.high?;
         Some((Micros(high << PART | u64::from(self.low)), self.y?))
     }
 
-    /// `width` pixels from the base on.
+    /// Adds the events of a vector word: `width` pixels from the base on.
     fn vector(
         &mut self,
         mut pixels: u16,
@@ -116,7 +116,7 @@ impl Evt3 {
         Ok(())
     }
 
-    /// A new upper part of the time: a step back by more than half the range is a turn.
+    /// Takes a new upper part of the time: a step back by more than half the range is an overflow.
     fn set_high(&mut self, part: u16) {
         let part = u64::from(part);
         let high = self.high.map_or(part, |last| {
@@ -178,7 +178,7 @@ impl Words for Evt3 {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> Writing {
     Writing {
         header: prophesee(Format::Evt3, head),
@@ -215,7 +215,7 @@ impl Writing {
             while at != high {
                 let (turn, part) = (at >> PART, at % PARTS);
                 at = if turn < high >> PART {
-                    // A turn is seen only from the very end to the very start.
+                    // An overflow is recognised only by a step from the very end to the very start.
                     match part {
                         last if last == PARTS - 1 => at + 1,
                         near if near >= HALF - 1 => turn << PART | (PARTS - 1),

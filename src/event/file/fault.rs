@@ -1,4 +1,4 @@
-//! What can be wrong with an event file, and where.
+//! Errors of event files: what is wrong, and where.
 
 use std::{fmt, io, path::PathBuf};
 
@@ -84,7 +84,7 @@ pub enum FileError {
     Save(#[from] SaveError),
 }
 
-/// ".csv .txt …".
+/// The list of known extensions, for messages.
 fn known() -> String {
     let dotted: Vec<_> = { Format::ALL.iter() }
         .map(|format| format!(".{}", format.name()))
@@ -258,10 +258,10 @@ pub enum Fault {
         why: String,
     },
     /// The comment says one thing of the file, and the file is another.
-    #[error("the comment `# amacrine …` says {said}, and the file has {found}")]
+    #[error("the comment `# amacrine …` says {stated}, and the file has {found}")]
     Remark {
         /// What the comment says.
-        said: String,
+        stated: String,
         /// What there is.
         found: String,
     },
@@ -375,7 +375,7 @@ impl Fault {
     }
 }
 
-/// Why a reader stops; the name of the file is added where it is known.
+/// Why a reader stops; the name of the file is added by the caller.
 #[derive(Debug)]
 pub enum Stop {
     /// The system failed.

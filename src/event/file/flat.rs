@@ -1,7 +1,7 @@
-//! As much of `FlatBuffers` as AEDAT4 needs: tables read with every bound checked, and the few
+//! The part of `FlatBuffers` that AEDAT4 needs: tables read with every bound checked, and the few
 //! tables that are written, laid out by hand.
 //!
-//! The readers that the `FlatBuffers` compiler makes ask for `unsafe`. Layout:
+//! The code that the `FlatBuffers` compiler generates needs `unsafe`. Layout:
 //! <https://flatbuffers.dev/internals/>.
 
 /// A table in a buffer.
@@ -20,24 +20,24 @@ fn u32_at(bytes: &[u8], place: usize) -> Option<usize> {
     at(bytes, place).map(|b| u32::from_le_bytes(b) as usize)
 }
 
-/// The four letters that say what a buffer (without its size) is.
+/// The file identifier, four letters, of a buffer (without its size prefix).
 pub fn identifier(bytes: &[u8]) -> Option<[u8; 4]> {
     at(bytes, 4)
 }
 
 impl<'a> Table<'a> {
-    /// The root of a buffer (without its size).
+    /// The root table of a buffer (without its size prefix).
     pub fn root(bytes: &'a [u8]) -> Option<Self> {
         let at = u32_at(bytes, 0)?;
         Some(Self { bytes, at })
     }
 
-    /// The table at a place of a buffer (without its size).
+    /// The table at byte `at` of a buffer (without its size prefix).
     pub const fn at(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at }
     }
 
-    /// A field of two 32-bit numbers.
+    /// A field that is a struct of two 32-bit numbers.
     pub fn pair(&self, number: usize) -> Option<(i32, i32)> {
         let field = self.field(number)?;
         let first = at(self.bytes, field).map(i32::from_le_bytes)?;
@@ -45,7 +45,7 @@ impl<'a> Table<'a> {
         Some((first, second))
     }
 
-    /// Where a field is; `None` when it is left out.
+    /// Place of a field; `None` when it is left out.
     fn field(&self, number: usize) -> Option<usize> {
         let back = i32::from_le_bytes(at(self.bytes, self.at)?);
         let table = usize::try_from(i64::try_from(self.at).ok()? - i64::from(back)).ok()?;
@@ -68,8 +68,8 @@ impl<'a> Table<'a> {
         at(self.bytes, self.field(number)?).map(i64::from_le_bytes)
     }
 
-    /// The bytes of a vector whose elements have `size` bytes, and where they start. A vector
-    /// that is left out is empty; `None` when it goes on behind the buffer.
+    /// The bytes of a vector whose elements have `size` bytes, and where they start. A vector that
+    /// is left out is empty; `None` when it reaches beyond the buffer.
     pub fn vector(&self, number: usize, size: usize) -> Option<(&'a [u8], usize)> {
         let Some(field) = self.field(number) else {
             return Some((&[], 0));
@@ -81,7 +81,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A buffer with its size in front, whose parts are counted from behind the size.
+/// A buffer with a size prefix; offsets count from behind the prefix.
 #[derive(Debug, Default)]
 pub struct Builder {
     /// The bytes behind the size.

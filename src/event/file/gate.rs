@@ -1,4 +1,4 @@
-//! Where events become part of a packet: every rule that all formats share, once.
+//! The gate: checks that all formats share, between a file's events and the packet.
 
 use super::{
     Fault, Format,
@@ -10,7 +10,7 @@ use crate::{
     unit::Micros,
 };
 
-/// An event as a text or a table has it, before anything about it is believed.
+/// An event with fields as wide as a text or a table has them, before any check.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Raw {
     /// Microseconds.
@@ -26,7 +26,7 @@ pub struct Raw {
 }
 
 impl Raw {
-    /// The event, if these are numbers that an event can have.
+    /// The event, if all fields are in range.
     pub fn event(self) -> Result<Event, Fault> {
         Ok(Event {
             t: time(self.t)?,
@@ -43,14 +43,14 @@ impl Raw {
     }
 }
 
-/// Lets events of one sensor through that are in order, and remembers how far they reach.
+/// Checks order, place and kind of events, and tracks their range.
 #[derive(Clone, Debug)]
 pub struct Gate {
     largest: (u16, u16),
     latest: u64,
     silence: u64,
     format: Option<Format>,
-    /// What is known of the sensor.
+    /// What the file says about the sensor.
     pub about: About,
     /// Events so far.
     pub events: u64,
@@ -65,7 +65,7 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// For events that come out of a file.
+    /// A gate for events that come out of a file.
     pub const fn reading() -> Self {
         Self {
             largest: (u16::MAX, u16::MAX),
@@ -81,7 +81,7 @@ impl Gate {
         }
     }
 
-    /// For events that go into a file of this format.
+    /// A gate for events that go into a file of this format.
     pub fn writing(format: Format, about: About) -> Result<Self, Fault> {
         let limits = format.limits();
         if let Some(size) = about.size {
@@ -109,9 +109,9 @@ impl Gate {
         })
     }
 
-    /// Takes the next events; the number of the first that is not let through, and why.
+    /// Checks the next events; the error has the index of the first bad one.
     pub fn admit(&mut self, events: &[Event]) -> Result<(), (usize, Fault)> {
-        // All at once, as almost always; then, if need be, one by one.
+        // First all at once, as they are almost always good; only then one by one.
         let mut last = self.before(events);
         let (mut x, mut y, mut channel, mut ordered, mut pause) = (0, 0, 0, true, 0);
         for e in events {
@@ -148,18 +148,18 @@ impl Gate {
         Ok(())
     }
 
-    /// When the first and the last event were.
+    /// Times of the first and the last event.
     pub fn times(&self) -> Option<(Micros, Micros)> {
         self.first.map(|first| (first, self.last))
     }
 
-    /// At the end of a file: whether its events are those that it says it has.
+    /// Checks the events against the remark, at the end of a file.
     pub fn complete(&self) -> Result<(), Fault> {
         let fault = self.about.disagreement(self.events, self.times());
         fault.map_or(Ok(()), Err)
     }
 
-    /// The time that the next event follows.
+    /// The time before the next event.
     fn before(&self, events: &[Event]) -> u64 {
         match events.first() {
             // Its clock starts with the first event, and not at 0.
@@ -172,7 +172,7 @@ impl Gate {
         }
     }
 
-    /// Whether an event is on the sensor and in the format's range.
+    /// Checks that an event is on the sensor and in the format's range.
     fn fits(&self, event: &Event) -> Result<(), Fault> {
         let &Event { t, x, y, .. } = event;
         time(t.0.into())?;
@@ -185,7 +185,7 @@ impl Gate {
         on_sensor(event, self.about.size, self.about.channels)
     }
 
-    /// Whether an event may come after one at `last`.
+    /// Checks the order, and the silence, between an event at `last` and one at `now`.
     fn follows(&self, last: u64, now: u64) -> Result<(), Fault> {
         if now < last {
             return Err(Fault::Backwards { before: last, now });
@@ -202,18 +202,18 @@ impl Gate {
     }
 }
 
-/// Whether a file has the column of kinds that its remark speaks of.
+/// Checks that a file has the column of kinds that its remark speaks of.
 pub fn hold_kinds(about: Option<&About>, column: bool) -> Result<(), Fault> {
     match about.and_then(|about| about.channels) {
         Some(kinds) if kinds > 1 && !column => Err(Fault::Remark {
-            said: format!("{kinds} channels"),
+            stated: format!("{kinds} channels"),
             found: "no column `channel`".into(),
         }),
         _ => Ok(()),
     }
 }
 
-/// Files hold time in 64 bits with a sign.
+/// A time in the range that files hold, 63 bits.
 fn time(t: i128) -> Result<Micros, Fault> {
     match i64::try_from(t).map(u64::try_from) {
         Ok(Ok(t)) => Ok(Micros(t)),
@@ -221,7 +221,7 @@ fn time(t: i128) -> Result<Micros, Fault> {
     }
 }
 
-/// A number from 0 to `limit`.
+/// Checks that a number is from 0 to `limit`.
 pub fn within<T>(name: &'static str, value: i128, limit: T) -> Result<T, Fault>
 where
     T: TryFrom<i128> + PartialOrd + Into<u64> + Copy,

@@ -1,4 +1,4 @@
-//! What a writer is told before the events.
+//! What a writer needs to know before the events.
 
 use super::about::About;
 use crate::{
@@ -47,7 +47,7 @@ pub struct Head {
 impl Head {
     /// That of a packet.
     #[must_use]
-    pub const fn of(packet: &Packet) -> Self {
+    pub const fn from_packet(packet: &Packet) -> Self {
         Self {
             size: packet.size,
             channels: packet.channels,

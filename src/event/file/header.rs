@@ -1,4 +1,4 @@
-//! The headers of text in front of binary events.
+//! Text headers in front of binary events.
 
 use std::{
     fmt::Write,
@@ -15,12 +15,12 @@ use super::{
 };
 use crate::plane::Size;
 
-/// What the lines of a header say, each `% key value` or `# key value`.
+/// A header: its lines, each `% key value` or `# key value`.
 #[derive(Debug, Default)]
 pub struct Header {
     /// What the file says of itself.
     pub about: About,
-    /// It is this program's comment.
+    /// Whether it has this program's remark.
     pub ours: bool,
     /// All keys and values, keys in small letters.
     pub lines: Vec<(String, String)>,
@@ -108,9 +108,9 @@ impl Header {
             let sides = [("wide", width), ("high", height)];
             for (known, (side, here)) in known.iter_mut().zip(sides) {
                 let Some(here) = here else { continue };
-                let (first, said) = *known.get_or_insert((way, here));
-                if said != here {
-                    let one = format!("{first} says that the sensor is {said} pixels {side}");
+                let (first, stated) = *known.get_or_insert((way, here));
+                if stated != here {
+                    let one = format!("{first} says that the sensor is {stated} pixels {side}");
                     return Err(Fault::twice(format, one, format!("{way} says {here}")));
                 }
             }
@@ -119,7 +119,7 @@ impl Header {
         Ok(ours.or_else(|| Some(Size::new(height?.1, width?.1))))
     }
 
-    /// Holds a Prophesee file to the encoding that its header names, once or twice.
+    /// Checks that a Prophesee file is of the encoding that its header names, once or twice.
     pub fn names(&self, format: Format) -> Result<(), Fault> {
         let of = |name: &str| match name.to_ascii_lowercase().as_str() {
             "2" | "2.0" | "evt2" => Some(Format::Evt2),
@@ -139,9 +139,10 @@ impl Header {
     }
 }
 
-/// No line of a header comes behind its end: one before it was damaged.
+/// Checks that no line of a header comes behind its end, which would mean that one before it is
+/// damaged.
 fn ends(chunks: &mut Chunks, format: Format, mark: u8, last: &str) -> Result<(), Stop> {
-    /// As far as this is looked for one.
+    /// How far behind the end such a line is looked for, in bytes.
     const FAR: usize = 4096;
     let from = chunks.at();
     let here = chunks.ahead(FAR)?;
@@ -168,7 +169,7 @@ fn ends(chunks: &mut Chunks, format: Format, mark: u8, last: &str) -> Result<(),
     Err(chunks.stop(Fault::Layout { format, why }))
 }
 
-/// Writes what the remark of a header lacks, now that all events are there.
+/// Writes the tail of the remark in a header, once all events are written.
 pub fn complete(out: &mut dyn Out, header: &[u8], about: &About) -> io::Result<()> {
     let blank = BLANK.as_bytes();
     let Some(at) = header.windows(blank.len()).position(|here| here == blank) else {

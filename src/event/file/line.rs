@@ -1,4 +1,4 @@
-//! Text files, line by line, in bounded memory.
+//! Text files, read line by line in bounded memory.
 
 use super::{Fault, Place, about::About, chunks::Chunks, fault::Stop, gate::Raw, source::Source};
 use crate::event::Event;
@@ -6,7 +6,7 @@ use crate::event::Event;
 /// Longer than any event or comment.
 const LONGEST: usize = 4096;
 
-/// What the lines of a text mean.
+/// The meaning of the lines of a text format.
 pub trait Rows: Send {
     /// The event of a line that is neither blank nor a comment, if it has one.
     fn row(&mut self, line: &Line<'_>) -> Result<Option<Raw>, Stop>;
@@ -17,7 +17,7 @@ pub trait Rows: Send {
     }
 }
 
-/// A text file.
+/// A text file being read.
 pub struct Text<R> {
     chunks: Chunks,
     rows: R,
@@ -44,7 +44,7 @@ impl<R: Rows> Text<R> {
         }
     }
 
-    /// Takes whole lines.
+    /// Reads whole lines.
     fn lines_of(&mut self, part: &[u8], events: &mut Vec<Event>) -> Result<(), Stop> {
         for text in part.split_inclusive(|b| *b == b'\n') {
             if text.len() >= LONGEST {
@@ -59,7 +59,7 @@ impl<R: Rows> Text<R> {
         Ok(())
     }
 
-    /// Takes one line; its event, if it has one.
+    /// Reads one line; returns its event, if it has one.
     fn take(&mut self, text: &[u8]) -> Result<Option<Event>, Stop> {
         self.number += 1;
         let line = Line::new(self.number, text.trim_ascii_end());
@@ -166,7 +166,7 @@ impl<'a> Line<'a> {
     }
 }
 
-/// A whole number; `None` when it is none, or too long for one.
+/// Parses a whole number; `None` when it is none, or has more than 19 digits.
 pub fn integer(text: &[u8]) -> Option<i128> {
     let (negative, digits) = match text.strip_prefix(b"-") {
         Some(digits) => (true, digits),
@@ -203,7 +203,7 @@ pub fn decimal(text: &mut Vec<u8>, mut value: u64) {
     text.extend_from_slice(&digits[first..]);
 }
 
-/// A field for an error message: short, and text.
+/// A field as it is shown in error messages: short, and valid text.
 pub fn shown(field: &[u8]) -> String {
     let end = field.len().min(40);
     String::from_utf8_lossy(&field[..end]).into_owned()

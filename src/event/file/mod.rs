@@ -6,7 +6,7 @@
 //!
 //! Time is absolute, y runs down. What a format cannot hold is refused, never clipped or
 //! flattened. A file that does not say its size gets the smallest that holds its events, and
-//! [`Loaded`] tells so.
+//! [`Loaded`] says so.
 //!
 //! A new format is a file beside these and a line of the list in `format.rs`;
 //! `docs/extending.md` walks through it.
@@ -16,6 +16,8 @@ mod aedat2;
 mod aedat3;
 mod aedat4;
 mod chunks;
+#[cfg(any(feature = "hdf5", feature = "parquet"))]
+mod columns;
 mod csv;
 mod dat;
 mod entry;
@@ -90,7 +92,12 @@ impl Loaded {
 /// When the extension is unknown or shared by several formats, the format cannot hold the
 /// packet (nothing is flattened or clipped), or the file cannot be written.
 pub fn write(path: &Path, packet: &Packet) -> Result<(), FileError> {
-    write_as(path, Format::of(path)?, Compression::default(), packet)
+    write_as(
+        path,
+        Format::from_path(path)?,
+        Compression::default(),
+        packet,
+    )
 }
 
 /// Writes a packet in this format, whatever the file is called.
@@ -103,7 +110,7 @@ pub fn write_as(
     compression: Compression,
     packet: &Packet,
 ) -> Result<(), FileError> {
-    let mut writer = Writer::create(path, format, compression, &Head::of(packet))?;
+    let mut writer = Writer::create(path, format, compression, &Head::from_packet(packet))?;
     for events in packet.events.chunks(BLOCK) {
         writer.put(events)?;
     }
@@ -115,13 +122,13 @@ pub fn write_as(
 /// several formats share the extension.
 ///
 /// # Errors
-/// When the format cannot be told, the file cannot be opened, or anything in it is not as the
+/// When the format is not known, the file cannot be opened, or anything in it is not as the
 /// format says; the message names the line and column, or the byte.
 pub fn read(path: &Path) -> Result<Loaded, FileError> {
     read_as(path, &Opening::default())
 }
 
-/// Reads an event file as it is told.
+/// Reads an event file, with what `how` says about it.
 ///
 /// # Errors
 /// As [`read`].

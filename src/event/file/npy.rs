@@ -24,7 +24,7 @@ use super::{
 };
 use crate::event::Event;
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "npy",
     extension: "npy",
@@ -46,7 +46,7 @@ pub(super) const ENTRY: Entry = Entry {
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Magic, version, length of the header (version 1).
+/// Length of magic, version and header length (version 1), in bytes.
 const PREFIX: usize = 10;
 
 /// Data starts at a multiple of this.
@@ -58,7 +58,7 @@ const LONGEST_HEADER: usize = 1 << 16;
 /// No event is this long, in bytes.
 const LONGEST_RECORD: usize = 1 << 16;
 
-/// Writes the events.
+/// A writer of events.
 pub(super) const fn sink(head: &Head) -> Writing {
     Writing {
         head: *head,
@@ -75,7 +75,7 @@ pub(super) struct Writing {
 }
 
 impl Writing {
-    /// The header, whatever the number of events always of one length.
+    /// The header; its length does not depend on the number of events.
     fn header(&self, tail: &str) -> io::Result<Vec<u8>> {
         let more = if self.head.channels > 1 {
             ", ('channel', '|u1')"
@@ -147,7 +147,7 @@ impl Sink for Writing {
     }
 }
 
-/// The events being read.
+/// A reader of records.
 pub(super) struct Reading {
     chunks: Chunks,
     record: Record,
@@ -158,7 +158,7 @@ pub(super) struct Reading {
     from: u64,
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
     let header = header(&mut chunks, true)?;
     let Shape::Record(record) = header.shape else {
@@ -220,7 +220,7 @@ impl Source for Reading {
     }
 }
 
-/// One number an event, of an array of its own.
+/// A reader of an array with one number for each event.
 pub(super) struct Column {
     chunks: Chunks,
     field: Field,
@@ -255,7 +255,7 @@ impl Column {
         Ok(value)
     }
 
-    /// Holds the file to its end.
+    /// Checks that the file ends here.
     pub(super) fn end(&mut self) -> Result<(), Stop> {
         if self.chunks.ahead(1)?.is_empty() {
             return Ok(());
@@ -264,7 +264,7 @@ impl Column {
     }
 }
 
-/// What an array holds.
+/// The type of the array.
 enum Shape {
     Record(Record),
     /// `None` when it is no integer.
@@ -318,7 +318,7 @@ fn header(bytes: &mut Chunks, records: bool) -> Result<Header, Stop> {
     })
 }
 
-/// How one event lies in the file.
+/// The layout of one event in the file.
 #[derive(Debug, Default)]
 struct Record {
     /// Bytes of one event.
@@ -328,12 +328,12 @@ struct Record {
     y: Field,
     p: Field,
     channel: Option<Field>,
-    /// As this writes it, without channels.
+    /// Whether it is the layout that this program writes, without channels.
     plain: bool,
 }
 
 impl Raw {
-    /// A record as this writes it.
+    /// Decodes a record of that layout.
     fn plain(record: [u8; 13]) -> Self {
         let [t0, t1, t2, t3, t4, t5, t6, t7, x0, x1, y0, y1, p] = record;
         Self {
@@ -368,7 +368,7 @@ struct Field {
 }
 
 impl Field {
-    /// A numpy type code; `None` for what is no integer.
+    /// Parses a numpy type code; `None` for what is not an integer.
     fn parse(code: &str, offset: usize) -> Option<Self> {
         let (order, kind) = match code.as_bytes() {
             [order @ (b'<' | b'>' | b'|' | b'='), kind @ ..] => (*order, kind),
@@ -409,7 +409,7 @@ impl Field {
     }
 }
 
-/// The Python literal of the header, read from left to right.
+/// A parser of the header, a Python literal, from left to right.
 struct Literal<'a> {
     text: &'a str,
     at: usize,

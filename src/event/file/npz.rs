@@ -28,7 +28,7 @@ use super::{
 };
 use crate::event::Event;
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "npz",
     extension: "npz",
@@ -57,7 +57,7 @@ fn wrong(why: impl Into<String>) -> Stop {
     Stop::layout(Format::Npz, 0, why)
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     let input = BufReader::new(origin.open()?);
     let mut archive =
@@ -113,7 +113,7 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     }))
 }
 
-/// Holds the end of an archive, its list of members and their own headers to each other.
+/// Cross-checks an archive: its end record, its central directory and the members' own headers.
 fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(), Stop> {
     let start = archive.central_directory_start();
     let mut input = origin.open()?;
@@ -130,14 +130,14 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
     })?;
     let end = start + list.end as u64;
     let counts = [
-        ("arrays", list.said.0, list.members.len() as u64),
-        ("arrays", list.said.0, archive.len() as u64),
-        ("bytes of list", list.said.1, list.bytes as u64),
-        ("bytes of remark at its end", list.said.2, length - end),
+        ("arrays", list.stated.0, list.members.len() as u64),
+        ("arrays", list.stated.0, archive.len() as u64),
+        ("bytes of list", list.stated.1, list.bytes as u64),
+        ("bytes of remark at its end", list.stated.2, length - end),
     ];
-    for (what, said, found) in counts {
-        if said != found {
-            let one = format!("its end says that it has {said} {what}");
+    for (what, stated, found) in counts {
+        if stated != found {
+            let one = format!("its end says that it has {stated} {what}");
             return Err(Stop::twice(
                 Format::Npz,
                 end,
@@ -147,73 +147,85 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
         }
     }
     for member in &list.members {
-        let name = String::from_utf8_lossy(&member.name);
-        let at = member.at.saturating_add(archive.offset());
-        if at >= length {
-            let one = format!("its list says that `{name}` is at byte {at}");
-            let other = format!("the file has {length} bytes");
-            return Err(Stop::twice(Format::Npz, start, one, other));
-        }
-        let local = input.seek(SeekFrom::Start(at)).and_then(|_| {
-            let mut local = vec![0; 30 + member.name.len()];
-            input.read_exact(&mut local).map(|()| local)
-        });
-        let unlike = |what: &str| {
-            let one = format!("its list says one thing of the {what} of `{name}`");
-            Err(Stop::twice(
-                Format::Npz,
-                at,
-                one,
-                "the array's own header another",
-            ))
-        };
-        let Ok(local) = local else {
-            return unlike("place");
-        };
-        let part = |from, to| local.get(from..to).unwrap_or_default();
-        if part(0, 4) != b"PK\x03\x04" {
-            return unlike("place");
-        }
-        if part(30, local.len()) != member.name || part(26, 28) != member.head(28, 30) {
-            return unlike("name");
-        }
-        if part(6, 8) != member.head(8, 10) || part(8, 10) != member.head(10, 12) {
-            return unlike("compression");
-        }
-        // Sizes that come behind the data, or with more digits, are elsewhere.
-        let later = part(6, 7).first().is_some_and(|flags| flags & 8 != 0);
-        if !later && part(14, 18) != member.head(16, 20) {
-            return unlike("check sum");
-        }
-        let elsewhere = |size: &[u8]| size == [0xFF; 4];
-        for (own, listed) in [((18, 22), (20, 24)), ((22, 26), (24, 28))] {
-            let (own, listed) = (part(own.0, own.1), member.head(listed.0, listed.1));
-            if !later && own != listed && !elsewhere(own) && !elsewhere(listed) {
-                return unlike("size");
-            }
+        hold_member(member, archive.offset(), (start, length), &mut input)?;
+    }
+    Ok(())
+}
+
+/// Cross-checks an entry of the central directory, which begins at byte `start` of a file of
+/// `length` bytes, and the member's own header; `offset` is where the archive begins.
+fn hold_member(
+    member: &Member,
+    offset: u64,
+    (start, length): (u64, u64),
+    input: &mut (impl Read + Seek),
+) -> Result<(), Stop> {
+    let name = String::from_utf8_lossy(&member.name);
+    let at = member.at.saturating_add(offset);
+    if at >= length {
+        let one = format!("its list says that `{name}` is at byte {at}");
+        let other = format!("the file has {length} bytes");
+        return Err(Stop::twice(Format::Npz, start, one, other));
+    }
+    let local = input.seek(SeekFrom::Start(at)).and_then(|_| {
+        let mut local = vec![0; 30 + member.name.len()];
+        input.read_exact(&mut local).map(|()| local)
+    });
+    let unlike = |what: &str| {
+        let one = format!("its list says one thing of the {what} of `{name}`");
+        Err(Stop::twice(
+            Format::Npz,
+            at,
+            one,
+            "the array's own header another",
+        ))
+    };
+    let Ok(local) = local else {
+        return unlike("place");
+    };
+    let part = |from, to| local.get(from..to).unwrap_or_default();
+    if part(0, 4) != b"PK\x03\x04" {
+        return unlike("place");
+    }
+    if part(30, local.len()) != member.name || part(26, 28) != member.head(28, 30) {
+        return unlike("name");
+    }
+    if part(6, 8) != member.head(8, 10) || part(8, 10) != member.head(10, 12) {
+        return unlike("compression");
+    }
+    // Sizes in a data descriptor behind the data, or of 64 bits, are not in this header.
+    let later = part(6, 7).first().is_some_and(|flags| flags & 8 != 0);
+    if !later && part(14, 18) != member.head(16, 20) {
+        return unlike("check sum");
+    }
+    let elsewhere = |size: &[u8]| size == [0xFF; 4];
+    for (own, listed) in [((18, 22), (20, 24)), ((22, 26), (24, 28))] {
+        let (own, listed) = (part(own.0, own.1), member.head(listed.0, listed.1));
+        if !later && own != listed && !elsewhere(own) && !elsewhere(listed) {
+            return unlike("size");
         }
     }
     Ok(())
 }
 
-/// No list of a few arrays is longer, with its remark.
+/// The longest central directory with its comment, in bytes: there are few arrays.
 const LONGEST_LIST: u64 = 1 << 20;
 
-/// The list of members of an archive, and what its end says of it.
+/// The central directory of an archive, and its end record.
 struct Listed {
     members: Vec<Member>,
-    /// Bytes of the list, and from its start to the remark behind its end.
+    /// Bytes of the directory, and from its start to the comment behind the end record.
     bytes: usize,
     end: usize,
-    /// Members, bytes of the list, bytes of the remark.
-    said: (u64, u64, u64),
+    /// As the end record states: number of members, bytes of the directory, bytes of the comment.
+    stated: (u64, u64, u64),
 }
 
-/// A member of an archive as it is listed.
+/// An entry of the central directory.
 struct Member {
     head: [u8; 46],
     name: Vec<u8>,
-    /// Where its own header is.
+    /// Place of the member's own (local) header.
     at: u64,
 }
 
@@ -224,7 +236,7 @@ impl Member {
 }
 
 impl Listed {
-    /// From the bytes that start with the list.
+    /// Parses the bytes from the directory's start on.
     fn read(bytes: &[u8]) -> Option<Self> {
         /// `N` bytes of a number.
         fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<u64> {
@@ -271,12 +283,12 @@ impl Listed {
             members,
             bytes: length,
             end: at + 22,
-            said: (count, size, number::<2>(bytes, at + 20)?),
+            stated: (count, size, number::<2>(bytes, at + 20)?),
         })
     }
 }
 
-/// One array of the archive, with a hand of its own on the file.
+/// Opens one array of the archive, with a file handle of its own.
 fn member(
     origin: &Origin,
     archive: &mut ZipArchive<impl Read + Seek>,
@@ -311,12 +323,12 @@ fn member(
     })))
 }
 
-/// Bytes whose sum is checked at their end.
+/// A reader that verifies a checksum at its end.
 struct Checked {
     bytes: Box<dyn Read + Send>,
     sum: flate2::Crc,
     crc: u32,
-    /// Bytes that should still come.
+    /// Bytes still expected.
     left: u64,
 }
 
@@ -338,7 +350,7 @@ impl Read for Checked {
     }
 }
 
-/// The columns side by side.
+/// Reads the columns side by side.
 struct Reading {
     about: About,
     /// t, x, y, p, and perhaps the channel.
@@ -391,8 +403,8 @@ impl Source for Reading {
     }
 }
 
-/// Takes all that it is given, and remembers the first error: a `ZipWriter` that hears of one
-/// panics, or prints.
+/// A writer that never fails, and remembers the first error: a `ZipWriter` that meets one panics,
+/// or prints.
 struct Steady<'a> {
     out: &'a mut dyn Out,
     lost: Option<io::Error>,
@@ -410,7 +422,7 @@ impl<'a> Steady<'a> {
         }
     }
 
-    /// Does it, unless something is lost already.
+    /// Tries `work`, unless an error came before.
     fn attempt<T>(&mut self, work: impl FnOnce(&mut dyn Out) -> io::Result<T>) -> Option<T> {
         if self.lost.is_some() {
             return None;
@@ -447,7 +459,7 @@ impl Seek for Steady<'_> {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink(head: &Head) -> io::Result<Writing> {
     let count = if head.channels > 1 { 5 } else { 4 };
     let columns = (0..count).map(|_| tempfile::tempfile().map(BufWriter::new));
@@ -487,7 +499,7 @@ impl Sink for Writing {
     fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         let mut steady = Steady::new(out);
         let written = self.archive(&mut steady, about);
-        // What went wrong first.
+        // The first error.
         steady.lost.map_or(written, Err)
     }
 }

@@ -1,26 +1,27 @@
-//! The table of packets at the end of an AEDAT4 file: written for players that seek, read to
-//! hold the packets of a file to it.
+//! The table of packets at the end of an AEDAT4 file: written for players that seek, and read to
+//! check the packets of a file.
 
 use super::{
     Fault, Format,
     flat::{Builder, Table, identifier},
 };
 
-/// What a table says of a packet, or what the packet is.
+/// A row of the table; also what was found of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// Where its buffer starts, behind its header.
+    /// Place of its buffer, behind its header.
     pub at: u64,
     /// Number of its stream.
     pub stream: i32,
     /// Its bytes, compressed.
     pub bytes: u32,
-    /// Its events, and the times of the first and the last: `None` for packets of others.
+    /// Number of its events, and the times of the first and the last; `None` for packets of other
+    /// streams.
     pub events: Option<(u64, i64, i64)>,
 }
 
-/// Whether a table starts here, in whatever way it is compressed: no packet does, since no
-/// stream has such a number, and no packet so many bytes.
+/// Whether the table starts here, however it is compressed. No packet starts like it, as no stream
+/// has such a number, and no packet so many bytes.
 pub fn starts(here: &[u8]) -> bool {
     let compressed = [[0x04, 0x22, 0x4D, 0x18], [0x28, 0xB5, 0x2F, 0xFD]];
     compressed.iter().any(|magic| here.starts_with(magic)) || here.get(8..12) == Some(&b"FTAB"[..])
@@ -69,38 +70,38 @@ pub fn is_lz4_frame(block: &[u8]) -> bool {
     end() == Some(block.len())
 }
 
-/// A buffer without its size in front, which must be its size.
+/// A buffer without its size prefix, which must match its length.
 pub fn whole(buffer: &[u8]) -> Option<&[u8]> {
     let (size, body) = buffer.split_first_chunk()?;
     (u32::from_le_bytes(*size) as usize == body.len()).then_some(body)
 }
 
-/// Holds the packets that were found to a table.
+/// Checks the packets that were found against the table.
 pub fn agree(found: &[Row], table: &[Row]) -> Result<(), Fault> {
-    for (i, (found, said)) in found.iter().zip(table).enumerate() {
+    for (i, (found, stated)) in found.iter().zip(table).enumerate() {
         let mut pairs = vec![
             (
                 "starts at byte",
-                said.at.cast_signed(),
+                stated.at.cast_signed(),
                 found.at.cast_signed(),
             ),
-            ("is of stream", said.stream.into(), found.stream.into()),
+            ("is of stream", stated.stream.into(), found.stream.into()),
             (
                 "has this many bytes:",
-                said.bytes.into(),
+                stated.bytes.into(),
                 found.bytes.into(),
             ),
         ];
-        if let (Some(said), Some(found)) = (said.events, found.events) {
-            let (count, here) = (said.0.cast_signed(), found.0.cast_signed());
+        if let (Some(stated), Some(found)) = (stated.events, found.events) {
+            let (count, here) = (stated.0.cast_signed(), found.0.cast_signed());
             pairs.push(("has this many events:", count, here));
             if here > 0 {
-                pairs.push(("has its first event at", said.1, found.1));
-                pairs.push(("has its last event at", said.2, found.2));
+                pairs.push(("has its first event at", stated.1, found.1));
+                pairs.push(("has its last event at", stated.2, found.2));
             }
         }
-        if let Some((what, said, here)) = pairs.into_iter().find(|(_, a, b)| a != b) {
-            let one = format!("its table says that packet {i} {what} {said}");
+        if let Some((what, stated, here)) = pairs.into_iter().find(|(_, a, b)| a != b) {
+            let one = format!("its table says that packet {i} {what} {stated}");
             let other = format!("the packet at byte {} has {here}", found.at);
             return Err(Fault::twice(Format::Aedat4, one, other));
         }
@@ -113,7 +114,7 @@ pub fn agree(found: &[Row], table: &[Row]) -> Result<(), Fault> {
     Err(Fault::twice(Format::Aedat4, one, other))
 }
 
-/// The table: a vector of offsets to tables of one shape.
+/// Writes the table: a vector of offsets to tables of one layout.
 pub fn written(rows: &[Row]) -> Vec<u8> {
     /// Bytes of a row's table; its fields follow its offset to the table of fields.
     const ROW: usize = 44;
@@ -172,9 +173,9 @@ mod tests {
         assert_eq!(read(&table).unwrap(), rows);
         agree(&rows, &rows).unwrap();
         let other = |change: fn(&mut Row)| {
-            let mut said = rows;
-            change(&mut said[1]);
-            agree(&rows, &said).unwrap_err().to_string()
+            let mut stated = rows;
+            change(&mut stated[1]);
+            agree(&rows, &stated).unwrap_err().to_string()
         };
         assert!(other(|r| r.at += 1).contains("packet 1 starts at byte 201"));
         assert!(other(|r| r.stream = 0).contains("is of stream 0"));

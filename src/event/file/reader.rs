@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{event::Event, plane::Size};
 
-/// How to read a file that does not say all itself.
+/// What a file does not say itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Opening {
     /// Its format, whatever its name and first bytes say.
@@ -37,7 +37,7 @@ pub struct Reader {
     size: Option<Size>,
     source: Box<dyn Source>,
     gate: Gate,
-    /// What is wrong behind the events of the last block.
+    /// The error behind the events of the last block.
     stopped: Option<FileError>,
     ended: bool,
 }
@@ -46,7 +46,7 @@ impl Reader {
     /// Opens a file and reads what stands before its events.
     ///
     /// # Errors
-    /// When the format cannot be told, the file cannot be opened, or its header is not as the
+    /// When the format is not known, the file cannot be opened, or its header is not as the
     /// format says.
     pub fn open(path: &Path, how: &Opening) -> Result<Self, FileError> {
         Self::new(path, &Origin::File(path.to_owned()), how)
@@ -65,7 +65,7 @@ impl Reader {
         let mut chunks = match (origin.chunks(), how.format) {
             (Ok(chunks), _) => chunks,
             // A name that says nothing is the first mistake.
-            (Err(e), None) => match Format::of(path) {
+            (Err(e), None) => match Format::from_path(path) {
                 Err(error @ FileError::Extension { .. }) => return Err(error),
                 _ => return Err(at_fault(e.into())),
             },
@@ -114,7 +114,7 @@ impl Reader {
         self.source.skipped()
     }
 
-    /// What is no damage, and should be known of the file: told at its end.
+    /// A remark about the file that is no error, known at its end.
     #[must_use]
     pub fn note(&self) -> Option<&'static str> {
         self.source.note()
@@ -183,7 +183,7 @@ impl Reader {
     }
 }
 
-/// What stopped a reader, with the name of the file.
+/// Adds the name of the file to an error.
 fn named(path: &Path, stop: Stop) -> FileError {
     let path = path.to_owned();
     match stop {

@@ -1,4 +1,4 @@
-//! Which format a file has: by its name, its first bytes, or what it is called.
+//! Recognising the format of a file: by its extension, its first bytes, or a given name.
 
 use std::{path::Path, str::FromStr};
 
@@ -14,7 +14,7 @@ impl Format {
     /// # Errors
     /// When the extension is missing, unknown, or shared by several formats; the message
     /// lists those that there are.
-    pub fn of(path: &Path) -> Result<Self, FileError> {
+    pub fn from_path(path: &Path) -> Result<Self, FileError> {
         let (path, extension) = (path.to_owned(), extension(path));
         match Self::by_extension(&extension)[..] {
             [format] => Ok(format),
@@ -53,12 +53,12 @@ impl Format {
     /// first bytes.
     ///
     /// # Errors
-    /// When neither tells.
+    /// When neither says which.
     pub fn of_content(path: &Path, start: &[u8]) -> Result<Self, FileError> {
         let known = Self::by_extension(&extension(path));
         match known[..] {
             [format] => Ok(format),
-            [] => sniff(start).map_or_else(|| Self::of(path), Ok),
+            [] => sniff(start).map_or_else(|| Self::from_path(path), Ok),
             _ => sniff(start).ok_or_else(|| FileError::Unknown {
                 path: path.to_owned(),
             }),
@@ -143,7 +143,11 @@ mod tests {
         for &format in Format::ALL {
             assert_eq!(format.name().parse(), Ok(format));
             let path = format!("a.{}", format.name());
-            assert_eq!(Format::of(Path::new(&path)).unwrap(), format, "{path}");
+            assert_eq!(
+                Format::from_path(Path::new(&path)).unwrap(),
+                format,
+                "{path}"
+            );
         }
         assert!("raw".parse::<Format>().is_err());
         for (name, format) in [
@@ -151,7 +155,11 @@ mod tests {
             ("a.evt21", Format::Evt21),
             ("a.hdf", Format::Hdf5),
         ] {
-            assert_eq!(Format::of(Path::new(name)).unwrap(), format, "{name}");
+            assert_eq!(
+                Format::from_path(Path::new(name)).unwrap(),
+                format,
+                "{name}"
+            );
         }
     }
 
@@ -173,7 +181,7 @@ mod tests {
             "the extension decides"
         );
         assert!(
-            Format::of(Path::new("a.raw")).is_err(),
+            Format::from_path(Path::new("a.raw")).is_err(),
             "it does not say which"
         );
     }

@@ -1,11 +1,11 @@
-//! What all readers and all writers have in common.
+//! The traits of readers and writers of event files.
 
 use std::io::{self, Seek, Write};
 
 use super::{Fault, Place, about::About, chunks::Chunks, fault::Stop};
 use crate::event::Event;
 
-/// About so many events at a time: their memory stays in the second cache.
+/// Events of a block, about: their memory stays in the second-level cache.
 pub const BLOCK: usize = 1 << 13;
 
 /// A file being read.
@@ -18,8 +18,8 @@ pub trait Source: Send {
     /// What came before damage is added before the damage is reported.
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop>;
 
-    /// Where the event is that the last [`Source::fill`] added with this number; after the
-    /// last one, number 0 is the end of the file.
+    /// The place of an event by its index in the last [`Source::fill`]; after the last fill, index
+    /// 0 is the end of the file.
     fn place(&self, event: usize) -> Place;
 
     /// Records so far that are no events of a pixel: triggers, frames, motion, and events
@@ -28,7 +28,7 @@ pub trait Source: Send {
         0
     }
 
-    /// What is no damage, and should be known of the file all the same.
+    /// A remark about the file that is no error.
     fn note(&self) -> Option<&'static str> {
         None
     }
@@ -42,8 +42,8 @@ pub trait Sink: Send {
     /// Writes events; they have been checked.
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()>;
 
-    /// Writes what comes last, or what the start could not know: `about` tells how many events
-    /// there are, and when.
+    /// Writes the end, and what the start could not know: `about` has the number of events, and
+    /// their times.
     fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()>;
 }
 
@@ -52,13 +52,13 @@ pub trait Out: Write + Seek {}
 
 impl<T: Write + Seek> Out for T {}
 
-/// A stream of words, each of which is read knowing only those before it.
+/// A decoder of a stream of words, each of which depends only on those before it.
 pub trait Words: Clone + Send {
     /// Bytes of the shortest word.
     const STEP: usize;
 
-    /// Reads the whole words at the front of `bytes` and returns how many bytes they had;
-    /// what is wrong, and how far from the front.
+    /// Decodes the whole words at the front of `bytes` and returns how many bytes they had; an
+    /// error has its distance from the front.
     fn read(&mut self, bytes: &[u8], events: &mut Vec<Event>) -> Result<usize, (usize, Fault)>;
 
     /// See [`Source::skipped`].
@@ -67,12 +67,13 @@ pub trait Words: Clone + Send {
     }
 }
 
-/// A file of words behind a header.
+/// A file that is a stream of words behind a header.
 pub struct Stream<W> {
     chunks: Chunks,
     words: W,
     about: About,
-    /// The words before the last chunk, that chunk, and where it is: to find an event again.
+    /// The decoder's state before the last chunk, that chunk, and its place: to find the place of
+    /// an event again.
     before: W,
     chunk: Vec<u8>,
     from: u64,
@@ -107,7 +108,7 @@ impl<W: Words> Source for Stream<W> {
         if here.is_empty() {
             return Ok(false);
         }
-        // Not more at a time than its events have room in the cache.
+        // As many events at a time as stay in the cache.
         let here = &here[..here.len().min(longest.max(BLOCK * 4))];
         self.chunk.extend_from_slice(here);
         match self.words.read(here, events) {
@@ -121,7 +122,7 @@ impl<W: Words> Source for Stream<W> {
     }
 
     fn place(&self, event: usize) -> Place {
-        // Again, word by word.
+        // Decodes the chunk again, word by word.
         let mut words = self.before.clone();
         let mut events = Vec::new();
         let (mut at, mut end) = (0, W::STEP);

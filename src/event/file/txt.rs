@@ -18,7 +18,7 @@ use super::{
 };
 use crate::event::Event;
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "txt",
     extension: "txt",
@@ -38,7 +38,7 @@ pub(super) const ENTRY: Entry = Entry {
     ..Entry::PLAIN
 };
 
-/// Writes the events.
+/// A writer of events.
 pub(super) fn sink() -> Writing {
     Writing::default()
 }
@@ -77,12 +77,12 @@ impl Sink for Writing {
     }
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(chunks: Chunks) -> Text<Txt> {
     Text::new(chunks, Txt)
 }
 
-/// Nothing to remember.
+/// Its lines need no state.
 #[derive(Debug)]
 pub(super) struct Txt;
 
@@ -120,7 +120,7 @@ fn event(line: &Line<'_>) -> Result<Raw, Stop> {
     })
 }
 
-/// Decimal seconds as the nearest microsecond.
+/// Parses decimal seconds, rounded to the nearest microsecond.
 ///
 /// Done on the digits: a day in `f64` seconds is exact to less than a microsecond, a century
 /// is not.

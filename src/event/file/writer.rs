@@ -16,7 +16,7 @@ use crate::{event::Event, save::AtomicFile};
 /// Nothing is at the path before [`Writer::finish`].
 pub struct Writer {
     path: PathBuf,
-    draft: AtomicFile,
+    file: AtomicFile,
     sink: Box<dyn Sink>,
     gate: Gate,
     about: About,
@@ -44,16 +44,16 @@ impl Writer {
             let path = std::env::temp_dir();
             FileError::Unreadable { path, cause }
         })?;
-        let mut draft = if entry.rewinds {
+        let mut file = if entry.rewinds {
             AtomicFile::create(path)?
         } else {
             AtomicFile::stream(path)?
         };
-        let started = sink.start(&mut draft);
-        started.map_err(|cause| draft.failed(cause))?;
+        let started = sink.start(&mut file);
+        started.map_err(|cause| file.failed(cause))?;
         Ok(Self {
             path: path.to_owned(),
-            draft,
+            file,
             sink,
             gate,
             about: head.about(),
@@ -71,8 +71,8 @@ impl Writer {
             .admit(events)
             .map_err(|(i, fault)| unwritable(&self.path, before + i as u64, fault))?;
         self.sink
-            .put(&mut self.draft, events)
-            .map_err(|cause| self.draft.failed(cause).into())
+            .put(&mut self.file, events)
+            .map_err(|cause| self.file.failed(cause).into())
     }
 
     /// Gives the file its name; returns how many events it has.
@@ -85,9 +85,9 @@ impl Writer {
             times: self.gate.times(),
             ..self.about
         };
-        let finished = self.sink.finish(&mut self.draft, &about);
-        finished.map_err(|cause| self.draft.failed(cause))?;
-        self.draft.keep()?;
+        let finished = self.sink.finish(&mut self.file, &about);
+        finished.map_err(|cause| self.file.failed(cause))?;
+        self.file.keep()?;
         Ok(self.gate.events)
     }
 }

@@ -59,7 +59,7 @@ pub enum RowOrder {
     Round,
 }
 
-/// A packet through an arbiter.
+/// An arbiter with its times and rules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arbiter {
     /// Time to choose a row.
@@ -81,7 +81,7 @@ pub struct Arbiter {
 }
 
 impl Arbiter {
-    /// What is left of `packet` behind it.
+    /// Reads a packet out: what arrives, and its statistics.
     #[must_use]
     pub fn read(&self, packet: &Packet) -> ReadOut {
         let mut cells = Cells::new(&packet.events, self.requests);
@@ -133,7 +133,7 @@ impl Arbiter {
     }
 }
 
-/// The cells' requests. Events are known by their number, which is also their age.
+/// The cells' pending requests. Events are known by their index, which is also their age.
 struct Cells<'a> {
     events: &'a [Event],
     requests: Requests,
@@ -143,7 +143,7 @@ struct Cells<'a> {
     rows: BTreeMap<u16, VecDeque<usize>>,
     /// The oldest request of each row.
     heads: BTreeSet<(usize, u16)>,
-    /// Cells whose request is up, when a request stands for one event.
+    /// Cells whose request is pending, when a request stands for one event.
     up: HashSet<(u16, u16, u8)>,
     waiting: u64,
     most: u64,
@@ -169,7 +169,7 @@ impl<'a> Cells<'a> {
         self.events.get(self.next).map(|e| picos(e.t))
     }
 
-    /// Raises the requests of all that fires up to `now`, that moment included.
+    /// Raises the requests of all events up to `now`, that moment included.
     fn fire_until(&mut self, now: u128) {
         while let Some(e) = self.events.get(self.next)
             && picos(e.t) <= now
@@ -223,7 +223,7 @@ impl<'a> Cells<'a> {
         latched
     }
 
-    /// Lets a cell's request fall.
+    /// Clears a cell's request.
     fn acknowledge(&mut self, event: usize) {
         self.waiting = self.waiting.saturating_sub(1);
         if let Some(e) = self.events.get(event) {

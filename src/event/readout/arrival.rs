@@ -1,14 +1,14 @@
-//! The packet that arrives.
+//! The packet behind a readout.
 
 use super::statistics::Statistics;
 use crate::event::{Event, Packet};
 
-/// What arrives, and what it took.
+/// The packet that arrives, and statistics of the readout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOut {
     /// The packet that arrives: drops of the readout added to those of the packet before it.
     pub packet: Packet,
-    /// What the readout did.
+    /// Statistics of the readout.
     pub statistics: Statistics,
 }
 

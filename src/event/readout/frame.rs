@@ -1,4 +1,4 @@
-//! Bit maps: every cell's bits, frame after frame, whether it fired or not.
+//! Bit maps: the bits of every cell are sent in every frame, whether it fired or not.
 //!
 //! A frame of `P` pixels and `K` kinds has `2 P K` bits, one plane for ON and one for OFF of
 //! each kind (a cell may have fired both ways within a frame). It costs the same at any event
@@ -26,7 +26,7 @@ use crate::{
     unit::{Micros, Picos},
 };
 
-/// A packet as bit maps.
+/// A readout by bit maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     /// Length of a frame, whose events are stamped with its end; 0 when each time stamp of the
@@ -50,8 +50,8 @@ impl Frame {
         Self::bits(size, channels) as f64 / bits_per_event
     }
 
-    /// What is left of `packet` behind it. Frames without events are sent as well, from the
-    /// first time watched to the last.
+    /// Reads a packet out. Frames without events are sent as well, from the first time watched to
+    /// the last.
     #[must_use]
     pub fn read(&self, packet: &Packet) -> ReadOut {
         let mut out = Vec::with_capacity(packet.events.len());
@@ -83,7 +83,7 @@ impl Frame {
     }
 }
 
-/// Frames one after the other, those without events included.
+/// The link: frames are sent one after the other, empty ones included.
 struct Link {
     /// Microseconds; 0 when only frames with events are sent.
     period: u64,
@@ -108,7 +108,7 @@ impl Link {
         }
     }
 
-    /// Sends the frame that ends at `stamp`, after the empty ones before it; when it has arrived.
+    /// Sends the frame that ends at `stamp`, after the empty ones before it; returns its arrival.
     fn send(&mut self, stamp: Micros) -> u128 {
         if let Some(number) = stamp.0.checked_div(self.period) {
             self.skip(number.saturating_sub(self.next));

@@ -1,4 +1,4 @@
-//! The readout that loses nothing.
+//! The ideal readout: nothing is lost or delayed.
 
 use super::{arrival::ReadOut, statistics::Statistics};
 use crate::event::{Dropped, Packet};

@@ -54,7 +54,7 @@ pub enum Readout {
 }
 
 impl Readout {
-    /// What of `packet` arrives, and when.
+    /// Reads a packet out: what of it arrives, and when.
     ///
     /// Events must be ordered by time, as a packet's are.
     #[must_use]

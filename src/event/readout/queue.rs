@@ -47,8 +47,8 @@ impl Queue {
         }
     }
 
-    /// Takes an event at `now`, not before the one before; when it was taken, which is later
-    /// only when it had to wait for room.
+    /// Takes an event at `now`, no earlier than the one before; returns the time at which it was
+    /// taken, later than `now` only when it had to wait for room.
     pub fn take(&mut self, now: u128, event: usize) -> u128 {
         self.go_on(now);
         if self.waiting.is_empty() && self.free <= now {
@@ -92,7 +92,7 @@ impl Queue {
         self.sent.len() as u128 * self.link
     }
 
-    /// Sends what is sent up to `now`.
+    /// Sends the events whose turn comes up to `now`.
     fn go_on(&mut self, now: u128) {
         while self.free <= now
             && let Some(event) = self.waiting.pop_front()

@@ -28,9 +28,9 @@ use crate::{
     unit::{Micros, Picos},
 };
 
-/// A pixel as the chip counts: from the top right corner, columns leftwards.
+/// A pixel's address as the chip counts: from the top right corner, columns leftwards.
 ///
-/// This is the one place where the chip's count and image coordinates are converted.
+/// This is the one place where chip addresses and image coordinates are converted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Address {
     /// Counted leftwards from the right.
@@ -45,7 +45,7 @@ impl Address {
 
     /// Of a pixel of an array of this size.
     #[must_use]
-    pub const fn of(at: At, size: Size) -> Self {
+    pub const fn from_pixel(at: At, size: Size) -> Self {
         Self {
             column: size.width - 1 - at.x,
             row: at.y,
@@ -66,7 +66,7 @@ impl Address {
     }
 }
 
-/// Which pixel is found first.
+/// The order of the scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Order {
     /// Columns from the left of the image instead of the right.
@@ -88,7 +88,7 @@ impl Order {
         (0..size.height).map(move |y| if flip { size.height - 1 - y } else { y })
     }
 
-    /// Sorts pixels by it.
+    /// The sort key of an event's pixel in this order.
     fn key(self, event: &Event) -> (u16, u16) {
         let flip = |flip: bool, at: u16| if flip { u16::MAX - at } else { at };
         (
@@ -98,7 +98,7 @@ impl Order {
     }
 }
 
-/// A packet through SCAMP-5's event scan.
+/// A readout by SCAMP-5's event scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scan {
     /// Slots of one scan: of one sign of one kind in one frame.
@@ -113,7 +113,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// What is left of `packet` behind it.
+    /// Reads a packet out: what arrives, and its statistics.
     #[must_use]
     pub fn read(&self, packet: &Packet) -> ReadOut {
         let mut out = Vec::with_capacity(packet.events.len());
@@ -162,7 +162,7 @@ impl Scan {
     }
 }
 
-/// Which scan of a frame an event belongs to: kind by kind, ON before OFF.
+/// The number of the scan of a frame to which an event belongs: kind by kind, ON before OFF.
 fn number(event: &Event) -> u128 {
     let off = u128::from(event.polarity == Polarity::Off);
     2 * u128::from(event.channel) + off

@@ -157,7 +157,7 @@ const SETTINGS: [(&str, &Table); 4] = [
     ),
 ];
 
-/// Names and settings of a readout.
+/// A readout's file: which readout, and its settings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Description {
     /// Which readout: `ideal`, `scan`, `arbiter`, `frame`.
@@ -166,12 +166,12 @@ pub struct Description {
     settings: BTreeMap<String, Setting>,
 }
 
-/// One setting, as a readout's file has it.
+/// A setting of a readout's file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Setting {
     /// Its value, with the unit where it has one.
     pub value: String,
-    /// Who says so.
+    /// The publication or reasoning that it comes from.
     pub source: String,
     /// How well it is known; `None` for what was set by hand.
     pub evidence: Option<Evidence>,

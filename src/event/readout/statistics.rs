@@ -1,4 +1,4 @@
-//! What a readout did to a packet.
+//! Statistics of a readout: events, latency, utilisation.
 
 use super::time::picos;
 use crate::{
@@ -6,7 +6,7 @@ use crate::{
     unit::Picos,
 };
 
-/// What a readout did to a packet.
+/// Statistics of a readout.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Statistics {
     /// Its name.
@@ -17,29 +17,29 @@ pub struct Statistics {
     pub dropped: Dropped,
     /// Time from firing to arrival, of the events that arrived; `None` when none did.
     pub latency: Option<Latency>,
-    /// What was busy, and how many waited for it.
+    /// Its stages: how busy they were, and how many events waited.
     pub stages: Vec<Stage>,
     /// Events at SCAMP-5's address (0,0), which a host may take for the end of its list.
     pub ambiguous: u64,
 }
 
-/// Times from firing to arrival. A quantile is the smallest latency that this part of the
-/// events does not exceed. What is [`Latency::BEYOND`] is that or longer: it is not written as
-/// a number, and there is no mean.
+/// Latencies, from firing to arrival. A quantile is the smallest latency that this part of the
+/// events does not exceed. [`Latency::BEYOND`] stands for that time or longer: it is written as
+/// `null`, and there is then no mean.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Latency {
     /// Mean, in seconds; infinite where one of them is not known.
     pub mean_s: f64,
-    /// Half of the events.
+    /// Median.
     #[serde(rename = "p50_ps", serialize_with = "known")]
     pub p50: Picos,
-    /// Nine of ten.
+    /// Quantile of 90 %.
     #[serde(rename = "p90_ps", serialize_with = "known")]
     pub p90: Picos,
-    /// All but one of a hundred.
+    /// Quantile of 99 %.
     #[serde(rename = "p99_ps", serialize_with = "known")]
     pub p99: Picos,
-    /// The longest.
+    /// Maximum.
     #[serde(rename = "max_ps", serialize_with = "known")]
     pub max: Picos,
 }
@@ -57,7 +57,7 @@ impl Latency {
 
     /// Of latencies in picoseconds, in any order.
     #[must_use]
-    pub fn of(latencies: &[u64]) -> Option<Self> {
+    pub fn from_latencies(latencies: &[u64]) -> Option<Self> {
         let mut sorted = latencies.to_vec();
         sorted.sort_unstable();
         let max = *sorted.last()?;
@@ -80,7 +80,7 @@ impl Latency {
     }
 }
 
-/// A part of a readout that serves one at a time.
+/// A stage of a readout, which serves one event at a time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Stage {
     /// Its name.
@@ -132,7 +132,7 @@ impl Statistics {
             readout,
             events: [packet.events.len() as u64, latencies.len() as u64],
             dropped,
-            latency: Latency::of(latencies),
+            latency: Latency::from_latencies(latencies),
             stages,
             ambiguous: 0,
         }
@@ -146,18 +146,18 @@ mod tests {
     #[test]
     fn quantiles_are_ranks() {
         let latencies: Vec<u64> = (1..=200).rev().collect();
-        let l = Latency::of(&latencies).unwrap();
+        let l = Latency::from_latencies(&latencies).unwrap();
         assert_eq!(
             [l.p50, l.p90, l.p99, l.max].map(|p| p.0),
             [100, 180, 198, 200]
         );
         assert!((l.mean_s - 100.5e-12).abs() < 1e-24);
-        let one = Latency::of(&[7]).unwrap();
+        let one = Latency::from_latencies(&[7]).unwrap();
         assert_eq!((one.p50.0, one.p99.0), (7, 7));
-        let long = Latency::of(&[7, 7, u64::MAX]).unwrap();
+        let long = Latency::from_latencies(&[7, 7, u64::MAX]).unwrap();
         let json = serde_json::to_value(long).unwrap();
         assert_eq!(json["p50_ps"], 7);
         assert!(json["max_ps"].is_null() && json["mean_s"].is_null());
-        assert!(Latency::of(&[]).is_none());
+        assert!(Latency::from_latencies(&[]).is_none());
     }
 }

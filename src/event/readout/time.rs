@@ -1,11 +1,11 @@
-//! Time within a readout: picoseconds, and frames.
+//! Time within a readout: picoseconds, and frame periods.
 
 use crate::{
     event::{Event, Packet},
     unit::Micros,
 };
 
-/// The events that one frame's bits stand for.
+/// The events that go into one frame.
 pub(super) struct Window<'a> {
     /// The frame's end.
     pub(super) stamp: Micros,
@@ -39,7 +39,8 @@ pub(super) fn micros(picos: u128) -> Micros {
     Micros(u64::try_from(picos / 1_000_000).unwrap_or(u64::MAX))
 }
 
-/// From when an event fired to `picos`, in picoseconds; at most [`Latency::BEYOND`](super::Latency::BEYOND).
+/// The time from firing at `t` to `at`, in picoseconds; at most
+/// [`Latency::BEYOND`](super::Latency::BEYOND).
 pub(super) fn since(t: Micros, at: u128) -> u64 {
     u64::try_from(at.saturating_sub(picos(t))).unwrap_or(u64::MAX)
 }

@@ -1,4 +1,4 @@
-//! A chip from the layers that it is made of.
+//! Assembling a chip from its layers of files.
 
 use std::sync::Arc;
 

@@ -1,6 +1,9 @@
-//! Where a chip comes from: the shipped ones by name, any other from its folder.
+//! Finding a chip: the shipped ones by name, any other by its folder.
 
-use std::{path::Path, sync::LazyLock};
+use std::{
+    path::{Path, PathBuf},
+    sync::LazyLock,
+};
 
 use crate::isa::Device;
 
@@ -52,6 +55,24 @@ impl Device {
     /// When its files cannot be read or are wrong.
     pub fn load(folder: &Path) -> Result<Self, LoadError> {
         assemble(&layers(disk_folder(folder)?, folder.parent())?)
+    }
+
+    /// The folders on disk of the chips that the chip in this folder extends. None where there
+    /// is no chip, or one that [`Device::load`] refuses.
+    #[must_use]
+    pub fn folders_extended(folder: &Path) -> Vec<PathBuf> {
+        if !folder.join("device.toml").is_file() {
+            return Vec::new();
+        }
+        let layers = disk_folder(folder).and_then(|top| layers(top, folder.parent()));
+        let mut folders: Vec<PathBuf> = layers
+            .unwrap_or_default()
+            .into_iter()
+            .filter_map(|layer| layer.folder.path)
+            .collect();
+        // The innermost comes first, the chip itself last.
+        folders.pop();
+        folders
     }
 }
 

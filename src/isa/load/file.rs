@@ -6,7 +6,7 @@ use super::{
 };
 use crate::config::{Faults, Node, Place, Read, Section};
 
-/// A value and where it stands.
+/// A value and its place in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Placed<T> {
     pub value: T,
@@ -62,7 +62,7 @@ pub(super) struct RowFile {
     pub evidence: Evidence,
 }
 
-/// The text of `device.toml`; `name` is told in messages.
+/// The text of `device.toml`; `name` is for messages.
 pub(super) fn device(name: &str, text: &str) -> Result<DeviceFile, Faults> {
     keys::DEVICE_FILE.read(name, text, |root| {
         let top = Section::new(root, &DEVICE);
@@ -91,7 +91,7 @@ pub(super) fn device(name: &str, text: &str) -> Result<DeviceFile, Faults> {
     })
 }
 
-/// The text of `primitives.toml`; `name` is told in messages.
+/// The text of `primitives.toml`; `name` is for messages.
 pub(super) fn primitives(name: &str, text: &str) -> Result<Vec<RowFile>, Faults> {
     keys::PRIMITIVES_FILE.read(name, text, |root| {
         let rows = Section::new(root, &PRIMITIVES).tables("primitive");

@@ -1,6 +1,6 @@
 //! The folders that a chip is made of, one over the other.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::{
     config::{Fault, Faults, suggestion_or},
@@ -16,6 +16,8 @@ use super::{
 /// The texts of one folder.
 pub(super) struct Folder {
     pub(super) name: String,
+    /// Where it is, if it is not part of the program.
+    pub(super) path: Option<PathBuf>,
     pub(super) device: String,
     pub(super) primitives: Option<String>,
     pub(super) macros: Option<String>,
@@ -39,7 +41,7 @@ type Shipped = (
 // Every folder of `isa/` that has a `device.toml`, in order of names: `build.rs` lists them.
 pub(super) const SHIPPED: &[Shipped] = include!(concat!(env!("OUT_DIR"), "/chips.rs"));
 
-/// `a` extends `b` extends `c` …, at most.
+/// The longest chain of `extends`.
 const CHAIN: usize = 8;
 
 /// What a chip's folder holds.
@@ -62,6 +64,7 @@ pub(super) fn shipped_folder(name: &str) -> Result<Folder, LoadError> {
     let (name, device, primitives, macros) = found.ok_or_else(|| unknown(name))?;
     Ok(Folder {
         name: format!("isa/{name}"),
+        path: None,
         device: (*device).to_owned(),
         primitives: primitives.map(str::to_owned),
         macros: macros.map(str::to_owned),
@@ -79,6 +82,7 @@ pub(super) fn disk_folder(folder: &Path) -> Result<Folder, LoadError> {
     };
     Ok(Folder {
         name: folder.display().to_string(),
+        path: Some(folder.to_owned()),
         device: read("device.toml")?,
         primitives: maybe("primitives.toml")?,
         macros: maybe("macros.scamp")?,

@@ -1,4 +1,4 @@
-//! What a macro destroys.
+//! The scratch registers that a macro destroys.
 
 use crate::isa::{
     Callable, Device, Kind,
@@ -12,7 +12,7 @@ use super::{
 };
 
 impl Macro {
-    /// Names of the registers that its body writes besides its parameters.
+    /// Names of the registers besides its parameters that its body writes.
     #[must_use]
     pub fn scratch(&self, device: &Device) -> Vec<String> {
         let mut names = Vec::new();
@@ -22,7 +22,7 @@ impl Macro {
         names
     }
 
-    /// Each macro is looked at once, however often it is called.
+    /// Collects them through all calls, each macro once however often it is called.
     fn collect_scratch<'d>(
         &'d self,
         device: &'d Device,

@@ -1,4 +1,4 @@
-//! A primitive from a form of its row, and as text.
+//! Conversion between a primitive and its text: by a form of its row.
 
 use crate::isa::{
     Analog, Bit, Device, Digital, Direction, Primitive, Source, Target, Value, signature::Bound,

@@ -1,5 +1,5 @@
-//! Rows of the tables: what a primitive or a host operation is called, what it takes, what
-//! it means, what it costs.
+//! Rows of a chip's tables: the name, parameters, meaning and cost of a primitive or a host
+//! operation.
 
 mod form;
 mod table;

@@ -1,5 +1,4 @@
-//! Walking over tokens: what is expected, what stands there instead, and how to go on after
-//! a fault.
+//! A cursor over tokens: what is expected, what is found instead, and how to go on after a fault.
 
 use crate::config::{Fault, Place};
 use crate::limit::NESTING;
@@ -141,7 +140,7 @@ impl<'a> Cursor<'a> {
         .help(help)
     }
 
-    /// One level deeper, for what can stand inside itself.
+    /// Parses one nesting level deeper.
     ///
     /// # Errors
     /// When that is too deep.
@@ -155,7 +154,7 @@ impl<'a> Cursor<'a> {
         result
     }
 
-    /// One level deeper, up to [`Cursor::leave`].
+    /// Enters a nesting level; [`Cursor::leave`] leaves it.
     ///
     /// # Errors
     /// When that is too deep.
@@ -177,8 +176,8 @@ impl<'a> Cursor<'a> {
         self.depth -= 1;
     }
 
-    /// After a fault: behind the next `;`, or in front of the next brace or what looks like
-    /// a statement.
+    /// Recovers after a fault: moves behind the next `;`, or to the next brace or what looks like a
+    /// statement.
     pub fn recover(&mut self) {
         while let Some(token) = self.peek() {
             let second = self.peek_second().map(|t| &t.kind);
@@ -274,7 +273,7 @@ impl<'a> Cursor<'a> {
         let mut left = operand(self)?;
         let mut length = 0;
         while let Some(&(_, operator)) = operators.iter().find(|(mark, _)| self.sees(mark)) {
-            // A long sum is a deep tree.
+            // A long sum is a deep tree, so its length is limited like nesting.
             length += 1;
             if length > NESTING {
                 return Err(self.unexpected("a shorter sum", "take it apart"));

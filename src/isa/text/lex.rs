@@ -82,7 +82,7 @@ fn is_blank(c: char) -> bool {
 }
 
 fn token(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
-    alt((comment, quoted, number, name.map(Ok), mark.map(Ok), stray)).parse_next(input)
+    alt((comment, quoted, number, name.map(Ok), mark.map(Ok), unknown)).parse_next(input)
 }
 
 fn comment(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
@@ -177,7 +177,7 @@ fn mark(input: &mut Input<'_>) -> Result<Kind> {
     winnow::combinator::fail.parse_next(input)
 }
 
-fn stray(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
+fn unknown(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
     any.map(|c: char| {
         Err(Fault::error(
             Place::default(),

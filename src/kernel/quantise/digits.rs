@@ -1,5 +1,5 @@
-//! Canonical signed digits under a budget: each weight a few signed powers of two, so many in
-//! the whole kernel.
+//! Canonical signed digits (CSD) under a budget: each weight is a sum of few signed powers of two,
+//! with a given number of non-zero digits in the whole kernel.
 //!
 //! Additions on a chip go by digits that are not 0, wherever in the kernel they are. For every
 //! weight the nearest number of 0, 1, 2 … digits is looked up; dynamic programming over
@@ -64,7 +64,7 @@ fn most_digits(top: i64) -> u32 {
     (0..=top).map(signed_digits).max().unwrap_or(0)
 }
 
-/// The nearest whole number to `value` of each number of digits up to `most`.
+/// For each number of digits up to `most`: the nearest whole number to `value` that has so many.
 fn nearest(value: f64, top: i64, most: u32) -> Vec<i64> {
     let mut best = vec![0i64; most as usize + 1];
     for level in -top..=top {
@@ -78,8 +78,8 @@ fn nearest(value: f64, top: i64, most: u32) -> Vec<i64> {
     best
 }
 
-/// How the budget is best shared out; with a sum, the last weights' choices are moved so that
-/// it is kept, or `None` when the budget does not allow it.
+/// The best distribution of the budget over the weights (dynamic programming); with a required sum,
+/// levels are then adjusted until it is met, or `None` when the budget does not allow it.
 fn share(values: &[f64], budget: usize, asked: Option<i64>) -> Option<Vec<f64>> {
     let top = 1i64 << FINEST;
     let most = most_digits(top).min(budget as u32);
@@ -114,8 +114,8 @@ fn share(values: &[f64], budget: usize, asked: Option<i64>) -> Option<Vec<f64>> 
     Some(levels.iter().map(|level| *level as f64).collect())
 }
 
-/// Changes one or two weights at a time, the change that hurts least first, until the sum is
-/// right and the digits are within the budget.
+/// Adjusts one or two weights at a time, the change of least error first, until the sum is right
+/// and the digits are within the budget.
 fn balance(values: &[f64], levels: &mut [i64], budget: u32, asked: i64) -> Option<()> {
     let top = 1i64 << FINEST;
     let far = |i: usize, level: i64| (level as f64 - values[i]).powi(2);

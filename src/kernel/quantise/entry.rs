@@ -1,10 +1,10 @@
-//! A quantiser: what it says of itself, how it works, and its numbers.
+//! The entry of a quantiser in the list: what is said of it, how it works, its parameters.
 
 use std::fmt;
 
 use super::error::QuantiseError;
 
-/// To which multiple a weight is brought.
+/// How a weight is rounded to a multiple.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rounding {
     /// The nearest, halves to even.
@@ -12,14 +12,14 @@ pub enum Rounding {
     Nearest,
     /// The next below.
     Floor,
-    /// One of the two next, each with the chance that makes the mean right.
+    /// Stochastic: one of the two next, with probabilities that make the mean exact.
     Stochastic,
 }
 
-/// What the sum of the quantised kernel must be.
+/// Constraint on the sum of the quantised kernel, which is its response to uniform light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sum {
-    /// Whatever comes.
+    /// No constraint.
     #[default]
     Free,
     /// 0: uniform light gives nothing.

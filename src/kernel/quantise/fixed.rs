@@ -1,4 +1,4 @@
-//! Multiples of a power of two: Qm.n.
+//! Fixed point, Qm.n: multiples of a power of two.
 
 use super::{Entry, Parameters, QuantiseError, Quantiser, Rounding, Sum, entry::whole, total};
 use crate::rng::Hash;

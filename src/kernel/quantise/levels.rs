@@ -1,9 +1,10 @@
 //! Few levels and a free scale: least squares, exactly.
 //!
-//! For levels `l` the best scale is `<w, l> / <l, l>`, and what is left of `|w|²` is then
-//! `|w|² - <w, l>² / <l, l>`. For a scale, the best levels are the nearest. As the scale
-//! grows from 0, a weight changes its level where it lies in the middle of two; between these
-//! places nothing changes, so looking once between each finds the best of all.
+//! For levels `l` the best scale is `<w, l> / <l, l>`, and the squared residual is then
+//! `|w|² - <w, l>² / <l, l>`. For a given scale, the best levels are the nearest. As the scale
+//! grows from 0, a weight changes its level only where it lies midway between two; between two such
+//! breakpoints no level changes, so one evaluation between each pair of them finds the global
+//! optimum.
 
 use super::{Chosen, Entry, Parameters, QuantiseError, Quantiser, Sum, error::affordable, total};
 use crate::limit::{QUANTISER_STEPS, QUANTISER_TABLE};
@@ -113,15 +114,15 @@ fn nearest(magnitudes: &[i64], value: f64) -> f64 {
     }
 }
 
-/// The best levels and scale of all; the magnitudes are the levels that are not negative, in
-/// order, and each stands for its negative as well.
+/// The globally best levels and scale. `magnitudes` are the levels that are not negative, in order;
+/// each stands for its negative as well.
 fn free(
     quantiser: Quantiser,
     magnitudes: &[i64],
     weights: &[f64],
     sum: Sum,
 ) -> Result<Chosen, QuantiseError> {
-    // Between each two changes all weights are looked up.
+    // One evaluation between each two breakpoints.
     let size = weights.len() as f64;
     let steps = size * size * (magnitudes.len() - 1) as f64;
     affordable(
@@ -183,10 +184,11 @@ fn rule_of_07(quantiser: Quantiser, weights: &[f64], sum: Sum) -> Result<Chosen,
     with_sum(quantiser, &[0, 1], weights, (levels, scale), sum)
 }
 
-/// As many +1 as -1: of the largest weights and of the smallest, the best number of each.
+/// As many +1 as -1, for a sum of 0.
 ///
-/// Whatever the number k, the best levels are +1 at the k largest weights and -1 at the k
-/// smallest, and then what is won is `(sum of those - sum of these)² / 2k`.
+/// For a given number k, the best levels are +1 at the k largest weights and -1 at the k smallest,
+/// and the squared residual falls by `(sum of the largest - sum of the smallest)² / 2k`. The best k
+/// is tried out.
 fn balanced(weights: &[f64]) -> Chosen {
     let mut order: Vec<usize> = (0..weights.len()).collect();
     order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
@@ -211,8 +213,8 @@ fn balanced(weights: &[f64]) -> Chosen {
     (levels, scale)
 }
 
-/// A scale for each sign: each side is a kernel of its own, whose best number of weights is
-/// found by sorting.
+/// A scale for each sign: the positive and the negative weights are independent problems, each
+/// solved by sorting.
 fn split(weights: &[f64]) -> Chosen {
     let side = |sign: f64| {
         let mut own: Vec<f64> = weights
@@ -247,8 +249,8 @@ fn split(weights: &[f64]) -> Chosen {
     (weights.iter().map(level).collect(), scale)
 }
 
-/// Of all levels with the sum that is asked for, the nearest at a scale, and the best scale
-/// for them, again and again until nothing changes.
+/// Alternates between the nearest levels with the required sum at a scale, and the best scale for
+/// these levels, until nothing changes.
 fn with_sum(
     quantiser: Quantiser,
     magnitudes: &[i64],

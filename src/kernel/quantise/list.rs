@@ -24,13 +24,13 @@ pub const ENTRIES: &[&Entry] = &[
 
 impl Quantiser {
     /// `binary`
-    pub const BINARY: Self = Self::of(&levels::BINARY, [0; 2]);
+    pub const BINARY: Self = Self::new(&levels::BINARY, [0; 2]);
     /// `ternary`
-    pub const TERNARY: Self = Self::of(&levels::TERNARY, [0; 2]);
+    pub const TERNARY: Self = Self::new(&levels::TERNARY, [0; 2]);
     /// `ternary-split`
-    pub const TERNARY_SPLIT: Self = Self::of(&levels::TERNARY_SPLIT, [0; 2]);
+    pub const TERNARY_SPLIT: Self = Self::new(&levels::TERNARY_SPLIT, [0; 2]);
 
-    const fn of(entry: &'static Entry, numbers: [u32; 2]) -> Self {
+    const fn new(entry: &'static Entry, numbers: [u32; 2]) -> Self {
         Self {
             entry,
             numbers,
@@ -85,7 +85,7 @@ impl FromStr for Quantiser {
         let (numbers, rounding) = read.map_err(|why| wrong(format!(": {why}")))?;
         Ok(Self {
             rounding,
-            ..Self::of(entry, numbers)
+            ..Self::new(entry, numbers)
         })
     }
 }

@@ -13,6 +13,7 @@
 
 mod digits;
 mod entry;
+mod erasure;
 mod error;
 mod fixed;
 mod levels;
@@ -23,6 +24,7 @@ mod total;
 
 pub use digits::FINEST;
 pub use entry::{Chosen, Entry, Parameters, Quantiser, Rounding, Sum};
+pub use erasure::Erasure;
 pub use error::QuantiseError;
 pub use list::{ENTRIES, QuantiserNameError, known};
 pub use quantised::Quantised;

@@ -1,4 +1,4 @@
-//! What quantising does to the frequency response of a kernel.
+//! The change of a kernel's frequency response by quantisation.
 
 use std::f64::consts::TAU;
 
@@ -46,7 +46,8 @@ impl Change {
                 most = response.max(most);
                 changed += change * change;
                 all += response * response;
-                // A real kernel answers alike to a frequency and to its opposite.
+                // The response of a real kernel at -f is the conjugate of that at f, so half of the
+                // plane suffices.
                 if change > largest && frequency.0 >= 0.0 {
                     (largest, at) = (change, frequency);
                 }

@@ -1,7 +1,7 @@
-//! Levels with a given sum: the nearest of all.
+//! Levels with a required sum, as near to the values as possible.
 //!
-//! Where the levels are whole numbers without a gap, by steps; otherwise by dynamic
-//! programming over the sums that the first few weights can have.
+//! For consecutive whole numbers by greedy steps; for other levels by dynamic programming over the
+//! sums of the first few weights.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
@@ -18,7 +18,7 @@ pub(super) fn nearest(values: &[f64], all: &[i64], sum: i64) -> Option<Vec<f64>>
     let place = |sum: i64| (sum - low) as usize;
     let mut cost = vec![f64::INFINITY; width];
     cost[place(0)] = 0.0;
-    // Which level led to each sum, weight by weight.
+    // The level chosen for each reachable sum, weight by weight, for tracing back.
     let mut taken: Vec<Vec<u16>> = Vec::with_capacity(values.len());
     for (i, value) in (1..).zip(values) {
         let mut next = vec![f64::INFINITY; width];
@@ -54,11 +54,12 @@ pub(super) fn nearest(values: &[f64], all: &[i64], sum: i64) -> Option<Vec<f64>>
     Some(levels)
 }
 
-/// Moves weights by steps, each time the one that it hurts least, until they sum to `asked`.
+/// Moves weights by single steps, each time the one with the least increase of squared error, until
+/// they sum to `asked`.
 ///
-/// What a step costs grows with each step that a weight has taken, so no other choice of
-/// steps from here is nearer. Many steps are taken at once, up to a level below which every
-/// step is among those that hurt least; the last few go one by one.
+/// The increase grows with each step of a weight (convexity), so the greedy choice is optimal. Many
+/// steps are taken at once, up to a threshold below which every step is among the cheapest; the
+/// last few go one by one.
 pub(super) fn settle(
     values: &[f64],
     steps: &mut [f64],
@@ -73,7 +74,7 @@ pub(super) fn settle(
     if left > steps.iter().map(|step| room(*step)).sum::<f64>() {
         return None;
     }
-    // How far a weight is ahead of its value: half of what a step hurts, less a half.
+    // How far a weight is ahead of its value: half of the increase by a step, less a half.
     let ahead = |i: usize, step: f64| way * (step - values[i]);
     let up_to =
         |level: f64, i: usize, step: f64| (level - ahead(i, step)).floor().clamp(0.0, room(step));

@@ -19,19 +19,19 @@ pub struct Axis<'a> {
     pub scale: Scale,
 }
 
-/// What the numbers on an axis are.
+/// How the values of an axis are labelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
     /// The values themselves.
     Plain,
-    /// Their sizes: up and down from 0 are two directions, not two signs.
+    /// Absolute values: up and down from 0 are two directions, not two signs.
     Mirrored,
     /// Microseconds, of which the values are the logarithms to base 10.
     Decades,
 }
 
 impl Axis<'_> {
-    /// Part of the way from the beginning to the end.
+    /// The position of `value` along the axis: 0 at its beginning, 1 at its end.
     pub fn part(self, value: f64) -> f64 {
         if self.to > self.from {
             (value - self.from) / (self.to - self.from)
@@ -40,7 +40,7 @@ impl Axis<'_> {
         }
     }
 
-    /// Round values within, at most about `most`, with what is written at them.
+    /// Round values on the axis, at most about `most`, each with its label.
     fn ticks(self, most: usize) -> Vec<(f64, String)> {
         if !(self.to > self.from && self.from.is_finite() && self.to.is_finite()) {
             return Vec::new();
@@ -50,7 +50,8 @@ impl Axis<'_> {
             step = step.max(1.0).round();
         }
         let decimals = (-elementary::log10(step).floor()).max(0.0) as usize;
-        // From which on values are nearer to the end than a thousandth of a step.
+        // Ticks start and end within a thousandth of a step of the ends, so that rounding hides
+        // none.
         let first = (self.from / step - 1e-3).ceil() as i64;
         let last = (self.to / step + 1e-3).floor() as i64;
         (first..=last.min(first + 100))

@@ -1,8 +1,8 @@
-//! Events as dots in a box: time to the right, y down, x into the page.
+//! The event cloud: events as dots in a box, time to the right, y down, x into the page.
 
 use image::RgbImage;
 
-use super::caption;
+use super::layout::caption;
 use crate::{
     event::{Event, Packet, Polarity},
     picture::{
@@ -12,21 +12,21 @@ use crate::{
     },
 };
 
-/// More dots than this hide each other: then every so manyeth event is shown, and the caption
-/// says so.
+/// At most this many dots are drawn, as more hide each other: beyond, every n-th event is shown,
+/// and the caption says so.
 const DOTS: usize = 40_000;
 /// Pixels a point.
 const FINE: f64 = 2.0;
-/// How far back the box goes, as parts of its area: to the right, and up.
+/// Depth of the box on the page, as shares of its area: to the right, and up.
 const DEPTH: (f64, f64) = (0.30, 0.30);
 
-/// The box in an area.
+/// The oblique projection of the box (t, x, y) into an area of the page.
 struct Box3 {
     area: Area,
 }
 
 impl Box3 {
-    /// Where parts of time, x and y lie on the page.
+    /// The place on the page of `t`, `x` and `y`, each from 0 to 1 along its side of the box.
     fn at(&self, t: f64, x: f64, y: f64) -> Point {
         let a = self.area;
         let across = a.width * (1.0 - DEPTH.0);
@@ -35,6 +35,10 @@ impl Box3 {
             a.x + t * across + x * a.width * DEPTH.0,
             a.y + a.height * DEPTH.1 + y * down - x * a.height * DEPTH.1,
         )
+    }
+
+    fn corner(&self, (t, x, y): Corner) -> Point {
+        self.at(t.into(), x.into(), y.into())
     }
 }
 
@@ -50,36 +54,62 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         height: panel.height - 2.0 * line,
     };
     let space = Box3 { area };
-    let corner = |t: u8, x: u8, y: u8| space.at(t.into(), x.into(), y.into());
     let every = packet.events.len().div_ceil(DOTS).max(1);
     drawing.pixels(area, dots(packet, &space, every));
-    for (from, to) in [
-        ((0, 1, 1), (1, 1, 1)),
-        ((0, 1, 0), (0, 1, 1)),
-        ((0, 0, 1), (0, 1, 1)),
-    ] {
-        let ends = [from, to].map(|(t, x, y)| corner(t, x, y));
-        drawing.line(ends[0], ends[1], 1.0, ink::MATCHED);
+    edges(drawing, &space);
+    labels(drawing, &space, packet);
+    let note = if every > 1 {
+        format!("every {every}th event; blue ON, vermilion OFF")
+    } else {
+        "all events; blue ON, vermilion OFF".into()
+    };
+    let whole = Area {
+        x: panel.x,
+        height: panel.height,
+        ..area
+    };
+    caption(drawing, whole, "events in x, y and time", &[&note]);
+}
+
+/// A corner of the box: 0 or 1 along t, x and y.
+type Corner = (u8, u8, u8);
+
+/// Edges behind the dots, drawn pale.
+const HIDDEN: [(Corner, Corner); 3] = [
+    ((0, 1, 1), (1, 1, 1)),
+    ((0, 1, 0), (0, 1, 1)),
+    ((0, 0, 1), (0, 1, 1)),
+];
+
+/// The other edges.
+const VISIBLE: [(Corner, Corner); 9] = [
+    ((0, 0, 0), (1, 0, 0)),
+    ((0, 0, 1), (1, 0, 1)),
+    ((0, 0, 0), (0, 0, 1)),
+    ((1, 0, 0), (1, 0, 1)),
+    ((0, 0, 0), (0, 1, 0)),
+    ((1, 0, 0), (1, 1, 0)),
+    ((1, 0, 1), (1, 1, 1)),
+    ((0, 1, 0), (1, 1, 0)),
+    ((1, 1, 0), (1, 1, 1)),
+];
+
+fn edges(drawing: &mut Drawing, space: &Box3) {
+    for (edges, ink) in [(&HIDDEN[..], ink::MATCHED), (&VISIBLE[..], ink::CAPTION)] {
+        for (from, to) in edges {
+            drawing.line(space.corner(*from), space.corner(*to), 1.0, ink);
+        }
     }
-    for (from, to) in [
-        ((0, 0, 0), (1, 0, 0)),
-        ((0, 0, 1), (1, 0, 1)),
-        ((0, 0, 0), (0, 0, 1)),
-        ((1, 0, 0), (1, 0, 1)),
-        ((0, 0, 0), (0, 1, 0)),
-        ((1, 0, 0), (1, 1, 0)),
-        ((1, 0, 1), (1, 1, 1)),
-        ((0, 1, 0), (1, 1, 0)),
-        ((1, 1, 0), (1, 1, 1)),
-    ] {
-        let ends = [from, to].map(|(t, x, y)| corner(t, x, y));
-        drawing.line(ends[0], ends[1], 1.0, ink::CAPTION);
-    }
+}
+
+/// The names of the axes and the values at their ends.
+fn labels(drawing: &mut Drawing, space: &Box3, packet: &Packet) {
+    let line = f64::from(LINE);
     let (from, to) = packet.span;
     let mut word = |at: Point, anchor, ink, text: String| {
         drawing.text(at, anchor, Weight::Plain, ink, text);
     };
-    let (left, right) = (corner(0, 0, 1), corner(1, 0, 1));
+    let (left, right) = (space.corner((0, 0, 1)), space.corner((1, 0, 1)));
     let below = left.1 + 3.0;
     let middle = f64::midpoint(left.0, right.0);
     word(
@@ -95,13 +125,13 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         ink::CAPTION,
         format!("{:.2}", to.seconds()),
     );
-    let far = corner(1, 1, 1);
+    let far = space.corner((1, 1, 1));
     let along = (
         f64::midpoint(right.0, far.0) + 8.0,
         f64::midpoint(right.1, far.1) - 4.0,
     );
     word(along, Anchor::Start, ink::TEXT, "x (px)".into());
-    let top = corner(0, 0, 0);
+    let top = space.corner((0, 0, 0));
     let beside = top.0 - 5.0;
     word((beside, top.1 - 6.0), Anchor::End, ink::CAPTION, "0".into());
     let half = f64::midpoint(top.1, left.1) - line / 2.0;
@@ -122,20 +152,9 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
         ink::CAPTION,
         farthest,
     );
-    let note = if every > 1 {
-        format!("every {every}th event; blue ON, vermilion OFF")
-    } else {
-        "all events; blue ON, vermilion OFF".into()
-    };
-    let whole = Area {
-        x: panel.x,
-        height: panel.height,
-        ..area
-    };
-    caption(drawing, whole, "events in x, y and time", &[&note]);
 }
 
-/// Dots, those farther back first.
+/// A picture of the dots, those farther back drawn first; every `every`-th event.
 fn dots(packet: &Packet, space: &Box3, every: usize) -> RgbImage {
     let area = space.area;
     let side = |points: f64| (points * FINE).ceil().max(1.0) as u32;

@@ -2,7 +2,10 @@
 
 use image::{Rgb, RgbImage};
 
-use super::{Window, caption, fitted, signs};
+use super::{
+    layout::{caption, fitted},
+    window::{Window, signs},
+};
 use crate::{
     event::{Event, Packet},
     picture::{
@@ -15,10 +18,11 @@ use crate::{
     unit::Micros,
 };
 
-/// From so many events of one sign more than of the other on, a pixel has the full colour.
+/// A pixel has the full colour where it has at least this many more events of one sign than of the
+/// other.
 const FULL: i64 = 3;
 
-/// Events of a window as a picture of the sensor's size; of one kind, or of all.
+/// The events of a window as a picture of the sensor's size, of one kind or of all kinds.
 pub(super) fn pixels(events: &[Event], size: Size, kind: Option<u8>) -> RgbImage {
     let mut sums = Plane::<Option<i64>>::from_elem(size.shape(), None);
     for e in events
@@ -35,7 +39,7 @@ pub(super) fn pixels(events: &[Event], size: Size, kind: Option<u8>) -> RgbImage
     })
 }
 
-/// The colour of so many more ON than OFF events.
+/// The colour of a sum of signs (ON less OFF events).
 fn tint(sum: i64) -> Ink {
     let full = match sum {
         0 => return ink::MATCHED,

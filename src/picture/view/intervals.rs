@@ -1,4 +1,4 @@
-//! Times between successive events of a cell.
+//! The histogram of inter-event intervals: times between successive events of a cell.
 
 use std::collections::HashMap;
 
@@ -16,12 +16,12 @@ use crate::{
     unit::Micros,
 };
 
-use super::lasting;
+use super::time::lasting;
 
-/// Bins of one decade.
+/// Bins of the histogram in one decade.
 const PER_DECADE: f64 = 10.0;
 
-/// Intervals of every cell, whatever the signs of its events, in order of length.
+/// Intervals of all cells in microseconds, sorted; the signs of events do not matter.
 fn intervals(packet: &Packet) -> Vec<u64> {
     let mut last: HashMap<_, Micros> = HashMap::new();
     let mut intervals = Vec::new();
@@ -34,7 +34,7 @@ fn intervals(packet: &Packet) -> Vec<u64> {
     intervals
 }
 
-/// A histogram over bins of equal factors; intervals of 0 count to the first bin.
+/// A histogram over logarithmic bins; intervals of 0 count to the first bin.
 pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
     let all = intervals(packet);
     let decades = |us: u64| elementary::log10(us.max(1) as f64);

@@ -1,6 +1,10 @@
 //! A small event frame for each kind.
 
-use super::{GAP, MARGIN, Window, fitted, frame, head};
+use super::{
+    frame,
+    layout::{GAP, MARGIN, fitted, head},
+    window::Window,
+};
 use crate::{
     event::Packet,
     picture::{
@@ -15,7 +19,7 @@ const APART: f64 = 14.0;
 /// Kinds side by side.
 const ROW: usize = 6;
 
-/// The area of a kind's panel, of a row that begins at `(left, top)`.
+/// The area of the panel of `kind`, in a grid of panels that begins at `(left, top)`.
 fn area(packet: &Packet, left: f64, top: f64, kind: usize) -> Area {
     let line = f64::from(LINE);
     let whole = Area {
@@ -33,13 +37,13 @@ fn area(packet: &Packet, left: f64, top: f64, kind: usize) -> Area {
     }
 }
 
-/// Height of all of them.
+/// Height of the grid of panels, in points.
 pub(super) fn height(packet: &Packet) -> f64 {
     let last = usize::from(packet.channels.max(1)) - 1;
     area(packet, 0.0, 0.0, last).bottom() + f64::from(LINE) + 4.0
 }
 
-/// All of them, from a corner on.
+/// Draws the grid of panels with its upper left corner at `(left, top)`.
 pub(super) fn draw(drawing: &mut Drawing, left: f64, top: f64, packet: &Packet, window: &Window) {
     for kind in 0..packet.channels {
         let area = area(packet, left, top, kind.into());
@@ -47,7 +51,7 @@ pub(super) fn draw(drawing: &mut Drawing, left: f64, top: f64, packet: &Packet, 
     }
 }
 
-/// All of them, on a page of their own.
+/// Draws the grid of panels on a page of its own.
 pub(super) fn page(packet: &Packet, window: &Window, title: &str) -> Drawing {
     let columns = usize::from(packet.channels).clamp(2, ROW) as f64;
     let width = columns * (SMALL + APART) - APART;

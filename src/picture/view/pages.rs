@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 
-use super::{Look, draw};
+use super::{look::Look, page::draw};
 use crate::{
     event::Packet,
     picture::{PictureError, chart::raster},
@@ -39,7 +39,7 @@ pub fn pages<'a>(
 #[cfg(test)]
 mod tests {
     use super::{
-        super::{View, tests::packet},
+        super::{look::View, tests::packet},
         *,
     };
     use crate::picture::ink;

@@ -13,7 +13,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::lasting;
+use super::time::lasting;
 
 /// ON and OFF events of each bin.
 #[derive(Debug, PartialEq)]
@@ -26,8 +26,8 @@ struct Bins {
 }
 
 impl Bins {
-    /// At most `most` bins of 1, 2 or 5 times a power of ten microseconds over the time
-    /// watched. A bin holds its end, not its beginning; the first holds both.
+    /// At most `most` bins over the span of the packet, each of 1, 2 or 5 times a power of ten
+    /// microseconds. A bin holds its end, not its beginning; the first holds both.
     fn new(packet: &Packet, most: u64) -> Self {
         let (from, to) = packet.span;
         let whole = to.0.saturating_sub(from.0);
@@ -106,7 +106,7 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
     );
 }
 
-/// A unit in which a rate is from 1 to 1000.
+/// An SI prefix in which a rate is from 1 to 1000, and its factor.
 fn prefix(rate: f64) -> (&'static str, f64) {
     match rate {
         r if r >= 1e9 => ("G", 1e9),

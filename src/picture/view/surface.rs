@@ -1,6 +1,11 @@
-//! Time surfaces: how long ago each pixel spoke last.
+//! Time surfaces: how recent each pixel's last event is.
 
-use super::{Window, caption, fitted, frame, lasting, seconds};
+use super::{
+    frame,
+    layout::{caption, fitted},
+    time::{lasting, seconds},
+    window::Window,
+};
 use crate::{
     elementary,
     event::{Packet, Polarity},
@@ -46,7 +51,7 @@ const fn full(polarity: Polarity) -> ink::Ink {
     }
 }
 
-/// From now back to three time constants, for both signs.
+/// The colour scale from now back to three time constants, for both signs.
 fn legend(drawing: &mut Drawing, (x, y): (f64, f64), tau: &str) {
     let steps = 60;
     for (row, polarity) in (0..).zip([Polarity::On, Polarity::Off]) {

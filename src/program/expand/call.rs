@@ -1,4 +1,4 @@
-//! Which macro or primitive a statement calls.
+//! Overload resolution: which macro or primitive a statement calls.
 
 use super::{Lowering, Scope};
 use crate::config::{Fault, Place, suggestion};
@@ -43,7 +43,8 @@ impl<'d> Lowering<'d> {
                 }
                 Err(Mismatch::Shape) => {}
                 Err(Mismatch::Argument { index, message }) => {
-                    // The form that fits the longest is most likely the one that was meant.
+                    // Among forms that fail, the one that fits the most arguments is most likely
+                    // the one that was meant.
                     if furthest.as_ref().is_none_or(|(far, _)| index > *far) {
                         furthest = Some((index, message));
                     }

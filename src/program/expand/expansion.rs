@@ -1,4 +1,4 @@
-//! What a program became, statement by statement.
+//! The result of expansion, statement by statement.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub struct Expansion {
     pub frame: Vec<Entry>,
     /// The value of every constant that is a number.
     pub constants: BTreeMap<String, f64>,
-    /// What may not be meant.
+    /// Warnings: what may not be meant.
     pub warnings: Vec<Fault>,
 }
 
@@ -68,7 +68,7 @@ pub struct Expanded {
     pub results: Vec<Cell>,
     /// Whether it needs FLAG to be 1 everywhere.
     pub whole_flag: bool,
-    /// Whether it was written by the host as kernels of its own, outside the program's store.
+    /// Whether the host runs it as kernels of its own, outside the program's store.
     pub host: bool,
 }
 

@@ -1,5 +1,4 @@
-//! From tree to words: names are looked up, constants computed, macros replaced by what they
-//! stand for.
+//! Expansion: names are looked up, constants are computed, macros are replaced by their bodies.
 
 mod call;
 mod expansion;
@@ -33,7 +32,7 @@ pub(super) fn expand(
 ) -> (Expansion, Vec<Fault>) {
     let mut lowering = Lowering {
         device,
-        lines: Lines::of(text),
+        lines: Lines::new(text),
         scratch: BTreeMap::new(),
         left: EXPANDED_STEPS,
         full: false,
@@ -84,11 +83,11 @@ fn steps_of(entries: &[Entry]) -> Vec<Step> {
 struct Lowering<'a> {
     device: &'a Device,
     lines: Lines,
-    /// What macros use as scratch, by name and place of their heading.
+    /// Scratch registers of macros, by name and place of their heading (a cache).
     scratch: BTreeMap<(&'a str, usize), Vec<Cell>>,
-    /// Words, host operations and calls that there is still room for.
+    /// Words, host operations and calls that may still be expanded (a limit on the work).
     left: usize,
-    /// Whether that was told, and the text is read no further.
+    /// Whether that limit was reported; the rest of the text is then skipped.
     full: bool,
     constants: BTreeMap<String, Value>,
     /// The register of the last `scamp5_draw_begin`.
@@ -96,10 +95,10 @@ struct Lowering<'a> {
     faults: Vec<Fault>,
 }
 
-/// What the parameters of a macro stand for.
+/// The arguments of a macro by parameter name.
 type Scope<'a> = &'a [(&'a str, Value)];
 
-/// One statement of the program on its way to words.
+/// Where the words of one statement are collected.
 struct Sink {
     steps: Vec<Step>,
     line: u32,
@@ -182,12 +181,12 @@ impl<'d> Lowering<'d> {
                         (runs(std::slice::from_ref(&repeat)), &mut repeat)
                     {
                         self.faults.push(runs_too_long("this `repeat`", heading));
-                        // So that those around it are no fault of their own.
+                        // So that uses of the constant are no faults of their own.
                         *times = 1;
                     }
                     entries.push(repeat);
                 }
-                // Found by the parser, where they do not belong.
+                // The parser has reported these, where they do not belong.
                 Node::Comment(_) | Node::Const { .. } | Node::Init(_) | Node::Frame(_) => {}
             }
         }
@@ -383,7 +382,7 @@ impl<'d> Lowering<'d> {
         .help("use `repeat N { … }`, whose body counts once"))
     }
 
-    /// Whether `init`, and a frame, ends in time.
+    /// Checks that the steps that run in `init`, and in a frame, are within the limit.
     fn frame_runs(&mut self, expansion: &Expansion) {
         let whole = if expansion.bare {
             "the program"
@@ -398,7 +397,7 @@ impl<'d> Lowering<'d> {
     }
 }
 
-/// How many steps run: words, host operations, turns of `repeat`. None beyond the limit.
+/// How many steps run: words, host operations, iterations of `repeat`; `None` beyond the limit.
 fn runs(entries: &[Entry]) -> Option<u64> {
     entries.iter().try_fold(0, |sum, entry| {
         let one = match entry {
@@ -409,7 +408,7 @@ fn runs(entries: &[Entry]) -> Option<u64> {
     })
 }
 
-/// The same of some steps.
+/// The same for steps.
 fn steps_run(steps: &[Step]) -> Option<u64> {
     steps.iter().try_fold(0, |sum, step| {
         let one = match &step.action {
@@ -420,7 +419,7 @@ fn steps_run(steps: &[Step]) -> Option<u64> {
     })
 }
 
-/// A turn of an empty body takes time as well.
+/// Iterations times the steps of a body; an empty iteration counts as one step.
 fn turns(times: u32, body: u64) -> Option<u64> {
     u64::from(times).checked_mul(body.max(1)).and_then(within)
 }

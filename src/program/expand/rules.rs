@@ -1,4 +1,4 @@
-//! What the chip does not allow, and what is lost on the way.
+//! Rules of the chip: operands that it does not allow, and warnings about values that are lost.
 
 use super::{Lowering, Sink, cell};
 use crate::config::Fault;
@@ -100,13 +100,13 @@ impl<'d> Lowering<'d> {
         .help(help)
     }
 
-    /// One word that reads and writes the same one-bit register.
+    /// Warns of a word that reads and writes the same one-bit register.
     pub(super) fn warn_in_place(&mut self, word: &Primitive, sink: &Sink, depth: usize) {
         if depth > 0 {
             return;
         }
         let operands = self.device.operands(word);
-        // The networks over neighbours look after their own.
+        // The networks over neighbours copy the register themselves.
         if operands.unit != Unit::Logic {
             return;
         }
@@ -129,7 +129,7 @@ impl<'d> Lowering<'d> {
         );
     }
 
-    /// An operand that the macro itself uses as scratch.
+    /// Warns of an operand that the macro also uses as scratch.
     pub(super) fn warn_of_scratch(
         &mut self,
         statement: &Statement,

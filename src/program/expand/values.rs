@@ -1,4 +1,4 @@
-//! What names and expressions stand for.
+//! Evaluation of names and expressions.
 
 use std::collections::BTreeMap;
 
@@ -14,6 +14,8 @@ use crate::isa::{
 };
 
 impl Lowering<'_> {
+    /// Sets the constants: those of the settings, then the program's own, each replaced by its
+    /// override, if it has one.
     pub(super) fn constants(
         &mut self,
         syntax: &Syntax,
@@ -37,72 +39,59 @@ impl Lowering<'_> {
             if enough(&self.faults) {
                 break;
             }
-            if self.device.value_of(name).is_some() {
-                self.faults.push(
-                    Fault::error(
-                        *name_place,
-                        format!("`{name}` is a name of the chip"),
-                        "here",
-                    )
-                    .help("give the constant another name"),
-                );
-            }
-            if self.constants.contains_key(name) {
-                self.faults.push(
-                    Fault::error(
-                        *name_place,
-                        format!("`{name}` is stated twice"),
-                        "again here",
-                    )
-                    .help("keep one of the two"),
-                );
-                continue;
-            }
-            let value = match overrides.get(name) {
-                Some(value) => Ok(Value::Number(*value)),
-                None => self.known_value(value),
-            };
-            match value {
-                Ok(value) => {
-                    self.constants.insert(name.clone(), value);
-                }
-                Err(fault) => {
-                    // So that each use of it is not a fault of its own.
-                    self.constants.insert(name.clone(), Value::Number(0.0));
-                    self.faults.push(fault);
-                }
-            }
+            self.constant(name, *name_place, value, overrides.get(name));
         }
         for (name, value) in overrides {
-            if !self.constants.contains_key(name) {
-                let known = self.constants.keys().map(String::as_str);
-                let near = suggestion(name, known);
-                let all: Vec<&str> = self.constants.keys().map(String::as_str).collect();
-                self.faults.push(
-                    Fault::error(
-                        Place::default(),
-                        format!("there is no constant `{name}` to set"),
-                        "this program",
-                    )
-                    .help(near.unwrap_or_else(|| {
-                        if all.is_empty() {
-                            "it states none; write `const name = value;`".to_owned()
-                        } else {
-                            format!("it states {}", all.join(", "))
-                        }
-                    })),
-                );
-            } else if !value.is_finite() {
-                self.faults.push(
-                    Fault::error(
-                        Place::default(),
-                        format!("the constant `{name}` cannot be {value}"),
-                        "this program",
-                    )
-                    .help("give a finite number"),
-                );
-            }
+            self.check_override(name, *value);
         }
+    }
+
+    /// Sets a constant that the program states.
+    fn constant(&mut self, name: &str, place: Place, value: &Expression, set: Option<&f64>) {
+        if self.device.value_of(name).is_some() {
+            let message = format!("`{name}` is a name of the chip");
+            self.faults
+                .push(Fault::error(place, message, "here").help("give the constant another name"));
+        }
+        if self.constants.contains_key(name) {
+            let message = format!("`{name}` is stated twice");
+            self.faults
+                .push(Fault::error(place, message, "again here").help("keep one of the two"));
+            return;
+        }
+        let value = match set {
+            Some(value) => Ok(Value::Number(*value)),
+            None => self.known_value(value),
+        };
+        let value = value.unwrap_or_else(|fault| {
+            self.faults.push(fault);
+            // So that uses of the constant are no faults of their own.
+            Value::Number(0.0)
+        });
+        self.constants.insert(name.to_owned(), value);
+    }
+
+    /// Reports an override that no constant has, or that is not finite.
+    fn check_override(&mut self, name: &str, value: f64) {
+        let (message, help) = if !self.constants.contains_key(name) {
+            let known = || self.constants.keys().map(String::as_str);
+            let help = suggestion(name, known()).unwrap_or_else(|| {
+                let all: Vec<&str> = known().collect();
+                if all.is_empty() {
+                    "it states none; write `const name = value;`".to_owned()
+                } else {
+                    format!("it states {}", all.join(", "))
+                }
+            });
+            (format!("there is no constant `{name}` to set"), help)
+        } else if !value.is_finite() {
+            let message = format!("the constant `{name}` cannot be {value}");
+            (message, "give a finite number".to_owned())
+        } else {
+            return;
+        };
+        let fault = Fault::error(Place::default(), message, "this program");
+        self.faults.push(fault.help(help));
     }
 
     /// The value of an expression in which every name must mean something.

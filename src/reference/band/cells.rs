@@ -1,4 +1,4 @@
-//! The cells of a channel at their first frame.
+//! The state of a channel's cells after the first frame.
 
 use std::ops::Range;
 
@@ -29,6 +29,7 @@ impl<N: Number> Cells<N> {
         let (number, description) = (&plan.number, &plan.description);
         let width = scratch.drive.len();
         let cells = rows.len() * width;
+        // The memory is what the cells see of the first frame, so that a still scene is silent.
         let mut filtered = Vec::with_capacity(cells);
         let mut pixels = Vec::with_capacity(cells);
         for y in rows.clone() {
@@ -60,6 +61,8 @@ impl<N: Number> Cells<N> {
             let (on, _) = thresholds.row(rows.start + cell / width);
             on[cell % width]
         };
+        // Each cell has leaked for a random part of its first leak interval, so that the leak's
+        // events do not come in step.
         if noise.leak_hz > 0.0 {
             for (cell, memory) in filtered.iter_mut().enumerate() {
                 let fallen = N::Real::from_f64(Noise::leaked(place(cell))) * on(cell);
@@ -83,7 +86,7 @@ impl<N: Number> Cells<N> {
             }
         };
         let refractory = plan.refractory();
-        // Before its first event a cell is ready, whenever its first frame is.
+        // A cell that has never fired is not refractory.
         let fired = if refractory > 0.0 {
             vec![f64::NEG_INFINITY; cells]
         } else {

@@ -1,12 +1,12 @@
-//! What noise makes cells fire besides what the scene does.
+//! Noise events in a row of cells.
 
 use crate::{
     number::Number,
     reference::{
+        noise_event::NoiseEvents,
         reason::Place,
         refractory::awake,
-        stray::Strays,
-        train::{BandSink, Pair, Train},
+        train::{BandSink, Interval, Train},
     },
     sensor::SensorError,
 };
@@ -14,24 +14,24 @@ use crate::{
 use super::{Band, Plan, Scratch};
 
 impl<N: Number> Band<N> {
-    /// Tells of what noise makes the cells of a row fire, besides what the scene did: a row
-    /// with the first such event of each cell, one with the second, and so on.
+    /// Passes the noise events of a row to the sink: first a row with the first such event of each
+    /// cell, then one with the second, and so on, as a row has one train a cell.
     pub(super) fn disturb<S: BandSink>(
         &mut self,
         plan: &Plan<N>,
         channel: usize,
         y: usize,
-        pair: Pair,
+        interval: Interval,
         sink: &mut S,
     ) -> Result<(), SensorError> {
         let range = self.range(y);
         let (noise, response) = (&plan.description.noise, plan.description.response);
-        let (dt, refractory) = (pair.duration(), plan.refractory());
+        let (dt, refractory) = (interval.duration(), plan.refractory());
         let Scratch { trains, rested, .. } = &mut self.scratch;
         let fired = &mut self.channels[channel].fired;
         let seen = self.signal.inner(y);
-        let all = Strays::new(noise, plan.seed, pair.index, dt);
-        let mut strays = Vec::new();
+        let all = NoiseEvents::new(noise, plan.seed, interval.index, dt);
+        let mut noise_events = Vec::new();
         for x in 0..self.width {
             let place = Place {
                 seed: plan.seed,
@@ -43,18 +43,18 @@ impl<N: Number> Band<N> {
                 continue;
             }
             let light = || response.light(plan.number.value(seen[x]));
-            for (u, polarity) in all.of(place, light) {
+            for (u, polarity) in all.in_cell(place, light) {
                 if refractory > 0.0 {
-                    let before = (rested[x] - pair.from) / dt;
+                    let before = (rested[x] - interval.from) / dt;
                     if !awake(u, trains.get(x).as_ref(), before, refractory / dt) {
                         self.report.lost_to_refractory += 1;
                         continue;
                     }
-                    rested[x] = pair.from + u * dt;
+                    rested[x] = interval.from + u * dt;
                     let fired = &mut fired[range.start + x];
                     *fired = fired.max(rested[x]);
                 }
-                strays.push((
+                noise_events.push((
                     x,
                     Train {
                         polarity,
@@ -65,15 +65,15 @@ impl<N: Number> Band<N> {
                 ));
             }
         }
-        self.report.events += strays.len() as u64;
-        while !strays.is_empty() {
+        self.report.events += noise_events.len() as u64;
+        while !noise_events.is_empty() {
             trains.counts.fill(0);
-            let mut told = None;
-            strays.retain(|(x, train)| {
-                if told == Some(*x) {
+            let mut passed = None;
+            noise_events.retain(|(x, train)| {
+                if passed == Some(*x) {
                     return true;
                 }
-                told = Some(*x);
+                passed = Some(*x);
                 trains.set(*x, Some(*train));
                 false
             });

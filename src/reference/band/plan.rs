@@ -1,4 +1,4 @@
-//! What all bands of a sensor share, and what they see.
+//! The constants of a sensor, which its bands share, and their input in an interval.
 
 use crate::{
     number::Number,
@@ -9,11 +9,11 @@ use crate::{
         sheets::Sheets,
         signal::{Light, Padded},
         thresholds::Thresholds,
-        train::Pair,
+        train::Interval,
     },
 };
 
-/// What all bands of a sensor share.
+/// The constants of a sensor, which all of its bands share.
 #[derive(Clone, Debug)]
 pub(in crate::reference) struct Plan<N: Number> {
     pub(in crate::reference) number: N,
@@ -65,28 +65,28 @@ impl<N: Number> Plan<N> {
     }
 }
 
-/// What all bands see of a pair of frames.
+/// The input of all bands in an interval.
 #[derive(Debug)]
-pub(in crate::reference) struct Sight<'a, N: Number> {
-    /// The frame; none if the bands have taken it in already.
+pub(in crate::reference) struct IntervalInput<'a, N: Number> {
+    /// The frame; `None` if the bands have its signal already.
     pub(in crate::reference) light: Option<Light<'a, N>>,
     /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
     /// distance from it if it snaps.
     pub(in crate::reference) pixels: &'a [Padded<N::Held>],
-    /// Resistor sheets, where channels see through them.
+    /// The resistive grids, for channels that see through one.
     pub(in crate::reference) sheets: Option<&'a Sheets>,
-    pub(in crate::reference) pair: Pair,
+    pub(in crate::reference) interval: Interval,
     /// Seconds since the first frame.
     pub(in crate::reference) elapsed: f64,
     /// Whether the times of the events are wanted.
     pub(in crate::reference) times: bool,
 }
 
-/// Derived, it would ask for a number that can be copied held.
-impl<N: Number> Copy for Sight<'_, N> {}
+/// Implemented by hand: derived, it would require `N: Copy`.
+impl<N: Number> Copy for IntervalInput<'_, N> {}
 
 #[expect(clippy::expl_impl_clone_on_copy, reason = "as above")]
-impl<N: Number> Clone for Sight<'_, N> {
+impl<N: Number> Clone for IntervalInput<'_, N> {
     fn clone(&self) -> Self {
         *self
     }

@@ -1,7 +1,7 @@
-//! What is written in a sensor file, checked and built.
+//! Checks a sensor file, and builds its description.
 
 use crate::{
-    config::{Fault, Faults, Node, Place, Read, Section},
+    config::{Faults, Node, Read, Section},
     kernel::Kernel,
     photoreceptor::Response,
     plane::Plane,
@@ -12,12 +12,10 @@ use super::{
     channel::{Channel, Threshold},
     kernels::scaled,
     keys::{FILE, REFRACTORY, SENSOR, THRESHOLD},
+    reader::{ReadFile, Reader, wrong},
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
     sensor::Description,
 };
-
-/// Reads a file that a sensor file names; the path is as written there.
-pub type ReadFile<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
 
 impl Description {
     /// Reads the text of a sensor file called `file`; `read` opens the kernel files it names.
@@ -29,35 +27,24 @@ impl Description {
     }
 }
 
-/// A sensor file being read.
-pub(super) struct Reader<'a> {
-    pub(super) file: &'a str,
-    pub(super) read: &'a ReadFile<'a>,
-}
-
-/// What is wrong here, and what to do.
-pub(super) fn wrong(place: Place, message: impl Into<String>, advice: &str) -> Fault {
-    Fault::error(place, message, "here").help(advice)
-}
-
 impl Reader<'_> {
     pub(super) fn sensor(&self, root: Node<'_>) -> Read<Description> {
-        let written = Section::new(root, &SENSOR);
-        let memory = written.word("memory", &MemoryRule::ALL)?;
+        let section = Section::new(root, &SENSOR);
+        let memory = section.word("memory", &MemoryRule::ALL)?;
         let memory = memory.unwrap_or(MemoryRule::FilteredStep);
-        let refractory = refractory(memory, written.get("refractory"))?;
-        let polarity = polarity(memory, &written)?;
-        let noise = match written.get("noise") {
+        let refractory = refractory(memory, section.get("refractory"))?;
+        let polarity = polarity(memory, &section)?;
+        let noise = match section.get("noise") {
             Some(noise) => Noise::read(noise, memory, refractory.rule)?,
             None => Noise::NONE,
         };
-        let channels = written.tables("channel").into_iter();
+        let channels = section.tables("channel").into_iter();
         let channels = channels.map(|channel| self.channel(memory, &channel));
-        let border = written.word("border", &[Border::Replicate, Border::Zero])?;
-        let name = written.maybe_text("name");
+        let border = section.word("border", &[Border::Replicate, Border::Zero])?;
+        let name = section.maybe_text("name");
         Ok(Description {
             name: name.unwrap_or_else(|| stem(self.file).to_owned()),
-            response: Response::read(written.need("response")?)?,
+            response: Response::read(section.need("response")?)?,
             memory,
             polarity,
             border: border.unwrap_or_default(),
@@ -67,18 +54,18 @@ impl Reader<'_> {
         })
     }
 
-    fn channel(&self, memory: MemoryRule, written: &Section<'_>) -> Read<Channel> {
-        let four = written.get("pattern").is_some();
-        let log_temporal = written.flag("log-temporal");
-        let gain = written.number("gain")?;
+    fn channel(&self, memory: MemoryRule, section: &Section<'_>) -> Read<Channel> {
+        let four = section.get("pattern").is_some();
+        let log_temporal = section.flag("log-temporal");
+        let gain = section.number("gain")?;
         if gain == 0.0 {
             return Err(wrong(
-                written.place_of("gain"),
+                section.place_of("gain"),
                 "gain is 0",
                 "give a finite number other than zero: -1 exchanges ON and OFF",
             ));
         }
-        let surrounds = match written.get("mesh") {
+        let surrounds = match section.get("mesh") {
             None => None,
             Some(mesh) => {
                 let alone = !four
@@ -94,23 +81,23 @@ impl Reader<'_> {
                 Some(Surrounds::read(mesh, gain)?)
             }
         };
-        let kernel_place = written.place_of("kernel");
-        let kernels = match written.get("kernel") {
+        let kernel_place = section.place_of("kernel");
+        let kernels = match section.get("kernel") {
             Some(kernel) => self.kernels(kernel, four)?,
             None => vec![
                 Kernel::new(Plane::ones((1, 1)))
                     .map_err(|e| wrong(kernel_place, e.to_string(), ""))?,
             ],
         };
-        let thresholds = thresholds(written.need("threshold")?, four)?;
+        let thresholds = thresholds(section.need("threshold")?, four)?;
         let memory_kernel =
-            self.memory_kernel(memory, written.get("memory-kernel"), gain, written.place())?;
+            self.memory_kernel(memory, section.get("memory-kernel"), gain, section.place())?;
         let kernels = kernels
             .iter()
             .map(|kernel| scaled(kernel, gain, kernel_place))
             .collect::<Read<_>>()?;
         Ok(Channel {
-            name: written.maybe_text("name"),
+            name: section.maybe_text("name"),
             kernels,
             surrounds,
             thresholds,
@@ -120,8 +107,8 @@ impl Reader<'_> {
     }
 }
 
-fn refractory(memory: MemoryRule, written: Option<Node<'_>>) -> Read<Refractory> {
-    let Some(node) = written else {
+fn refractory(memory: MemoryRule, section: Option<Node<'_>>) -> Read<Refractory> {
+    let Some(node) = section else {
         let rule = match memory {
             MemoryRule::AuthorsPixelStep => RefractoryRule::Authors,
             _ => RefractoryRule::DeadTime,
@@ -150,16 +137,16 @@ fn refractory(memory: MemoryRule, written: Option<Node<'_>>) -> Read<Refractory>
     Ok(Refractory { us, rule })
 }
 
-fn polarity(memory: MemoryRule, written: &Section<'_>) -> Read<PolarityRule> {
+fn polarity(memory: MemoryRule, section: &Section<'_>) -> Read<PolarityRule> {
     let rules = [PolarityRule::Filtered, PolarityRule::Pixel];
-    let rule = written.word("polarity", &rules)?.unwrap_or_default();
+    let rule = section.word("polarity", &rules)?.unwrap_or_default();
     let steps = matches!(
         memory,
         MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep
     );
     if steps && rule == PolarityRule::Pixel {
         return Err(wrong(
-            written.place_of("polarity"),
+            section.place_of("polarity"),
             "polarity = \"pixel\" needs the pixel as it was when the cell last fired, and a memory that steps does not keep it",
             "use polarity = \"filtered\", or memory = \"raw-snap\" or \"filtered-snap\"",
         ));

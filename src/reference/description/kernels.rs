@@ -8,7 +8,7 @@ use crate::{
 };
 
 use super::{
-    check::{Reader, wrong},
+    reader::{Reader, wrong},
     rules::MemoryRule,
 };
 
@@ -16,24 +16,24 @@ impl Reader<'_> {
     pub(super) fn memory_kernel(
         &self,
         memory: MemoryRule,
-        written: Option<Node<'_>>,
+        given: Option<Node<'_>>,
         gain: f64,
         channel: Place,
     ) -> Read<Option<Kernel>> {
-        match (written, memory) {
+        match (given, memory) {
             (None, MemoryRule::AuthorsPixelStep) => Err(wrong(
                 channel,
                 "memory = \"authors-pixel-step\" needs a memory-kernel",
                 "give the kernel that the memory is seen through (often the channel's own)",
             )),
             (None, _) => Ok(None),
-            (Some(written), MemoryRule::AuthorsPixelStep) => {
-                let kernel = scaled(&self.kernel(written)?, gain, written.place())?;
-                stable(&kernel, written.place())?;
+            (Some(given), MemoryRule::AuthorsPixelStep) => {
+                let kernel = scaled(&self.kernel(given)?, gain, given.place())?;
+                stable(&kernel, given.place())?;
                 Ok(Some(kernel))
             }
-            (Some(written), _) => Err(wrong(
-                written.place(),
+            (Some(given), _) => Err(wrong(
+                given.place(),
                 "memory-kernel is only for memory = \"authors-pixel-step\"",
                 "leave it out: the memory of the other rules is seen through the channel's own kernel, or holds the filtered signal",
             )),
@@ -117,9 +117,10 @@ pub(super) fn scaled(kernel: &Kernel, gain: f64, place: Place) -> Read<Kernel> {
     })
 }
 
-/// Events move the pixels' memory by what the filtered difference was, which moves that
-/// difference by the kernel's answer to it: what is left of a pattern of spatial frequency
-/// f is 1 - W(f) of it. Above 1 in size it grows.
+/// Checks that a pixel memory that is stepped by filtered thresholds is stable. Events move the
+/// pixels' memory by the filtered difference, which moves that difference by the kernel's response
+/// to it: in a frame, a pattern of spatial frequency f is multiplied by 1 - W(f). Above 1 in
+/// magnitude it grows.
 fn stable(kernel: &Kernel, place: Place) -> Read<()> {
     let worst = growth(kernel);
     if worst <= MOST_GROWTH {

@@ -24,12 +24,13 @@ mod channel;
 mod check;
 mod kernels;
 pub mod keys;
+mod reader;
 mod rules;
 mod sensor;
 
 pub use self::{
     channel::{Channel, Threshold},
-    check::ReadFile,
+    reader::ReadFile,
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
     sensor::Description,
 };

@@ -1,4 +1,4 @@
-//! Lines: rows of weights, and what they see.
+//! Lines: rows of weights, and their correlation with rows of pixels.
 
 use multiversion::multiversion;
 
@@ -6,7 +6,7 @@ use crate::number::Number;
 
 use super::width::is_wide;
 
-/// A row of weights, and the rows of the kernel that it is: one, or all that are equal.
+/// A row of weights, and the rows of the kernel in which it stands: one, or several that are equal.
 #[derive(Clone, Debug)]
 pub(super) struct Line<H> {
     pub(super) weights: Vec<H>,
@@ -65,8 +65,8 @@ pub(super) fn add_rows<N: Number>(
     }
 }
 
-/// Makes a row of sums, or adds to one, of what the lines see in `source`, or, those of several
-/// rows, in `summed`: each with how far it is from one row to the next.
+/// Computes a row of sums, or with `FRESH` false adds to one: the correlation of the lines with
+/// `source`, or, for lines of several rows, with `summed`; each is given with its stride.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn correlate<N: Number, const BLOCK: usize, const FRESH: bool>(
     number: &N,
@@ -92,7 +92,7 @@ pub(super) fn correlate<N: Number, const BLOCK: usize, const FRESH: bool>(
     }
 }
 
-/// Makes two rows of sums, one below the other, of what lines of one row each see.
+/// Computes two rows of sums, one below the other, for lines of one row each.
 pub(super) fn correlate_two<N: Number, const BLOCK: usize, const HALF: usize>(
     number: &N,
     lines: &[Line<N::Held>],
@@ -107,8 +107,8 @@ pub(super) fn correlate_two<N: Number, const BLOCK: usize, const HALF: usize>(
     correlate::<N, BLOCK, false>(number, last, below, none, lower);
 }
 
-/// What both rows see: adds to the upper one what the lines but the first see, and makes the
-/// lower one of what those but the last see. Each pixel is loaded once.
+/// The part that both rows share: each pixel is loaded once, and goes into the upper sum by all
+/// lines but the first, into the lower one by all but the last.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn correlate_shared<N: Number, const BLOCK: usize>(
     number: &N,
@@ -131,7 +131,7 @@ fn correlate_shared<N: Number, const BLOCK: usize>(
     }
 }
 
-/// Sums, and what [`correlate`] adds to them from a column on.
+/// A block of sums, and what [`correlate`] adds to it from a column on.
 #[expect(
     clippy::inline_always,
     reason = "what is not inlined is not compiled for the wide vectors"
@@ -166,7 +166,7 @@ fn add_block<N: Number, const BLOCK: usize>(
     sums
 }
 
-/// Sums of two rows as [`correlate_shared`] makes them from a column on.
+/// Blocks of two rows as [`correlate_shared`] computes them from a column on.
 #[expect(
     clippy::inline_always,
     reason = "what is not inlined is not compiled for the wide vectors"
@@ -180,8 +180,8 @@ fn add_two<N: Number, const BLOCK: usize>(
     mut upper: [N::Held; BLOCK],
 ) -> ([N::Held; BLOCK], [N::Held; BLOCK]) {
     let mut lower = [N::ZERO; BLOCK];
-    for (row, pair) in lines.windows(2).enumerate() {
-        let (above, line) = (&pair[0].weights, &pair[1].weights);
+    for (row, interval) in lines.windows(2).enumerate() {
+        let (above, line) = (&interval[0].weights, &interval[1].weights);
         let start = row * stride + column;
         let Some(source) = source.get(start..start + line.len() - 1 + BLOCK) else {
             continue;

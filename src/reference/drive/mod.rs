@@ -1,4 +1,4 @@
-//! Drive: what a kernel sees.
+//! The drive: the correlation of the signal with the kernel.
 //!
 //! ```text
 //! S(p) = sum over d of W(d) u(p + d)          u = R(I), the photoreceptor's signal
@@ -11,15 +11,14 @@
 //! The sum is taken in the order of the kernel's rows, without fused multiply-add, so that
 //! every machine gives the same bits. A block of pixels is summed at a time, so that the sums
 //! stay in registers: one multiplication, one addition and one load for each weight and pixel.
+//! In f32 and f64, where rows of a kernel are equal, pixels below each other are added before they
+//! are multiplied: of the five rows of a centre and its surround two products remain. In narrower
+//! formats such a sum could overflow. Where no rows are equal, two rows of sums are computed at a
+//! time, so that a pixel that both need is loaded once.
 //!
-//! In f32 and f64, pixels that lie below each other and have the same weights are added first,
-//! where rows of a kernel are equal: of the five rows of a centre and its surround two are left.
-//! In narrower formats such a sum could leave their range. Where no rows are equal, two rows of
-//! sums are made at a time, so that a pixel that both see is loaded once.
-//!
-//! Where a product is many instructions, as in all formats but f32 and f64, and a kernel has few
-//! different weights, as a surround of equal ones has, each pixel is multiplied once by each of
-//! those, and a sum is additions alone: the same products in the same order.
+//! Where a product takes many instructions, as in all formats but f32 and f64, and a kernel has few
+//! different weights, each pixel is multiplied once by each different weight, and a sum is
+//! additions alone: the same products in the same order.
 
 mod line;
 mod product;

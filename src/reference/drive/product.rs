@@ -1,4 +1,4 @@
-//! Products that are made once: of each pixel with each different weight of a kernel.
+//! Products computed once: each pixel times each different weight of a kernel.
 
 use multiversion::multiversion;
 
@@ -6,16 +6,16 @@ use crate::{number::Number, reference::signal::BLOCK};
 
 use super::width::is_wide;
 
-/// The weights of a kernel that has few different ones.
+/// The different weights of a kernel that has few.
 #[derive(Clone, Debug)]
 pub(super) struct Shared<H> {
-    /// Each once.
+    /// Each different weight once.
     pub(super) weights: Vec<H>,
-    /// Which of them stands where, row by row of the kernel.
+    /// Which weight stands where, row by row of the kernel.
     pub(super) places: Vec<Place>,
 }
 
-/// Where in a kernel which of the different weights stands.
+/// A place in a kernel, and which of the different weights stands there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Index into [`Shared::weights`].
@@ -26,7 +26,7 @@ pub(super) struct Place {
 }
 
 impl<H: Copy> Shared<H> {
-    /// None if it would not pay: each different weight takes a plane.
+    /// `None` where it does not pay: each different weight takes a plane of products.
     pub(super) fn new<N: Number<Held = H>>(number: &N, rows: &[Vec<H>]) -> Option<Self> {
         if is_wide(number) {
             return None;
@@ -66,7 +66,7 @@ pub(super) fn scale<N: Number>(
     }
 }
 
-/// Sums of what lies at these places of `source`, for each pixel of a row.
+/// The sums of products at these places of `source`, for each pixel of a row.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn add_up<N: Number>(
     number: &N,

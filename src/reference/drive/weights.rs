@@ -1,4 +1,4 @@
-//! The weights of a channel, and the rows of drive that they make.
+//! The weights of a channel, and the rows of drive that they compute.
 
 use crate::{
     elementary,
@@ -27,24 +27,24 @@ struct Held<H> {
     shared: Option<Shared<H>>,
 }
 
-/// Room for what a row of drive is made of.
+/// Working memory for a row of drive.
 #[derive(Clone, Debug, Default)]
 pub(in crate::reference) struct Parts<H> {
-    /// Sums of rows that are seen with equal weights, one after the other.
+    /// Sums of rows that have equal weights, one after the other.
     sums: Vec<H>,
-    /// What the second kernel of a pattern sees.
+    /// The drive by the second kernel of a pattern.
     other: Vec<H>,
 }
 
-/// What the weights of a channel have made of the pixels of a band so far.
+/// Intermediate results of a channel for the pixels of a band.
 #[derive(Clone, Debug, Default)]
 pub(in crate::reference) struct Made<H> {
-    /// The products of all pixels with the different weights: a plane for each, one after the
-    /// other; none where a product is made anew for each sum.
+    /// The products of all pixels with the different weights, one plane after the other; empty
+    /// where products are not shared.
     products: Vec<H>,
-    /// A row of sums that was made with the one above it.
+    /// A row of sums that was computed along with the one above it.
     ahead: Vec<H>,
-    /// Which.
+    /// Its number, if there is one.
     row: Option<usize>,
 }
 
@@ -65,7 +65,7 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
         }
     }
 
-    /// Makes the products of all pixels, where they are made once.
+    /// Computes the products of all pixels, where they are shared.
     pub(in crate::reference) fn multiply<N: Number<Held = H>>(
         &self,
         number: &N,
@@ -81,7 +81,7 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
         }
     }
 
-    /// The weights of which products are made once.
+    /// The different weights, where products are shared.
     fn shared(&self) -> Option<&Shared<H>> {
         match &self.kernels[..] {
             [one] => one.shared.as_ref(),
@@ -89,8 +89,8 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
         }
     }
 
-    /// As [`Weights::row`], of pixels that were multiplied; row `y + 1` may be made with it, and
-    /// is asked for next.
+    /// As [`Weights::row`], of pixels whose products were computed; rows must be asked for in
+    /// order, as row `y + 1` may be computed along.
     pub(in crate::reference) fn row_in_order<N: Number<Held = H>>(
         &self,
         number: &N,
@@ -145,8 +145,8 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
 }
 
 impl<H: Copy + Default + Send + Sync> Held<H> {
-    /// Whether two rows together take less time than one after the other: where no rows of the
-    /// kernel are added first.
+    /// Whether two rows together take less time than one after the other: where no equal rows of
+    /// the kernel are added first.
     fn pays_in_pairs<N: Number<Held = H>>(&self, number: &N) -> bool {
         is_wide(number)
             && self.lines.len() > 1
@@ -162,7 +162,7 @@ impl<H: Copy + Default + Send + Sync> Held<H> {
         rows: (&mut [H], &mut [H]),
     ) {
         let source = padded.from(y, self.reach);
-        // Eight vector registers of sums.
+        // So many that the sums fill eight vector registers.
         if size_of::<H>() > 4 {
             correlate_two::<N, 32, 16>(number, &self.lines, source, rows);
         } else {
@@ -186,7 +186,7 @@ impl<H: Copy + Default + Send + Sync> Held<H> {
             add_rows(number, &line.rows, (source, stride), sum);
         }
         let sums = (&sums[..], whole);
-        // Eight vector registers of sums.
+        // So many that the sums fill eight vector registers.
         if size_of::<H>() > 4 {
             correlate::<N, 32, true>(number, &self.lines, (source, stride), sums, out);
         } else {

@@ -1,4 +1,5 @@
-//! The list of events as a sink: bands note their events, and a pair's notes are then sorted.
+//! The list of events as a sink: bands pack their events, which are then sorted interval by
+//! interval.
 
 use std::ops::Range;
 
@@ -7,41 +8,41 @@ use rayon::prelude::*;
 use crate::{
     event::Packet,
     number::Real,
-    reference::train::{BandSink, Pair, Sink, TrainRow},
+    reference::train::{BandSink, Interval, Sink, TrainRow},
     sensor::SensorError,
 };
 
 use super::{
     buffers::{Buffers, ENOUGH},
-    clock::Clock,
     limit::{Limit, WhenFull},
     part::Part,
+    time_quantiser::TimeQuantiser,
 };
 
 /// Appends trains to a packet as single events.
 ///
-/// A pair of frames whose events do not all fit is an error, or is dropped whole: which
-/// events are missing must not depend on how the work was shared out.
+/// An interval whose events do not all fit is an error, or is dropped whole: which events are
+/// missing must not depend on how the work was divided between threads.
 ///
-/// Each band of rows notes its events as it is told of them, 8 bytes each. Notes are sorted by
-/// counting, which keeps what happens in the same microsecond in the order in which it was told:
-/// all at once, or where there are many by several threads, each those of its own bands, and
+/// Each band of rows packs its events into 8 bytes each as they come. They are sorted by a counting
+/// sort, which is stable: what happens in the same microsecond stays in the order in which it came.
+/// It sorts all at once, or, where there are many, by several threads, each those of its own bands,
+/// and then merges them.
 /// then merged.
 #[derive(Debug)]
 pub struct EventList<'a> {
     packet: &'a mut Packet,
     limit: Limit,
-    clock: Clock,
+    quantiser: TimeQuantiser,
     buffers: Buffers,
 }
 
-/// The part of a list that one band of rows is told to.
+/// The sink of one band of rows.
 #[derive(Debug)]
 pub struct ListBand<'a>(&'a mut Part);
 
 impl<'a> EventList<'a> {
-    /// A list that goes on where the packet ends. It may be told of many pairs, and then
-    /// makes their events in the same buffers.
+    /// A list that continues the packet. It may take many intervals, and reuses its buffers.
     pub fn new(packet: &'a mut Packet, limit: Limit) -> Self {
         Self::with_buffers(packet, limit, Buffers::default())
     }
@@ -55,7 +56,7 @@ impl<'a> EventList<'a> {
         Self {
             packet,
             limit,
-            clock: Clock::default(),
+            quantiser: TimeQuantiser::default(),
             buffers,
         }
     }
@@ -68,10 +69,10 @@ impl<'a> EventList<'a> {
         self.limit.events.saturating_sub(self.packet.events.len()) as u64
     }
 
-    /// Appends the events of all parts in order.
+    /// Appends the events of all bands in order of time.
     fn sort(&mut self) {
-        let (clock, events) = (self.clock, &mut self.packet.events);
-        if clock.is_long() {
+        let (quantiser, events) = (self.quantiser, &mut self.packet.events);
+        if quantiser.is_long() {
             let start = events.len();
             for part in &mut self.buffers.parts {
                 events.append(&mut part.events);
@@ -79,12 +80,12 @@ impl<'a> EventList<'a> {
             events[start..].sort_by_key(|event| event.t);
             return;
         }
-        let notes = self.buffers.sorted(clock.microseconds());
-        if rayon::current_num_threads() == 1 || notes.len() < ENOUGH {
-            clock.tell(notes, events);
+        let packed = self.buffers.sorted(quantiser.microseconds());
+        if rayon::current_num_threads() == 1 || packed.len() < ENOUGH {
+            quantiser.emit(packed, events);
         } else {
-            let notes = notes.par_iter().with_min_len(ENOUGH);
-            events.par_extend(notes.map(|note| clock.event(*note)));
+            let packed = packed.par_iter().with_min_len(ENOUGH);
+            events.par_extend(packed.map(|packed| quantiser.event(*packed)));
         }
     }
 }
@@ -99,13 +100,13 @@ impl Sink for EventList<'_> {
         true
     }
 
-    fn begin(&mut self, pair: Pair, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
-        self.clock = Clock::of(pair);
+    fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
+        self.quantiser = TimeQuantiser::new(interval);
         let room = self.room();
         let parts = &mut self.buffers.parts;
         parts.resize_with(bands.len(), Part::default);
         for part in &mut *parts {
-            part.begin(self.clock, room);
+            part.begin(self.quantiser, room);
         }
         parts.iter_mut().map(ListBand).collect()
     }
@@ -148,13 +149,18 @@ mod tests {
 
     fn told(
         rows: &[Vec<i8>],
-        pair: Pair,
+        interval: Interval,
         limit: Limit,
         packet: &mut Packet,
     ) -> Result<(), SensorError> {
         let mut list = EventList::new(packet, limit);
         let bands: Vec<_> = (0..rows.len()).map(|y| y..y + 1).collect();
-        for (y, (mut band, counts)) in list.begin(pair, &bands).into_iter().zip(rows).enumerate() {
+        for (y, (mut band, counts)) in list
+            .begin(interval, &bands)
+            .into_iter()
+            .zip(rows)
+            .enumerate()
+        {
             let width = counts.len();
             band.row(&TrainRow::<f64> {
                 channel: 0,
@@ -168,13 +174,13 @@ mod tests {
     }
 
     /// The slow twin: every event by itself, put into order by comparison.
-    fn one_by_one(rows: &[TrainRow<f64>], pair: Pair) -> Vec<Event> {
+    fn one_by_one(rows: &[TrainRow<f64>], interval: Interval) -> Vec<Event> {
         let mut events = Vec::new();
         for row in rows {
             for (x, train) in row.trains() {
                 for i in 0..train.count {
                     events.push(Event {
-                        t: Micros::from_seconds(pair.from + train.at(i) * pair.duration()),
+                        t: Micros::from_seconds(interval.from + train.at(i) * interval.duration()),
                         x: x as u16,
                         y: row.y as u16,
                         polarity: train.polarity,
@@ -213,8 +219,8 @@ mod tests {
                     spacing: vec![1.0 / 37.0 / f64::from(often.max(1)); width],
                 }
             }).collect();
-            let pair = Pair { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };
-            let slow = one_by_one(&rows, pair);
+            let interval = Interval { index: index.into(), from: f64::from(index) * duration, to: f64::from(index + 1) * duration };
+            let slow = one_by_one(&rows, interval);
             for threads in [1, 2, 5] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut packet = Packet::new(Size::new(12, width), 1);
@@ -222,7 +228,7 @@ mod tests {
                 let told_twice = pool.install(|| {
                     let mut list = EventList::new(&mut packet, Limit::default());
                     for _ in 0..2 {
-                        let mut parts = list.begin(pair, &bands);
+                        let mut parts = list.begin(interval, &bands);
                         for row in &rows {
                             parts[row.y].row(row).unwrap();
                         }
@@ -254,7 +260,7 @@ mod tests {
 
     #[test]
     fn a_pair_that_does_not_fit_stops_or_is_dropped_whole() {
-        let pair = Pair {
+        let interval = Interval {
             index: 0,
             from: 0.0,
             to: 0.001,
@@ -265,11 +271,11 @@ mod tests {
             when_full,
         };
         let mut packet = Packet::new(Size::new(2, 2), 1);
-        let full = told(&rows, pair, limit(WhenFull::Stop), &mut packet);
+        let full = told(&rows, interval, limit(WhenFull::Stop), &mut packet);
         assert!(matches!(full, Err(SensorError::ListFull { limit: 8 })));
-        told(&rows, pair, limit(WhenFull::Drop), &mut packet).unwrap();
+        told(&rows, interval, limit(WhenFull::Drop), &mut packet).unwrap();
         assert_eq!((packet.events.len(), packet.dropped.over_limit), (0, 9));
-        told(&[vec![1, -1]], pair, limit(WhenFull::Drop), &mut packet).unwrap();
+        told(&[vec![1, -1]], interval, limit(WhenFull::Drop), &mut packet).unwrap();
         assert_eq!(packet.events.len(), 2);
         assert_eq!(packet.events[1].polarity, Polarity::Off);
     }

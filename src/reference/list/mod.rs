@@ -1,14 +1,14 @@
-//! Events as a list, in order of time: within a pair of frames, ties row by row, then by
-//! channel, then by column.
+//! Events as a list, in order of time; those of one microsecond row by row, then by channel, then
+//! by column.
 
 mod block;
 mod buffers;
-mod clock;
 mod events;
 mod limit;
-mod note;
+mod packed_event;
 mod part;
 mod sorted;
+mod time_quantiser;
 
 pub(super) use self::buffers::Buffers;
 pub use self::{

@@ -1,66 +1,66 @@
-//! What one band of rows has said in a pair of frames.
+//! The packed events of one band of rows in an interval.
 
 use crate::{event::Event, number::Real, reference::train::TrainRow};
 
 use super::{
     block::{FEW, expand},
-    clock::Clock,
-    note::Note,
+    packed_event::PackedEvent,
+    time_quantiser::TimeQuantiser,
 };
 
-/// The events of one band in the current pair, in the order in which they were told.
+/// The events of one band in the current interval, in the order in which they came.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
-    clock: Clock,
+    quantiser: TimeQuantiser,
     /// How many events fit.
     room: u64,
     /// How many there are.
     pub(super) total: u64,
-    /// As notes; the buffer is longer.
-    notes: Vec<Note>,
-    /// How many notes there are.
+    /// The packed events; the buffer is longer.
+    packed: Vec<PackedEvent>,
+    /// The number of packed events.
     len: usize,
-    /// The events of a pair that is too long for notes.
+    /// The events of an interval that is too long for packed times.
     pub(super) events: Vec<Event>,
 }
 
 impl Part {
-    /// Forgets what was said.
-    pub(super) fn begin(&mut self, clock: Clock, room: u64) {
-        (self.clock, self.room) = (clock, room);
+    /// Clears it for a new interval.
+    pub(super) fn begin(&mut self, quantiser: TimeQuantiser, room: u64) {
+        (self.quantiser, self.room) = (quantiser, room);
         (self.total, self.len) = (0, 0);
         self.events.clear();
     }
 
-    /// Keeps the events of a row of trains, if they fit: a single cell may say 2^30 events.
+    /// Packs the events of a row of trains, if they fit: a single cell may have 2^30.
     pub(super) fn take<R: Real>(&mut self, row: &TrainRow<R>) {
         let events = row.events();
         self.total = self.total.saturating_add(events);
         if self.total > self.room {
             return;
         }
-        if self.clock.is_long() {
+        if self.quantiser.is_long() {
             self.take_long(row);
             return;
         }
         let end = self.len + events as usize;
-        if self.notes.len() < end + FEW {
+        if self.packed.len() < end + FEW {
             let room = (end + FEW).next_power_of_two();
-            self.notes.resize(room, Note::default());
+            self.packed.resize(room, PackedEvent::default());
         }
-        expand(row, &self.clock, &mut self.notes[self.len..end + FEW]);
+        expand(row, &self.quantiser, &mut self.packed[self.len..end + FEW]);
         self.len = end;
     }
 
-    pub(super) fn notes(&self) -> &[Note] {
-        &self.notes[..self.len]
+    pub(super) fn packed(&self) -> &[PackedEvent] {
+        &self.packed[..self.len]
     }
 
     fn take_long<R: Real>(&mut self, row: &TrainRow<R>) {
-        let clock = self.clock;
+        let quantiser = self.quantiser;
         for (x, train) in row.trains() {
-            let note = Note::of(row.channel, row.y).column(x, row.counts[x]);
-            let event = |i| note.at(clock.time(clock.at(train.at(i))));
+            let packed = PackedEvent::new(row.channel, row.y).column(x, row.counts[x]);
+            let event = |i| packed.at(quantiser.time(quantiser.at(train.at(i))));
             self.events.extend((0..train.count).map(event));
         }
     }

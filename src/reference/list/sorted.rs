@@ -1,69 +1,69 @@
-//! Notes in order of time: those of some bands, and those of all.
+//! Packed events in order of time, by a counting sort, and their merge.
 
 use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::{note::Note, part::Part};
+use super::{packed_event::PackedEvent, part::Part};
 
-/// The notes of neighbouring bands by microsecond; those of one stay in the order in which they
-/// were told.
+/// The packed events of neighbouring bands by microsecond; those of one microsecond stay in the
+/// order in which they came.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sorted {
-    /// The buffer is longer.
-    notes: Vec<Note>,
-    /// Where the notes of each microsecond end.
+    /// The sorted events; the buffer is longer.
+    packed: Vec<PackedEvent>,
+    /// The end of each microsecond's events.
     ends: Vec<u32>,
 }
 
 impl Sorted {
-    /// Sorts by counting what was told within so many microseconds.
+    /// Counting sort of the events of `parts`, which lie within so many microseconds.
     pub(super) fn sort(&mut self, parts: &[Part], microseconds: usize) {
-        let total = parts.iter().map(|part| part.notes().len()).sum();
-        if self.notes.len() < total {
-            self.notes.resize(total, Note::default());
+        let total = parts.iter().map(|part| part.packed().len()).sum();
+        if self.packed.len() < total {
+            self.packed.resize(total, PackedEvent::default());
         }
-        let (out, next) = (&mut self.notes[..total], &mut self.ends);
+        let (out, next) = (&mut self.packed[..total], &mut self.ends);
         next.clear();
         next.resize(microseconds, 0);
         for part in parts {
-            for note in part.notes() {
-                next[note.since() as usize] += 1;
+            for packed in part.packed() {
+                next[packed.since() as usize] += 1;
             }
         }
         let mut sum = 0;
         for place in &mut *next {
             sum += std::mem::replace(place, sum);
         }
-        // With each note in its place, the next of its microsecond comes after it.
+        // Each event moves the place of the next one of its microsecond.
         for part in parts {
-            for note in part.notes() {
-                let place = &mut next[note.since() as usize];
-                out[*place as usize] = *note;
+            for packed in part.packed() {
+                let place = &mut next[packed.since() as usize];
+                out[*place as usize] = *packed;
                 *place += 1;
             }
         }
     }
 
-    /// All notes.
-    pub(super) fn notes(&self) -> &[Note] {
-        &self.notes[self.within(0..self.ends.len())]
+    /// All events.
+    pub(super) fn packed(&self) -> &[PackedEvent] {
+        &self.packed[self.within(0..self.ends.len())]
     }
 
-    /// Where the notes of some microseconds are.
+    /// The indices of the events of some microseconds.
     pub(super) fn within(&self, microseconds: Range<usize>) -> Range<usize> {
         let end_before = |t: usize| t.checked_sub(1).map_or(0, |last| self.ends[last] as usize);
         end_before(microseconds.start)..end_before(microseconds.end)
     }
 }
 
-/// Notes that are copied at a time, whether there are as many or fewer.
+/// Events that are copied at a time, however many there are.
 const RUN: usize = 16;
 
-/// Lays out the notes of all groups within some microseconds: for each microsecond those of one
-/// group after those of the other.
+/// Merges the events of all groups within some microseconds: in each microsecond one group after
+/// the other.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [Note]) {
+pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [PackedEvent]) {
     let starts = |group: &Sorted| group.within(microseconds.clone()).start;
     let mut from: Vec<usize> = groups.iter().map(starts).collect();
     let mut len = 0;
@@ -71,11 +71,11 @@ pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [No
         for (group, from) in groups.iter().zip(&mut from) {
             let end = group.ends[microsecond] as usize;
             let run = end - *from;
-            let (out, notes) = (&mut out[len..], &group.notes[*from..]);
-            match (out.first_chunk_mut::<RUN>(), notes.first_chunk()) {
-                // As good as always: no branch depends on how many there are.
-                (Some(out), Some(notes)) if run <= RUN => *out = *notes,
-                _ => copy(&mut out[..run], &notes[..run]),
+            let (out, packed) = (&mut out[len..], &group.packed[*from..]);
+            match (out.first_chunk_mut::<RUN>(), packed.first_chunk()) {
+                // Nearly always right, and no branch then depends on how many there are.
+                (Some(out), Some(packed)) if run <= RUN => *out = *packed,
+                _ => copy(&mut out[..run], &packed[..run]),
             }
             len += run;
             *from = end;
@@ -83,9 +83,9 @@ pub(super) fn merge(groups: &[Sorted], microseconds: Range<usize>, out: &mut [No
     }
 }
 
-/// Copies a run that is rarely so long: apart, or the others would be copied by a call too.
+/// Copies a long run. It is a function of its own so that short ones are not copied by a call.
 #[cold]
 #[inline(never)]
-fn copy(to: &mut [Note], from: &[Note]) {
+fn copy(to: &mut [PackedEvent], from: &[PackedEvent]) {
     to.copy_from_slice(from);
 }

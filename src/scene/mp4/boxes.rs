@@ -1,8 +1,9 @@
-//! Boxes: a length, a name of four letters, and what is in them.
+//! The boxes of ISO base media files (ISO/IEC 14496-12, 4.2): a header of size and type, then the
+//! content, which may be boxes again.
 
 use std::fmt;
 
-/// The name of a box.
+/// A box type: four characters, such as `moov`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Name(pub [u8; 4]);
 
@@ -12,37 +13,38 @@ impl fmt::Display for Name {
     }
 }
 
-/// What is wrong with a file, in words.
+/// What is wrong with a file, for the error message.
 pub(super) type Wrong = String;
 
-/// The length and name at the head of a box.
+/// A box header: size and type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Head {
+pub(super) struct BoxHeader {
     pub name: [u8; 4],
-    /// Bytes of the head itself.
+    /// Length of the header, in bytes: 8, or 16 with a 64-bit size.
     pub length: u64,
-    /// Bytes of the whole box, head included; at least those of the head.
+    /// Size of the whole box in bytes, header included; at least that of the header.
     pub whole: u64,
 }
 
-impl Head {
-    /// Most bytes that a head has.
+impl BoxHeader {
+    /// Length of the longest header, in bytes.
     pub const LONGEST: usize = 16;
 
-    /// The head at the start of `bytes`, of a box that has `room` bytes to lie in.
+    /// Reads the header at the start of `bytes`, of a box that has `room` bytes to lie in.
     ///
-    /// `to_the_end`: whether a length of 0, "to the end of the file", may stand there.
+    /// `to_the_end`: whether a size of 0, which means "to the end of the file", is allowed.
     pub fn read(bytes: &[u8], room: u64, to_the_end: bool) -> Result<Self, Wrong> {
         let short = || "a box is cut off inside its head".to_owned();
-        let says = u64::from(u32_at(bytes, 0).ok_or_else(short)?);
+        let stated = u64::from(u32_at(bytes, 0).ok_or_else(short)?);
         let name: [u8; 4] = *bytes
             .get(4..)
             .and_then(<[u8]>::first_chunk)
             .ok_or_else(short)?;
-        let (head, whole) = match says {
+        // A size of 1 stands for a 64-bit size after the type.
+        let (head, whole) = match stated {
             0 if to_the_end => (8, room),
             1 => (16, u64_at(bytes, 8).ok_or_else(short)?),
-            says => (8, says),
+            size => (8, size),
         };
         if whole < head {
             let name = Name(name);
@@ -64,11 +66,12 @@ impl Head {
     }
 }
 
-/// The boxes in a box, one after another. Each step takes at least the 8 bytes of a head.
+/// Iterates over the boxes in the content of a box. Each step consumes at least the 8 bytes of a
+/// header, so it ends.
 pub(super) struct Boxes<'a>(pub &'a [u8]);
 
 impl<'a> Boxes<'a> {
-    /// The first box of this name; `None` where there is none.
+    /// Content of the first box of this type; `None` where there is none.
     pub fn find(self, name: [u8; 4]) -> Result<Option<&'a [u8]>, Wrong> {
         for found in self {
             let (its, content) = found?;
@@ -79,7 +82,7 @@ impl<'a> Boxes<'a> {
         Ok(None)
     }
 
-    /// The first box of this name, which must be there.
+    /// Content of the first box of this type, which must be there.
     pub fn get(self, name: [u8; 4]) -> Result<&'a [u8], Wrong> {
         self.find(name)?
             .ok_or_else(|| format!("it has no box {}", Name(name)))
@@ -90,12 +93,12 @@ impl<'a> Iterator for Boxes<'a> {
     type Item = Result<([u8; 4], &'a [u8]), Wrong>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        // Some writers end a list of boxes with a word of zeros.
+        // Some writers end a list of boxes with a 32-bit zero (QuickTime's terminator).
         if self.0.len() < 8 && self.0.iter().all(|byte| *byte == 0) {
             return None;
         }
-        let found = Head::read(self.0, self.0.len() as u64, false).map(|head| {
-            // `read` has held both against the room.
+        let found = BoxHeader::read(self.0, self.0.len() as u64, false).map(|head| {
+            // `read` has checked both lengths against the bytes that are there.
             let (whole, rest) = self.0.split_at(head.whole as usize);
             self.0 = rest;
             (head.name, &whole[head.length as usize..])
@@ -107,13 +110,13 @@ impl<'a> Iterator for Boxes<'a> {
     }
 }
 
-/// Four bytes at a place, the big end first.
+/// The big-endian 32-bit number at byte `at`.
 pub(super) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     let four = bytes.get(at..)?.first_chunk()?;
     Some(u32::from_be_bytes(*four))
 }
 
-/// Eight bytes at a place, the big end first.
+/// The big-endian 64-bit number at byte `at`.
 pub(super) fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
     let eight = bytes.get(at..)?.first_chunk()?;
     Some(u64::from_be_bytes(*eight))
@@ -127,7 +130,7 @@ mod tests {
 
     #[test]
     fn lengths_that_lie_are_refused() {
-        let head = |bytes: &[u8], room| Head::read(bytes, room, false);
+        let head = |bytes: &[u8], room| BoxHeader::read(bytes, room, false);
         for (bytes, room, words) in [
             (&b"\0\0\0\x07free"[..], 99, "less than its head"),
             (b"\0\0\0\0free", 99, "less than its head"),
@@ -151,7 +154,7 @@ mod tests {
         }
         let wide = head(b"\0\0\0\x01free\0\0\0\0\0\0\0\x10", 16).unwrap();
         assert_eq!((wide.length, wide.whole), (16, 16));
-        let last = Head::read(b"\0\0\0\0mdat", 77, true).unwrap();
+        let last = BoxHeader::read(b"\0\0\0\0mdat", 77, true).unwrap();
         assert_eq!(last.whole, 77);
     }
 

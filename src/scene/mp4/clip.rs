@@ -1,4 +1,5 @@
-//! A clip: samples read one by one, pictures given in the order of time.
+//! A clip being decoded: samples are read one by one, frames given in the order in which they are
+//! shown.
 
 use std::{
     collections::VecDeque,
@@ -13,6 +14,7 @@ use openh264::{
 };
 
 use super::{
+    colour::Colour,
     parameters::Pictures,
     table::Sample,
     track::{NoTrack, Track},
@@ -22,6 +24,7 @@ use crate::{
     plane::{Plane, Size},
     scene::{
         Frame, OpenOptions, Scene, SceneError,
+        decoded::Source,
         light::{self, MemoryLimit},
         rate::Rate,
     },
@@ -32,16 +35,18 @@ pub(super) struct H264 {
     path: PathBuf,
     file: BufReader<File>,
     decoder: Decoder,
-    /// Coded pictures still to be read, in the order of the file.
+    /// Samples still to be read, in decoding order.
     samples: std::vec::IntoIter<Sample>,
-    /// Samples read so far.
-    numbers: u64,
-    /// What there is to hold pictures in, and what the decoder's take of it.
+    /// Number of samples read so far.
+    samples_read: u64,
+    /// The memory limit, and the bytes that the decoder needs (`held`).
     room: MemoryLimit,
     held: u128,
-    /// Bytes of the length before each unit.
+    /// What the container says, and the first parameter set that says anything.
+    colour: Colour,
+    /// Length of the size field before each NAL unit, in bytes.
     length_bytes: usize,
-    /// Decoded pictures still to be given, in the order of time.
+    /// Decoded luma planes not yet given, in the order in which they are shown.
     ready: VecDeque<Plane<u8>>,
     flushed: bool,
     size: Size,
@@ -84,8 +89,9 @@ impl H264 {
         let room = MemoryLimit::new(options);
         let mut parameters = Vec::new();
         let mut held = 0;
+        let mut colour = track.colour;
         for unit in &track.parameters {
-            check_size(path, unit, room, &mut held)?;
+            check_set(path, unit, room, &mut held, &mut colour)?;
             push_unit(&mut parameters, unit);
         }
         decoder
@@ -96,9 +102,10 @@ impl H264 {
             file,
             decoder,
             samples: samples.into_iter(),
-            numbers: 0,
+            samples_read: 0,
             room,
             held,
+            colour,
             length_bytes: track.length_bytes,
             ready: VecDeque::new(),
             flushed: false,
@@ -107,13 +114,19 @@ impl H264 {
             count,
             next: 0,
         };
-        // The size is that of the first decoded picture: the container's may be scaled.
+        // The size is that of the first decoded picture: the one in the container may be of a
+        // scaled display.
         clip.fill()?;
         let Some(first) = clip.ready.front() else {
             return Err(clip.wrong("no picture could be decoded"));
         };
         clip.size = Size::of(first);
         Ok(clip)
+    }
+
+    /// What its samples are.
+    pub fn source(&self) -> Source {
+        self.colour.source()
     }
 
     fn wrong(&self, what: impl Into<String>) -> SceneError {
@@ -123,15 +136,15 @@ impl H264 {
         }
     }
 
-    /// Decodes until a picture is ready or the clip is over.
+    /// Decodes samples until a picture is ready or the clip is over.
     ///
-    /// Pictures come out in the order of time only if nothing is flushed before the end:
-    /// B-frames wait in the decoder for the pictures that they lie between.
+    /// The decoder reorders B-frames, which are shown before a picture that is decoded earlier. It
+    /// must not be flushed before the end, or pictures come out in decoding order.
     fn fill(&mut self) -> Result<(), SceneError> {
         while self.ready.is_empty() && !self.flushed {
             if let Some(sample) = self.samples.next() {
                 let coded = self.read(sample)?;
-                self.numbers += 1;
+                self.samples_read += 1;
                 let decoded = self.decoder.decode_with_options(&coded, no_flush());
                 match decoded {
                     Ok(Some(picture)) => {
@@ -140,7 +153,7 @@ impl H264 {
                     }
                     Ok(None) => {}
                     Err(e) => {
-                        let id = self.numbers - 1;
+                        let id = self.samples_read - 1;
                         return Err(self.wrong(format!("sample {id} cannot be decoded: {e}")));
                     }
                 }
@@ -161,12 +174,12 @@ impl H264 {
         Ok(())
     }
 
-    /// One coded picture, its units marked by start codes as the decoder wants them.
+    /// Reads a sample and converts it to Annex B: start codes in place of the size fields.
     fn read(&mut self, sample: Sample) -> Result<Vec<u8>, SceneError> {
         if sample.size > SAMPLE_BYTES {
             return Err(self.wrong(format!(
                 "sample {} has {} bytes, expected at most {SAMPLE_BYTES}",
-                self.numbers, sample.size
+                self.samples_read, sample.size
             )));
         }
         let mut bytes = Vec::new();
@@ -177,7 +190,7 @@ impl H264 {
         if (bytes.len() as u64) < sample.size {
             return Err(SceneError::Truncated {
                 path: self.path.clone(),
-                frame: self.numbers,
+                frame: self.samples_read,
                 got: bytes.len() as u64,
                 want: sample.size,
             });
@@ -192,9 +205,15 @@ impl H264 {
                     after.split_at_checked(length)
                 });
             let Some(Some((unit, after))) = unit else {
-                return Err(self.wrong(format!("sample {} has a damaged unit", self.numbers)));
+                return Err(self.wrong(format!("sample {} has a damaged unit", self.samples_read)));
             };
-            check_size(&self.path, unit, self.room, &mut self.held)?;
+            check_set(
+                &self.path,
+                unit,
+                self.room,
+                &mut self.held,
+                &mut self.colour,
+            )?;
             push_unit(&mut coded, unit);
             rest = after;
         }
@@ -248,16 +267,19 @@ impl Scene for H264 {
     }
 }
 
-/// Refuses pictures that are too large, before the decoder makes room for them.
-fn check_size(
+/// Where a NAL unit is a sequence parameter set, refuses pictures that are too large, before the
+/// decoder allocates them, and notes what their samples mean.
+fn check_set(
     path: &Path,
     unit: &[u8],
     room: MemoryLimit,
     held: &mut u128,
+    colour: &mut Colour,
 ) -> Result<(), SceneError> {
     let Some(pictures) = Pictures::from_unit(unit) else {
         return Ok(());
     };
+    *colour = colour.or(pictures.colour);
     let side = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let size = light::checked_size(path, side(pictures.height), side(pictures.width))?;
     *held = (*held).max(pictures.bytes());
@@ -277,7 +299,7 @@ fn push_unit(coded: &mut Vec<u8>, unit: &[u8]) {
     coded.extend(unit);
 }
 
-/// The luma of a decoded picture, as coded.
+/// The luma plane of a decoded picture, as coded.
 fn luma(path: &Path, frame: u64, picture: &DecodedYUV<'_>) -> Result<Plane<u8>, SceneError> {
     let (width, height) = picture.dimensions();
     let size = light::checked_size(path, height, width)?;
@@ -289,7 +311,7 @@ fn luma(path: &Path, frame: u64, picture: &DecodedYUV<'_>) -> Result<Plane<u8>, 
     })
 }
 
-/// The rate of evenly spaced frames, from the time at which each is shown.
+/// The frame rate, from the composition times; an error where they are not evenly spaced.
 fn even_rate(path: &Path, samples: &[Sample], unit: u32) -> Result<Option<f64>, SceneError> {
     let mut times: Vec<i64> = samples.iter().map(|s| s.shown).collect();
     times.sort_unstable();
@@ -304,7 +326,7 @@ fn even_rate(path: &Path, samples: &[Sample], unit: u32) -> Result<Option<f64>, 
     let step = after(last) / steps as f64;
     for (frame, time) in times.iter().enumerate() {
         let (got, want) = (after(*time), frame as f64 * step);
-        // Times are whole units, so each may be half a unit off, and the ends as well.
+        // Times are rounded to whole units, so each may be off by a half, and so may the ends.
         if (got - want).abs() > 1.0 {
             return Err(SceneError::Uneven {
                 path: path.into(),

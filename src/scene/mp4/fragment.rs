@@ -1,11 +1,12 @@
-//! Fragments: samples that are listed in front of their bytes, piece by piece.
+//! Movie fragments (ISO/IEC 14496-12, 8.8): a `moof` box lists the samples of the piece of the file
+//! that follows it.
 
 use super::{
     boxes::{Boxes, Wrong, u32_at, u64_at},
     table::{Sample, check_count},
 };
 
-/// What holds for a sample of a fragment that does not say it itself.
+/// Values of samples for which a fragment gives none of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Defaults {
     duration: u32,
@@ -13,7 +14,7 @@ pub(super) struct Defaults {
 }
 
 impl Defaults {
-    /// Those of a track, from the `moov`.
+    /// The defaults of a track, from `mvex`/`trex` in `moov`.
     pub fn from_moov(moov: &[u8], track: u32) -> Result<Self, Wrong> {
         let Some(mvex) = Boxes(moov).find(*b"mvex")? else {
             return Ok(Self::default());
@@ -32,20 +33,20 @@ impl Defaults {
     }
 }
 
-/// The track that is followed from fragment to fragment.
-pub(super) struct Follow<'a> {
+/// Collects the samples of one track from fragment after fragment.
+pub(super) struct FragmentReader<'a> {
     pub track: u32,
     pub defaults: Defaults,
-    /// Bytes of the file.
+    /// Length of the file in bytes.
     pub length: u64,
-    /// When the next sample is decoded, in units of the track.
+    /// Decoding time of the next sample, in units of the track's timescale.
     pub now: i64,
     pub samples: &'a mut Vec<Sample>,
 }
 
-impl Follow<'_> {
-    /// The samples of one `moof`, which begins at byte `start`.
-    pub fn fragment(&mut self, moof: &[u8], start: u64) -> Result<(), Wrong> {
+impl FragmentReader<'_> {
+    /// Adds the samples of one `moof` box, which begins at byte `start` of the file.
+    pub fn read(&mut self, moof: &[u8], start: u64) -> Result<(), Wrong> {
         for found in Boxes(moof) {
             let (name, traf) = found?;
             if name != *b"traf" {
@@ -53,14 +54,18 @@ impl Follow<'_> {
             }
             let tfhd = Boxes(traf).get(*b"tfhd")?;
             if u32_at(tfhd, 4) == Some(self.track) {
-                self.run(traf, tfhd, start)?;
+                self.track_fragment(traf, tfhd, start)?;
             }
         }
         Ok(())
     }
 
-    fn run(&mut self, traf: &[u8], tfhd: &[u8], start: u64) -> Result<(), Wrong> {
-        let mut fields = Fields { bytes: tfhd, at: 8 };
+    /// Adds the samples of a track fragment `traf`; `tfhd` is its header, and `start` the first
+    /// byte of the `moof`, from which offsets count by default.
+    fn track_fragment(&mut self, traf: &[u8], tfhd: &[u8], start: u64) -> Result<(), Wrong> {
+        // The flags of `tfhd` (8.8.7) say which optional fields are there, in this order: base
+        // offset, sample description, default duration, default size.
+        let mut fields = Words { bytes: tfhd, at: 8 };
         let flags = u32_at(tfhd, 0).unwrap_or(0);
         let has = |bit: u32| flags & bit != 0;
         let base = if has(0x1) { fields.long()? } else { start };
@@ -94,6 +99,8 @@ impl Follow<'_> {
         Ok(())
     }
 
+    /// Adds the samples of a track run `trun`. `base` is where offsets count from; `offset` is where
+    /// the samples begin if the run does not say it, and is moved behind them.
     fn samples(
         &mut self,
         trun: &[u8],
@@ -101,7 +108,9 @@ impl Follow<'_> {
         offset: &mut u64,
         defaults: Defaults,
     ) -> Result<(), Wrong> {
-        let mut fields = Fields { bytes: trun, at: 0 };
+        // The flags of `trun` (8.8.8) say what stands once (data offset, flags of the first sample)
+        // and what for each sample (duration, size, flags, composition offset).
+        let mut fields = Words { bytes: trun, at: 0 };
         let flags = fields.word()?;
         let has = |bit: u32| flags & bit != 0;
         let count = u64::from(fields.word()?);
@@ -115,7 +124,7 @@ impl Follow<'_> {
             fields.word()?;
         }
         for _ in 0..count {
-            let or = |given: bool, fields: &mut Fields<'_>, default| {
+            let or = |given: bool, fields: &mut Words<'_>, default| {
                 if given { fields.word() } else { Ok(default) }
             };
             let duration = or(has(0x100), &mut fields, defaults.duration)?;
@@ -139,13 +148,13 @@ fn beyond() -> Wrong {
     "a fragment lies beyond any file, or any time".into()
 }
 
-/// Words one after another.
-struct Fields<'a> {
+/// A cursor over big-endian words.
+struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
-impl Fields<'_> {
+impl Words<'_> {
     fn word(&mut self) -> Result<u32, Wrong> {
         let word = u32_at(self.bytes, self.at).ok_or("a fragment's table is cut off")?;
         self.at += 4;

@@ -9,6 +9,8 @@ mod boxes;
 #[cfg(feature = "mp4")]
 mod clip;
 #[cfg(feature = "mp4")]
+mod colour;
+#[cfg(feature = "mp4")]
 mod fragment;
 #[cfg(feature = "mp4")]
 mod parameters;
@@ -19,14 +21,22 @@ mod track;
 
 use std::path::Path;
 
-use super::{OpenOptions, Scene, SceneError};
+use super::{OpenOptions, Scene, SceneError, decoded::Source};
 
 #[cfg(not(feature = "mp4"))]
-pub(super) fn open(path: &Path, _options: OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
+pub(super) fn open(
+    path: &Path,
+    _options: OpenOptions,
+) -> Result<(Box<dyn Scene>, Source), SceneError> {
     Err(SceneError::NoMp4 { path: path.into() })
 }
 
 #[cfg(feature = "mp4")]
-pub(super) fn open(path: &Path, options: OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
-    Ok(Box::new(clip::H264::new(path, options)?))
+pub(super) fn open(
+    path: &Path,
+    options: OpenOptions,
+) -> Result<(Box<dyn Scene>, Source), SceneError> {
+    let clip = clip::H264::new(path, options)?;
+    let source = clip.source();
+    Ok((Box::new(clip), source))
 }

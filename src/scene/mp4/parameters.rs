@@ -1,46 +1,52 @@
-//! How large the pictures of an H.264 stream are: read before the decoder makes room for them.
+//! The picture size of an H.264 stream, read before the decoder allocates pictures, and what their
+//! samples mean.
 //!
-//! A sequence parameter set, as far as the size and the number of pictures that are kept
-//! (ITU-T H.264, 7.3.2.1.1).
+//! Parses a sequence parameter set (SPS; ITU-T H.264, 7.3.2.1.1) as far as the picture size and the
+//! description of the video signal (E.1.1).
 
 use bitstream_io::{BigEndian, BitRead, BitReader};
 
-/// What a decoder must hold.
+use super::colour::Colour;
+
+/// The pictures that a decoder must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Pictures {
-    /// Rows, of whole macroblocks.
+    /// Height in pixels, a multiple of a macroblock's 16.
     pub height: u64,
-    /// Columns, of whole macroblocks.
+    /// Width in pixels, a multiple of 16.
     pub width: u64,
-    /// Pictures that are kept because others refer to them.
-    pub kept: u64,
+    /// Number of reference frames (`max_num_ref_frames`).
+    pub references: u64,
+    /// What the set says about range and transfer.
+    pub colour: Colour,
 }
 
 impl Pictures {
-    /// What a unit says, where it is a sequence parameter set; `None` for all other units and
-    /// where it ends too early.
+    /// Reads a NAL unit that is a sequence parameter set; `None` for all other units, and for one
+    /// that ends too early.
     pub fn from_unit(unit: &[u8]) -> Option<Self> {
         let (head, set) = unit.split_first()?;
+        // nal_unit_type 7: a sequence parameter set
         if head & 0x1f != 7 {
             return None;
         }
         let bytes = unescaped(set.get(..set.len().min(LONGEST))?);
-        Bits(BitReader::new(bytes.as_slice())).set()
+        Bits(BitReader::new(bytes.as_slice())).parameter_set()
     }
 
-    /// Bytes of the pictures in the decoder: luma and two planes of a quarter, with borders, and
-    /// one more for each thing that it does with them.
+    /// Upper bound on the decoder's memory in bytes: frames of 4:2:0 with borders, the reference
+    /// frames and four more that are in work.
     pub fn bytes(self) -> u128 {
-        let rim = 64;
-        let one = u128::from(self.height + rim) * u128::from(self.width + rim) * 3 / 2;
-        one * u128::from(self.kept + 4)
+        let border = 64;
+        let frame = u128::from(self.height + border) * u128::from(self.width + border) * 3 / 2;
+        frame * u128::from(self.references + 4)
     }
 }
 
-/// Bytes of a set that are looked at: its largest tables of weights take fewer.
+/// Bytes of a parameter set that are looked at; its largest scaling lists take fewer.
 const LONGEST: usize = 4096;
 
-/// Without the 3 that is put after two zeros so that no start code arises.
+/// Removes emulation prevention bytes: a 3 that follows two zeros (H.264, 7.4.1).
 fn unescaped(set: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(set.len());
     let mut zeros = 0;
@@ -58,26 +64,28 @@ fn unescaped(set: &[u8]) -> Vec<u8> {
 struct Bits<'a>(BitReader<&'a [u8], BigEndian>);
 
 impl Bits<'_> {
-    fn set(&mut self) -> Option<Pictures> {
-        let profile = self.bits(8)?;
-        self.bits(16)?;
-        self.number()?;
+    fn parameter_set(&mut self) -> Option<Pictures> {
+        let profile = self.bits(8)?; // profile_idc
+        self.bits(16)?; // constraint flags, level_idc
+        self.number()?; // seq_parameter_set_id
+        // The high profiles have fields for chroma, bit depth and scaling lists.
         if matches!(
             profile,
             100 | 110 | 122 | 244 | 44 | 83 | 86 | 118 | 128 | 134 | 135 | 138 | 139
         ) {
-            let colour = self.number()?;
-            if colour == 3 {
-                self.bits(1)?;
+            let chroma = self.number()?; // chroma_format_idc; 3 is 4:4:4
+            if chroma == 3 {
+                self.bits(1)?; // separate_colour_plane_flag
             }
-            self.number()?;
-            self.number()?;
-            self.bits(1)?;
+            self.number()?; // bit_depth_luma_minus8
+            self.number()?; // bit_depth_chroma_minus8
+            self.bits(1)?; // qpprime_y_zero_transform_bypass_flag
             if self.bits(1)? == 1 {
-                self.scales(if colour == 3 { 12 } else { 8 })?;
+                self.skip_scaling_lists(if chroma == 3 { 12 } else { 8 })?;
             }
         }
-        self.number()?;
+        self.number()?; // log2_max_frame_num_minus4
+        // pic_order_cnt_type, and the fields of each type
         match self.number()? {
             0 => {
                 self.number()?;
@@ -92,19 +100,56 @@ impl Bits<'_> {
             }
             _ => {}
         }
-        let kept = self.number()?;
-        self.bits(1)?;
-        let width = self.number()? + 1;
+        let references = self.number()?; // max_num_ref_frames
+        self.bits(1)?; // gaps_in_frame_num_value_allowed_flag
+        let width = self.number()? + 1; // in macroblocks
         let rows = self.number()? + 1;
+        // Without frame_mbs_only_flag the height is counted in fields, half a frame each.
         let fields = 2 - u64::from(self.bits(1)?);
         Some(Pictures {
             height: 16 * rows * fields,
             width: 16 * width,
-            kept,
+            references,
+            // A set that ends here has said enough to be decoded.
+            colour: self.colour(fields == 2).unwrap_or_default(),
         })
     }
 
-    fn scales(&mut self, lists: usize) -> Option<()> {
+    /// The rest of a set, up to the description of the video signal.
+    fn colour(&mut self, has_fields: bool) -> Option<Colour> {
+        self.bits(if has_fields { 2 } else { 1 })?;
+        // The part that is shown.
+        if self.bits(1)? == 1 {
+            for _ in 0..4 {
+                self.number()?;
+            }
+        }
+        let mut colour = Colour::default();
+        if self.bits(1)? == 0 {
+            return Some(colour);
+        }
+        // The shape of a pixel: 255 says it in numbers.
+        if self.bits(1)? == 1 && self.bits(8)? == 255 {
+            self.bits(32)?;
+        }
+        // Whether overscan may be shown.
+        if self.bits(1)? == 1 {
+            self.bits(1)?;
+        }
+        if self.bits(1)? == 1 {
+            self.bits(3)?;
+            colour.is_full = Some(self.bits(1)? == 1);
+            if self.bits(1)? == 1 {
+                self.bits(8)?;
+                colour.transfer = self.bits(8)?.try_into().ok();
+                self.bits(8)?;
+            }
+        }
+        Some(colour)
+    }
+
+    /// Skips scaling lists (7.3.2.1.1.1), whose length depends on what is in them.
+    fn skip_scaling_lists(&mut self, lists: usize) -> Option<()> {
         for list in 0..lists {
             if self.bits(1)? == 0 {
                 continue;
@@ -112,7 +157,7 @@ impl Bits<'_> {
             let (mut last, mut next) = (8_i64, 8_i64);
             for _ in 0..if list < 6 { 16 } else { 64 } {
                 if next != 0 {
-                    // A number k stands for 0, 1, -1, 2, -2, …
+                    // A signed Exp-Golomb code: k stands for 0, 1, -1, 2, -2, …
                     let k = self.number()? as i64;
                     let delta = if k % 2 == 1 { k / 2 + 1 } else { -(k / 2) };
                     next = (last + delta).rem_euclid(256);
@@ -127,7 +172,7 @@ impl Bits<'_> {
         self.0.read_var(n).ok()
     }
 
-    /// An Exp-Golomb code of at most 32 bits.
+    /// An unsigned Exp-Golomb code (`ue(v)`) of at most 32 bits.
     fn number(&mut self) -> Option<u64> {
         let zeros = self.0.read_unary::<1>().ok().filter(|zeros| *zeros <= 32)?;
         let rest: u64 = self.0.read_var(zeros).ok()?;
@@ -137,6 +182,8 @@ impl Bits<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write as _;
+
     use proptest::prelude::*;
 
     use super::*;
@@ -144,7 +191,7 @@ mod tests {
     /// The sets of `tests/data/scene/baseline.mp4` and `bframes.mp4`, as x264 wrote them.
     #[test]
     fn the_size_of_a_clip_is_read() {
-        for (set, kept) in [
+        for (set, references) in [
             ("6742c00ad90d6840000003004000000503c48992", 3),
             ("6764000aacd94d6840000003004000000503c4896580", 4),
         ] {
@@ -154,7 +201,8 @@ mod tests {
             let want = Pictures {
                 height: 32,
                 width: 48,
-                kept,
+                references,
+                colour: Colour::default(),
             };
             assert_eq!(pictures, want);
             // The last bit that counts, whether frames or fields are coded, is in the seventh
@@ -164,6 +212,59 @@ mod tests {
                 assert!(part.is_none_or(|part| end > 6 && part == want), "{end}");
             }
             assert_eq!(Pictures::from_unit(&[0x68, 1, 2]), None);
+        }
+    }
+
+    /// A set with a description of the video signal, written bit by bit.
+    fn described(is_full: bool, transfer: Option<u8>) -> Vec<u8> {
+        // Baseline, level 1; six numbers of 0 (a bit of 1 each) but for the widths.
+        let mut bits = String::from("01100111");
+        for byte in [66_u8, 0, 10] {
+            let _ = write!(bits, "{byte:08b}");
+        }
+        // Set 0; frame numbers and order 0 with its length; 1 picture kept; no gaps.
+        bits += "1";
+        bits += "1";
+        bits += "1";
+        bits += "1";
+        bits += "010";
+        bits += "0";
+        // 3 macroblocks wide, 2 high; frames only; one more bit; no cropping.
+        bits += "011";
+        bits += "010";
+        bits += "1";
+        bits += "1";
+        bits += "0";
+        // VUI: no shape, no overscan, a signal of format 5.
+        bits += "1001101";
+        bits += if is_full { "1" } else { "0" };
+        match transfer {
+            Some(transfer) => {
+                bits += &["1", "00000001", &format!("{transfer:08b}"), "00000001"].concat();
+            }
+            None => bits += "0",
+        }
+        bits += "1";
+        while bits.len() % 8 != 0 {
+            bits += "0";
+        }
+        let byte = |at: usize| u8::from_str_radix(&bits[at..at + 8], 2).unwrap();
+        (0..bits.len()).step_by(8).map(byte).collect()
+    }
+
+    #[test]
+    fn range_and_transfer_are_read() {
+        for is_full in [false, true] {
+            for transfer in [None, Some(1), Some(13)] {
+                let set = described(is_full, transfer);
+                let pictures = Pictures::from_unit(&set).unwrap();
+                assert_eq!((pictures.width, pictures.height), (48, 32));
+                let want = Colour {
+                    is_full: Some(is_full),
+                    transfer,
+                };
+                assert_eq!(pictures.colour, want);
+            }
         }
     }
 

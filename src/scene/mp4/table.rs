@@ -1,38 +1,48 @@
-//! The tables of a track: where its samples are, how large, and when they are shown.
+//! The sample tables of a track (ISO/IEC 14496-12, 8.6 and 8.7): where its samples are, how large,
+//! and when they are shown.
+//!
+//! | box | what it is |
+//! |---|---|
+//! | `stsz` | sample sizes |
+//! | `stco`, `co64` | chunk offsets in the file, 32 or 64 bits |
+//! | `stsc` | runs of chunks with the same number of samples |
+//! | `stts` | decoding times, as runs of equal durations |
+//! | `ctts` | composition offsets: from decoding time to the time at which a sample is shown |
 
 use super::boxes::{Boxes, Name, Wrong, u32_at, u64_at};
 use crate::limit::SAMPLES;
 
-/// One coded picture.
+/// One coded picture ("sample").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sample {
-    /// First byte in the file.
+    /// Offset of its first byte in the file.
     pub offset: u64,
-    /// Length in bytes.
+    /// Size in bytes.
     pub size: u64,
-    /// When it is shown, in units of the track.
+    /// Composition time, at which it is shown, in units of the track's timescale.
     pub shown: i64,
 }
 
-/// A table whose entries are all in their box.
+/// A table whose entries lie within their box.
 struct Table<'a> {
     entries: &'a [u8],
     width: usize,
 }
 
 impl<'a> Table<'a> {
-    /// The table in box `name`, whose number of entries stands after `before` bytes.
+    /// The table in box `name`: its entry count is at byte `before`, its entries of `width` bytes
+    /// follow.
     fn new(name: [u8; 4], content: &'a [u8], before: usize, width: usize) -> Result<Self, Wrong> {
-        let says = u32_at(content, before);
-        let there = content.get(before + 4..).unwrap_or_default();
-        let says = says.ok_or_else(|| format!("box {} is too short", Name(name)))?;
-        let bytes = (says as usize).checked_mul(width);
-        match bytes.and_then(|bytes| there.get(..bytes)) {
+        let count = u32_at(content, before);
+        let rest = content.get(before + 4..).unwrap_or_default();
+        let count = count.ok_or_else(|| format!("box {} is too short", Name(name)))?;
+        let bytes = (count as usize).checked_mul(width);
+        match bytes.and_then(|bytes| rest.get(..bytes)) {
             Some(entries) => Ok(Self { entries, width }),
             None => Err(format!(
-                "box {} says it has {says} entries, but {} are there",
+                "box {} says it has {count} entries, but {} are there",
                 Name(name),
-                there.len() / width
+                rest.len() / width
             )),
         }
     }
@@ -41,7 +51,8 @@ impl<'a> Table<'a> {
         self.entries.len() / self.width
     }
 
-    /// The entries, each as its words of four bytes.
+    /// The entries, each as three big-endian 32-bit words; an entry of fewer is filled up with
+    /// zeros.
     fn words(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         let word = |entry: &[u8], at: usize| u32_at(entry, 4 * at).unwrap_or(0);
         self.entries
@@ -50,28 +61,31 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The samples that the tables in an `stbl` list, of a file of `length` bytes.
+/// The samples of a track's sample table box `stbl`, in a file of `length` bytes.
 pub(super) fn samples(stbl: &[u8], length: u64) -> Result<Vec<Sample>, Wrong> {
     let sizes = Sizes::read(Boxes(stbl).get(*b"stsz")?, length)?;
     let mut samples: Vec<Sample> = Vec::new();
     if sizes.count > 0 {
-        lay_out(stbl, &sizes, &mut samples)?;
+        place_in_chunks(stbl, &sizes, &mut samples)?;
     }
+    // Decoding times: durations are run-length coded, and summed up from 0.
     let times = Boxes(stbl).get(*b"stts")?;
     let times = Table::new(*b"stts", times, 4, 8)?;
-    same(*b"stts", &times, samples.len())?;
+    check_total(*b"stts", &times, samples.len())?;
     let mut now = 0_i64;
     let runs = times
         .words()
         .flat_map(|[n, step, _]| (0..n).map(move |_| step));
     for (sample, step) in samples.iter_mut().zip(runs) {
         sample.shown = now;
-        // At most 2^22 samples of 2^32 units.
+        // No overflow: at most 2^22 samples of 2^32 units.
         now += i64::from(step);
     }
+    // Composition offsets: how much later than decoded a sample is shown. Version 1 has signed
+    // ones; writers of version 0 use them as well.
     if let Some(shifts) = Boxes(stbl).find(*b"ctts")? {
         let shifts = Table::new(*b"ctts", shifts, 4, 8)?;
-        same(*b"ctts", &shifts, samples.len())?;
+        check_total(*b"ctts", &shifts, samples.len())?;
         let runs = shifts
             .words()
             .flat_map(|[n, by, _]| (0..n).map(move |_| by));
@@ -82,8 +96,8 @@ pub(super) fn samples(stbl: &[u8], length: u64) -> Result<Vec<Sample>, Wrong> {
     Ok(samples)
 }
 
-/// Whether a table of runs is about as many samples as there are.
-fn same(name: [u8; 4], runs: &Table<'_>, samples: usize) -> Result<(), Wrong> {
+/// Checks that the runs of a table (`stts`, `ctts`) cover all samples.
+fn check_total(name: [u8; 4], runs: &Table<'_>, samples: usize) -> Result<(), Wrong> {
     let all: u64 = runs.words().map(|[n, ..]| u64::from(n)).sum();
     if all == samples as u64 {
         return Ok(());
@@ -94,41 +108,45 @@ fn same(name: [u8; 4], runs: &Table<'_>, samples: usize) -> Result<(), Wrong> {
     ))
 }
 
-/// How large the samples are.
+/// The sample sizes of `stsz`.
 struct Sizes<'a> {
     count: u64,
-    /// The size of all of them, or 0.
-    one: u32,
+    /// The common size of all samples, or 0 where each has its own.
+    common: u32,
     each: Option<Table<'a>>,
 }
 
 impl<'a> Sizes<'a> {
     fn read(content: &'a [u8], length: u64) -> Result<Self, Wrong> {
         let short = || "box stsz is too short".to_owned();
-        let one = u32_at(content, 4).ok_or_else(short)?;
+        let common = u32_at(content, 4).ok_or_else(short)?;
         let count = u64::from(u32_at(content, 8).ok_or_else(short)?);
         check_count(count, length)?;
-        let each = match one {
+        let each = match common {
             0 => Some(Table::new(*b"stsz", content, 8, 4)?),
             _ => None,
         };
-        if count * u64::from(one) > length {
+        if count * u64::from(common) > length {
             return Err(format!(
-                "box stsz says {count} samples of {one} bytes; the whole file has {length} bytes"
+                "box stsz says {count} samples of {common} bytes; the whole file has {length} bytes"
             ));
         }
-        Ok(Self { count, one, each })
+        Ok(Self {
+            count,
+            common,
+            each,
+        })
     }
 
     fn all(&self) -> impl Iterator<Item = u64> + '_ {
         let each = self.each.iter().flat_map(Table::words);
         let each = each.map(|[size, ..]| u64::from(size));
         let alike = if self.each.is_none() { self.count } else { 0 };
-        each.chain((0..alike).map(|_| u64::from(self.one)))
+        each.chain((0..alike).map(|_| u64::from(self.common)))
     }
 }
 
-/// Whether there can be so many samples in a file of `length` bytes.
+/// Checks that a file of `length` bytes can have `count` samples.
 pub(super) fn check_count(count: u64, length: u64) -> Result<(), Wrong> {
     if count > length {
         return Err(format!(
@@ -141,8 +159,9 @@ pub(super) fn check_count(count: u64, length: u64) -> Result<(), Wrong> {
     Ok(())
 }
 
-/// Samples lie one after another in chunks.
-fn lay_out(stbl: &[u8], sizes: &Sizes<'_>, samples: &mut Vec<Sample>) -> Result<(), Wrong> {
+/// Adds the samples with their offsets: `stco` or `co64` has the offset of each chunk, `stsc` how
+/// many samples are in it, and the samples of a chunk follow each other.
+fn place_in_chunks(stbl: &[u8], sizes: &Sizes<'_>, samples: &mut Vec<Sample>) -> Result<(), Wrong> {
     let chunks = match Boxes(stbl).find(*b"stco")? {
         Some(near) => Table::new(*b"stco", near, 4, 4)?,
         None => Table::new(*b"co64", Boxes(stbl).get(*b"co64")?, 4, 8)?,
@@ -153,6 +172,7 @@ fn lay_out(stbl: &[u8], sizes: &Sizes<'_>, samples: &mut Vec<Sample>) -> Result<
     let mut in_chunk = None;
     samples.reserve(sizes.count as usize);
     for chunk in 0..chunks.len() {
+        // A run starts at the chunk that it names, counted from 1, and lasts until the next.
         while let Some([_, count, _]) = runs.next_if(|[first, ..]| *first == chunk as u32 + 1) {
             in_chunk = Some(count);
         }

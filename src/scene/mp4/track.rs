@@ -1,33 +1,36 @@
-//! The video track of a file: its samples, its H.264 parameters, its unit of time.
+//! The video track of a file: its samples, H.264 parameter sets and timescale.
 
 use std::io::{Read, Seek, SeekFrom};
 
 use super::{
-    boxes::{Boxes, Head, Name, Wrong, u32_at},
-    fragment::{Defaults, Follow},
+    boxes::{BoxHeader, Boxes, Name, Wrong, u32_at},
+    colour::Colour,
+    fragment::{Defaults, FragmentReader},
     table::{self, Sample},
 };
 use crate::limit::{BOXES, MP4_TABLES};
 
 /// A video track.
 pub(super) struct Track {
-    /// In the order of the file, which is the order in which they are decoded.
+    /// Samples in decoding order, which is the order of the tables.
     pub samples: Vec<Sample>,
-    /// Units of time in a second.
+    /// Timescale: units of time in a second.
     pub timescale: u32,
-    /// Bytes of the length before each unit.
+    /// Length of the size field before each NAL unit, in bytes (1 to 4).
     pub length_bytes: usize,
-    /// Sequence and picture parameter sets, in order.
+    /// Sequence and picture parameter sets (SPS, PPS), in the order of `avcC`.
     pub parameters: Vec<Vec<u8>>,
+    /// Of the box `colr`.
+    pub colour: Colour,
 }
 
-/// Why there is no track.
+/// Why a file has no usable video track.
 pub(super) enum NoTrack {
     /// The file cannot be read.
     Unreadable(std::io::Error),
-    /// It is not as an mp4 is.
+    /// It is not a well-formed mp4.
     Damaged(Wrong),
-    /// It is an mp4, but not of H.264 video.
+    /// It is an mp4 without H.264 video.
     Unusable(Wrong),
 }
 
@@ -44,30 +47,31 @@ impl From<Wrong> for NoTrack {
 }
 
 impl Track {
-    /// Reads the tables of a file of `length` bytes.
+    /// Reads the track of a file of `length` bytes: the tables of `moov`, then those of all
+    /// fragments.
     pub fn read(file: &mut (impl Read + Seek), length: u64) -> Result<Self, NoTrack> {
-        let tops = tops(file, length)?;
-        let Some(head) = tops.iter().find(|top| top.head.name == *b"moov") else {
+        let boxes = top_level_boxes(file, length)?;
+        let Some(moov) = boxes.iter().find(|found| found.header.name == *b"moov") else {
             return Err("it has no box moov, the table of what is in it"
                 .to_owned()
                 .into());
         };
-        let moov = head.content(file)?;
+        let moov = moov.content(file)?;
         let (mut track, id) = Self::from_moov(&moov, length)?;
-        let mut follow = Follow {
+        let mut fragments = FragmentReader {
             track: id,
             defaults: Defaults::from_moov(&moov, id)?,
             length,
             now: 0,
             samples: &mut track.samples,
         };
-        for top in tops.iter().filter(|top| top.head.name == *b"moof") {
-            follow.fragment(&top.content(file)?, top.start)?;
+        for moof in boxes.iter().filter(|found| found.header.name == *b"moof") {
+            fragments.read(&moof.content(file)?, moof.start)?;
         }
         Ok(track)
     }
 
-    /// The first video track, by number, and its number.
+    /// The video track with the lowest track number, and that number.
     fn from_moov(moov: &[u8], length: u64) -> Result<(Self, u32), NoTrack> {
         let mut video: Option<(u32, &[u8])> = None;
         for found in Boxes(moov) {
@@ -75,6 +79,7 @@ impl Track {
             if name != *b"trak" {
                 continue;
             }
+            // Version 1 of `tkhd` and `mdhd` has 64-bit times before these fields.
             let tkhd = Boxes(trak).get(*b"tkhd")?;
             let id = u32_at(tkhd, if tkhd.first() == Some(&1) { 20 } else { 12 });
             let id = id.ok_or_else(|| short(*b"tkhd"))?;
@@ -91,6 +96,7 @@ impl Track {
         let mdhd = Boxes(mdia).get(*b"mdhd")?;
         let timescale = u32_at(mdhd, if mdhd.first() == Some(&1) { 20 } else { 12 });
         let stbl = Boxes(Boxes(mdia).get(*b"minf")?).get(*b"stbl")?;
+        // Version, flags and entry count come before the sample entries.
         let stsd = Boxes(stbl).get(*b"stsd")?.get(8..).unwrap_or_default();
         let (codec, entry) = Boxes(stsd).next().ok_or_else(|| short(*b"stsd"))??;
         if !matches!(&codec, b"avc1" | b"avc3") {
@@ -99,6 +105,7 @@ impl Track {
                 "its video is {codec}, not H.264"
             )));
         }
+        // The fields of a visual sample entry have 78 bytes; boxes follow.
         let boxes = entry.get(78..).ok_or_else(|| short(codec))?;
         let avcc = Boxes(boxes).get(*b"avcC")?;
         let (length_bytes, parameters) = parameters(avcc).ok_or_else(|| short(*b"avcC"))?;
@@ -107,6 +114,8 @@ impl Track {
             timescale: timescale.ok_or_else(|| short(*b"mdhd"))?,
             length_bytes,
             parameters,
+            // Of boxes behind the parameters, damaged or not, nothing else is taken.
+            colour: colour(boxes),
         };
         Ok((track, id))
     }
@@ -116,11 +125,21 @@ fn short(name: [u8; 4]) -> Wrong {
     format!("box {} is too short", Name(name))
 }
 
-/// What `avcC` holds: bytes of a length, and the parameter sets.
+/// What the first box `colr` that states a colour says.
+fn colour(boxes: &[u8]) -> Colour {
+    let found = Boxes(boxes).map_while(Result::ok);
+    let found = found.filter(|(name, _)| name == b"colr");
+    let mut stated = found.map(|(_, content)| Colour::from_colr(content));
+    stated.find(|c| *c != Colour::default()).unwrap_or_default()
+}
+
+/// The content of `avcC` (ISO/IEC 14496-15, 5.3.3): the length of the size field, and the parameter
+/// sets.
 fn parameters(avcc: &[u8]) -> Option<(usize, Vec<Vec<u8>>)> {
     let length_bytes = usize::from(avcc.get(4)? & 3) + 1;
     let mut sets = Vec::new();
     let mut at = 5;
+    // The count of sequence parameter sets has 5 bits, that of picture parameter sets 8.
     for mask in [0x1f, 0xff] {
         let count = avcc.get(at)? & mask;
         at += 1;
@@ -134,51 +153,57 @@ fn parameters(avcc: &[u8]) -> Option<(usize, Vec<Vec<u8>>)> {
     Some((length_bytes, sets))
 }
 
-/// A box at the top of a file.
-struct Top {
+/// A box at the top level of a file.
+struct TopLevelBox {
     start: u64,
-    head: Head,
+    header: BoxHeader,
 }
 
-impl Top {
+impl TopLevelBox {
     fn content(&self, file: &mut (impl Read + Seek)) -> Result<Vec<u8>, NoTrack> {
-        let size = self.head.whole - self.head.length;
+        let size = self.header.whole - self.header.length;
         if size > MP4_TABLES {
-            let name = Name(self.head.name);
+            let name = Name(self.header.name);
             let most = MP4_TABLES;
             return Err(format!("box {name} has {size} bytes, expected at most {most}").into());
         }
         let mut content = Vec::new();
-        file.seek(SeekFrom::Start(self.start + self.head.length))?;
+        file.seek(SeekFrom::Start(self.start + self.header.length))?;
         file.take(size).read_to_end(&mut content)?;
         if (content.len() as u64) < size {
-            return Err(format!("box {} is cut off", Name(self.head.name)).into());
+            return Err(format!("box {} is cut off", Name(self.header.name)).into());
         }
         Ok(content)
     }
 }
 
-/// The tables at the top of a file, in order: `moov` and `moof`.
-fn tops(file: &mut (impl Read + Seek), length: u64) -> Result<Vec<Top>, NoTrack> {
-    let (mut tops, mut start, mut boxes) = (Vec::new(), 0, 0);
+/// The `moov` and `moof` boxes at the top level of a file, in order.
+fn top_level_boxes(
+    file: &mut (impl Read + Seek),
+    length: u64,
+) -> Result<Vec<TopLevelBox>, NoTrack> {
+    let (mut found, mut start, mut count) = (Vec::new(), 0, 0);
     while start < length {
-        boxes += 1;
-        if boxes > BOXES {
+        count += 1;
+        if count > BOXES {
             return Err(format!("it has more than {BOXES} boxes").into());
         }
         file.seek(SeekFrom::Start(start))?;
-        let mut bytes = Vec::with_capacity(Head::LONGEST);
-        file.take(Head::LONGEST as u64).read_to_end(&mut bytes)?;
-        let head = match Head::read(&bytes, length - start, true) {
-            Ok(head) => head,
-            // Pictures that are cut off are missed when they are read, the ones before are there.
+        let mut bytes = Vec::with_capacity(BoxHeader::LONGEST);
+        file.take(BoxHeader::LONGEST as u64)
+            .read_to_end(&mut bytes)?;
+        let header = match BoxHeader::read(&bytes, length - start, true) {
+            Ok(header) => header,
+            // A cut-off `mdat` is no reason to refuse the file: its missing samples are noticed
+            // when they are read, and those before are there.
             Err(_) if bytes.get(4..8) == Some(b"mdat") => break,
             Err(wrong) => return Err(wrong.into()),
         };
-        if matches!(&head.name, b"moov" | b"moof") {
-            tops.push(Top { start, head });
+        let whole = header.whole;
+        if matches!(&header.name, b"moov" | b"moof") {
+            found.push(TopLevelBox { start, header });
         }
-        start += head.whole;
+        start += whole;
     }
-    Ok(tops)
+    Ok(found)
 }

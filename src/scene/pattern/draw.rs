@@ -1,4 +1,4 @@
-//! How much of a pixel a figure covers.
+//! Coverage: the share of a pixel's area that a figure covers.
 //!
 //! A pixel is the unit square around its centre. All of these are exact means over that
 //! square, except [`disc`], whose rim is taken as straight within a pixel.
@@ -31,7 +31,8 @@ pub(super) fn half_plane(d: f64, x: f64, y: f64) -> f64 {
     share.clamp(0.0, 1.0)
 }
 
-/// A sinusoid along the unit vector `(x, y)`, from 0 to 1, over a pixel at distance `s`.
+/// The mean over a pixel of a sinusoid along the unit vector `(x, y)`, from 0 to 1; `s` is the
+/// pixel's distance along it.
 pub(super) fn grating(s: f64, period: f64, x: f64, y: f64) -> f64 {
     let seen = sinc(x / period) * sinc(y / period);
     0.5 + 0.5 * seen * elementary::sin(TAU * s / period)
@@ -46,12 +47,12 @@ fn sinc(a: f64) -> f64 {
     }
 }
 
-/// Squares in turn 1 and 0.
+/// A checkerboard of squares of 1 and 0.
 pub(super) fn checker((x, y): (f64, f64), square: f64) -> f64 {
     0.5 + 0.5 * stripes(x, square) * stripes(y, square)
 }
 
-/// The mean over `[a - 1/2, a + 1/2]` of a wave that is +1 and -1 for `width` each.
+/// The mean over `[a - 1/2, a + 1/2]` of a square wave that is +1 and -1 for `width` each.
 fn stripes(a: f64, width: f64) -> f64 {
     // The integral of the wave is a triangle between 0 and `width`.
     let sum = |a: f64| {

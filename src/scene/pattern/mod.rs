@@ -60,7 +60,11 @@ impl Pattern {
     /// When the name or a key is not known, a value or `fps` is out of range, or `image`
     /// cannot be read.
     pub fn parse(text: &str, fps: Option<f64>) -> Result<Self, SceneError> {
-        Self::with_options(text, OpenOptions { fps, memory: None })
+        let options = OpenOptions {
+            fps,
+            ..OpenOptions::default()
+        };
+        Self::with_options(text, options)
     }
 
     /// The same with the options that every scene takes.

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{elementary, plane::Plane, scene::SceneError};
 
-/// A figure in motion. Places are `(x, y)` in pixels from the middle of the picture.
+/// A figure and its motion. Places are `(x, y)` in pixels from the middle of the picture.
 #[derive(Debug)]
 pub(super) struct Motif {
     figure: Figure,
@@ -16,7 +16,7 @@ pub(super) struct Motif {
     high: f64,
 }
 
-/// What is drawn, from 0 (low light) to 1 (high light); a picture, in its own light.
+/// A figure: a light pattern from 0 (low light) to 1 (high light); a picture has its own light.
 #[derive(Debug)]
 enum Figure {
     Bar { thickness: f64, along: Direction },
@@ -32,15 +32,16 @@ enum Figure {
 /// How the figure moves.
 #[derive(Clone, Copy, Debug)]
 enum Motion {
-    /// In the middle at `middle` seconds, then on by `x`, `y` pixels a second.
+    /// A translation: in the middle at `middle` seconds, with a velocity of `x`, `y` pixels a
+    /// second.
     Straight {
         x: f64,
         y: f64,
         middle: f64,
     },
-    /// Radians per second, from right to down.
+    /// A rotation, in radians per second from right to down.
     Turn(f64),
-    /// Sizes grow by `e` to this power each second.
+    /// An expansion: sizes grow by the factor `e` to this power each second.
     Grow(f64),
     Rest,
 }
@@ -66,7 +67,8 @@ struct Direction {
 }
 
 impl Direction {
-    /// Exact for quarter turns, so that a pattern along a row is the same in every row.
+    /// Sine and cosine are exact for quarter turns, so that a pattern along a row is the same in
+    /// every row.
     fn degrees(angle: f64) -> Self {
         let quarter = (angle / 90.0).round();
         let (sin, cos) = elementary::sin_cos((angle - quarter * 90.0).to_radians());
@@ -79,7 +81,7 @@ impl Direction {
         Self { x, y }
     }
 
-    /// The coordinate of a place along this direction, in pixels.
+    /// The coordinate of a place along this direction, in pixels (dot product).
     fn project(self, (x, y): (f64, f64)) -> f64 {
         x * self.x + y * self.y
     }
@@ -165,7 +167,7 @@ impl Motif {
         }
     }
 
-    /// How fast what is at a place moves: `(x, y)`, pixels per second.
+    /// The velocity at a place: `(x, y)`, pixels per second.
     pub fn flow(&self, (x, y): (f64, f64)) -> (f64, f64) {
         match self.motion {
             Motion::Straight { x, y, middle: _ } => (x, y),
@@ -177,7 +179,7 @@ impl Motif {
 }
 
 impl Motion {
-    /// Where in the figure the place is that is now at `(x, y)`.
+    /// The place in the figure's own coordinates that is seen at `(x, y)` at `seconds`.
     fn home(self, seconds: f64, (x, y): (f64, f64)) -> (f64, f64) {
         match self {
             Self::Straight {
@@ -202,7 +204,7 @@ impl Motion {
 }
 
 impl Figure {
-    /// The share of high light in the pixel around a place.
+    /// The share of high light, 0 to 1, in the pixel around a place.
     fn share(&self, place: (f64, f64), seconds: f64) -> f64 {
         match self {
             Self::Bar { thickness, along } => {

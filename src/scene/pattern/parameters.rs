@@ -1,4 +1,4 @@
-//! The parameters of a pattern: taken one by one, and none left over.
+//! The parameters of a pattern: each is taken once, and those left over are errors.
 
 use std::{collections::BTreeMap, ops::RangeInclusive};
 
@@ -38,7 +38,7 @@ pub const PATTERNS: [(&str, &str); 12] = [
     ("static", "image=FILE or blobs, at rest"),
 ];
 
-/// What was given, and what has been asked for so far.
+/// The parameters given, and the names of those asked for so far.
 pub(super) struct Parameters {
     /// The name of the pattern.
     pub pattern: String,
@@ -140,7 +140,7 @@ impl Parameters {
         }
     }
 
-    /// Refuses what nobody asked for.
+    /// Refuses parameters that the pattern has not asked for.
     pub fn finish(self) -> Result<(), SceneError> {
         match self.given.into_keys().next() {
             None => Ok(()),

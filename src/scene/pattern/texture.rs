@@ -7,16 +7,17 @@ use crate::{plane::Plane, rng::Hash};
 pub(super) enum Texture {
     /// A picture, its middle at (0, 0).
     Picture { picture: Plane<f64>, border: Border },
-    /// Random values `grain` pixels apart, from 0 to 1, joined smoothly; without an end.
+    /// Value noise: random values from 0 to 1 on a grid of `grain` pixels, interpolated smoothly;
+    /// unbounded.
     Blobs { grain: f64, seed: u64 },
 }
 
-/// What lies outside a picture.
+/// How a picture is continued beyond its border.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Border {
-    /// Its border, for ever.
+    /// Its border pixels are replicated.
     Replicate,
-    /// The picture again.
+    /// It is repeated periodically.
     Wrap,
 }
 
@@ -48,7 +49,7 @@ impl Texture {
 }
 
 impl Border {
-    /// Brings a place near the picture, so that it can be counted in pixels.
+    /// Maps a coordinate near the picture, so that it can be converted to an integer.
     fn place(self, a: f64, length: usize) -> f64 {
         match self {
             Self::Replicate => a.clamp(-2.0, length as f64 + 1.0),
@@ -93,7 +94,7 @@ fn cubic(x: f64, y: f64, value: impl Fn(i64, i64) -> f64) -> f64 {
     sum.clamp(least, most)
 }
 
-/// A number from 0 to 1 that depends on nothing but its arguments.
+/// A random number from 0 to 1 that is a pure function of its arguments.
 fn hash(seed: u64, x: i64, y: i64) -> f64 {
     Hash::new(seed).with(x as u64).with(y as u64).uniform()
 }

@@ -12,6 +12,7 @@ use crate::{
     isa::{Device, Evidence, Figure},
     kernel::Kernel,
     mesh,
+    rig::guard::Warning,
     study::{quantisation::Row, waterfall::Waterfall},
     unit::Micros,
 };
@@ -55,6 +56,8 @@ pub struct Feasibility {
     pub link: Link,
     /// What was taken as given.
     pub assumptions: Vec<Assumption>,
+    /// What makes these figures mean something else than they seem to.
+    pub warnings: Vec<Warning>,
 }
 
 /// A kernel by its numbers.

@@ -1,4 +1,4 @@
-//! How a question is answered: the sensors run, and all parts of the answer are put together.
+//! Answering a question: the sensors run, and all parts of the answer are put together.
 
 use super::{
     Assumption, ChipSummary, Chosen, Estimate, Feasibility, FeasibilityError, Fit, KernelSummary,
@@ -16,6 +16,7 @@ use crate::{
     mesh::{self, Fitting},
     plane::Size,
     reference::MemoryRule,
+    rig::guard::Warning,
     scene::{Frame, Scene, SceneError},
     study::{
         design::{Compiled, Design},
@@ -23,7 +24,7 @@ use crate::{
     },
 };
 
-/// Of the mesh fits: what is added to the squared relative error for each squared gain.
+/// The ridge of the mesh fits: added to the squared relative error for each squared gain.
 const RIDGE: f64 = 1e-4;
 
 /// Asks the question of a scene that can be opened again: it is watched for the table, for the
@@ -56,7 +57,7 @@ pub fn ask(
     let program = compiled.as_ref().ok();
 
     let mut scene = open()?;
-    let (runs, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
+    let (mut runs, frames) = question.watch(&design, program, &mut *scene, &mut seen)?;
     let scene = SceneSummary::new(question.scene, &*scene, frames, &runs.float);
     let streams = runs.streams(question, scene.fps)?;
     let waterfall = match program {
@@ -108,13 +109,17 @@ pub fn ask(
         quantisation: table.into_iter().map(|(_, row)| row).collect(),
         mesh: meshes(question.kernel),
         assumptions: Assumption::all(question, &scene),
+        warnings: { quantised.erasures(question.kernel).into_iter() }
+            .map(|erasure| Warning::erased(&to.to_string(), erasure))
+            .chain(std::mem::take(&mut runs.warnings))
+            .collect(),
         scene,
     };
     feasibility.verdict = Verdict::new(&feasibility);
     Ok((feasibility, snapshot))
 }
 
-/// The kernel as one sheet and as two have it; nothing of a kernel of zeros.
+/// The kernel fitted by one resistive grid and by two; nothing for a kernel of zeros.
 fn meshes(kernel: &Kernel) -> Vec<mesh::Fit> {
     let fit = |sheets| {
         let how = Fitting {

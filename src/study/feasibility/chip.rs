@@ -56,7 +56,7 @@ pub struct Noise {
     pub offset_stores: f64,
 }
 
-/// The level of light at which noise is told: the middle of what a capture holds.
+/// The level of light, in LSB, at which noise is stated: the middle of the range of a capture.
 const MIDDLE: f64 = 64.0;
 
 impl OnChip {

@@ -13,7 +13,7 @@ use crate::{
 /// The candidates of whoever names none, as the command line takes them.
 pub const CANDIDATES: &str = "ternary,po2-2,po2-4,int-3,int-5";
 
-/// Two scores that are closer than this are one: then fewer words win.
+/// Scores closer than this are a tie: then fewer words win.
 const ALIKE: f64 = 0.005;
 
 impl Question<'_> {

@@ -2,13 +2,16 @@
 
 use super::{FeasibilityError, Question, Stream, Streams, stream::Window};
 use crate::{
-    array::{Arithmetic, Array},
+    array::{Arithmetic, Array, AtBorder},
     event::Packet,
     kernel::Kernel,
     number::Format,
     plane::Plane,
     reference::MemoryRule,
-    rig,
+    rig::{
+        self,
+        guard::{Guard, Warning},
+    },
     scene::{Frame, Scene},
     sensor::Sensor,
     study::design::{Compiled, Design},
@@ -46,20 +49,44 @@ impl Question<'_> {
                 .iter_mut()
                 .map(|chip| chip as &mut (dyn Sensor + Send)),
         );
-        let mut frames = 0;
+        let (mut frames, mut guard) = (0, Guard::new());
         let packets = rig::watch(scene, &mut sensors, |frame| {
             frames += 1;
+            guard.frame(frame);
             seen(frame);
         })?;
         let mut packets = packets.into_iter();
         let mut next = || packets.next();
         let empty = || Packet::new(size, 1);
-        let said = Runs {
+        let mut said = Runs {
             float: next().unwrap_or_else(empty),
             dvs: next().unwrap_or_else(empty),
             exact: next(),
             silicon: next(),
+            warnings: Vec::new(),
         };
+        let judged = [
+            ("the float sensor", Some(&said.float)),
+            ("the plain DVS", Some(&said.dvs)),
+            ("the program, no errors", said.exact.as_ref()),
+            ("the program on the chip", said.silicon.as_ref()),
+        ];
+        for (subject, packet) in judged {
+            if let Some(packet) = packet {
+                guard.packet(subject, packet);
+            }
+        }
+        if let Some((chip, program)) = chips.last().zip(program) {
+            let silicon = Arithmetic::Silicon { seed: self.seed };
+            let ends = silicon.ends(self.device, &program.settings());
+            for at in ends.map_or(Vec::new(), |ends| AtBorder::registers(&**chip, ends)) {
+                let place = format!("{} after the last frame", at.register);
+                let counted = (at.pixels, at.of);
+                let subject = "the program on the chip";
+                guard.warn(Warning::saturation(subject, &place, counted, at.ends));
+            }
+        }
+        said.warnings = guard.warnings();
         Ok((said, frames))
     }
 }
@@ -69,12 +96,14 @@ fn one_pixel() -> Kernel {
     Kernel::new(Plane::ones((1, 1))).expect("one finite weight is a kernel")
 }
 
-/// The packets of all sensors.
+/// The packets of all sensors on the scene.
 pub(super) struct Runs {
     pub float: Packet,
     pub dvs: Packet,
     pub exact: Option<Packet>,
     pub silicon: Option<Packet>,
+    /// What is to be known of them.
+    pub warnings: Vec<Warning>,
 }
 
 impl Runs {

@@ -1,10 +1,10 @@
-//! What one sensor said of the scene, and how near that is to the float sensor.
+//! The packet of one sensor in numbers, and its scores against the float sensor's.
 
 use crate::{
     compare::{
         Pair, matching,
         metric::Metric,
-        ruler::{self, Scales},
+        score::{self, Scales},
     },
     event::{
         Packet, Polarity,
@@ -52,15 +52,15 @@ pub struct Judged {
     pub f1_a_frame_apart: Scored,
 }
 
-/// A score from 0 to 1 with its ceiling and its floor.
+/// A score from 0 to 1 with its floor and ceiling.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Scored {
     /// The score.
     pub value: f64,
     /// That of the float sensor against itself.
     pub ceiling: f64,
-    /// The most that a sensor gets that knows nothing of when, or nothing of where: the larger
-    /// score of a redraw and of a permutation of the float sensor's events.
+    /// What a packet scores that knows nothing of when, or nothing of where: the larger score of a
+    /// redraw and of a permutation of the float sensor's events.
     pub floor: f64,
     /// How much of the way from floor to ceiling; 0 where there is no way.
     pub kept: f64,
@@ -72,7 +72,7 @@ pub(super) struct Window {
     pub within: Micros,
     /// A frame of the scene.
     pub frame: Micros,
-    /// Of the null streams.
+    /// Seed of these baselines.
     pub seed: u64,
 }
 
@@ -83,9 +83,9 @@ impl Stream {
         float: Option<&Packet>,
         window: &Window,
     ) -> Result<Self, FeasibilityError> {
-        let word = AddressWord::of(packet.size, packet.channels).bits();
+        let word = AddressWord::new(packet.size, packet.channels).bits();
         let costs = vec![word; packet.events.len()];
-        let rate = Rate::of(packet, &costs, window.frame);
+        let rate = Rate::from_packet(packet, &costs, window.frame);
         let (from, to) = packet.span;
         let seconds = Micros(to.0.saturating_sub(from.0)).seconds();
         let events = packet.events.len() as u64;
@@ -111,7 +111,7 @@ impl Stream {
 
 impl Judged {
     fn new(float: &Packet, packet: &Packet, window: &Window) -> Result<Self, FeasibilityError> {
-        let pair = Pair::of(float, packet)?;
+        let pair = Pair::new(float, packet)?;
         let scales = Scales {
             within: vec![window.within, window.frame],
             van_rossum: Vec::new(),
@@ -119,10 +119,10 @@ impl Judged {
             bins: 1,
             seed: window.seed,
         };
-        let scores = ruler::scores(&pair, &scales);
+        let scores = score::scores(&pair, &scales);
         let scored = |metric: Metric| {
             let score = scores.iter().find(|score| score.metric == metric);
-            let of = |value: fn(&ruler::Score) -> Option<f64>| score.and_then(value);
+            let of = |value: fn(&score::Score) -> Option<f64>| score.and_then(value);
             Scored::between(
                 of(|s| s.value).unwrap_or(0.0),
                 of(|s| s.identical).unwrap_or(1.0),

@@ -188,7 +188,7 @@ impl Change {
     /// # Errors
     /// When the packets are not of one size.
     pub fn between(full: &Packet, plain: &Packet, within: Micros) -> Result<Self, CompareError> {
-        let matched = matching::matched(&Pair::of(full, plain)?, within);
+        let matched = matching::matched(&Pair::new(full, plain)?, within);
         let events = full.events.len() as u64;
         let (missing, extra) = (events - matched, plain.events.len() as u64 - matched);
         let alone = (missing + extra) as f64;

@@ -10,9 +10,9 @@ use super::{
 use crate::study::feasibility::{Feasibility, Stream, stream::Scored};
 
 /// A sensor that watched: what it is called, where it is in the JSON, what it said.
-type Said<'a> = (&'static str, &'static str, &'a Stream);
+type Watched<'a> = (&'static str, &'static str, &'a Stream);
 
-fn said(all: &Feasibility) -> Vec<Said<'_>> {
+fn watched(all: &Feasibility) -> Vec<Watched<'_>> {
     let streams = &all.streams;
     [
         ("Plain DVS", "/streams/dvs", Some(&streams.dvs)),
@@ -35,7 +35,7 @@ fn said(all: &Feasibility) -> Vec<Said<'_>> {
 
 /// How much each sensor says, and what a link would take for it.
 pub(super) fn emitted(all: &Feasibility) -> Part {
-    let rows = said(all);
+    let rows = watched(all);
     let most = rows
         .iter()
         .map(|(.., s)| s.events)
@@ -79,7 +79,7 @@ pub(super) fn emitted(all: &Feasibility) -> Part {
 
 /// How much of what each sensor says is right.
 pub(super) fn right(all: &Feasibility) -> Part {
-    let rows = said(all);
+    let rows = watched(all);
     part(
         "task",
         "Which task belongs on the sensor?",

@@ -14,7 +14,7 @@ use crate::study::{
 /// The waterfall as a picture and as a table; nothing where there is none.
 pub(super) fn section(all: &Feasibility) -> Option<Part> {
     let waterfall = all.waterfall.as_ref()?;
-    let inside = told(all, waterfall);
+    let inside = content(all, waterfall);
     Some(part(
         "decides",
         "What decides? Where the events went",
@@ -22,7 +22,7 @@ pub(super) fn section(all: &Feasibility) -> Option<Part> {
     ))
 }
 
-fn told(all: &Feasibility, waterfall: &Waterfall) -> Markup {
+fn content(all: &Feasibility, waterfall: &Waterfall) -> Markup {
     let title = format!("Where the events of {} went", all.kernel.name);
     let alt = format!(
         "{title}: a bar for each step from the float sensor to the chip; the table below has its numbers."

@@ -18,7 +18,7 @@ mod power;
 mod quantisation;
 mod reproduce;
 mod shared;
-mod sight;
+mod snapshot;
 pub mod tornado;
 mod verdict;
 mod weights;
@@ -36,7 +36,7 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 
 /// The whole page.
 #[must_use]
-pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
+pub fn page(all: &Feasibility, snapshot: &Snapshot) -> String {
     let place = Place::default();
     let reproduce = reproduce::section(all.amacrine, &all.command, all.seed);
     whole(
@@ -44,7 +44,7 @@ pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
         &format!("{} on {}", all.kernel.name, all.chip.name),
         &asked(all),
         &html! {
-            (parts(all, sight, &place))
+            (parts(all, snapshot, &place))
             (reproduce.at(&place))
         },
     )
@@ -52,7 +52,7 @@ pub fn page(all: &Feasibility, sight: &Snapshot) -> String {
 
 /// The page of several kernels: all of them in one program, then a chapter for each.
 #[must_use]
-pub fn page_of_several(all: &Several, sights: &[Snapshot]) -> String {
+pub fn page_of_several(all: &Several, snapshots: &[Snapshot]) -> String {
     let names: Vec<&str> = all
         .kernels
         .iter()
@@ -69,11 +69,11 @@ pub fn page_of_several(all: &Several, sights: &[Snapshot]) -> String {
         },
         &html! {
             (shared::section(all).at(&place))
-            @for (i, (one, sight)) in all.kernels.iter().zip(sights).enumerate() {
+            @for (i, (one, snapshot)) in all.kernels.iter().zip(snapshots).enumerate() {
                 article data-root=(format!("/kernels/{i}")) {
                     h2 { (one.kernel.name) }
                     (asked(one))
-                    (parts(one, sight, &Place::chapter(i + 1)))
+                    (parts(one, snapshot, &Place::chapter(i + 1)))
                 }
             }
             (reproduce.at(&place))
@@ -82,10 +82,10 @@ pub fn page_of_several(all: &Several, sights: &[Snapshot]) -> String {
 }
 
 /// All parts about one kernel.
-fn parts(all: &Feasibility, sight: &Snapshot, place: &Place) -> Markup {
+fn parts(all: &Feasibility, snapshot: &Snapshot, place: &Place) -> Markup {
     let parts = [
         Some(verdict::section(all, place)),
-        Some(sight::section(all, sight)),
+        Some(snapshot::section(all, snapshot)),
         Some(events::right(all)),
         Some(events::emitted(all)),
         Some(quantisation::section(all)),

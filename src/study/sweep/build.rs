@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::{plan::Entry, refusal::Refusal, sensor, shared::Shared, study::Settings, table::Row};
 use crate::{
-    array::{Arithmetic, Schedule},
+    array::{self, Arithmetic},
     compile::{CellKind, DriveMemory, Effort, Request, SensorProgram},
     kernel::{
         Kernel,
@@ -142,9 +142,13 @@ pub(super) fn array(
         "state_memory_bytes",
         json!(analog * cell * pixels + (digital * pixels).div_ceil(8)),
     );
-    let mut chip = compiled.chip(arithmetic.with_seed(seed), size, compiled.settings())?;
-    let schedule: Schedule = word("schedule").parse()?;
-    chip.set_schedule(schedule, 1);
+    // Points run side by side, so that one thread each is enough.
+    let settings = array::Settings {
+        schedule: Some(word("schedule").parse()?),
+        threads: Some(1),
+        ..compiled.settings()
+    };
+    let chip = compiled.chip(arithmetic.with_seed(seed), size, settings)?;
     if word("readout") == "all" {
         return Ok(Box::new(compiled.all_events(chip)));
     }
@@ -171,8 +175,8 @@ fn compiled(
         let to: Quantiser = name.parse()?;
         let sum = match point.word("sum") {
             Some("zero") => Sum::Zero,
-            Some("kept") => Sum::Kept,
-            _ => Sum::Free,
+            Some("free") => Sum::Free,
+            _ => Sum::Kept,
         };
         let quantised = to.quantise(kernel, sum, seed)?.within_one();
         let lost = quantised.relative_error(kernel);

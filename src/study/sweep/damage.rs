@@ -1,4 +1,4 @@
-//! Files of points that cannot be believed.
+//! Damaged files of points.
 
 use std::{fmt::Write as _, path::PathBuf};
 

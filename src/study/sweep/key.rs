@@ -120,7 +120,7 @@ const NOISE: config::Kind = config::Kind::Either {
 impl Kind {
     /// What one value is written as: where a sensor file has the key, as there.
     #[must_use]
-    pub const fn written(self) -> config::Kind {
+    pub const fn value_kind(self) -> config::Kind {
         match self {
             Self::Name => config::Kind::Name,
             Self::Number { least, above } => config::Kind::Number(Range {
@@ -146,7 +146,7 @@ const ARRAY: &[Side] = &[Side::Array];
 const MESH: &[Side] = &[Side::Mesh];
 
 /// The largest whole number that TOML has.
-const MOST: u64 = i64::MAX as u64;
+const MAX_INTEGER: u64 = i64::MAX as u64;
 
 /// Every axis. The grid runs through them in this order, the last one fastest.
 pub const KEYS: &[Key] = &[
@@ -172,10 +172,34 @@ pub const KEYS: &[Key] = &[
         sides: ANY,
         kind: Kind::Whole {
             least: 2,
-            most: MOST,
+            most: MAX_INTEGER,
         },
         default: Absent::None,
         what: "only so many frames of the scene, at least 2; all when left out",
+    },
+    Key {
+        name: "range",
+        sides: ANY,
+        kind: Kind::Choice(&["auto", "limited", "full"]),
+        default: Absent::Is("\"auto\""),
+        what: "which samples are black and white: 16 and 235, or all; `auto` takes what the file says, as `--range` of `amacrine run`",
+    },
+    Key {
+        name: "transfer",
+        sides: ANY,
+        kind: Kind::Choice(&["as-coded", "auto", "linear", "srgb", "bt709"]),
+        default: Absent::Is("\"as-coded\""),
+        what: "how the light was coded, to be undone; as `--transfer` of `amacrine run`",
+    },
+    Key {
+        name: "scale",
+        sides: ANY,
+        kind: Kind::Number {
+            least: 0.0,
+            above: true,
+        },
+        default: Absent::None,
+        what: "what the numbers of a `.npy` are multiplied by: 255 where they are 0 to 1",
     },
     Key {
         name: "upsample",
@@ -305,7 +329,7 @@ pub const KEYS: &[Key] = &[
         name: "sum",
         sides: ARRAY,
         kind: Kind::Choice(&["free", "zero", "kept"]),
-        default: Absent::Is("\"free\""),
+        default: Absent::Is("\"kept\""),
         what: "what a quantised kernel must sum to",
     },
     Key {
@@ -341,7 +365,7 @@ pub const KEYS: &[Key] = &[
         sides: ANY,
         kind: Kind::Whole {
             least: 0,
-            most: MOST,
+            most: MAX_INTEGER,
         },
         default: Absent::Is("0"),
         what: "chooses mismatch, noise and stochastic rounding; points without chance have none",
@@ -350,7 +374,7 @@ pub const KEYS: &[Key] = &[
 
 impl Key {
     /// The keys of a side, in the order of the grid.
-    pub fn of(side: Side) -> impl Iterator<Item = &'static Self> {
+    pub fn on_side(side: Side) -> impl Iterator<Item = &'static Self> {
         KEYS.iter().filter(move |key| key.sides.contains(&side))
     }
 
@@ -403,9 +427,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn number_formats_are_those_of_their_list() {
+        for (name, known) in [("format", Format::names()), ("domain", Arithmetic::names())] {
+            let key = KEYS.iter().find(|key| key.name == name).unwrap();
+            assert!(key.what.ends_with(&known), "{}", key.what);
+        }
+    }
+
+    #[test]
     fn no_side_has_a_key_twice() {
         for side in Side::ALL {
-            let mut names: Vec<_> = Key::of(side).map(|key| key.name).collect();
+            let mut names: Vec<_> = Key::on_side(side).map(|key| key.name).collect();
             let all = names.len();
             names.sort_unstable();
             names.dedup();

@@ -1,4 +1,4 @@
-//! What a point may take before it is given up: time and memory.
+//! Limits of a point, beyond which it is given up: time and memory.
 //!
 //! Both are looked at between two frames; a frame that has begun is finished.
 
@@ -10,10 +10,10 @@ use crate::{event::Event, plane::Size};
 /// Seconds since some moment.
 pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
 
-/// What a point may take.
+/// The limits of a point.
 #[derive(Clone, Copy)]
 pub struct Limits<'a> {
-    /// What time it is.
+    /// The present time.
     pub clock: Clock<'a>,
     /// Seconds for a sensor to watch its scene, and as many for the f64 sensor that it is
     /// measured against.
@@ -31,13 +31,13 @@ impl fmt::Debug for Limits<'_> {
     }
 }
 
-/// What a pixel takes: two sensors with up to 24 planes of eight bytes each (light, drives,
+/// Memory per pixel in bytes: two sensors with up to 24 planes of eight bytes each (light, drives,
 /// memories, registers, counts).
 const PIXEL: u128 = 2 * 24 * 8;
 
-/// What an event takes: in its list as it grows, in the ruler's order of cells, and in the list
-/// of the sensor that it is measured against.
-const EVENT: u128 = 4 * size_of::<Event>() as u128;
+/// Memory per event in bytes: in its list as it grows, sorted by cell for comparison, in the list
+/// of the sensor that it is measured against, and drawn anew.
+const EVENT: u128 = 5 * size_of::<Event>() as u128;
 
 /// A limit was reached.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
@@ -79,7 +79,7 @@ impl Limits<'_> {
     }
 }
 
-/// Bytes that a point takes, from above.
+/// Upper bound on the memory of a point, bytes.
 fn need(size: Size, events: usize) -> u128 {
     size.height as u128 * size.width as u128 * PIXEL + events as u128 * EVENT
 }

@@ -11,8 +11,8 @@ use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 
 use super::{
+    cached_scene::hex,
     error::{Kept, StoreError},
-    footage::hex,
     grid::MOST_POINTS,
     provenance::{NUMERICS, SCHEMA},
     regular::{self, Unusable},

@@ -1,4 +1,4 @@
-//! One point: its sensor is made, watches its scene, and is measured.
+//! Measuring a point: its sensor is made, watches its scene, and is compared.
 
 use serde_json::json;
 
@@ -14,12 +14,14 @@ use super::{
     table::{self, Row},
 };
 use crate::{
-    compare::{Pair, matching, metric::Measured, voxel::Bins},
+    compare::{Pair, metric::Measured, voxel::Bins, window::Point},
     event::{Packet, Polarity, address},
     plane::Size,
-    reference::Reference,
+    reference::{Description, Reference},
+    rig::guard::{Guard, Warning},
     scene::SceneError,
     sensor::{Sensor, SensorError},
+    study::equivalent::{self, Ladder},
 };
 
 /// Bins of the voxel grids.
@@ -36,6 +38,7 @@ pub(super) fn described(plan: &Plan, entry: &Entry) -> Row {
     row.insert("width".to_owned(), json!(width));
     row.insert("height".to_owned(), json!(height));
     row.insert("frames_seen".to_owned(), json!(entry.scene.frames));
+    row.insert("fps".to_owned(), json!(entry.scene.fps));
     row
 }
 
@@ -77,14 +80,14 @@ fn run(
         Side::Reference | Side::Mesh => float(entry, row)?,
         Side::Array => array(settings, entry, shared, row)?,
     };
-    let (packet, seconds) = watch(entry, &mut *sensor, limits)?;
-    let made = shared.reference(&entry.task, || ideal(settings, entry, limits));
-    let truth = match made.get() {
-        Some(Ok(packet)) => packet,
+    let (packet, seconds, warnings) = watch(entry, &mut *sensor, limits)?;
+    let made = shared.truth(&entry.task, || ladder(settings, entry, limits));
+    let ladder = match made.get() {
+        Some(Ok(ladder)) => ladder,
         Some(Err(refusal)) => return Err(refusal.clone()),
         None => return Err(Refusal::Cannot("the f64 sensor was not made".to_owned())),
     };
-    let pair = Pair::of(truth, &packet)?;
+    let pair = Pair::new(ladder.reference(), &packet)?;
     let frames = entry.scene.frames as f64;
     let on = packet
         .events
@@ -96,11 +99,22 @@ fn run(
     put("on", json!(on));
     put("off", json!(packet.events.len() - on));
     put("dropped", json!(packet.dropped.total()));
+    if !warnings.is_empty() {
+        let names: Vec<&str> = warnings.iter().map(|w| w.about.name()).collect();
+        put("warnings", json!(names.join(" ")));
+    }
     put("bits", json!(address::bits(&packet)));
-    put("reference_events", json!(truth.events.len()));
-    let first = settings.within.first().copied().unwrap_or_default();
-    put("error", json!(1.0 - matching::matches(&pair, first).f1()));
-    let measured = Measured::new(&pair, Bins::over(&pair, BINS));
+    put("reference_events", json!(ladder.reference().events.len()));
+    let headline = Point::new(&pair, ladder.redraws(), ladder.window());
+    put("window_us", json!(headline.window_us));
+    put("kept", json!(headline.kept));
+    put("floor", json!(headline.floor));
+    put("error", json!(1.0 - headline.kept));
+    if settings.threshold_equivalent {
+        let (percent, _) = ladder.equivalent(headline.f1);
+        put("threshold_equivalent_percent", json!(percent));
+    }
+    let measured = Measured::new(&pair, Bins::over(&pair, BINS), ladder.redraws());
     for metric in table::metrics(settings) {
         put(&metric.key(), json!(metric.value(&measured)));
     }
@@ -110,18 +124,19 @@ fn run(
     Ok(())
 }
 
-/// Shows the scene; the packet, and the seconds that the sensor took.
+/// Shows the scene; the packet, the seconds that the sensor took, and what there is to warn of.
 fn watch(
     entry: &Entry,
     sensor: &mut (dyn Sensor + Send),
     limits: Limits<'_>,
-) -> Result<(Packet, f64), Refusal> {
+) -> Result<(Packet, f64, Vec<Warning>), Refusal> {
     let begin = (limits.clock)();
     let mut packet = Packet::new(sensor.size(), sensor.channels());
-    let mut spent = 0.0;
+    let (mut spent, mut guard) = (0.0, Guard::new());
     let played = entry.scene.play(|frame| {
         let start = (limits.clock)();
         sensor.watch(frame, &mut packet)?;
+        guard.frame(frame);
         let now = (limits.clock)();
         spent += now - start;
         limits.hold(now - begin, entry.scene.size, packet.events.len())?;
@@ -131,11 +146,12 @@ fn watch(
         Err(Stop::Exhausted(exhausted)) => return Err(exhausted.given_up()),
         played => played?,
     }
+    guard.packet(sensor.name(), &packet);
     // A clock may be too coarse for a small scene.
-    Ok((packet, f64::max(spent, 1e-9)))
+    Ok((packet, f64::max(spent, 1e-9), guard.warnings()))
 }
 
-/// A scene or a sensor stopped.
+/// Why a scene or a sensor stopped.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum Stop {
     #[error(transparent)]
@@ -149,12 +165,28 @@ enum Stop {
     Exhausted(#[from] Exhausted),
 }
 
-/// The packet that points of this task are measured against.
-fn ideal(settings: &Settings, entry: &Entry, limits: Limits<'_>) -> Result<Packet, Refusal> {
-    let make = || -> Result<Packet, Refusal> {
-        let description = sensor::ideal(&entry.point, &entry.kernel, settings.against)?;
+/// Seed of the redraws: a floor is that of the task, whatever the point.
+const REDRAWS: u64 = 0;
+
+/// What points of this task are measured against: the packet of the f64 sensor, and how much it
+/// keeps at higher thresholds.
+fn ladder(settings: &Settings, entry: &Entry, limits: Limits<'_>) -> Result<Ladder, Refusal> {
+    let watched = |description: &Description, part| -> Result<Packet, Refusal> {
+        let description = equivalent::at_part(description, part);
         let mut sensor = Reference::new(description, entry.scene.size, 0)?;
         Ok(watch(entry, &mut sensor, limits)?.0)
+    };
+    let make = || -> Result<Ladder, Refusal> {
+        let ideal = sensor::ideal(&entry.point, &entry.kernel, settings.against)?;
+        let fps = entry.scene.fps;
+        let window = settings.headline(fps);
+        let mut ladder = Ladder::bare(watched(&ideal, 1.0)?, window, fps, REDRAWS)?;
+        if settings.threshold_equivalent {
+            for part in equivalent::higher() {
+                ladder.add(part, &watched(&ideal, part)?)?;
+            }
+        }
+        Ok(ladder)
     };
     make().map_err(|refusal| match refusal {
         Refusal::Cannot(why) => Refusal::Cannot(format!("the f64 sensor: {why}")),

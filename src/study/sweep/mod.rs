@@ -11,10 +11,10 @@
 //! `docs/sweeps.md` has a worked example, every key and every column.
 
 mod build;
+mod cached_scene;
 pub mod damage;
 mod difference;
 mod error;
-mod footage;
 pub mod grid;
 pub mod key;
 pub mod limits;

@@ -16,8 +16,8 @@ use serde_json::{Value as Json, json};
 use sha2::{Digest, Sha256};
 
 use super::{
+    cached_scene::{CachedScene, Wanted, hex},
     difference::NAMES,
-    footage::{Footage, Wanted, hex},
     grid::Axes,
     key::Side,
     manifest::Manifest,
@@ -31,6 +31,8 @@ use crate::{
     config::{Fault, Faults, Place},
     isa::Device,
     kernel::Kernel,
+    rig::guard::Warning,
+    scene::{Coding, Range, Transfer},
     source,
 };
 
@@ -54,7 +56,7 @@ pub struct Entry {
     pub id: String,
     /// What its events are measured against: the same for points of one task.
     pub task: String,
-    pub(super) scene: Arc<Footage>,
+    pub(super) scene: Arc<CachedScene>,
     pub(super) kernel: Arc<Kernel>,
     pub(super) chip: Option<Arc<Device>>,
 }
@@ -63,7 +65,7 @@ pub struct Entry {
 struct Opened<'a> {
     study: &'a Study,
     folder: &'a Path,
-    scenes: Vec<(Wanted, Arc<Footage>)>,
+    scenes: Vec<(Wanted, Arc<CachedScene>)>,
     kernels: BTreeMap<String, Arc<Kernel>>,
     chips: BTreeMap<String, (Arc<Device>, String)>,
 }
@@ -114,6 +116,18 @@ impl Plan {
         })
     }
 
+    /// What the scenes warn of, by the name of each.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut scenes: Vec<&Arc<CachedScene>> = Vec::new();
+        for entry in &self.entries {
+            if !scenes.iter().any(|known| Arc::ptr_eq(known, &entry.scene)) {
+                scenes.push(&entry.scene);
+            }
+        }
+        scenes.iter().flat_map(|scene| scene.warnings()).collect()
+    }
+
     /// What a folder of results says about itself.
     #[must_use]
     pub fn manifest(&self) -> Manifest {
@@ -156,6 +170,27 @@ fn place(sides: &[Axes], point: &Point, key: &str) -> Place {
         .unwrap_or_default()
 }
 
+/// What a point says about the samples of its scene.
+fn coding(point: &Point) -> Coding {
+    let range = match point.word("range") {
+        Some("limited") => Some(Range::Limited),
+        Some("full") => Some(Range::Full),
+        _ => None,
+    };
+    let transfer = match point.word("transfer") {
+        Some("auto") => None,
+        Some("linear") => Some(Transfer::Linear),
+        Some("srgb") => Some(Transfer::Srgb),
+        Some("bt709") => Some(Transfer::Bt709),
+        _ => Some(Transfer::AsCoded),
+    };
+    Coding {
+        range,
+        transfer,
+        scale: point.number("scale"),
+    }
+}
+
 impl Opened<'_> {
     fn entry(&mut self, point: Point) -> Result<Entry, Faults> {
         let settings = &self.study.settings;
@@ -193,28 +228,29 @@ impl Opened<'_> {
         self.study.fault(Fault { help, ..fault })
     }
 
-    fn scene(&mut self, point: &Point) -> Result<Arc<Footage>, Faults> {
+    fn scene(&mut self, point: &Point) -> Result<Arc<CachedScene>, Faults> {
         let wanted = Wanted {
             spec: point.word("scene").unwrap_or_default().to_owned(),
             fps: point.number("fps"),
             frames: point.whole("frames"),
+            coding: coding(point),
             upsample: point.number("upsample"),
         };
-        if let Some((_, footage)) = self.scenes.iter().find(|(known, _)| *known == wanted) {
-            return Ok(Arc::clone(footage));
+        if let Some((_, cached_scene)) = self.scenes.iter().find(|(known, _)| *known == wanted) {
+            return Ok(Arc::clone(cached_scene));
         }
-        let footage = Footage::open(&wanted, self.folder).map_err(|e| {
+        let cached_scene = CachedScene::open(&wanted, self.folder).map_err(|e| {
             let help = e.help().map(|help| help.to_string());
             self.wrong(point, "scene", &e.to_string(), help)
         })?;
-        if footage.frames < 2 {
-            let what = format!("{} has {} frame", wanted.spec, footage.frames);
+        if cached_scene.frames < 2 {
+            let what = format!("{} has {} frame", wanted.spec, cached_scene.frames);
             let help = "events happen between frames: give a scene of two at least";
             return Err(self.wrong(point, "scene", &what, Some(help.to_owned())));
         }
-        let footage = Arc::new(footage);
-        self.scenes.push((wanted, Arc::clone(&footage)));
-        Ok(footage)
+        let cached_scene = Arc::new(cached_scene);
+        self.scenes.push((wanted, Arc::clone(&cached_scene)));
+        Ok(cached_scene)
     }
 
     fn kernel(&mut self, point: &Point) -> Result<Arc<Kernel>, Faults> {

@@ -37,6 +37,11 @@ impl Point {
         if point.number("upsample") == Some(0.0) {
             point.values.remove("upsample");
         }
+        for (key, left_out) in [("range", "auto"), ("transfer", "as-coded")] {
+            if point.word(key) == Some(left_out) {
+                point.values.remove(key);
+            }
+        }
         point
     }
 
@@ -110,7 +115,7 @@ impl Point {
     pub fn columns(&self) -> Map<String, Json> {
         let mut row = Map::new();
         row.insert("side".to_owned(), json!(self.side.name()));
-        for key in Key::of(self.side) {
+        for key in Key::on_side(self.side) {
             let name = key.name.replace('-', "_");
             match self.get(key.name) {
                 None => {}

@@ -31,7 +31,7 @@ pub(super) fn values(key: &Key, node: Node<'_>) -> Read<Values> {
 
 /// One value.
 fn value(key: &Key, node: Node<'_>) -> Read<Value> {
-    key.kind.written().check(node, key.name, SEE)?;
+    key.kind.value_kind().check(node, key.name, SEE)?;
     let word = node.as_text().unwrap_or_default();
     match key.kind {
         Kind::Name | Kind::Choice(_) => Ok(Value::Word(word.to_owned())),
@@ -94,15 +94,15 @@ fn noise_text(noise: &Noise) -> String {
         ("jitter-us", noise.jitter_us, none.jitter_us),
         ("cutoff-hz", noise.cutoff_hz, none.cutoff_hz),
     ];
-    let told: Vec<String> = all
+    let pairs: Vec<String> = all
         .iter()
         .filter(|(_, value, none)| value != none)
         .map(|(name, value, _)| format!("{name} = {value:?}"))
         .collect();
-    if told.is_empty() {
+    if pairs.is_empty() {
         return "none".to_owned();
     }
-    format!("{{ {} }}", told.join(", "))
+    format!("{{ {} }}", pairs.join(", "))
 }
 
 fn response_text(response: Response) -> String {

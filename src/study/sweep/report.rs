@@ -37,7 +37,7 @@ const SENSOR: [&str; 18] = [
     "schedule",
 ];
 
-/// What error is weighed against.
+/// The columns that error may be weighed against.
 pub const COSTS: [&str; 4] = ["seconds_per_frame", "bits", "words", "state_memory_bytes"];
 
 /// The answer.
@@ -83,6 +83,9 @@ pub struct Standing {
     pub error: f64,
     /// Its worst error.
     pub worst_error: f64,
+    /// The mean change of the f64 sensor's threshold that costs as much, in per cent; none where
+    /// the study does not ask for it.
+    pub threshold_equivalent_percent: Option<f64>,
     /// Mean cost.
     pub cost: f64,
     /// Mean bits of a scene.
@@ -108,7 +111,7 @@ impl Report {
     /// Weighs error against a cost, a column of [`COSTS`]. `pool` compares all sensors,
     /// whatever their tasks.
     #[must_use]
-    pub fn of(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {
+    pub fn new(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {
         let varying = varying(rows);
         let mut sensors: BTreeMap<Vec<String>, Vec<&Row>> = BTreeMap::new();
         for row in rows {
@@ -200,7 +203,7 @@ fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
             "threshold_sigma" => format!("sigma {value}"),
             "noise" if value == "none" => "no noise".to_owned(),
             "noise" => format!("noise {value}"),
-            "sum" if value == "free" => continue,
+            "sum" if value == "kept" => continue,
             "sum" => format!("sum {value}"),
             "readout" => format!("readout {value}"),
             "quantise" if value == "none" => "as is".to_owned(),
@@ -226,6 +229,7 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
         points: rows.len(),
         error: mean("error")?,
         worst_error: numbers("error").into_iter().fold(0.0, f64::max),
+        threshold_equivalent_percent: mean("threshold_equivalent_percent"),
         cost: mean(cost)?,
         bits: mean("bits")?,
         words: mean("words"),
@@ -233,7 +237,7 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
     })
 }
 
-/// Says who is beaten by whom.
+/// Marks each sensor with the one that dominates it.
 fn judged(tasks: usize, mut sensors: Vec<Standing>) -> Group {
     sensors.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error)));
     let costs: Vec<Cost> = sensors
@@ -286,7 +290,7 @@ mod tests {
             row("reference", "f16", "b", 0.5, 5.0),
             row("reference", "bf16", "a", 0.9, 9.0),
         ];
-        let report = Report::of(&manifest(8), &rows, "seconds_per_frame", false);
+        let report = Report::new(&manifest(8), &rows, "seconds_per_frame", false);
         assert_eq!((report.points, report.finished), (8, 7));
         let names = |group: &Group| -> Vec<(String, Option<String>)> {
             let both = |s: &Standing| (s.name.clone(), s.dominated_by.clone());
@@ -302,7 +306,7 @@ mod tests {
             ]
         );
         assert_eq!(names(&report.groups[1]), [(f("bf16"), None)]);
-        let pooled = Report::of(&manifest(8), &rows, "seconds_per_frame", true);
+        let pooled = Report::new(&manifest(8), &rows, "seconds_per_frame", true);
         assert_eq!(pooled.groups.len(), 1);
         assert_eq!(names(&pooled.groups[0])[3].1, Some(f("f64")));
     }

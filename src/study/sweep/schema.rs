@@ -20,7 +20,7 @@ pub fn json_schema() -> Json {
         .map(|key| (key.name.to_owned(), schema::key(key)))
         .collect();
     for side in Side::ALL {
-        for key in Key::of(side) {
+        for key in Key::on_side(side) {
             let own = axis(key);
             match properties.get_mut(key.name) {
                 // Two sides have a key of this name.
@@ -54,7 +54,7 @@ pub fn json_schema() -> Json {
 }
 
 fn of_side(side: Side) -> Json {
-    let mut properties: Map<String, Json> = Key::of(side)
+    let mut properties: Map<String, Json> = Key::on_side(side)
         .map(|key| (key.name.to_owned(), axis(key)))
         .collect();
     properties.insert("side".to_owned(), json!({"const": side.name()}));
@@ -67,7 +67,7 @@ fn of_side(side: Side) -> Json {
 }
 
 fn axis(key: &Key) -> Json {
-    let one = schema::kind(&key.kind.written());
+    let one = schema::kind(&key.kind.value_kind());
     let mut ways = vec![
         one.clone(),
         json!({"type": "array", "minItems": 1, "items": one}),

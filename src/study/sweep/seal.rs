@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 
-use super::footage::hex;
+use super::cached_scene::hex;
 
 /// The keys of an object, sorted.
 pub(super) type Fields = BTreeMap<String, Json>;

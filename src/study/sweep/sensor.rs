@@ -1,4 +1,7 @@
 //! From a point to its sensor, and to the f64 sensor that it is measured against.
+//!
+//! The text is written here, not by `reference`: values stay as the study spells them, and the
+//! text is part of a point's identity, so it may change for no other reason.
 
 use std::fmt::Write as _;
 
@@ -43,10 +46,10 @@ fn text(point: &Point, kernel: &str) -> String {
 /// The sensor file of what a point is measured against: the same receptive field in f64, whole
 /// light, no dead time, no mismatch, no noise.
 fn ideal_text(point: &Point, kernel: &str, against: &str) -> String {
-    let (written, scale) = response(point.word("response"));
+    let (given, scale) = response(point.word("response"));
     // A linear response only scales the signal, and thresholds are in light units.
     let response = if scale == 1.0 {
-        written
+        given
     } else {
         "\"identity\"".to_owned()
     };
@@ -92,13 +95,13 @@ fn mesh(point: &Point, solver: Option<&str>) -> String {
 }
 
 /// The response, and what light units become in it.
-fn response(written: Option<&str>) -> (String, f64) {
-    let written = written.unwrap_or("\"identity\"").to_owned();
-    let scale = match Response::parse(&written).map(|read| read.curve) {
+fn response(given: Option<&str>) -> (String, f64) {
+    let given = given.unwrap_or("\"identity\"").to_owned();
+    let scale = match Response::parse(&given).map(|read| read.curve) {
         Ok(Curve::Linear { white }) => 1.0 / white,
         _ => 1.0,
     };
-    (written, scale)
+    (given, scale)
 }
 
 fn rows(kernel: &Kernel) -> String {

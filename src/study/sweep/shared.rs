@@ -1,4 +1,4 @@
-//! What several points need: made once, by whoever needs it first.
+//! A memo: what several points need is made once, by whichever needs it first.
 
 use std::{
     collections::VecDeque,
@@ -6,36 +6,33 @@ use std::{
 };
 
 use super::refusal::Refusal;
-use crate::{event::Packet, study::design::Compiled};
+use crate::study::{design::Compiled, equivalent::Ladder};
 
-/// What several points need, made once.
+/// A memo of what several points need.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
-    references: Mutex<VecDeque<(String, Watched)>>,
+    truths: Mutex<VecDeque<(String, Truth)>>,
     programs: Mutex<Vec<(String, Made)>>,
 }
 
-/// A packet, or why there is none.
-pub(super) type Watched = Arc<OnceLock<Result<Packet, Refusal>>>;
+/// What the f64 sensor says, or why there is nothing.
+pub(super) type Truth = Arc<OnceLock<Result<Ladder, Refusal>>>;
 
 /// A program, or why there is none.
 pub(super) type Made = Arc<OnceLock<Result<(Compiled, f64, f64), Refusal>>>;
 
-/// Reference packets that are kept: points come task by task.
+/// Ladders that are kept: points come task by task.
 const KEPT: usize = 8;
 
 impl Shared {
-    /// The packet that points of a task are measured against.
-    pub fn reference(&self, task: &str, make: impl FnOnce() -> Result<Packet, Refusal>) -> Watched {
+    /// What points of a task are measured against.
+    pub fn truth(&self, task: &str, make: impl FnOnce() -> Result<Ladder, Refusal>) -> Truth {
         let slot = {
-            let mut all = self
-                .references
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner);
+            let mut all = self.truths.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some((_, slot)) = all.iter().find(|(known, _)| known == task) {
                 Arc::clone(slot)
             } else {
-                let slot = Watched::default();
+                let slot = Truth::default();
                 all.push_back((task.to_owned(), Arc::clone(&slot)));
                 if all.len() > KEPT {
                     all.pop_front();

@@ -1,4 +1,4 @@
-//! The sides of a study file, each with its axes.
+//! The sides of a study file: which sensors it varies, each with its axes.
 
 use super::{
     grid::{Axes, Axis},
@@ -43,14 +43,14 @@ impl Reader<'_> {
         let side = choice(word, &names, kind.place(), SEE);
         let side = Side::ALL[self.keep(side)?];
         let mut known = vec!["side"];
-        known.extend(Key::of(side).map(|key| key.name));
+        known.extend(Key::on_side(side).map(|key| key.name));
         for (name, _) in table.as_table().unwrap_or_default() {
             if !known.contains(&name.text) {
                 self.faults.push(misplaced(name, side, &known));
             }
         }
         let mut axes = Vec::new();
-        for key in Key::of(side) {
+        for key in Key::on_side(side) {
             let own = table.get(key.name).or_else(|| {
                 let found = common.iter().find(|(name, _)| name.text == key.name);
                 found.map(|(_, node)| *node)
@@ -71,11 +71,11 @@ impl Reader<'_> {
         }
         for (key, _) in axes {
             let name = key.text;
-            let has = |axes: &Axes| Key::of(axes.side).any(|key| key.name == name);
+            let has = |axes: &Axes| Key::on_side(axes.side).any(|key| key.name == name);
             if !sides.iter().any(has) {
                 let who: Vec<_> = Side::ALL
                     .iter()
-                    .filter(|side| Key::of(**side).any(|key| key.name == name))
+                    .filter(|side| Key::on_side(**side).any(|key| key.name == name))
                     .map(|side| format!("\"{side}\""))
                     .collect();
                 let what = format!("`{name}` is set, and no side of this study has it");
@@ -142,7 +142,7 @@ fn misplaced(key: Name<'_>, side: Side, known: &[&'static str]) -> Fault {
     let name = key.text;
     let others: Vec<_> = Side::ALL
         .iter()
-        .filter(|other| Key::of(**other).any(|key| key.name == name))
+        .filter(|other| Key::on_side(**other).any(|key| key.name == name))
         .map(|other| format!("\"{other}\""))
         .collect();
     if others.is_empty() {

@@ -8,6 +8,7 @@ use super::{
 };
 pub use crate::compare::metric::IN_STUDIES as METRICS;
 use crate::{
+    compare::window,
     compile::Effort,
     config::{
         self, Document, Fault, Faults, Kind, Name, Node, Place, Range, Read, Section, Spelling,
@@ -38,7 +39,8 @@ pub struct Study {
 pub struct Settings {
     /// What is measured, by name.
     pub metrics: Vec<&'static str>,
-    /// Windows of matches; the error of a point is 1 - F1 in the first of them.
+    /// Windows of matches: what is kept in the first of them is a point's headline. Where there
+    /// is none, the headline's is 100 ms or the time from frame to frame of the point's scene.
     pub within: Vec<Micros>,
     /// Time constants of van Rossum's distance.
     pub van_rossum: Vec<Micros>,
@@ -46,6 +48,8 @@ pub struct Settings {
     pub victor_purpura: Vec<Micros>,
     /// Which memory the sensor has against which events are measured.
     pub against: &'static str,
+    /// Whether the f64 sensor is run at other thresholds, too, to tell what costs as much.
+    pub threshold_equivalent: bool,
     /// How long to search for each program, in states.
     pub effort: u64,
 }
@@ -58,8 +62,24 @@ impl Settings {
             self.within,
             self.van_rossum,
             self.victor_purpura,
-            self.against
+            self.against,
+            self.threshold_equivalent
         ])
+    }
+
+    /// The windows of the metrics that are measured in windows.
+    pub(super) fn windows(&self) -> &[Micros] {
+        if self.within.is_empty() {
+            &[window::HEADLINE]
+        } else {
+            &self.within
+        }
+    }
+
+    /// The window of a point's headline, for a scene of so many frames a second.
+    pub(super) fn headline(&self, fps: f64) -> Micros {
+        let first = self.within.first().copied();
+        first.unwrap_or_else(|| window::headline(fps))
     }
 }
 
@@ -149,7 +169,7 @@ const SAMPLE: Table = Table::new(&[
 const BESIDE: Table = Table::new(&SETTINGS);
 
 /// The keys beside the axes, and what each is.
-pub const SETTINGS: [config::Key; 9] = [
+pub const SETTINGS: [config::Key; 10] = [
     config::Key::optional(
         "title",
         Kind::Text,
@@ -165,11 +185,10 @@ pub const SETTINGS: [config::Key; 9] = [
         CHOSEN,
         "what is measured of each point; `f1`, `precision`, `recall`, `count-l1` and `van-rossum` when left out",
     ),
-    config::Key::with_default(
+    config::Key::optional(
         "within",
         WINDOWS,
-        "\"1ms\"",
-        "windows of matches, such as `[\"1ms\", \"10ms\"]`; `\"1ms\"` when left out. A point's error is 1 - F1 in the first",
+        "windows of matches, such as `[\"10ms\", \"100ms\"]`; a point's error is 1 - kept in the first. When left out metrics are measured at 100 ms, and the error at 100 ms or the time from frame to frame where that is longer",
     ),
     config::Key::with_default(
         "van-rossum",
@@ -188,6 +207,12 @@ pub const SETTINGS: [config::Key; 9] = [
         Kind::Choice(&AGAINST),
         "\"same\"",
         "memory of the f64 sensor that events are measured against: `same` as the point's own (when left out), or one for all",
+    ),
+    config::Key::with_default(
+        "threshold-equivalent",
+        Kind::Flag,
+        "true",
+        "also tell errors as the change of the f64 sensor's threshold that costs as much: for each task the f64 sensor watches ten times more; `true` when left out",
     ),
     config::Key::with_default(
         "effort",
@@ -290,11 +315,11 @@ impl Reader<'_> {
         } else {
             None
         };
-        let Some(written) = sides else {
+        let Some(section) = sides else {
             self.faults.push(no_side());
             return None;
         };
-        let sides = self.sides(written, &axes, root.get("sample").is_some());
+        let sides = self.sides(section, &axes, root.get("sample").is_some());
         self.unused(&axes, &sides);
         let (settings, sample) = read?;
         let title = root.get("title").and_then(Node::as_text);
@@ -311,22 +336,24 @@ impl Reader<'_> {
     }
 }
 
-fn settings_of(written: &Section<'_>) -> Read<Settings> {
-    let times = |key: &str, usual: u64| match written.get(key) {
-        None => vec![Micros(usual)],
+fn settings_of(section: &Section<'_>) -> Read<Settings> {
+    let times = |key: &str, usual: &[Micros]| match section.get(key) {
+        None => usual.to_vec(),
         Some(node) => each_once(node, |text| text.parse().ok()),
     };
+    let equivalent = section.get("threshold-equivalent");
     let metric = |text: &str| NAMES.into_iter().find(|name| *name == text);
-    let metrics = written.get("metrics");
-    let against = written.text("against")?;
+    let metrics = section.get("metrics");
+    let against = section.text("against")?;
     let against = AGAINST.into_iter().find(|name| *name == against);
     Ok(Settings {
         metrics: metrics.map_or(USUAL.to_vec(), |node| each_once(node, metric)),
-        within: times("within", 1_000),
-        van_rossum: times("van-rossum", 5_000),
-        victor_purpura: times("victor-purpura", 5_000),
+        within: times("within", &[]),
+        van_rossum: times("van-rossum", &[Micros(5_000)]),
+        victor_purpura: times("victor-purpura", &[Micros(5_000)]),
         against: against.unwrap_or(AGAINST[0]),
-        effort: Effort::seconds(written.number("effort")?).states,
+        threshold_equivalent: equivalent.and_then(Node::as_flag).unwrap_or(true),
+        effort: Effort::seconds(section.number("effort")?).states,
     })
 }
 

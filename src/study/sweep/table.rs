@@ -45,7 +45,7 @@ const fn real(name: &'static str, what: &'static str) -> (&'static str, Holds, &
 }
 
 /// What the point is.
-const POINT: [(&str, Holds, &str); 33] = [
+const POINT: [(&str, Holds, &str); 36] = [
     whole("index", "number of the point in the fixed order, from 0"),
     text(
         "id",
@@ -57,8 +57,20 @@ const POINT: [(&str, Holds, &str); 33] = [
     ),
     text("side", "reference, array or mesh"),
     text("scene", "as it is named in the study"),
-    real("fps", "frames per second, where the study says so"),
+    real(
+        "fps",
+        "frames per second of the scene, before any are inserted",
+    ),
     whole("frames", "frames of the source, where the study says so"),
+    text(
+        "range",
+        "which samples are black and white, where the study says so",
+    ),
+    text(
+        "transfer",
+        "the transfer that is undone, where the study says so",
+    ),
+    real("scale", "what the numbers of an array are multiplied by"),
     real(
         "upsample",
         "largest change of light between frames, in ln units; empty: no frames inserted",
@@ -115,7 +127,7 @@ const POINT: [(&str, Holds, &str); 33] = [
 ];
 
 /// What came of it, before the metrics.
-const FIGURES: [(&str, Holds, &str); 17] = [
+const FIGURES: [(&str, Holds, &str); 22] = [
     text(
         "outcome",
         "done; refused: the point cannot be; failed: it was given up, and is computed again by the next run",
@@ -131,6 +143,10 @@ const FIGURES: [(&str, Holds, &str); 17] = [
     whole("on", "ON events"),
     whole("off", "OFF events"),
     whole("dropped", "events that were made and not delivered"),
+    text(
+        "warnings",
+        "what makes these figures mean something else than they seem to: no-events, most-cells, slots",
+    ),
     whole("bits", "bits of all events as fixed address words"),
     whole("reference_events", "events of the f64 sensor"),
     whole("words", "instruction words of a frame on the chip"),
@@ -150,7 +166,23 @@ const FIGURES: [(&str, Holds, &str); 17] = [
         "quantisation_error",
         "|w - scale levels| / |w| of the kernel",
     ),
-    real("error", "1 - F1 within the first window"),
+    whole(
+        "window_us",
+        "window of the headline, microseconds: the first of `within`, else 100 ms or the time from frame to frame",
+    ),
+    real(
+        "kept",
+        "what of F1 is more than accident, within that window",
+    ),
+    real(
+        "floor",
+        "F1 of a redraw of the f64 sensor, within that window",
+    ),
+    real(
+        "threshold_equivalent_percent",
+        "change of the f64 sensor's threshold that costs as much; 900: at least that",
+    ),
+    real("error", "1 - kept"),
 ];
 
 /// What differs between machines, or is named like it.
@@ -203,7 +235,7 @@ pub fn metrics(settings: &Settings) -> Vec<Metric> {
         .filter_map(|name| Entry::in_studies(name));
     let each = named.flat_map(|entry| {
         entry.metrics(match entry.scale {
-            Scale::Window => &settings.within,
+            Scale::Window => settings.windows(),
             Scale::TimeConstant => &settings.van_rossum,
             Scale::Shift => &settings.victor_purpura,
             Scale::None => &[],

@@ -1,7 +1,7 @@
 //! The waterfall: where the events of the float sensor go on the way to the chip.
 //!
 //! Every [`Cause`] is a switch on a sensor that runs: the first three on the float model, the
-//! others on the compiled program. Each step is told in both orders:
+//! others on the compiled program. Each step is measured in both orders:
 //!
 //! - **forward**: what adding it changes, given the steps before it. The sensors `f_0 … f_n`
 //!   have the first 0 … n steps on; step i is `f_(i-1)` against `f_i`.
@@ -13,9 +13,11 @@
 
 mod cause;
 mod chart;
+mod question;
 mod sensor;
 
 pub use cause::Cause;
+pub use question::Question;
 
 use serde::Serialize;
 
@@ -27,30 +29,15 @@ use crate::{
         CompareError, Pair,
         fate::{Fate, Windows},
     },
-    event::{Packet, readout::Readout},
-    kernel::quantise::{Quantiser, Sum},
-    rig::{self, RigError},
+    event::Packet,
+    rig::{
+        self, RigError,
+        guard::{Guard, Warning},
+    },
     scene::{Frame, Scene},
     sensor::Sensor,
     unit::Micros,
 };
-
-/// What is asked.
-#[derive(Clone, Copy, Debug)]
-pub struct Question<'a> {
-    /// The float cell, and the chip.
-    pub design: Design<'a>,
-    /// How its kernel comes into few values.
-    pub to: Quantiser,
-    /// What they must sum to.
-    pub sum: Sum,
-    /// What the chip's cells hold: `silicon`, or numbers, which err by their format alone.
-    pub arithmetic: Arithmetic,
-    /// How events leave the chip.
-    pub readout: Readout,
-    /// Events of one cell that are closer than this are the same.
-    pub within: Micros,
-}
 
 /// The answer. Shares are of the float sensor's events.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -72,6 +59,8 @@ pub struct Waterfall {
     pub steps: Vec<Step>,
     /// The float sensor against what leaves the chip, at once.
     pub ends: Fate,
+    /// What makes these figures mean something else than they seem to.
+    pub warnings: Vec<Warning>,
 }
 
 /// What the chip's program takes.
@@ -173,7 +162,9 @@ pub enum WaterfallError {
     Compare(#[from] CompareError),
     /// No event to follow.
     #[error("the float sensor has no event on this scene")]
-    #[diagnostic(help("lower the threshold, now {threshold}, or show a scene that moves"))]
+    #[diagnostic(help(
+        "lower the threshold, now {threshold}, or show a scene that moves, its light on the scale 0 to 255"
+    ))]
     Silent {
         /// The threshold.
         threshold: f64,
@@ -208,7 +199,7 @@ struct Pairs {
 pub fn ask(
     question: &Question<'_>,
     scene: &mut dyn Scene,
-    seen: impl FnMut(&Frame),
+    mut seen: impl FnMut(&Frame),
 ) -> Result<Waterfall, WaterfallError> {
     let (size, fps) = (scene.size(), scene.fps());
     let design = question.design;
@@ -224,7 +215,14 @@ pub fn ask(
     for sensor in &mut sensors {
         watching.push(sensor);
     }
-    let packets = rig::watch(scene, &mut watching, seen)?;
+    let mut guard = Guard::new();
+    for erasure in quantised.erasures(design.kernel) {
+        guard.warn(Warning::erased(&question.to.to_string(), erasure));
+    }
+    let packets = rig::watch(scene, &mut watching, |frame| {
+        guard.frame(frame);
+        seen(frame);
+    })?;
     let packets = Packets {
         read: packets
             .iter()
@@ -241,7 +239,9 @@ pub fn ask(
             wide: Micros((1e6 / fps).ceil() as u64).max(question.within),
         },
     };
-    packets.told(question, &plan, &levels, &program)
+    guard.packet("the float sensor", packets.at(plan.float)?);
+    guard.packet("the chip", packets.at(plan.chip)?);
+    packets.assemble(question, &plan, &levels, &program, guard)
 }
 
 impl Plan {
@@ -328,15 +328,19 @@ impl Packets {
                 ..Fate::default()
             });
         }
-        Ok(Fate::of(&Pair::of(reference, judged)?, self.windows))
+        Ok(Fate::from_pair(
+            &Pair::new(reference, judged)?,
+            self.windows,
+        ))
     }
 
-    fn told(
+    fn assemble(
         &self,
         question: &Question<'_>,
         plan: &Plan,
         levels: &Design<'_>,
         program: &Compiled,
+        guard: Guard,
     ) -> Result<Waterfall, WaterfallError> {
         let float_events = self.at(plan.float)?.events.len() as u64;
         if float_events == 0 {
@@ -376,6 +380,7 @@ impl Packets {
             },
             steps,
             ends: self.fate([plan.float, plan.chip])?,
+            warnings: guard.warnings(),
         })
     }
 }

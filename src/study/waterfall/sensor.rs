@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Cause, Question};
+use super::{cause::Cause, question::Question};
 use crate::{
     array::{Arithmetic, Errors, Settings},
     event::{Event, Packet},
@@ -133,7 +133,7 @@ impl Setup {
 
 /// The chip's errors, those that are switched off as if it had none.
 fn errors(question: &Question<'_>, on: &Switches) -> Errors {
-    let mut errors = Errors::of(question.design.device);
+    let mut errors = Errors::from_device(question.design.device);
     let off = |cause| !on.contains(&cause);
     if off(Cause::Converter) {
         errors.input_step = 0.0;
@@ -161,13 +161,13 @@ fn errors(question: &Question<'_>, on: &Switches) -> Errors {
 struct OncePerFrame<S> {
     sensor: S,
     /// What was said since the frame before.
-    said: Packet,
+    fired: Packet,
 }
 
 impl<S: Sensor> OncePerFrame<S> {
     fn new(sensor: S) -> Self {
         Self {
-            said: Packet::new(sensor.size(), sensor.channels()),
+            fired: Packet::new(sensor.size(), sensor.channels()),
             sensor,
         }
     }
@@ -187,18 +187,18 @@ impl<S: Sensor> Sensor for OncePerFrame<S> {
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
-        let said = &mut self.said;
-        said.events.clear();
-        self.sensor.watch(frame, said)?;
-        packet.span = said.span;
+        let fired = &mut self.fired;
+        fired.events.clear();
+        self.sensor.watch(frame, fired)?;
+        packet.span = fired.span;
         // Between two frames the events of a cell have one sign.
         let cell = |e: &Event| (e.y, e.channel, e.x);
-        said.events.sort_unstable_by_key(cell);
-        said.events.dedup_by_key(|e| cell(e));
+        fired.events.sort_unstable_by_key(cell);
+        fired.events.dedup_by_key(|e| cell(e));
         let t = Micros::from_seconds(frame.seconds);
-        let stamped = said.events.iter().map(|e| Event { t, ..*e });
+        let stamped = fired.events.iter().map(|e| Event { t, ..*e });
         packet.events.extend(stamped);
-        packet.dropped = said.dropped;
+        packet.dropped = fired.dropped;
         Ok(())
     }
 }
@@ -208,7 +208,7 @@ mod tests {
     use super::*;
     use crate::{event::Polarity, plane::Plane};
 
-    /// Says what it was told to, frame by frame.
+    /// Emits the given events, frame by frame.
     struct Script(Vec<Vec<Event>>);
 
     impl Sensor for Script {

@@ -1,4 +1,4 @@
-//! The events of such a file, read and written.
+//! Reader and writer of event files in HDF5.
 
 use std::{
     io::{self, Seek, SeekFrom},
@@ -12,8 +12,8 @@ use hdf5_pure::{
 use super::super::{
     Fault, Format, Place,
     about::About,
+    columns::{self, COLUMNS},
     fault::Stop,
-    gate::{Raw, hold_kinds},
     head::Head,
     origin::Origin,
     source::{BLOCK, Out, Sink, Source},
@@ -23,14 +23,11 @@ use crate::{event::Event, save::Spool};
 /// Values of a chunk; at 2^16 the C library refuses how hdf5-pure 0.47 writes the number.
 const CHUNK: u64 = 1 << 15;
 
-/// The columns.
-const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
-
 fn wrong(why: impl Into<String>) -> Stop {
     Stop::layout(Format::Hdf5, 0, why)
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     let unreadable = |e: Error| wrong(format!("cannot be read: {e}"));
     let file = match origin {
@@ -62,24 +59,21 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
         Some(AttrValue::String(text) | AttrValue::AsciiString(text)) => Some(text.clone()),
         _ => None,
     };
-    let about = comment.map_or(Ok(None), |text| About::parse(&text));
-    let about = about.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
-    hold_kinds(about.as_ref(), columns.len() == COLUMNS.len())
-        .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    let about = columns::about(comment.as_deref(), columns.len())?;
     let index = file.dataset("ms_to_idx").ok().map(Index::new).transpose()?;
     Ok(Reading {
         columns,
         index,
         offset: offset.unwrap_or(0),
-        about: about.unwrap_or_default(),
+        about,
         events: events.unwrap_or(0),
         read: 0,
         first: 0,
     })
 }
 
-/// `ms_to_idx`, which says the times of `t` again: for each millisecond the first event at or
-/// after it.
+/// A check of `ms_to_idx`, which repeats the times of `t`: the index of the first event at or after
+/// each millisecond.
 struct Index {
     entries: Dataset,
     length: u64,
@@ -105,7 +99,7 @@ impl Index {
         })
     }
 
-    /// What stands at a millisecond.
+    /// The entry of a millisecond.
     fn at(&mut self, millisecond: u64) -> Result<Option<i64>, Stop> {
         if millisecond >= self.length {
             return Ok(None);
@@ -124,18 +118,18 @@ impl Index {
         Ok(inside(self.from, &self.here))
     }
 
-    /// Holds the milliseconds up to this one to the event that is the first after them.
+    /// Checks the entries up to millisecond `to`, for which event `event` is the first.
     fn hold(&mut self, to: u64, event: u64) -> Result<(), Stop> {
         // Of a long silence the end says enough.
         self.next = self.next.max(to.saturating_sub(BLOCK as u64));
         while self.next <= to {
-            let Some(said) = self.at(self.next)? else {
+            let Some(stated) = self.at(self.next)? else {
                 return Ok(());
             };
-            if u64::try_from(said) != Ok(event) {
+            if u64::try_from(stated) != Ok(event) {
                 let millisecond = self.next;
                 let one = format!(
-                    "`ms_to_idx` says that event {said} is the first after {millisecond} ms"
+                    "`ms_to_idx` says that event {stated} is the first after {millisecond} ms"
                 );
                 let fault = Fault::twice(Format::Hdf5, one, format!("`t` says {event}"));
                 return Err(Stop::Fault(Place::Event(event), fault));
@@ -145,8 +139,8 @@ impl Index {
         Ok(())
     }
 
-    /// At the end: entries behind the last event say that no event comes, and the index of a
-    /// file of this program has none of them, and no fewer than there are.
+    /// Checks the entries behind the last event, which must say that no event comes; a file of this
+    /// program has no such entries, and no fewer than needed.
     fn end(&mut self, events: u64, ours: bool) -> Result<(), Stop> {
         let last = self.length.saturating_sub(1).min(self.next + BLOCK as u64);
         if ours && self.length != self.next {
@@ -161,7 +155,7 @@ impl Index {
     }
 }
 
-/// The columns side by side.
+/// Reads the columns side by side.
 pub(super) struct Reading {
     columns: Vec<Dataset>,
     index: Option<Index>,
@@ -199,13 +193,8 @@ impl Source for Reading {
         }
         for i in 0..count as usize {
             let value = |n: usize| columns.get(n).map_or(0, |c| i128::from(c[i]));
-            let raw = Raw {
-                t: value(0) + i128::from(self.offset),
-                x: value(1),
-                y: value(2),
-                p: value(3),
-                channel: value(4),
-            };
+            let mut raw = columns::raw(value);
+            raw.t += i128::from(self.offset);
             let event = raw
                 .event()
                 .map_err(|fault| Stop::Fault(self.place(i), fault))?;
@@ -226,7 +215,7 @@ impl Source for Reading {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) const fn sink(head: &Head) -> Writing {
     Writing {
         head: *head,
@@ -239,7 +228,7 @@ pub(super) const fn sink(head: &Head) -> Writing {
     }
 }
 
-/// A file in the making.
+/// A file being written.
 struct Open {
     place: Spool,
     file: File,
@@ -300,7 +289,7 @@ impl Writing {
         Ok(())
     }
 
-    /// Writes what waits.
+    /// Writes the events that wait.
     fn write(&mut self) -> Result<(), Error> {
         let Some(Open { file, .. }) = &self.open else {
             return Ok(());

@@ -20,7 +20,7 @@ const STREAMS: Option<Streams> = Some(Streams {
 #[cfg(not(feature = "parquet"))]
 const STREAMS: Option<Streams> = None;
 
-/// What the list of formats says of it.
+/// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
     name: "parquet",
     extension: "parquet",

@@ -1,4 +1,4 @@
-//! The events of such a file, read and written.
+//! Reader and writer of event files in Parquet.
 
 use std::{
     fs::File,
@@ -27,8 +27,8 @@ use parquet::{
 use super::super::{
     Fault, Format, Place,
     about::About,
+    columns::{self, COLUMNS},
     fault::Stop,
-    gate::{Raw, hold_kinds},
     head::Head,
     origin::Origin,
     source::{BLOCK, Out, Sink, Source},
@@ -38,14 +38,11 @@ use crate::{catch_panic, event::Event};
 /// Events of a row group.
 const GROUP: usize = 1 << 20;
 
-/// The columns.
-const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
-
 fn wrong(why: impl Into<String>) -> Stop {
     Stop::layout(Format::Parquet, 0, why)
 }
 
-/// Does what the crate may also answer with a panic, as it does for some damaged files.
+/// Calls the crate, and turns its panics on damaged files into errors.
 fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, Stop> {
     match catch_panic::catch_ok(work) {
         Some(Ok(done)) => Ok(done),
@@ -54,7 +51,7 @@ fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, Stop> {
     }
 }
 
-/// The columns of a row group whose places make sense.
+/// Opens the columns of a row group, after checking that their places make sense.
 fn opened(
     file: &dyn FileReader,
     group: usize,
@@ -83,8 +80,8 @@ fn opened(
     Ok((rows, open))
 }
 
-/// Pages of a column. The crate makes room for as many values as a dictionary says to have, which
-/// in a damaged file may be billions: there are no more than it has bytes.
+/// Pages of a column. The crate allocates as many values as a dictionary claims, which in a damaged
+/// file may be billions; here there are at most as many as bytes.
 struct Pages(Box<dyn PageReader>);
 
 impl Iterator for Pages {
@@ -122,7 +119,7 @@ impl PageReader for Pages {
     }
 }
 
-/// Reads the events.
+/// Opens a file's stream of events.
 pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     let file: Box<dyn FileReader> = match origin {
         Origin::File(path) => {
@@ -152,15 +149,12 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
         let key = keys.iter().find(|key| key.key == "amacrine")?;
         key.value.clone()
     });
-    let about = comment.map_or(Ok(None), |text| About::parse(&text));
-    let about = about.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
-    hold_kinds(about.as_ref(), columns.len() == COLUMNS.len())
-        .map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    let about = columns::about(comment.as_deref(), columns.len())?;
     hold_rows(&*file)?;
     Ok(Reading {
         file,
         columns,
-        about: about.unwrap_or_default(),
+        about,
         group: 0,
         left: 0,
         open: Vec::new(),
@@ -169,9 +163,9 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     })
 }
 
-/// Holds the counts of a file, of its row groups and of their columns to each other.
+/// Cross-checks the row counts of a file, of its row groups and of their columns.
 fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
-    let said = file.metadata().file_metadata().num_rows();
+    let stated = file.metadata().file_metadata().num_rows();
     let mut sum = 0_i64;
     for (number, group) in file.metadata().row_groups().iter().enumerate() {
         let rows = group.num_rows();
@@ -187,8 +181,8 @@ fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
             }
         }
     }
-    if sum != said {
-        let one = format!("its footer says that it has {said} rows");
+    if sum != stated {
+        let one = format!("its footer says that it has {stated} rows");
         return Err(Stop::twice(
             Format::Parquet,
             0,
@@ -199,10 +193,10 @@ fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
     Ok(())
 }
 
-/// The columns side by side.
+/// Reads the columns side by side.
 pub(super) struct Reading {
     file: Box<dyn FileReader>,
-    /// Which columns of the file they are.
+    /// Numbers of these columns in the file.
     columns: Vec<usize>,
     about: About,
     /// The next row group, rows left of this one, and its columns.
@@ -213,7 +207,7 @@ pub(super) struct Reading {
     first: u64,
 }
 
-/// `count` integers of a column.
+/// Reads `count` integers of a column.
 fn integers(column: &mut ColumnReader, count: usize) -> ParquetResult<Vec<i128>> {
     /// What a column of one type gives.
     macro_rules! read {
@@ -280,14 +274,7 @@ impl Source for Reading {
         }
         for i in 0..count {
             let value = |n: usize| columns.get(n).map_or(0, |c: &Vec<i128>| c[i]);
-            let raw = Raw {
-                t: value(0),
-                x: value(1),
-                y: value(2),
-                p: value(3),
-                channel: value(4),
-            };
-            let event = raw
+            let event = columns::raw(value)
                 .event()
                 .map_err(|fault| Stop::Fault(self.place(i), fault))?;
             events.push(event);
@@ -302,7 +289,7 @@ impl Source for Reading {
     }
 }
 
-/// Writes the events.
+/// A writer of events.
 pub(super) const fn sink(head: &Head) -> Writing {
     Writing {
         head: *head,
@@ -338,7 +325,7 @@ impl Writing {
         Ok(())
     }
 
-    /// Writes what waits as a row group.
+    /// Writes the events that wait as a row group.
     fn write(&mut self) -> ParquetResult<()> {
         if self.rest.is_empty() {
             return Ok(());

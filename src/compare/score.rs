@@ -1,22 +1,22 @@
-//! Every metric with its floor and ceiling beside it, so that a number means something.
+//! Scores: every metric with its value for baselines, so that a number means something.
 //!
-//! A score holds four values of one metric: that of the judged packet, that of the reference
-//! judged against itself, and those of a [redraw](super::null) and a
-//! [permutation](super::null) of the reference. A metric whose redraw scores like the
-//! identical packet is blind to when, one whose permutation does is blind to where.
+//! A score holds four values of one metric: that of the judged packet, that of the reference judged
+//! against itself, and those of a [redraw](super::baseline) and a [permutation](super::baseline) of
+//! the reference. A metric whose redraw scores like the identical packet is blind to when, one
+//! whose permutation does is blind to where.
 //!
-//! A redraw of few events is itself chance, so small packets are drawn several times and the
-//! mean is given: as often as 200 000 events allow, at most 16 times.
+//! A redraw of few events is itself random, so small packets are drawn several times and the mean
+//! is given: as often as 200 000 events allow, at most 16 times.
 
 use super::{
-    Pair,
+    Pair, baseline,
     metric::{ENTRIES, Measured, Metric, Scale},
-    null,
     voxel::Bins,
+    window::Redraws,
 };
 use crate::unit::Micros;
 
-/// At which scales to measure.
+/// The scales at which to measure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scales {
     /// Windows of matches.
@@ -67,25 +67,25 @@ impl Default for Scales {
     }
 }
 
-/// One metric: its value, and what it would be for packets whose answer is known. None where
-/// the metric has no value there.
+/// One metric: its value, and its values for packets whose answer is known. None where the metric
+/// has no value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// Which.
+    /// The metric.
     pub metric: Metric,
-    /// Of the judged packet.
+    /// For the judged packet.
     pub value: Option<f64>,
-    /// Of the reference against itself.
+    /// For the reference against itself.
     pub identical: Option<f64>,
-    /// Of redraws of the reference: right places, times by accident.
+    /// For redraws of the reference: right places, times by accident.
     pub redraw: Option<f64>,
-    /// Of permutations of the reference: right times, wrong places.
+    /// For permutations of the reference: right times, wrong places.
     pub permuted: Option<f64>,
 }
 
 impl Score {
-    /// How far the value has gone from the identical packet, at 0, to the redraw, at 1. None
-    /// where the metric cannot tell these apart.
+    /// The position of the value between that of the identical packet, 0, and that of the redraw,
+    /// 1. None where the metric cannot tell these apart.
     #[must_use]
     pub fn lost(&self) -> Option<f64> {
         let (from, to) = (self.identical?, self.redraw?);
@@ -97,20 +97,26 @@ impl Score {
 /// Scores every metric.
 #[must_use]
 pub fn scores(pair: &Pair, scales: &Scales) -> Vec<Score> {
+    scores_beside(pair, scales, &Redraws::new(pair, scales.seed))
+}
+
+/// As [`scores`], with redraws of the reference that are there already; of the seed of the
+/// scales.
+#[must_use]
+pub fn scores_beside(pair: &Pair, scales: &Scales, redraws: &Redraws) -> Vec<Score> {
     let bins = Bins::over(pair, scales.bins);
-    let value = measure(pair, scales, bins);
-    let identical = measure(&pair.identical(), scales, bins);
-    let draws = (200_000 / pair.events()[0].max(1)).clamp(1, 16);
-    let mean = |draw: fn(&Pair, u64) -> Pair| {
-        let all: Vec<_> = (0..draws)
-            .map(|k| measure(&draw(pair, scales.seed.wrapping_add(k)), scales, bins))
-            .collect();
+    let measured = |pair: &Pair| measure(pair, scales, bins, redraws);
+    let (value, identical) = (measured(pair), measured(&pair.identical()));
+    let mean = |all: Vec<Vec<(Metric, Option<f64>)>>| {
         move |i: usize| {
             let sum: Option<f64> = all.iter().map(|draw| draw.get(i)?.1).sum();
-            sum.map(|sum| sum / draws as f64)
+            sum.map(|sum| sum / all.len() as f64)
         }
     };
-    let (redraw, permuted) = (mean(null::redraw), mean(null::permute));
+    let redraw = mean(redraws.pairs().iter().map(measured).collect());
+    let permutations = 0..Redraws::number(pair);
+    let permute = |k| measured(&baseline::permute(pair, scales.seed.wrapping_add(k)));
+    let permuted = mean(permutations.map(permute).collect());
     value
         .into_iter()
         .zip(identical)
@@ -125,10 +131,15 @@ pub fn scores(pair: &Pair, scales: &Scales) -> Vec<Score> {
         .collect()
 }
 
-/// Every metric of one pair, always in the same order.
+/// Every metric of one pair, always in the same order, beside redraws of its reference.
 #[must_use]
-pub fn measure(pair: &Pair, scales: &Scales, bins: Bins) -> Vec<(Metric, Option<f64>)> {
-    let measured = Measured::new(pair, bins);
+pub fn measure(
+    pair: &Pair,
+    scales: &Scales,
+    bins: Bins,
+    redraws: &Redraws,
+) -> Vec<(Metric, Option<f64>)> {
+    let measured = Measured::new(pair, bins, redraws);
     { scales.metrics().into_iter() }
         .map(|metric| (metric, metric.value(&measured)))
         .collect()

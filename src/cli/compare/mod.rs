@@ -1,25 +1,38 @@
 //! `amacrine compare`: two event files, one judged against the other.
 
+mod headline;
+mod ladder;
+
 use std::path::Path;
 
+use miette::miette;
+
+use self::headline::{Flagged, Headline};
 use super::{
-    files,
+    clip::Clip,
+    content::Content,
+    files, light,
     recording::{self, Recording},
+    window::Window,
 };
 use crate::{
     compare::{
         Comparison, Pair,
         equality::Side,
-        ruler::{Scales, Score, scores},
+        score::{Scales, Score, scores_beside},
+        window::Redraws,
     },
     event::file::Loaded,
     plane::Size,
-    unit::Micros,
+    rig::guard::{Guard, Warning},
+    scene::{Observation, Scene as _},
 };
 
 /// What `compare` is asked to do.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: amacrine compare out/reference.npy out/device.npy --within 1ms")]
+#[command(
+    after_help = "Examples:\n  amacrine compare out/reference.npy out/device.npy -o curve.svg\n  amacrine compare a.npy b.npy --sensor sensors/rgc.toml --scene clip.mp4\n\nkept is what of F1 is more than accident, (F1 - floor) / (1 - floor): the floor is F1 of the reference's own events at other cells' times, the ceiling that of the reference itself, 1. A window below the time from frame to frame says which frame an event was in, not when it was."
+)]
 pub struct Arguments {
     /// The reference: an event file of any format
     a: files::Input,
@@ -27,57 +40,94 @@ pub struct Arguments {
     b: files::Input,
     #[command(flatten)]
     recording: Recording,
-    /// Events of one pixel, kind and sign match when their times differ by at most this
-    #[arg(long, default_value = "1ms", value_name = "TIME")]
-    within: Micros,
+    #[command(flatten)]
+    window: Window,
+    /// The sensor file that made the reference: it is run on the scene at higher thresholds, to
+    /// tell which change of its threshold costs as much
+    #[arg(long)]
+    sensor: Option<files::Input>,
+    #[command(flatten)]
+    clip: Clip,
+    /// With --sensor: insert frames, as for `amacrine run`
+    #[arg(long, value_name = "CONTRAST", requires = "sensor")]
+    upsample: Option<f64>,
     /// Bins of the voxel grids
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=1000))]
     bins: u16,
-    /// Seed of the redraw and the permutation that every metric is held against
+    /// Seed of the redraw and the permutation that every metric is held against; with --sensor
+    /// also of its mismatch and noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Draw F1 over the window, between its floor and its ceiling
+    #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
+    output: Option<files::Output>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
 }
 
 /// Bytes of an event: as it was read, sorted by cell, drawn anew, and moved elsewhere.
-const EACH: u128 = 160;
+const EACH: u128 = 176;
 
 /// Runs the verb.
 ///
 /// # Errors
 /// When a file cannot be read, or the two are of different sensors.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    arguments.check()?;
     let mut reference = arguments.recording.read(&arguments.a, 0, EACH)?;
     let held = EACH * reference.packet.events.len() as u128;
     let mut judged = arguments.recording.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
-    let pair = Pair::of(&reference.packet, &judged.packet)?;
-    let comparison = Comparison::of(&pair, arguments.within);
+    let pair = Pair::new(&reference.packet, &judged.packet)?;
+    let redraws = Redraws::new(&pair, arguments.seed);
+    let mut headline = Headline::new(arguments, &pair, &redraws, arguments.fps()?)?;
+    if let Some(sensor) = &arguments.sensor {
+        let score = (headline.f1(), headline.window());
+        headline = headline.with(arguments.equivalent(sensor, &reference.packet, score)?);
+    }
+    let curve = headline.curve(&pair, &redraws);
+    let comparison = Comparison::from_pair(&pair, headline.window());
+    let mut guard = Guard::new();
+    for (subject, loaded) in [("the reference", &reference), ("the judged", &judged)] {
+        guard.recording(subject, &loaded.packet);
+    }
+    if let Some(warning) = headline.warning(&pair) {
+        guard.warn(warning);
+    }
+    let warnings = guard.warnings();
+    light::warn(&warnings);
     let mut scales = Scales {
         bins: arguments.bins.into(),
         seed: arguments.seed,
         ..Scales::default()
     };
-    scales.within.push(arguments.within);
+    scales.within.push(headline.window());
     scales.within.sort_unstable();
     scales.within.dedup();
     let ruler = Ruler {
-        scores: scores(&pair, &scales),
+        scores: scores_beside(&pair, &scales, &redraws),
         scales,
     };
+    if let Some(path) = &arguments.output {
+        path.draw(&headline.drawing(arguments, &curve))?;
+    }
     if arguments.json {
         let json = Json {
-            reference: Input::of(&arguments.a, &reference),
-            judged: Input::of(&arguments.b, &judged),
+            reference: Input::new(&arguments.a, &reference),
+            judged: Input::new(&arguments.b, &judged),
+            headline: &headline,
+            curve: &curve,
             comparison: &comparison,
             ruler: &ruler,
+            warnings: &warnings,
         };
         let json = serde_json::to_string(&json).map_err(|e| miette::miette!("{e}"))?;
         super::say(&format!("{json}\n"));
     } else {
+        super::say(&headline.line());
+        super::say(&headline::table(&curve));
         super::say(&head(arguments, &reference, &judged));
         super::say(&table(&comparison));
         super::say(&ruler.table());
@@ -85,17 +135,46 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+impl Arguments {
+    /// Refuses options that would be of no use.
+    fn check(&self) -> miette::Result<()> {
+        if self.sensor.is_some() {
+            return Ok(());
+        }
+        // A rate alone says how far frames are apart.
+        let mut shown = self.clip.written().into_iter().map(|(name, _)| name);
+        match shown.find(|name| *name != "fps") {
+            None => Ok(()),
+            Some(name) => Err(miette!(
+                help = "give the sensor file that made the reference, too: then it is run at higher thresholds",
+                "--{name} is of no use without --sensor"
+            )),
+        }
+    }
+
+    /// Frames a second, where they are said or a scene is shown.
+    fn fps(&self) -> miette::Result<Option<f64>> {
+        match self.sensor {
+            Some(_) => Ok(Some(self.shown(&Observation::new())?.fps())),
+            None => Ok(self.clip.fps()),
+        }
+    }
+}
+
 /// The comparison for machines.
 #[derive(serde::Serialize)]
 struct Json<'a> {
     reference: Input<'a>,
     judged: Input<'a>,
+    headline: &'a Headline,
+    curve: &'a [Flagged],
     #[serde(flatten)]
     comparison: &'a Comparison,
     ruler: &'a Ruler,
+    warnings: &'a [Warning],
 }
 
-/// Every metric with its floor and ceiling.
+/// Every metric, and what it says of the identical packet, of a redraw and of a permutation.
 struct Ruler {
     scales: Scales,
     scores: Vec<Score>,
@@ -110,7 +189,7 @@ impl serde::Serialize for Ruler {
         map.serialize_entry("bins", &self.scales.bins)?;
         map.serialize_entry("seed", &self.scales.seed)?;
         for score in &self.scores {
-            map.serialize_entry(&score.metric.key(), &ScoreJson::of(score))?;
+            map.serialize_entry(&score.metric.key(), &ScoreJson::new(score))?;
         }
         map.end()
     }
@@ -129,7 +208,7 @@ struct ScoreJson {
 }
 
 impl ScoreJson {
-    fn of(score: &Score) -> Self {
+    fn new(score: &Score) -> Self {
         Self {
             value: score.value,
             identical: score.identical,
@@ -181,6 +260,8 @@ impl Ruler {
 fn number(value: Option<f64>) -> String {
     match value {
         None => "-".into(),
+        // Sums that cancel but for their rounding.
+        Some(v) if v.abs() < 1e-14 => "0".into(),
         Some(v) if v.fract() == 0.0 && v.abs() < 1e10 => format!("{v:.0}"),
         Some(v) if (1e-3..1e5).contains(&v.abs()) => format!("{v:.4}"),
         Some(v) => format!("{v:.2e}"),
@@ -197,7 +278,7 @@ struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    const fn of(file: &'a Path, loaded: &Loaded) -> Self {
+    const fn new(file: &'a Path, loaded: &Loaded) -> Self {
         Self {
             file,
             size: loaded.packet.size,

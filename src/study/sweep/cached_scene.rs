@@ -1,4 +1,4 @@
-//! Scenes that many points watch: read once, held in memory while they are small enough.
+//! Scenes that many points watch: read once, kept in memory while they are small enough.
 
 use std::{fmt::Write as _, ops::ControlFlow, path::Path, sync::Arc};
 
@@ -6,11 +6,10 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     plane::Size,
-    rig,
+    rig::{self, guard::Warning},
     scene::{
-        Frame, OpenOptions, SceneError, bundled, open,
-        part::{First, Retimed},
-        upsample,
+        Coding, Frame, Observation, Observed, OpenOptions, SceneError, bundled_with, open,
+        part::First, upsample,
     },
 };
 
@@ -21,27 +20,31 @@ pub(super) struct Wanted {
     pub spec: String,
     pub fps: Option<f64>,
     pub frames: Option<u64>,
+    pub coding: Coding,
     pub upsample: Option<f64>,
 }
 
 /// A scene that can be watched again and again.
 #[derive(Debug)]
-pub(super) struct Footage {
+pub(super) struct CachedScene {
     wanted: Wanted,
-    /// What is opened.
+    /// The name under which it is opened.
     spec: String,
     pub size: Size,
     /// Frames, those that were inserted among them.
     pub frames: u64,
+    /// Frames a second of the source.
+    pub fps: f64,
     /// A digest of its light: two files of the same pictures are one scene.
     pub digest: String,
+    observation: Observation,
     held: Option<Arc<Vec<Frame>>>,
 }
 
-/// What one scene may take in memory, in bytes.
+/// The most memory that one scene may take, bytes.
 const HELD: usize = 512 << 20;
 
-impl Footage {
+impl CachedScene {
     /// Opens a scene; files are looked for in `folder`. It is watched once, for its digest.
     pub fn open(wanted: &Wanted, folder: &Path) -> Result<Self, SceneError> {
         let spec = located(&wanted.spec, folder);
@@ -49,7 +52,8 @@ impl Footage {
         let mut held = Some(Vec::new());
         let (mut frames, mut size) = (0, Size::new(0, 0));
         let mut bytes = Vec::new();
-        play(&spec, wanted, &mut |frame| {
+        let observation = Observation::new();
+        let fps = play(&spec, wanted, &observation, &mut |frame| {
             size = Size::of(&frame.light);
             bytes.clear();
             bytes.extend(frame.seconds.to_le_bytes());
@@ -70,7 +74,9 @@ impl Footage {
             spec,
             size,
             frames,
+            fps,
             digest: hex(&digest.finalize()),
+            observation,
             held: held.map(Arc::new),
         })
     }
@@ -81,15 +87,25 @@ impl Footage {
         (frames * self.size.pixels() * size_of::<f64>()) as u128
     }
 
+    /// What the scene warns of, under its own name.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = Warning::of_scene(&self.observation, 255.0);
+        for warning in &mut warnings {
+            warning.subjects = vec![self.wanted.spec.clone()];
+        }
+        warnings
+    }
+
     /// Shows every frame.
     pub fn play<E: From<SceneError>>(
         &self,
         mut see: impl FnMut(&Frame) -> Result<(), E>,
     ) -> Result<(), E> {
-        match &self.held {
-            Some(held) => held.iter().try_for_each(see),
-            None => play(&self.spec, &self.wanted, &mut |frame| see(&frame)),
+        if let Some(held) = &self.held {
+            return held.iter().try_for_each(see);
         }
+        let see = &mut |frame: Frame| see(&frame);
+        play(&self.spec, &self.wanted, &self.observation, see).map(|_| ())
     }
 }
 
@@ -101,32 +117,31 @@ fn located(spec: &str, folder: &Path) -> String {
     folder.join(spec).display().to_string()
 }
 
-/// Plays a scene from its start.
+/// Plays a scene from its start; its frames a second.
 fn play<E: From<SceneError>>(
     spec: &str,
     wanted: &Wanted,
+    observation: &Observation,
     see: &mut dyn FnMut(Frame) -> Result<(), E>,
-) -> Result<(), E> {
-    let scene = if spec == "bundled" && wanted.fps.is_none() {
-        bundled()?
-    } else if spec == "bundled" {
-        // Only its times are others.
-        Box::new(Retimed::new(bundled()?, wanted.fps.unwrap_or(1.0))?)
-    } else {
-        open(
-            spec,
-            &OpenOptions {
-                fps: wanted.fps,
-                ..OpenOptions::default()
-            },
-        )?
+) -> Result<f64, E> {
+    let options = OpenOptions {
+        fps: wanted.fps,
+        coding: wanted.coding,
+        ..OpenOptions::default()
     };
-    let read = First::new(scene, wanted.frames.unwrap_or(u64::MAX));
+    let scene = if spec == "bundled" {
+        bundled_with(&options)?
+    } else {
+        open(spec, &options)?
+    };
+    let observed = Observed::new(scene, observation);
+    let read = First::new(observed, wanted.frames.unwrap_or(u64::MAX));
     let mut scene = upsample::by_contrast(read, wanted.upsample)?;
+    let fps = scene.fps();
     rig::play(&mut scene, |frame| {
         see(frame).map(|()| ControlFlow::Continue(()))
     })?;
-    Ok(())
+    Ok(fps)
 }
 
 /// Bytes as text.

@@ -3,7 +3,10 @@
 use image::RgbImage;
 use miette::miette;
 
-use super::{exec::Moment, opened::Opened, registers::Register};
+use super::{
+    super::{opened::Opened, registers::Register},
+    moment::Moment,
+};
 use crate::{
     array::Array,
     event::Packet,

@@ -1,4 +1,4 @@
-//! Strays: events that nothing in the scene made, from shot noise and hot pixels.
+//! Noise events, which nothing in the scene causes: shot noise and hot pixels.
 
 use crate::{elementary, event::Polarity};
 
@@ -7,21 +7,21 @@ use super::{
     reason::{Draws, Place, Reason},
 };
 
-/// The strays between two frames.
-pub(super) struct Strays<'a> {
+/// The noise events of an interval.
+pub(super) struct NoiseEvents<'a> {
     noise: &'a Noise,
-    pair: u64,
-    /// How many a cell has on average: with shot noise, and if it is hot.
+    interval: u64,
+    /// Expected numbers for a cell: by shot noise, and if it is hot.
     shot: Mean,
     hot: Mean,
     wait: Draws,
 }
 
-/// A mean number of arrivals.
+/// An expected number of arrivals.
 #[derive(Clone, Copy)]
 struct Mean {
     mean: f64,
-    /// The probability of at least one, and a hair.
+    /// The probability of at least one arrival, rounded up by a tolerance.
     any: f64,
 }
 
@@ -30,25 +30,26 @@ impl Mean {
         let any = -elementary::exp_m1(-mean);
         Self {
             mean,
-            // Far more than rounding can do to a time, so that none is missed.
+            // Far above the rounding error of a time, so that no arrival is missed.
             any: any + any * 1e-9,
         }
     }
 }
 
-impl<'a> Strays<'a> {
-    /// In a pair of `dt` seconds.
-    pub(super) fn new(noise: &'a Noise, seed: u64, pair: u64, dt: f64) -> Self {
+impl<'a> NoiseEvents<'a> {
+    /// The noise events of an interval of `dt` seconds.
+    pub(super) fn new(noise: &'a Noise, seed: u64, interval: u64, dt: f64) -> Self {
         Self {
             noise,
-            pair,
+            interval,
             shot: Mean::new(noise.shot_hz * dt),
             hot: Mean::new(noise.hot_hz * dt),
             wait: Draws::new(seed, Reason::StrayWait),
         }
     }
 
-    /// Whether a cell may have strays: most have none, which needs no logarithm to see.
+    /// A quick test of whether a cell may have noise events: most have none, and then no logarithm
+    /// is needed.
     #[inline]
     pub(super) fn may_be(&self, place: Place) -> bool {
         let Mean { any, .. } = if self.is_hot(place) {
@@ -56,7 +57,7 @@ impl<'a> Strays<'a> {
         } else {
             self.shot
         };
-        self.wait.uniform_at(place, self.pair, 0) <= any
+        self.wait.uniform_at(place, self.interval, 0) <= any
     }
 
     #[inline]
@@ -65,40 +66,43 @@ impl<'a> Strays<'a> {
         share > 0.0 && place.uniform(Reason::HotPixel, 0) < share
     }
 
-    /// The strays of a cell, in order of time: 0 at the earlier frame, 1 at the later.
+    /// The noise events of a cell in order of time: 0 at the earlier frame, 1 at the later.
     ///
-    /// The waiting times of a Poisson process are exponential and forget, so every pair starts
-    /// anew. Shot noise is drawn at its rate in the dark and thinned by the light.
-    pub(super) fn of(
+    /// A Poisson process is memoryless, so every interval starts anew with an exponential waiting
+    /// time. Shot noise is drawn at its rate in the dark and thinned by the light.
+    pub(super) fn in_cell(
         &self,
         place: Place,
         light: impl Fn() -> f64,
     ) -> impl Iterator<Item = (f64, Polarity)> {
-        let Self { noise, pair, .. } = *self;
+        let Self {
+            noise, interval, ..
+        } = *self;
         let hot = self.is_hot(place);
         let Mean { mean, .. } = if hot { self.hot } else { self.shot };
         self.arrivals(place, mean).filter_map(move |(u, turn)| {
             if hot {
                 return Some((u, Polarity::On));
             }
-            let sign = if place.uniform_at(Reason::StraySign, pair, turn) < 0.5 {
+            let sign = if place.uniform_at(Reason::StraySign, interval, turn) < 0.5 {
                 Polarity::On
             } else {
                 Polarity::Off
             };
             let kept = noise.shot_at_white >= 1.0
-                || place.uniform_at(Reason::StrayKept, pair, turn) < noise.shot_share(light());
+                || place.uniform_at(Reason::StrayKept, interval, turn) < noise.shot_share(light());
             kept.then_some((u, sign))
         })
     }
 
-    /// When a process with so many arrivals on average has one, and the number of each from 1.
+    /// The arrivals of a Poisson process of mean number `mean`: their times, and their numbers from
+    /// 1.
     fn arrivals(&self, place: Place, mean: f64) -> impl Iterator<Item = (f64, u64)> {
-        let Self { pair, wait, .. } = *self;
+        let Self { interval, wait, .. } = *self;
         let (mut u, mut turn) = (0.0, 0);
         std::iter::from_fn(move || {
-            // 1 - u is never 0. At a mean of 0 the wait is infinite, or not a number.
-            u -= elementary::ln(1.0 - wait.uniform_at(place, pair, turn)) / mean;
+            // 1 - u is never 0. For a mean of 0 the waiting time is infinite, or not a number.
+            u -= elementary::ln(1.0 - wait.uniform_at(place, interval, turn)) / mean;
             turn += 1;
             (u < 1.0).then_some((u, turn))
         })
@@ -113,13 +117,13 @@ mod tests {
     proptest! {
         /// Cells that are passed over have no arrivals, rare or frequent.
         #[test]
-        fn nothing_is_passed_over(seed: u64, pair in 0u64..1_000_000, rate in prop_oneof![Just(0.0), 1e-9f64..1e6], dt in 1e-6f64..10.0) {
+        fn nothing_is_passed_over(seed: u64, interval in 0u64..1_000_000, rate in prop_oneof![Just(0.0), 1e-9f64..1e6], dt in 1e-6f64..10.0) {
             let noise = Noise { shot_hz: rate, ..Noise::NONE };
-            let strays = Strays::new(&noise, seed, pair, dt);
+            let noise_events = NoiseEvents::new(&noise, seed, interval, dt);
             for x in 0..500 {
                 let place = Place { seed, channel: 1, y: 7, x };
-                let slow = strays.arrivals(place, rate * dt).take(3).map(|(u, _)| u);
-                prop_assert!(strays.may_be(place) || slow.count() == 0);
+                let slow = noise_events.arrivals(place, rate * dt).take(3).map(|(u, _)| u);
+                prop_assert!(noise_events.may_be(place) || slow.count() == 0);
             }
         }
     }

@@ -31,7 +31,7 @@ pub struct ScheduleError {
 impl Schedule {
     /// The best for an array of this size.
     #[must_use]
-    pub const fn of(size: Size) -> Self {
+    pub const fn for_size(size: Size) -> Self {
         if size.pixels() < 64 * 64 {
             Self::Plain
         } else {

@@ -18,13 +18,13 @@ use crate::{
 };
 
 /// The frame, the events of both sensors, and how they differ.
-pub(super) fn section(all: &Feasibility, sight: &Snapshot) -> Part {
-    let finite = || sight.light.iter().copied().filter(|v| v.is_finite());
+pub(super) fn section(all: &Feasibility, snapshot: &Snapshot) -> Part {
+    let finite = || snapshot.light.iter().copied().filter(|v| v.is_finite());
     let black = finite().fold(f64::INFINITY, f64::min);
     let white = finite().fold(f64::NEG_INFINITY, f64::max);
-    let frame = panel::frame(&sight.light, black, white);
+    let frame = panel::frame(&snapshot.light, black, white);
     let pale = panel::pale(&frame);
-    let seconds = sight.at.seconds();
+    let seconds = snapshot.at.seconds();
     let when = format!("{seconds:.3} s");
     part(
         "sight",
@@ -33,13 +33,13 @@ pub(super) fn section(all: &Feasibility, sight: &Snapshot) -> Part {
             p { "The frame at " (when) ", at which the float kernel has most events, and what each sensor says of it." }
             div.panels {
                 (figure(&frame, &format!("The scene at {when}."), "The scene"))
-                (said(&pale, &sight.float, "float kernel", "The float kernel"))
-                @if let Some(chip) = &sight.chip {
-                    (said(&pale, chip, "chip", &format!("{}, with its errors", all.chip.name)))
-                    (difference(sight, chip))
+                (event_figure(&pale, &snapshot.float, "float kernel", "The float kernel"))
+                @if let Some(chip) = &snapshot.chip {
+                    (event_figure(&pale, chip, "chip", &format!("{}, with its errors", all.chip.name)))
+                    (difference(snapshot, chip))
                 }
             }
-            (legend(sight.chip.is_some()))
+            (legend(snapshot.chip.is_some()))
         },
     )
 }
@@ -48,7 +48,7 @@ fn figure(picture: &RgbImage, alt: &str, caption: &str) -> Markup {
     html! { figure { (image::pixels(picture, alt)) figcaption { (caption) } } }
 }
 
-fn said(pale: &RgbImage, events: &[Event], who: &str, caption: &str) -> Markup {
+fn event_figure(pale: &RgbImage, events: &[Event], who: &str, caption: &str) -> Markup {
     let on = events.iter().filter(|e| e.polarity == Polarity::On).count();
     let off = events.len() - on;
     let alt = format!(
@@ -58,8 +58,8 @@ fn said(pale: &RgbImage, events: &[Event], who: &str, caption: &str) -> Markup {
     figure(&panel::events(pale.clone(), events), &alt, &caption)
 }
 
-fn difference(sight: &Snapshot, chip: &[Event]) -> Markup {
-    let difference = Difference::new(&sight.float, chip);
+fn difference(snapshot: &Snapshot, chip: &[Event]) -> Markup {
+    let difference = Difference::new(&snapshot.float, chip);
     let Difference {
         matched,
         missing,
@@ -70,7 +70,7 @@ fn difference(sight: &Snapshot, chip: &[Event]) -> Markup {
         "Where the two differ: {matched} events in both, {missing} missing from the chip, {extra} extra."
     );
     let caption = format!("Difference: {matched} in both, {missing} missing, {extra} extra");
-    figure(&difference.panel(Size::of(&sight.light)), &alt, &caption)
+    figure(&difference.panel(Size::of(&snapshot.light)), &alt, &caption)
 }
 
 fn legend(with_difference: bool) -> Markup {

@@ -10,7 +10,11 @@ use std::{
 
 use miette::miette;
 
-use super::{content::Content, exec::Moment, files::Output, opened::Opened, registers::Register};
+use super::{
+    super::{content::Content, files::Output, opened::Opened, print::say, registers::Register},
+    moment::Moment,
+    reading,
+};
 use crate::{
     array::Array,
     event::Packet,
@@ -100,11 +104,11 @@ impl<'a> Debugger<'a> {
     pub fn end(&mut self, chip: &dyn Array) -> miette::Result<()> {
         if self.mode != Mode::Quit {
             self.next = None;
-            super::say("the program has ended\n");
+            say("the program has ended\n");
             while self.mode != Mode::Quit {
                 self.ask(chip)?;
                 if self.mode != Mode::Quit {
-                    super::say("the program has ended; `quit` leaves\n");
+                    say("the program has ended; `quit` leaves\n");
                 }
             }
         }
@@ -170,10 +174,10 @@ impl<'a> Debugger<'a> {
             *left -= 1;
             let new = packet.events.len() - events;
             if matches!(step.action, Action::Host(_)) && new > 0 {
-                super::say(&format!("  {new} events were read out\n"));
+                say(&format!("  {new} events were read out\n"));
             }
             for reading in chip.readings().get(readings..).unwrap_or_default() {
-                super::say(&format!("  read {}\n", super::exec::reading(reading)));
+                say(&format!("  read {}\n", reading::line(reading)));
             }
         }
         self.last = Some(step.line);
@@ -182,7 +186,7 @@ impl<'a> Debugger<'a> {
 
     fn show_next(&self) {
         if let Some((line, text)) = &self.next {
-            super::say(&format!("frame {}, line {line}: {text}\n", self.frame));
+            say(&format!("frame {}, line {line}: {text}\n", self.frame));
         }
     }
 
@@ -190,7 +194,7 @@ impl<'a> Debugger<'a> {
     fn ask(&mut self, chip: &dyn Array) -> miette::Result<()> {
         loop {
             if std::io::stdin().is_terminal() {
-                super::say("> ");
+                say("> ");
                 // A prompt that does not show is no reason to stop.
                 let _ = std::io::stdout().flush();
             }
@@ -211,7 +215,7 @@ impl<'a> Debugger<'a> {
                     return Ok(());
                 }
                 Ok(None) => {}
-                Err(message) => super::say(&format!("{message}\n")),
+                Err(message) => say(&format!("{message}\n")),
             }
         }
     }
@@ -237,11 +241,11 @@ impl<'a> Debugger<'a> {
     /// The commands that run nothing.
     fn look(&mut self, words: &[&str], chip: &dyn Array) -> Result<(), String> {
         match words {
-            ["help" | "h" | "?"] => super::say(HELP),
-            ["where" | "w", ..] => super::say(&self.around()),
+            ["help" | "h" | "?"] => say(HELP),
+            ["where" | "w", ..] => say(&self.around()),
             ["break" | "b"] => {
                 let lines: Vec<String> = self.breaks.iter().map(ToString::to_string).collect();
-                super::say(&match lines.as_slice() {
+                say(&match lines.as_slice() {
                     [] => "no breaks\n".to_owned(),
                     lines => format!("breaks at line {}\n", lines.join(", ")),
                 });
@@ -249,7 +253,7 @@ impl<'a> Debugger<'a> {
             ["break" | "b", line] => {
                 let line = self.line(line)?;
                 self.breaks.insert(line);
-                super::say(&format!("stops before line {line}\n"));
+                say(&format!("stops before line {line}\n"));
             }
             ["clear", line] => {
                 let number = line
@@ -258,11 +262,11 @@ impl<'a> Debugger<'a> {
                 if !self.breaks.remove(&number) {
                     return Err(format!("there is no break at line {number}"));
                 }
-                super::say(&format!("no longer stops before line {number}\n"));
+                say(&format!("no longer stops before line {number}\n"));
             }
             ["print" | "p", name] => {
                 let register = self.register(name)?;
-                super::say(&self.picture(name, register, chip));
+                say(&self.picture(name, register, chip));
             }
             ["print" | "p", name, x, y] => {
                 let register = self.register(name)?;
@@ -274,7 +278,7 @@ impl<'a> Debugger<'a> {
                     format!("there is no pixel ({x}, {y}) on an array of {size}")
                 })?;
                 let unit = if register.is_bit() { "" } else { " LSB" };
-                super::say(&format!("{name} at ({x}, {y}) is {value}{unit}\n"));
+                say(&format!("{name} at ({x}, {y}) is {value}{unit}\n"));
             }
             ["dump", name, file] => {
                 let register = self.register(name)?;
@@ -283,7 +287,7 @@ impl<'a> Debugger<'a> {
                 let output = Output::late(Path::new(file), Content::Picture);
                 let output = output.map_err(|e| e.to_string())?;
                 write_png(&output, &picture).map_err(|e| e.to_string())?;
-                super::say(&format!("{name} is in {file}\n"));
+                say(&format!("{name} is in {file}\n"));
             }
             ["print" | "p" | "dump", ..] => {
                 return Err("write `print REG`, `print REG X Y` or `dump REG FILE.png`".to_owned());

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use miette::miette;
 use serde_json::json;
 
-use super::{exec::Bench, registers::Register};
-use crate::{event::Polarity, limit::RUNS, plane::Plane};
+use super::bench::Bench;
+use crate::{cli::registers::Register, event::Polarity, limit::RUNS, plane::Plane};
 
 /// What many runs gave.
 ///
@@ -33,7 +33,7 @@ struct Sums {
 
 impl Statistics {
     /// Runs the program with seed after seed.
-    pub fn of(bench: &Bench<'_>, first_seed: u64, runs: u64) -> miette::Result<Self> {
+    pub fn from_runs(bench: &Bench<'_>, first_seed: u64, runs: u64) -> miette::Result<Self> {
         if runs == 0 {
             return Err(miette!(
                 help = "give the number of runs, one at least",

@@ -1,16 +1,16 @@
-//! Notes: events in 8 bytes, as they are told.
+//! Packed events: 8 bytes each, as bands pass them on.
 
 use crate::{
     event::{Event, Polarity},
     unit::Micros,
 };
 
-/// An event in 8 bytes, from the lowest bit on: 16 bits each for column and row, 8 for the
-/// channel, one for the sign (1 is ON), 23 for the microseconds since the clock's start.
+/// An event in 8 bytes, from the lowest bit on: 16 bits each for column and row, 8 for the channel,
+/// one for the sign (1 is ON), 23 for the microseconds since the quantiser's start.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Note(u64);
+pub(super) struct PackedEvent(u64);
 
-/// An event of every channel and sign: copied from here, the two are written at once.
+/// An event for every channel and sign: copied from here, both fields are written at once.
 static KINDS: [Event; 512] = kinds();
 
 const fn kinds() -> [Event; 512] {
@@ -32,26 +32,26 @@ const fn kinds() -> [Event; 512] {
     kinds
 }
 
-impl Note {
-    /// Where the sign stands, and below it all of who fired.
+impl PackedEvent {
+    /// Place of the sign bit; the address is below it.
     const SIGN: u32 = 40;
-    /// Where the time stands, and how many bits it has.
+    /// Place of the time, and its number of bits.
     const TIME: u32 = 41;
     pub(super) const TIME_BITS: u32 = 64 - Self::TIME;
 
     /// At the clock's start, in column 0, and ON.
-    pub(super) fn of(channel: usize, y: usize) -> Self {
+    pub(super) fn new(channel: usize, y: usize) -> Self {
         Self((y as u64) << 16 | (channel as u64) << 32 | 1 << Self::SIGN)
     }
 
-    /// With a column, and the sign of a count.
+    /// The same event in another column, with the sign of a count.
     #[inline]
     pub(super) const fn column(self, x: usize, count: i32) -> Self {
         let off = count as i64 as u64 & 1 << Self::SIGN;
         Self((self.0 + x as u64) ^ off)
     }
 
-    /// What more bits there are in `since` than a time has are lost.
+    /// The same event `since` microseconds later; bits that a time does not have are lost.
     #[inline]
     pub(super) const fn after(self, since: u64) -> Self {
         Self(self.0.wrapping_add(since << Self::TIME))

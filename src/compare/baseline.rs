@@ -1,15 +1,15 @@
-//! Streams that know nothing: what a metric says of a judged packet that is right by accident.
+//! Baselines: packets that are right by accident, so that a metric's value can be judged.
 //!
-//! - A **redraw** keeps what the reference says where, and forgets when: each cell has as many
-//!   events as in the reference, at times drawn, with replacement, from the times at which
-//!   all *other* cells spoke. So both its map of rates and its rate over time are the
-//!   reference's. Uniform times would flatter the judged stream: events that fall on the
-//!   frames of a clip, as a chip's do, meet by accident much more often than uniform ones.
-//!   Where only one cell spoke at all, its times are uniform between its first and last.
-//! - A **permutation** keeps when, and forgets where: all cells of a pixel move to another
-//!   pixel, each pixel to exactly one, silent ones too.
+//! - A **redraw** keeps where the reference has events, and forgets when: each cell has as many
+//!   events as in the reference, at times drawn, with replacement, from the times at which all
+//!   *other* cells have theirs. So both its map of rates and its rate over time are the reference's.
+//!   Uniform times would flatter the judged packet: events that fall on the frames of a clip, as a
+//!   chip's do, match by accident much more often than uniform ones. Where only one cell has events,
+//!   the times are uniform between its first and last.
+//! - A **permutation** keeps when, and forgets where: all cells of a pixel move to another pixel,
+//!   each pixel to exactly one, silent ones too.
 //!
-//! Chance is a hash of the seed, the cell and the event's number in it.
+//! Random numbers are a hash of the seed, the cell and the event's number in it.
 
 use std::sync::Arc;
 
@@ -24,11 +24,11 @@ use super::{
 };
 use crate::rng::{GOLDEN, Hash, mix};
 
-/// Reasons of chance.
+/// Keys of the random numbers.
 const REDRAW: u64 = 0x7265_6472_6177;
 const PERMUTE: u64 = 0x7065_726D_7574_6521;
 
-/// The reference of a pair, with a redraw of it to be judged.
+/// The redraw of a pair's reference, as the judged packet.
 #[must_use]
 pub fn redraw(pair: &Pair, seed: u64) -> Pair {
     let all = pair.reference();
@@ -62,11 +62,11 @@ pub fn redraw(pair: &Pair, seed: u64) -> Pair {
     pair.with_judged(Arc::new(drawn.concat()))
 }
 
-/// The reference of a pair, with a permutation of it to be judged.
+/// The permutation of a pair's reference, as the judged packet.
 #[must_use]
 pub fn permute(pair: &Pair, seed: u64) -> Pair {
     let all = pair.reference();
-    let pixels = Shuffle::of(pair, seed);
+    let pixels = Shuffle::new(pair, seed);
     let mut cells: Vec<_> = pair
         .reference_cells()
         .map(|(cell, own)| (pixels.moved(cell), own))
@@ -80,7 +80,7 @@ pub fn permute(pair: &Pair, seed: u64) -> Pair {
     pair.with_judged(Arc::new(moved))
 }
 
-/// A number from 0 to `end - 1`, `end` being at most 2^64.
+/// A number from 0 to `end - 1` by a random word; `end` is at most 2^64.
 const fn below(word: u64, end: u128) -> u64 {
     ((word as u128 * end) >> 64) as u64
 }
@@ -96,7 +96,7 @@ struct Shuffle {
 }
 
 impl Shuffle {
-    fn of(pair: &Pair, seed: u64) -> Self {
+    fn new(pair: &Pair, seed: u64) -> Self {
         // Events have 16 bits for each coordinate.
         let side = |pixels: usize| (pixels as u64).clamp(1, 1 << 16);
         let (height, width) = (side(pair.size().height), side(pair.size().width));

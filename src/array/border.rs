@@ -1,0 +1,74 @@
+//! Registers at the end of their range: what was to be held there was larger.
+
+use super::{Arithmetic, Array, Settings};
+use crate::{
+    isa::{Analog, Device, Figure},
+    number::Format,
+};
+
+/// A register with values at the end of its range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AtBorder {
+    /// Its name.
+    pub register: String,
+    /// Pixels at the end.
+    pub pixels: u64,
+    /// All pixels.
+    pub of: u64,
+    /// The ends.
+    pub ends: [f64; 2],
+}
+
+/// Nearer than this part of the range a value is at its end: the chip's errors move it after the
+/// store. Half an LSB of the chip's 256.
+const NEAR: f64 = 0.5 / 256.0;
+
+/// The smallest share of the pixels that is told of.
+const SHARE: f64 = 0.05;
+
+impl Arithmetic {
+    /// The least and the most that a register holds, in LSB; none where it holds any number.
+    #[must_use]
+    pub fn ends(self, device: &Device, settings: &Settings) -> Option<[f64; 2]> {
+        let chip = [Figure::Lowest, Figure::Highest].map(|figure| device.value(figure));
+        match self {
+            Self::Silicon { .. } => Some(chip),
+            _ if settings.clip => Some(chip),
+            Self::Number(Format::Fixed(format)) => {
+                let most = f64::from(1_u32 << (format.integer() - 1));
+                Some([-most, most])
+            }
+            Self::Number(_) => None,
+        }
+    }
+}
+
+impl AtBorder {
+    /// The registers of a chip that hold a picture of which at least a twentieth is at an end of
+    /// the range. What every pixel holds alike is a constant, and no picture.
+    #[must_use]
+    pub fn registers(chip: &dyn Array, ends: [f64; 2]) -> Vec<Self> {
+        let [low, high] = ends;
+        let near = NEAR * (high - low);
+        let device = chip.device();
+        let looked = (0..chip.layout().analog)
+            .map(Analog)
+            .filter_map(|register| {
+                let values = chip.analog(register);
+                let first = values.first().copied()?;
+                if values.iter().all(|value| *value == first) {
+                    return None;
+                }
+                let is_at = |value: &&f64| **value <= low + near || **value >= high - near;
+                let pixels = values.iter().filter(is_at).count();
+                let is_much = pixels as f64 >= SHARE * values.len() as f64;
+                is_much.then(|| Self {
+                    register: device.analog_name(register),
+                    pixels: pixels as u64,
+                    of: values.len() as u64,
+                    ends,
+                })
+            });
+        looked.collect()
+    }
+}

@@ -1,0 +1,51 @@
+//! What is shown to sensors, the same for every verb that has a scene of its own to show: the
+//! scene, its rate, and what its samples mean.
+
+use super::{files::Named, light::Samples};
+use crate::scene::{Observation, Scene, SceneError};
+
+/// What the scene is called where none was given.
+const BUNDLED: &str = "the bundled clip";
+
+/// `--scene`, `--fps`, and what its samples mean.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct Clip {
+    /// What they watch: a clip, image folder, .npy or pattern [default: the bundled clip]
+    #[arg(long)]
+    scene: Option<Named>,
+    /// Frames per second, instead of what the scene says
+    #[arg(long)]
+    fps: Option<f64>,
+    #[command(flatten)]
+    samples: Samples,
+}
+
+impl Clip {
+    /// The scene from its start; what is seen of it is noted.
+    ///
+    /// # Errors
+    /// When it cannot be opened.
+    pub(super) fn open(&self, observation: &Observation) -> Result<Box<dyn Scene>, SceneError> {
+        self.samples
+            .open(self.scene.as_deref(), self.fps, observation)
+    }
+
+    /// What it is called.
+    pub(super) fn name(&self) -> &str {
+        self.scene.as_deref().unwrap_or(BUNDLED)
+    }
+
+    /// Frames per second, where they were given.
+    pub(super) const fn fps(&self) -> Option<f64> {
+        self.fps
+    }
+
+    /// The options that were given, as they are written.
+    pub(super) fn written(&self) -> Vec<(&'static str, String)> {
+        let scene = { self.scene.as_deref() }.map(|scene| ("scene", scene.to_owned()));
+        let fps = self.fps.map(|fps| ("fps", fps.to_string()));
+        let mut all: Vec<_> = scene.into_iter().chain(fps).collect();
+        all.extend(self.samples.written());
+        all
+    }
+}

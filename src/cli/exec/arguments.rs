@@ -1,0 +1,114 @@
+//! What `exec` is asked to do.
+
+use std::path::PathBuf;
+
+use super::super::{
+    content::Content,
+    figure::figure,
+    files::{Named, Output},
+    light::Samples,
+    opened::Source,
+};
+use crate::{array::Arithmetic, event::file::Format, isa::Figure, limit::THREADS};
+
+/// What `exec` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: amacrine exec sobel.scamp --set A=a.npy --domain q8.8 --dump out/registers"
+)]
+pub struct Arguments {
+    #[command(flatten)]
+    pub(super) source: Source,
+    /// Set a register before the program runs (a .npy of shape (H,W)), or a number of the chip
+    /// (error.noise=0.1); can be given more than once
+    #[arg(long = "set", value_name = "NAME=FILE.npy|NUMBER", value_parser = assignment)]
+    pub(super) sets: Vec<Assignment>,
+    /// The light: a picture, a clip, or pattern:NAME?key=value; a still picture is shown again and again
+    #[arg(long)]
+    pub(super) image: Option<Named>,
+    #[command(flatten)]
+    pub(super) samples: Samples,
+    /// How many frames to run; the first one runs `init`, the others `frame`
+    #[arg(long)]
+    pub(super) frames: Option<u64>,
+    /// Frames per second, instead of what the scene says
+    #[arg(long)]
+    pub(super) fps: Option<f64>,
+    #[arg(long, help = format!("The arithmetic: {}", Arithmetic::names()))]
+    pub(super) domain: Option<String>,
+    /// Limit every store to [-128, 127]
+    #[arg(long, value_enum)]
+    pub(super) clip: Option<Switch>,
+    /// What registers off the array hold
+    #[arg(long, allow_negative_numbers = true)]
+    pub(super) edge: Option<f64>,
+    /// What PIX rises by for one unit of light
+    #[arg(long)]
+    pub(super) gain: Option<f64>,
+    /// Which chip of the silicon domain, and which noise
+    #[arg(long, default_value_t = 0)]
+    pub(super) seed: u64,
+    /// In which order the array is worked on, which changes only the speed: plain, tiled
+    #[arg(long)]
+    pub(super) schedule: Option<String>,
+    /// On how many threads at most
+    #[arg(long, value_parser = threads)]
+    pub(super) threads: Option<usize>,
+    #[arg(long, help = format!("Write the events that were read out; the extension names the format ({})", Format::names()), value_parser = Content::Events)]
+    pub(super) events: Option<Output>,
+    /// Write every register into this folder, as .npy and .png
+    #[arg(long, value_parser = Content::Folder)]
+    pub(super) dump: Option<Output>,
+    /// Write what registers hold after each line of the last frame, side by side (.png)
+    #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
+    pub(super) strip: Option<Output>,
+    /// Run so many times, with this seed and those that follow; print mean and spread
+    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug"])]
+    pub(super) repeat: Option<u64>,
+    /// Step through the program; commands are read from standard input, `help` lists them
+    #[arg(long, conflicts_with_all = ["json", "strip"])]
+    pub(super) debug: bool,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Switch {
+    On,
+    Off,
+}
+
+/// What one `--set` asks for.
+#[derive(Clone, Debug)]
+pub enum Assignment {
+    /// A register is read from a file.
+    Register(String, PathBuf),
+    /// A number of the chip is another.
+    Figure(Figure, f64),
+}
+
+/// `name=file` or `section.key=number`, for the command line.
+fn assignment(text: &str) -> Result<Assignment, String> {
+    let (name, value) = match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() && !value.is_empty() => (name, value),
+        _ => {
+            return Err(format!(
+                "`{text}` is not REGISTER=FILE.npy or FIGURE=NUMBER"
+            ));
+        }
+    };
+    if !name.contains('.') {
+        return Ok(Assignment::Register(name.to_owned(), value.into()));
+    }
+    figure(name, value).map(|(figure, number)| Assignment::Figure(figure, number))
+}
+
+/// A number of threads, for the command line.
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(number) if number <= THREADS => Ok(number),
+        Ok(_) => Err(format!("{THREADS} threads at most")),
+        Err(_) => Err("give a whole number".to_owned()),
+    }
+}

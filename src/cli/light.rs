@@ -1,0 +1,185 @@
+//! What the samples of a scene mean, the same options for every verb that shows one; what is
+//! said of the light, and the warnings.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::{budget, complain};
+use crate::{
+    rig::guard::Warning,
+    scene::{
+        Coding, Observation, Observed, OpenOptions, Range, Scene, SceneError, Transfer,
+        bundled_with, open,
+    },
+};
+
+/// `--range`, `--transfer` and `--scale`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Samples {
+    /// Which samples of the scene are black and white
+    #[arg(long, value_enum, default_value = "auto")]
+    range: Asked,
+    /// How its light was coded, to be undone before the photoreceptor
+    #[arg(long, value_enum, default_value = "as-coded")]
+    transfer: Undo,
+    /// Multiply the numbers of a .npy by this: 255 where they are 0 to 1
+    #[arg(long, value_name = "FACTOR")]
+    scale: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+enum Asked {
+    /// What the file says; else limited for mp4 and y4m with colour, full for all others
+    Auto,
+    /// 16 and 235 of 255; what lies outside is clipped
+    Limited,
+    /// 0 and 255
+    Full,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+enum Undo {
+    /// What the file says; else as coded
+    Auto,
+    /// Nothing is undone, as in v2e and ESIM
+    AsCoded,
+    /// The samples are light already
+    Linear,
+    /// IEC 61966-2-1, the curve of most pictures
+    Srgb,
+    /// ITU-R BT.709
+    Bt709,
+}
+
+impl Samples {
+    /// As it is asked for.
+    fn coding(&self) -> Coding {
+        Coding {
+            range: match self.range {
+                Asked::Auto => None,
+                Asked::Limited => Some(Range::Limited),
+                Asked::Full => Some(Range::Full),
+            },
+            transfer: match self.transfer {
+                Undo::Auto => None,
+                Undo::AsCoded => Some(Transfer::AsCoded),
+                Undo::Linear => Some(Transfer::Linear),
+                Undo::Srgb => Some(Transfer::Srgb),
+                Undo::Bt709 => Some(Transfer::Bt709),
+            },
+            scale: self.scale,
+        }
+    }
+
+    /// How a scene is opened: within what may be held.
+    pub fn opening(&self, fps: Option<f64>) -> OpenOptions {
+        OpenOptions {
+            coding: self.coding(),
+            ..budget::opening(fps)
+        }
+    }
+
+    /// The scene, or the bundled clip; what is seen of it is noted.
+    ///
+    /// # Errors
+    /// When it cannot be opened.
+    pub fn open(
+        &self,
+        scene: Option<&str>,
+        fps: Option<f64>,
+        observation: &Observation,
+    ) -> Result<Box<dyn Scene>, SceneError> {
+        let options = self.opening(fps);
+        let scene = match scene {
+            Some(scene) => open(scene, &options)?,
+            None => bundled_with(&options)?,
+        };
+        Ok(Box::new(Observed::new(scene, observation)))
+    }
+
+    /// The options that are not what they are when left out, as they are written.
+    pub fn written(&self) -> Vec<(&'static str, String)> {
+        let Coding {
+            range,
+            transfer,
+            scale,
+        } = self.coding();
+        let range = range.map(|range| ("range", range.name().to_owned()));
+        let transfer = match transfer {
+            None => Some("auto"),
+            Some(Transfer::AsCoded) => None,
+            Some(transfer) => Some(transfer.name()),
+        };
+        let transfer = transfer.map(|name| ("transfer", name.to_owned()));
+        let scale = scale.map(|scale| ("scale", scale.to_string()));
+        [range, transfer, scale].into_iter().flatten().collect()
+    }
+}
+
+/// What is said of the light, in a line; nothing where there is no scene.
+pub fn line(observation: &Observation) -> String {
+    let Some(light) = observation.light() else {
+        return String::new();
+    };
+    let mut line = format!("light    {light}");
+    if light.has_free_scale()
+        && let Some((least, most)) = observation.extent()
+    {
+        let frames = observation.frames();
+        let _ = write!(
+            line,
+            "; from {least} to {most} in all {frames} frames shown"
+        );
+    }
+    line + "\n"
+}
+
+/// The same for machines.
+pub fn json(observation: &Observation) -> Value {
+    let Some(light) = observation.light() else {
+        return Value::Null;
+    };
+    let mut json = json!(light);
+    let (least, most) = observation.extent().unzip();
+    json["least"] = json!(least);
+    json["most"] = json!(most);
+    json["cuts"] = json!(observation.cuts());
+    json
+}
+
+/// Says each warning beside the output, but for those that are its first lines.
+pub fn warn(warnings: &[Warning]) {
+    for warning in warnings.iter().filter(|w| !w.about.is_of_kernel()) {
+        complain(&format!("warning: {warning}\n"));
+    }
+}
+
+/// What the output begins with: what few values have taken from a kernel.
+pub fn of_kernels(warnings: &[Warning]) -> String {
+    let of_kernels = warnings.iter().filter(|w| w.about.is_of_kernel());
+    let mut text = String::new();
+    for warning in of_kernels {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
+}
+
+/// An answer for machines, and what is said of its light.
+#[derive(Serialize)]
+pub struct Shown<'a, T> {
+    #[serde(flatten)]
+    answer: &'a T,
+    light: Value,
+}
+
+impl<'a, T: Serialize> Shown<'a, T> {
+    /// The answer with it.
+    pub fn new(answer: &'a T, observation: &Observation) -> Self {
+        Self {
+            answer,
+            light: json(observation),
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! What of a sheet is written, and how.
+
+use crate::{
+    cli::{files::Output, npy},
+    picture::{panel, write_png},
+    plane::Plane,
+};
+
+/// What of the sheet is written.
+#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
+pub(super) enum Show {
+    /// H, the surround
+    #[default]
+    Surround,
+    /// P - H, what a Center Surround DVS is driven by
+    Difference,
+}
+
+/// A plane as `.npy` (float64), or as a picture from its least to its most.
+pub(super) fn write(path: &Output, plane: &Plane<f64>) -> miette::Result<()> {
+    if path.ending() == "png" {
+        let (low, high) = extremes(plane);
+        return Ok(write_png(path, &panel::frame(plane, low, high))?);
+    }
+    npy::write(path, plane)
+}
+
+/// The least and the most.
+pub(super) fn extremes(plane: &Plane<f64>) -> (f64, f64) {
+    let infinite = (f64::INFINITY, f64::NEG_INFINITY);
+    plane
+        .iter()
+        .fold(infinite, |(low, high), v| (low.min(*v), high.max(*v)))
+}

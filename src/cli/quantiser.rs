@@ -1,0 +1,48 @@
+//! Quantisers and what a kernel's sum must be, on the command line.
+
+use miette::Diagnostic as _;
+
+use crate::kernel::quantise::{Quantiser, QuantiserNameError, Sum};
+
+/// [`Sum`], as it is written. All verbs that quantise have the same default.
+#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
+pub(super) enum Total {
+    /// Whatever comes
+    Free,
+    /// 0: uniform light gives nothing
+    Zero,
+    /// That of the kernel, as near as the levels allow
+    #[default]
+    Kept,
+}
+
+impl Total {
+    /// As it is written.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Zero => "zero",
+            Self::Kept => "kept",
+        }
+    }
+}
+
+impl From<Total> for Sum {
+    fn from(total: Total) -> Self {
+        match total {
+            Total::Free => Self::Free,
+            Total::Zero => Self::Zero,
+            Total::Kept => Self::Kept,
+        }
+    }
+}
+
+/// A quantiser, for the command line, which shows no help beside a message.
+pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
+    name.parse().map_err(|error: QuantiserNameError| {
+        let known = error
+            .help()
+            .map_or(String::new(), |help| format!("; known are {help}"));
+        format!("{error}{known}")
+    })
+}

@@ -1,0 +1,423 @@
+//! Guards: what in a run makes its figures mean something else than they seem to.
+//!
+//! A sensor that never fires, one of which most cells fire at once, a readout whose slots are
+//! full, registers at the end of their range, light on another scale, a cut. Each guard says
+//! what was seen, why that probably is, and what to change.
+
+use std::fmt;
+
+use crate::{
+    event::{Event, Packet},
+    kernel::quantise::Erasure,
+    plane::Size,
+    scene::{Cut, Frame, Light, Observation},
+    unit::Micros,
+};
+
+/// What a warning is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum About {
+    /// No event at all.
+    NoEvents,
+    /// More than half of all cells fire in one frame.
+    MostCells,
+    /// Events found no slot of the readout.
+    Slots,
+    /// Values at the end of the range of what holds them.
+    Saturation,
+    /// Light on another scale than the sensor's.
+    Scale,
+    /// The clip shows another picture from one frame to the next.
+    Cut,
+    /// Nearly everything matches by accident within the window.
+    Window,
+    /// A kernel in few values has lost its surround.
+    Surround,
+    /// A symmetric kernel is not symmetric in few values.
+    Lopsided,
+}
+
+impl About {
+    /// As it is written.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NoEvents => "no-events",
+            Self::MostCells => "most-cells",
+            Self::Slots => "slots",
+            Self::Saturation => "saturation",
+            Self::Scale => "scale",
+            Self::Cut => "cut",
+            Self::Window => "window",
+            Self::Surround => "surround",
+            Self::Lopsided => "lopsided",
+        }
+    }
+
+    /// Whether it is about a kernel, whatever the scene.
+    #[must_use]
+    pub const fn is_of_kernel(self) -> bool {
+        matches!(self, Self::Surround | Self::Lopsided)
+    }
+}
+
+/// A guard that has something to say.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Warning {
+    /// What it is about.
+    pub about: About,
+    /// Of whom it holds: sensors, or the scene.
+    pub subjects: Vec<String>,
+    /// What was seen, of the first of them.
+    pub seen: String,
+    /// Why that probably is.
+    pub why: String,
+    /// What to change.
+    pub change: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (first, others) = match self.subjects.split_first() {
+            Some((first, others)) => (first.as_str(), others),
+            None => ("the run", [].as_slice()),
+        };
+        write!(f, "{first}: {}", self.seen)?;
+        if !others.is_empty() {
+            write!(f, " (alike: {})", others.join(", "))?;
+        }
+        write!(f, ": {}; {}", self.why, self.change)
+    }
+}
+
+impl Warning {
+    fn new(
+        about: About,
+        subject: &str,
+        seen: impl Into<String>,
+        why: impl Into<String>,
+        change: impl Into<String>,
+    ) -> Self {
+        Self {
+            about,
+            subjects: vec![subject.to_owned()],
+            seen: seen.into(),
+            why: why.into(),
+            change: change.into(),
+        }
+    }
+
+    /// A sensor that never fired; `frames` where they are known.
+    #[must_use]
+    pub fn no_events(subject: &str, frames: Option<u64>) -> Self {
+        let (seen, why) = match frames {
+            Some(frames @ 0..=1) => (
+                format!("no event at all in {frames} frame"),
+                "events happen between frames, and there are not two",
+            ),
+            Some(frames) => (
+                format!("no event at all in {frames} frames"),
+                "what its cells see never moves by a threshold: the light is small against it, or it does not change",
+            ),
+            None => (
+                "no event at all".to_owned(),
+                "what its cells saw never moved by a threshold",
+            ),
+        };
+        Self::new(
+            About::NoEvents,
+            subject,
+            seen,
+            why,
+            "lower the threshold, give light on the scale of the sensor (0 to 255; --scale for an array), use a memory that steps, halve less often on a chip, or show a scene that moves",
+        )
+    }
+
+    /// A sensor of which most cells fire in one frame.
+    #[must_use]
+    pub fn most_cells(subject: &str, crowd: &Crowd) -> Self {
+        let share = 100.0 * crowd.most as f64 / crowd.cells as f64;
+        let seen = format!(
+            "{} of {} cells ({share:.0} %) fire in frame {}, and more than half in {} of {} frames",
+            crowd.most, crowd.cells, crowd.frame, crowd.over, crowd.frames
+        );
+        Self::new(
+            About::MostCells,
+            subject,
+            seen,
+            "the threshold is below what changes everywhere: noise, flicker, a cut, or a memory that fires again",
+            "raise the threshold, give light on the scale of the sensor, use a memory that steps rather than snaps, or leave out the frames at which the whole picture changes",
+        )
+    }
+
+    /// A window within which accident scores this much; none where a score still says something.
+    #[must_use]
+    pub fn window(within: Micros, floor: f64) -> Option<Self> {
+        /// From which floor on a few events decide what is kept.
+        const MOST: f64 = 0.95;
+        (floor >= MOST).then(|| {
+            Self::new(
+                About::Window,
+                "what is kept",
+                format!("within {within} accident scores {floor:.3} of 1"),
+                "the events last little longer than the window, or cells speak more often than that",
+                "take a shorter --within, or a longer scene",
+            )
+        })
+    }
+
+    /// What a kernel in few values has lost of its shape.
+    #[must_use]
+    pub fn erased(subject: &str, erasure: Erasure) -> Self {
+        let (about, why, change) = match erasure {
+            Erasure::Surround { .. } | Erasure::Sign { .. } => (
+                About::Surround,
+                "its weights are too small for so few values",
+                "take more values (another --to)",
+            ),
+            Erasure::Lopsided { .. } => (
+                About::Lopsided,
+                "too few weights are left to keep the sum evenly",
+                "take more values (another --to), or leave the sum free",
+            ),
+        };
+        Self::new(about, subject, erasure.to_string(), why, change)
+    }
+
+    /// A readout that lost events.
+    #[must_use]
+    pub fn slots(subject: &str, lost: u64, kept: u64) -> Self {
+        let all = lost.saturating_add(kept);
+        let share = 100.0 * lost as f64 / all as f64;
+        Self::new(
+            About::Slots,
+            subject,
+            format!(
+                "the readout's slots were full: {lost} of {all} events ({share:.1} %) are lost"
+            ),
+            "more cells fired in a frame than were asked for",
+            "ask for more slots, raise the threshold, or read whole bit planes",
+        )
+    }
+
+    /// Values at the end of what holds them: how many of how many in `place`, which ends at
+    /// `ends`.
+    #[must_use]
+    pub fn saturation(subject: &str, place: &str, (at, all): (u64, u64), ends: [f64; 2]) -> Self {
+        let share = 100.0 * at as f64 / all as f64;
+        let [low, high] = ends;
+        Self::new(
+            About::Saturation,
+            subject,
+            format!(
+                "{at} of {all} values ({share:.0} %) in {place} lie at the end of its range, {low} to {high}"
+            ),
+            "what was to be held there is larger, and is cut off",
+            "halve more often before sums, make light or gain smaller, or take a wider format",
+        )
+    }
+
+    /// Light that lies within 0 and 1, for a sensor that takes 0 to `white`.
+    #[must_use]
+    pub fn scale(light: &Light, extent: Option<(f64, f64)>, white: f64) -> Option<Self> {
+        let (low, high) = extent?;
+        let is_unit = low >= 0.0 && high <= 1.0001 && high > 0.0;
+        if !light.has_free_scale() || !is_unit || white <= 2.0 {
+            return None;
+        }
+        Some(Self::new(
+            About::Scale,
+            "the scene",
+            format!("all light lies between {low:.4} and {high:.4}, but sensors take 0 to 255"),
+            "the array is scaled to 1, and no change of it comes near a threshold",
+            "give --scale 255, or multiply the array",
+        ))
+    }
+
+    /// A clip with cuts.
+    #[must_use]
+    pub fn cuts(cuts: &[Cut]) -> Option<Self> {
+        const SHOWN: usize = 5;
+        let first = cuts.first()?;
+        let at: Vec<String> = cuts
+            .iter()
+            .take(SHOWN)
+            .map(|cut| format!("{} ({:.3} s)", cut.frame, cut.seconds))
+            .collect();
+        let more = match cuts.len().saturating_sub(SHOWN) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let kind = if cuts.len() == 1 {
+            "a cut at frame"
+        } else {
+            "cuts at frames"
+        };
+        let usual = first
+            .times_usual
+            .map_or("where nothing changes otherwise".to_owned(), |times| {
+                format!("{times:.0} times the usual change")
+            });
+        Some(Self::new(
+            About::Cut,
+            "the scene",
+            format!("{kind} {}{more}", at.join(", ")),
+            format!(
+                "another picture, {usual}, correlation {:.2} with the frame before: every pixel may fire there",
+                first.correlation
+            ),
+            format!(
+                "split the clip there: its first {} frames are one scene (ffmpeg -frames:v {}; `frames` in a study)",
+                first.frame, first.frame
+            ),
+        ))
+    }
+
+    /// What a scene warns of, for a sensor that takes light from 0 to `white`.
+    #[must_use]
+    pub fn of_scene(observation: &Observation, white: f64) -> Vec<Self> {
+        let light = observation.light();
+        let scale = light.and_then(|light| Self::scale(&light, observation.extent(), white));
+        let cuts = Self::cuts(&observation.cuts());
+        scale.into_iter().chain(cuts).collect()
+    }
+}
+
+/// How many cells fire at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Crowd {
+    /// All cells.
+    pub cells: u64,
+    /// Frames that were looked at.
+    pub frames: u64,
+    /// Those in which more than half of all cells fire.
+    pub over: u64,
+    /// The most cells that fire in one.
+    pub most: u64,
+    /// Which one that is.
+    pub frame: u64,
+}
+
+impl Crowd {
+    /// Nothing seen yet of so many cells.
+    #[must_use]
+    pub fn new(cells: u64) -> Self {
+        Self {
+            cells,
+            ..Self::default()
+        }
+    }
+
+    /// The next frame, in which so many cells fire.
+    pub fn see(&mut self, firing: u64) {
+        if firing > self.most {
+            self.most = firing;
+            self.frame = self.frames;
+        }
+        self.over += u64::from(2 * firing > self.cells);
+        self.frames += 1;
+    }
+
+    /// From a packet whose frames were at these times: the cells that fire after one and up to
+    /// the next.
+    #[must_use]
+    pub fn from_packet(packet: &Packet, frames: &[Micros]) -> Self {
+        let Size { height, width } = packet.size;
+        let cells = height * width * usize::from(packet.channels);
+        let mut crowd = Self::new(cells as u64);
+        // The last frame, from 1, in which each cell fired.
+        let mut last = vec![0_u32; cells];
+        let mut events = packet.events.iter().peekable();
+        for (frame, time) in (1..).zip(frames) {
+            let mut firing = 0;
+            while let Some(event) = events.next_if(|event| event.t <= *time) {
+                if let Some(last) = last.get_mut(cell(event, packet.size)) {
+                    firing += u64::from(*last != frame);
+                    *last = frame;
+                }
+            }
+            crowd.see(firing);
+        }
+        crowd
+    }
+}
+
+fn cell(event: &Event, size: Size) -> usize {
+    let plane = usize::from(event.channel) * size.height + usize::from(event.y);
+    plane * size.width + usize::from(event.x)
+}
+
+/// Looks at the packets of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Guard {
+    frames: Vec<Micros>,
+    warnings: Vec<Warning>,
+}
+
+impl Guard {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The next frame that the sensors see.
+    pub fn frame(&mut self, frame: &Frame) {
+        self.frame_at(Micros::from_seconds(frame.seconds));
+    }
+
+    /// The same, by its time.
+    pub fn frame_at(&mut self, time: Micros) {
+        self.frames.push(time);
+    }
+
+    /// What a sensor said of all frames so far.
+    pub fn packet(&mut self, subject: &str, packet: &Packet) {
+        let lost = packet.dropped.no_slot;
+        let kept = packet.events.len() as u64;
+        if kept == 0 && lost == 0 {
+            let frames = self.frames.len() as u64;
+            return self.warn(Warning::no_events(subject, Some(frames)));
+        }
+        let crowd = Crowd::from_packet(packet, &self.frames);
+        if crowd.over > 0 {
+            self.warn(Warning::most_cells(subject, &crowd));
+        }
+        if lost > 0 {
+            self.warn(Warning::slots(subject, lost, kept));
+        }
+    }
+
+    /// What is in a file of events, of which no frames are known.
+    pub fn recording(&mut self, subject: &str, packet: &Packet) {
+        let lost = packet.dropped.no_slot;
+        let kept = packet.events.len() as u64;
+        if lost > 0 {
+            self.warn(Warning::slots(subject, lost, kept));
+        } else if kept == 0 {
+            self.warn(Warning::no_events(subject, None));
+        }
+    }
+
+    /// Another warning. Who is warned of the same is named with the first.
+    pub fn warn(&mut self, warning: Warning) {
+        let same = self.warnings.iter_mut().find(|w| w.about == warning.about);
+        match same {
+            Some(same) => {
+                for subject in warning.subjects {
+                    if !same.subjects.contains(&subject) {
+                        same.subjects.push(subject);
+                    }
+                }
+            }
+            None => self.warnings.push(warning),
+        }
+    }
+
+    /// All that there is to warn of.
+    #[must_use]
+    pub fn warnings(self) -> Vec<Warning> {
+        self.warnings
+    }
+}

@@ -1,0 +1,298 @@
+//! What the samples of a clip mean: which of them are black and white, how light was coded, and
+//! who says so.
+//!
+//! Range comes first, then the scale of an array, then the transfer; what is left is light from
+//! 0 to 255, which the photoreceptor takes.
+
+use std::{fmt, path::PathBuf};
+
+use super::SceneError;
+use crate::elementary;
+
+/// Which samples are black and white.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Range {
+    /// 16 is black and 235 white, in 8 bits: most video. Foot- and headroom lie outside.
+    Limited,
+    /// All values are used: pictures, and video that says so.
+    Full,
+}
+
+/// How light was coded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Transfer {
+    /// Not known, not undone: the coded value is taken for light, as v2e and ESIM do.
+    #[default]
+    AsCoded,
+    /// The samples are light. The numbers are those of [`AsCoded`](Self::AsCoded).
+    Linear,
+    /// IEC 61966-2-1, which most pictures are coded in.
+    Srgb,
+    /// What cameras do by ITU-R BT.709; BT.601 and BT.2020 have the same curve.
+    Bt709,
+}
+
+impl Range {
+    /// As it is written.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Limited => "limited",
+            Self::Full => "full",
+        }
+    }
+}
+
+impl Transfer {
+    /// As it is written.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::AsCoded => "as-coded",
+            Self::Linear => "linear",
+            Self::Srgb => "srgb",
+            Self::Bt709 => "bt709",
+        }
+    }
+
+    /// The light, 0 to 255, that was coded as `value`, 0 to 255. 0 and 255 stay what they are.
+    #[must_use]
+    pub fn light(self, value: f64) -> f64 {
+        let v = value / 255.0;
+        match self {
+            Self::AsCoded | Self::Linear => value,
+            Self::Srgb if v <= 0.04045 => value / 12.92,
+            Self::Srgb => 255.0 * elementary::pow((v + 0.055) / 1.055, 2.4),
+            Self::Bt709 if v < 0.081 => value / 4.5,
+            Self::Bt709 => 255.0 * elementary::pow((v + 0.099) / 1.099, 1.0 / 0.45),
+        }
+    }
+
+    /// The value, 0 to 255, that codes `light`, 0 to 255: the inverse of
+    /// [`light`](Self::light), but for rounding.
+    #[must_use]
+    pub fn coded(self, light: f64) -> f64 {
+        let l = light / 255.0;
+        match self {
+            Self::AsCoded | Self::Linear => light,
+            Self::Srgb if l <= 0.003_130_8 => light * 12.92,
+            Self::Srgb => 255.0 * (1.055 * elementary::pow(l, 1.0 / 2.4) - 0.055),
+            Self::Bt709 if l < 0.018 => light * 4.5,
+            Self::Bt709 => 255.0 * (1.099 * elementary::pow(l, 0.45) - 0.099),
+        }
+    }
+}
+
+/// What the caller says about the samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coding {
+    /// Black and white; `None`: what the file says, else what its kind usually has.
+    pub range: Option<Range>,
+    /// How light was coded; `None`: what the file says, else as coded.
+    pub transfer: Option<Transfer>,
+    /// What the numbers of an array are multiplied by to be light from 0 to 255.
+    pub scale: Option<f64>,
+}
+
+impl Default for Coding {
+    /// The file's range, no transfer undone, no scale.
+    fn default() -> Self {
+        Self {
+            range: None,
+            transfer: Some(Transfer::AsCoded),
+            scale: None,
+        }
+    }
+}
+
+impl Coding {
+    /// Refuses what a pattern has no samples for.
+    pub(super) fn check_drawn(self, spec: &str) -> Result<(), SceneError> {
+        let what = match self {
+            Self {
+                scale: Some(scale), ..
+            } => format!("--scale {scale}"),
+            Self {
+                range: Some(Range::Limited),
+                ..
+            } => "--range limited".to_owned(),
+            Self {
+                transfer: Some(transfer @ (Transfer::Srgb | Transfer::Bt709)),
+                ..
+            } => format!("--transfer {}", transfer.name()),
+            _ => return Ok(()),
+        };
+        Err(SceneError::Coding {
+            path: PathBuf::from(spec),
+            what: format!("{what}: a pattern is drawn as light"),
+            help: "patterns have the light that their parameters say; leave it out",
+        })
+    }
+}
+
+/// Who says so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Origin {
+    /// The caller.
+    Asked,
+    /// The file.
+    File,
+    /// Nobody: what its kind of file usually has.
+    Assumed,
+}
+
+/// What the samples come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Samples {
+    /// The luma of video.
+    Video,
+    /// Pictures, and animations made of them.
+    Pictures,
+    /// Whole numbers of an array.
+    Integers,
+    /// Real numbers of an array.
+    Floats,
+    /// A pattern, or what a program made: light from the start.
+    Drawn,
+}
+
+/// How samples became light, and who said so.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Light {
+    /// What there was.
+    pub samples: Samples,
+    /// Black and white; none for numbers that have no range.
+    pub range: Option<Range>,
+    /// Who said so.
+    pub range_from: Origin,
+    /// The transfer that was undone.
+    pub transfer: Transfer,
+    /// Who said so.
+    pub transfer_from: Origin,
+    /// The transfer that the file states, whether it was undone or not.
+    pub stated_transfer: Option<Transfer>,
+    /// What the numbers of an array were multiplied by.
+    pub scale: f64,
+}
+
+impl Light {
+    /// Light that is drawn, and was never coded.
+    pub const DRAWN: Self = Self {
+        samples: Samples::Drawn,
+        range: None,
+        range_from: Origin::Assumed,
+        transfer: Transfer::Linear,
+        transfer_from: Origin::Assumed,
+        stated_transfer: None,
+        scale: 1.0,
+    };
+
+    /// Whether the numbers have no scale of their own, so that only their maker knows what is
+    /// white.
+    #[must_use]
+    pub const fn has_free_scale(&self) -> bool {
+        matches!(self.samples, Samples::Floats | Samples::Integers)
+    }
+}
+
+impl fmt::Display for Light {
+    /// In a line: `limited range (said by the file) expanded to 0..255 …, transfer as coded`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.samples == Samples::Drawn {
+            return f.write_str("drawn as light, nothing to undo");
+        }
+        let who = match (self.range_from, self.samples, self.range) {
+            (Origin::Asked, ..) => "as asked",
+            (Origin::File, ..) => "said by the file",
+            (Origin::Assumed, Samples::Video, Some(Range::Limited)) => {
+                "assumed, as FFmpeg does; --range full says otherwise"
+            }
+            (Origin::Assumed, Samples::Video, _) => "assumed; --range limited says otherwise",
+            (Origin::Assumed, ..) => "as pictures have it",
+        };
+        match (self.range, self.samples) {
+            (Some(Range::Limited), _) => write!(
+                f,
+                "limited range ({who}) expanded to 0..255, foot- and headroom clipped"
+            )?,
+            (_, Samples::Integers | Samples::Floats) => f.write_str("numbers as given")?,
+            _ => write!(f, "full range ({who})")?,
+        }
+        if self.scale != 1.0 {
+            write!(f, " times {}", self.scale)?;
+        }
+        let name = match self.transfer {
+            Transfer::AsCoded => "as coded",
+            Transfer::Linear => "linear",
+            Transfer::Srgb => "srgb undone",
+            Transfer::Bt709 => "bt709 undone",
+        };
+        write!(f, ", transfer {name}")?;
+        match (self.stated_transfer, self.transfer_from) {
+            (Some(stated), _) if stated != self.transfer => write!(
+                f,
+                " (the file says {}; --transfer auto undoes it)",
+                stated.name()
+            ),
+            (Some(_), Origin::File) => f.write_str(" (said by the file)"),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const ALL: [Transfer; 4] = [
+        Transfer::AsCoded,
+        Transfer::Linear,
+        Transfer::Srgb,
+        Transfer::Bt709,
+    ];
+
+    #[test]
+    fn black_and_white_stay() {
+        for transfer in ALL {
+            for end in [0.0, 255.0] {
+                assert_eq!(transfer.light(end), end, "{transfer:?}");
+                assert!((transfer.coded(end) - end).abs() < 1e-12, "{transfer:?}");
+            }
+        }
+    }
+
+    /// Values of the standards' own formulas, by hand.
+    #[test]
+    fn known_values() {
+        // 188 codes half of white within a quarter of a step, in sRGB.
+        assert!((Transfer::Srgb.light(188.0) / 255.0 - 0.5029).abs() < 1e-4);
+        assert!((Transfer::Srgb.light(10.0) - 10.0 / 12.92).abs() < 1e-15);
+        // BT.709: 0.5 codes 0.2597 (the power of its upper piece).
+        assert!((Transfer::Bt709.light(127.5) / 255.0 - 0.259_589).abs() < 1e-5);
+        assert!((Transfer::Bt709.light(9.0) - 2.0).abs() < 1e-15);
+    }
+
+    proptest! {
+        #[test]
+        fn what_was_coded_comes_back(light in 0.0_f64..=255.0) {
+            for transfer in ALL {
+                let back = transfer.light(transfer.coded(light));
+                // The two pieces of a curve meet within the digits that the standards print.
+                prop_assert!((back - light).abs() < 1e-4 * light.max(0.1), "{:?}: {}", transfer, back);
+            }
+        }
+
+        #[test]
+        fn more_is_coded_as_more(low in 0.0_f64..254.0, step in 0.01_f64..1.0) {
+            for transfer in ALL {
+                prop_assert!(transfer.light(low + step) > transfer.light(low));
+            }
+        }
+    }
+}

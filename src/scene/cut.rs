@@ -1,0 +1,178 @@
+//! Cuts: frames that show another picture than the one before, where every pixel may fire.
+//!
+//! A frame is one where the light of the pixels changes by more than [`RATIO`] times what it
+//! usually does there (the median of the changes up to [`NEAR`] frames before and after), and
+//! what is seen at a place no longer resembles what was seen there (Pearson's correlation below
+//! [`ALIKE`]). A flash changes much and keeps the picture; fast motion loses the picture, but
+//! frame after frame. Some thousand pixels of a frame are looked at.
+
+use crate::plane::Plane;
+
+/// How many times the usual change a cut is, at least.
+const RATIO: f64 = 3.0;
+
+/// Pictures that correlate by less are two.
+const ALIKE: f64 = 0.65;
+
+/// Changes on either side that say what is usual.
+const NEAR: usize = 12;
+
+/// Fewer pixels do not make a picture.
+const FEWEST: usize = 256;
+
+/// Pixels of a frame that are looked at, about.
+const LOOKED_AT: usize = 4096;
+
+/// Frames that are looked at; a clip that is longer is not looked at to its end.
+const MOST: usize = 1 << 20;
+
+/// A frame that does not go on from the one before.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Cut {
+    /// The first frame of the new picture.
+    pub frame: u64,
+    /// When it is shown.
+    pub seconds: f64,
+    /// The mean change of a pixel's light, as a multiple of the usual one; none where usually
+    /// nothing changes.
+    pub times_usual: Option<f64>,
+    /// Correlation with the frame before.
+    pub correlation: f64,
+}
+
+/// Looks for cuts, frame by frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cuts {
+    before: Vec<f64>,
+    /// Of each frame but the first.
+    changes: Vec<Change>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    seconds: f64,
+    mean: f64,
+    correlation: f64,
+}
+
+impl Cuts {
+    /// The next frame.
+    pub fn see(&mut self, light: &Plane<f64>, seconds: f64) {
+        let pixels = light.len();
+        if pixels < FEWEST || self.changes.len() == MOST {
+            return;
+        }
+        let step = (pixels as f64 / LOOKED_AT as f64).sqrt().ceil().max(1.0) as usize;
+        let looked: Vec<f64> = light
+            .slice(ndarray::s![..;step, ..;step])
+            .iter()
+            .copied()
+            .collect();
+        if self.before.len() == looked.len() {
+            self.changes.push(Change {
+                seconds,
+                mean: mean_change(&self.before, &looked),
+                correlation: correlation(&self.before, &looked),
+            });
+        }
+        self.before = looked;
+    }
+
+    /// The cuts among the frames that were seen.
+    pub fn found(&self) -> Vec<Cut> {
+        let each = self.changes.iter().enumerate();
+        each.filter_map(|(at, change)| {
+            let usual = self.usual(at)?;
+            let is_cut = change.correlation < ALIKE && change.mean > RATIO * usual;
+            is_cut.then(|| Cut {
+                frame: at as u64 + 1,
+                seconds: change.seconds,
+                times_usual: (usual > 0.0).then(|| change.mean / usual),
+                correlation: change.correlation,
+            })
+        })
+        .collect()
+    }
+
+    /// The median of the changes beside one.
+    fn usual(&self, at: usize) -> Option<f64> {
+        let from = at.saturating_sub(NEAR);
+        let to = (at + NEAR + 1).min(self.changes.len());
+        let beside = (from..to).filter(|other| *other != at);
+        let mut means: Vec<f64> = beside.map(|other| self.changes[other].mean).collect();
+        means.sort_by(f64::total_cmp);
+        means.get(means.len() / 2).copied()
+    }
+}
+
+fn mean_change(a: &[f64], b: &[f64]) -> f64 {
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (b - a).abs()).sum();
+    sum / a.len() as f64
+}
+
+/// Pearson's; between two even frames 1, between an even one and a picture 0.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len() as f64;
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        let (a, b) = (a - mean_a, b - mean_b);
+        aa += a * a;
+        bb += b * b;
+        ab += a * b;
+    }
+    if aa > 0.0 && bb > 0.0 {
+        ab / (aa.sqrt() * bb.sqrt())
+    } else if aa == bb {
+        1.0
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture of random pixels, number `picture` of them, with a line that moves.
+    fn frame(picture: u64, at: usize) -> Plane<f64> {
+        let random = |place: u64| {
+            let mixed = (place ^ (place >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            (mixed >> 56) as f64
+        };
+        Plane::from_shape_fn((32, 32), |(y, x)| {
+            if x == at % 32 {
+                return 255.0;
+            }
+            let place = (picture << 32) | (y * 32 + x) as u64;
+            random(place.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+        })
+    }
+
+    fn found(frames: impl IntoIterator<Item = Plane<f64>>) -> Vec<u64> {
+        let mut cuts = Cuts::default();
+        for (n, frame) in frames.into_iter().enumerate() {
+            cuts.see(&frame, n as f64);
+        }
+        cuts.found().iter().map(|cut| cut.frame).collect()
+    }
+
+    #[test]
+    fn another_picture_is_a_cut() {
+        let clip = (0..20).map(|n| frame(u64::from(n >= 8) + 1, n));
+        assert_eq!(found(clip), [8]);
+        assert!(found((0..20).map(|n| frame(1, n))).is_empty());
+        // Slides: each is another picture, and that is usual.
+        assert!(found((0..20).map(|n| frame(n as u64 + 1, n))).is_empty());
+    }
+
+    #[test]
+    fn a_flash_is_none() {
+        let dim = |n: usize| frame(1, 0).mapv(|v| if n == 8 { v * 0.3 } else { v });
+        assert!(found((0..20).map(dim)).is_empty());
+        let even = |n: usize| Plane::from_elem((32, 32), if n < 8 { 10.0 } else { 200.0 });
+        assert!(found((0..20).map(even)).is_empty());
+    }
+}

@@ -1,0 +1,192 @@
+//! Samples become light: the one place where range, scale and transfer are applied.
+
+use std::path::Path;
+
+use super::{
+    Frame, Light, OpenOptions, Range, Samples, Scene, SceneError, Transfer, coding::Origin,
+};
+use crate::plane::{Plane, Size};
+
+/// What a reader says about its samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Source {
+    pub samples: Samples,
+    /// Black and white of limited range in the unit in which the reader gives light; none for
+    /// numbers that cannot have it.
+    pub limits: Option<(f64, f64)>,
+    /// The range that the file states.
+    pub range: Option<Range>,
+    /// The range of its kind where it states none.
+    pub usual: Range,
+    /// The transfer that the file states.
+    pub transfer: Option<Transfer>,
+}
+
+impl Source {
+    /// Video of so many bits, given as 0 to 255.
+    pub fn video(bits: u32, usual: Range) -> Self {
+        Self {
+            samples: Samples::Video,
+            limits: Some(limits(bits, 255.0 / largest(bits))),
+            range: None,
+            usual,
+            transfer: None,
+        }
+    }
+
+    /// Pictures of so many bits, given as 0 to 255.
+    pub fn pictures(bits: u32) -> Self {
+        Self {
+            samples: Samples::Pictures,
+            ..Self::video(bits, Range::Full)
+        }
+    }
+
+    /// Whole numbers of an array, given as they are; those of 8 or 16 bits may be limited.
+    pub fn integers(bits: Option<u32>) -> Self {
+        Self {
+            samples: Samples::Integers,
+            limits: bits.map(|bits| limits(bits, 1.0)),
+            ..Self::video(8, Range::Full)
+        }
+    }
+
+    /// Real numbers of an array.
+    pub fn floats() -> Self {
+        Self {
+            samples: Samples::Floats,
+            limits: None,
+            ..Self::video(8, Range::Full)
+        }
+    }
+
+    /// What becomes of them under these options.
+    pub fn light(&self, path: &Path, options: &OpenOptions) -> Result<Light, SceneError> {
+        let asked = options.coding;
+        let refused = |what: String, help: &'static str| SceneError::Coding {
+            path: path.into(),
+            what,
+            help,
+        };
+        let (range, range_from) = match (asked.range, self.range) {
+            (Some(range), _) => (range, Origin::Asked),
+            (None, Some(range)) => (range, Origin::File),
+            (None, None) => (self.usual, Origin::Assumed),
+        };
+        if range == Range::Limited && self.limits.is_none() {
+            return Err(refused(
+                "numbers of this type have no limited range".into(),
+                "limited range is one of whole numbers of 8 or 16 bits; leave --range out",
+            ));
+        }
+        let (transfer, transfer_from) = match (asked.transfer, self.transfer) {
+            (Some(transfer), _) if transfer != Transfer::AsCoded => (transfer, Origin::Asked),
+            (None, Some(transfer)) => (transfer, Origin::File),
+            _ => (Transfer::AsCoded, Origin::Assumed),
+        };
+        let is_array = matches!(self.samples, Samples::Integers | Samples::Floats);
+        if let Some(scale) = asked.scale {
+            if !is_array {
+                return Err(refused(
+                    format!("--scale {scale}: only the numbers of an array have no scale"),
+                    "video and pictures are 0 to 255; leave --scale out",
+                ));
+            }
+            if !(scale.is_finite() && scale > 0.0) {
+                return Err(refused(
+                    format!("--scale {scale}: no scale"),
+                    "give a number above 0, such as 255 for light from 0 to 1",
+                ));
+            }
+        }
+        Ok(Light {
+            samples: self.samples,
+            range: (!is_array || range == Range::Limited).then_some(range),
+            range_from,
+            transfer,
+            transfer_from,
+            stated_transfer: self.transfer,
+            scale: asked.scale.unwrap_or(1.0),
+        })
+    }
+
+    /// The scene with its samples as light.
+    pub fn decode<'a>(
+        self,
+        scene: impl Scene + 'a,
+        path: &Path,
+        options: &OpenOptions,
+    ) -> Result<Box<dyn Scene + 'a>, SceneError> {
+        let light = self.light(path, options)?;
+        let limits = self.limits.filter(|_| light.range == Some(Range::Limited));
+        Ok(Box::new(Decoded {
+            scene,
+            light,
+            limits,
+        }))
+    }
+}
+
+/// The largest sample of so many bits.
+fn largest(bits: u32) -> f64 {
+    f64::from((1_u32 << bits) - 1)
+}
+
+/// Black and white of so many bits, times `unit`.
+fn limits(bits: u32, unit: f64) -> (f64, f64) {
+    let one = f64::from(1_u32 << bits.saturating_sub(8));
+    (16.0 * one * unit, 235.0 * one * unit)
+}
+
+/// A scene whose samples become light.
+struct Decoded<S> {
+    scene: S,
+    light: Light,
+    /// Black and white, where the range is limited.
+    limits: Option<(f64, f64)>,
+}
+
+impl<S> Decoded<S> {
+    fn decode(&self, plane: &mut Plane<f64>) {
+        if let Some((black, white)) = self.limits {
+            plane.mapv_inplace(|v| ((v - black) * 255.0 / (white - black)).clamp(0.0, 255.0));
+        }
+        let Light {
+            scale, transfer, ..
+        } = self.light;
+        if scale != 1.0 {
+            plane.mapv_inplace(|v| v * scale);
+        }
+        if matches!(transfer, Transfer::Srgb | Transfer::Bt709) {
+            plane.mapv_inplace(|v| transfer.light(v));
+        }
+    }
+}
+
+impl<S: Scene> Scene for Decoded<S> {
+    fn size(&self) -> Size {
+        self.scene.size()
+    }
+    fn fps(&self) -> f64 {
+        self.scene.fps()
+    }
+    fn fps_is_assumed(&self) -> bool {
+        self.scene.fps_is_assumed()
+    }
+    fn frames(&self) -> Option<u64> {
+        self.scene.frames()
+    }
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let mut next = self.scene.next_frame()?;
+        if let Some(frame) = &mut next {
+            self.decode(&mut frame.light);
+        }
+        Ok(next)
+    }
+    fn bytes(&self) -> u128 {
+        self.scene.bytes()
+    }
+    fn coding(&self) -> Light {
+        self.light
+    }
+}

@@ -1,0 +1,120 @@
+//! What was seen of a scene while it was watched: the extent of its light, and its cuts.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::{
+    Frame, Light, Samples, Scene, SceneError,
+    cut::{Cut, Cuts},
+};
+use crate::plane::Size;
+
+/// What was seen of a scene. Clones share it, so that it can be asked while somebody else has
+/// the scene, and filled by several passes: a frame counts once.
+#[derive(Clone, Debug, Default)]
+pub struct Observation(Arc<Mutex<Seen>>);
+
+#[derive(Debug, Default)]
+struct Seen {
+    light: Option<Light>,
+    frames: u64,
+    extent: Option<(f64, f64)>,
+    cuts: Cuts,
+}
+
+impl Observation {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    fn seen(&self) -> MutexGuard<'_, Seen> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How samples became light; none before a scene is watched.
+    #[must_use]
+    pub fn light(&self) -> Option<Light> {
+        self.seen().light
+    }
+
+    /// Frames that were seen.
+    #[must_use]
+    pub fn frames(&self) -> u64 {
+        self.seen().frames
+    }
+
+    /// The least and the most light of all frames that were seen.
+    #[must_use]
+    pub fn extent(&self) -> Option<(f64, f64)> {
+        self.seen().extent
+    }
+
+    /// Cuts among the frames that were seen; a pattern has none.
+    #[must_use]
+    pub fn cuts(&self) -> Vec<Cut> {
+        self.seen().cuts.found()
+    }
+}
+
+impl Seen {
+    fn see(&mut self, frame: &Frame) {
+        // A scene that is shown again has nothing new.
+        if frame.index != self.frames {
+            return;
+        }
+        self.frames += 1;
+        let (low, high) = self.extent.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+        let light = frame.light.iter();
+        self.extent = Some(light.fold((low, high), |(low, high), v| (low.min(*v), high.max(*v))));
+        if self.light.is_none_or(|l| l.samples != Samples::Drawn) {
+            self.cuts.see(&frame.light, frame.seconds);
+        }
+    }
+}
+
+/// A scene under observation, which gives its frames unchanged.
+#[derive(Debug)]
+pub struct Observed<S> {
+    scene: S,
+    observation: Observation,
+}
+
+impl<S: Scene> Observed<S> {
+    /// Notes in `observation` what is seen.
+    pub fn new(scene: S, observation: &Observation) -> Self {
+        observation.seen().light = Some(scene.coding());
+        Self {
+            scene,
+            observation: observation.clone(),
+        }
+    }
+}
+
+impl<S: Scene> Scene for Observed<S> {
+    fn size(&self) -> Size {
+        self.scene.size()
+    }
+    fn fps(&self) -> f64 {
+        self.scene.fps()
+    }
+    fn fps_is_assumed(&self) -> bool {
+        self.scene.fps_is_assumed()
+    }
+    fn frames(&self) -> Option<u64> {
+        self.scene.frames()
+    }
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let next = self.scene.next_frame()?;
+        if let Some(frame) = &next {
+            self.observation.seen().see(frame);
+        }
+        Ok(next)
+    }
+    fn bytes(&self) -> u128 {
+        self.scene.bytes()
+    }
+    fn coding(&self) -> Light {
+        self.scene.coding()
+    }
+}

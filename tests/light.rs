@@ -1,0 +1,914 @@
+//! Proves that samples become the light that people mean: range and transfer from the file or as
+//! asked, the scale of an array; that cuts are found, and that each guard speaks and only then.
+//! Against: the standards' formulas, arrays of the same light, clips that ffmpeg made.
+
+use std::{fs, io, path::Path};
+
+use amacrine::{
+    event::Packet,
+    plane::{Plane, Size},
+    reference::{Description, Reference},
+    rig::{
+        self,
+        guard::{About, Crowd, Guard, Warning},
+    },
+    scene::{
+        Coding, Frame, Observation, Observed, OpenOptions, Origin, Range, Scene, SceneError,
+        Transfer, bundled, bundled_with, open,
+    },
+    sensor::Sensor,
+    unit::Micros,
+};
+use miette::Diagnostic;
+use tempfile::TempDir;
+
+fn data(name: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    root.join("tests/data/scene")
+        .join(name)
+        .display()
+        .to_string()
+}
+
+/// A folder with one file in it; its path.
+fn file(name: &str, bytes: &[u8]) -> (TempDir, String) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    (folder, path.display().to_string())
+}
+
+/// A y4m of gray frames; with `colour` other than mono, planes of gray chroma follow.
+fn y4m(size: Size, fields: &str, frames: &[Vec<u8>]) -> Vec<u8> {
+    let Size { height, width } = size;
+    let mut bytes = format!("YUV4MPEG2 W{width} H{height} F10:1 {fields}\n").into_bytes();
+    let chroma = if fields.contains("C420") {
+        2 * width.div_ceil(2) * height.div_ceil(2)
+    } else {
+        0
+    };
+    for frame in frames {
+        bytes.extend(b"FRAME\n");
+        bytes.extend(frame);
+        bytes.extend(vec![128; chroma]);
+    }
+    bytes
+}
+
+/// A `.npy` of shape (T, H, W).
+fn npy(kind: &str, size: Size, frames: u64, numbers: impl IntoIterator<Item = u8>) -> Vec<u8> {
+    let Size { height, width } = size;
+    let mut header = format!(
+        "{{'descr': '{kind}', 'fortran_order': False, 'shape': ({frames}, {height}, {width}), }}"
+    );
+    while (header.len() + 11) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.into_bytes());
+    bytes.extend(numbers);
+    bytes
+}
+
+fn doubles(size: Size, frames: &[Vec<f64>]) -> Vec<u8> {
+    let numbers = frames.iter().flatten().flat_map(|v| v.to_le_bytes());
+    npy("<f8", size, frames.len() as u64, numbers)
+}
+
+fn coding(range: Option<Range>, transfer: Option<Transfer>, scale: Option<f64>) -> OpenOptions {
+    OpenOptions {
+        coding: Coding {
+            range,
+            transfer,
+            scale,
+        },
+        ..OpenOptions::default()
+    }
+}
+
+fn asked(range: Range) -> OpenOptions {
+    coding(Some(range), Some(Transfer::AsCoded), None)
+}
+
+fn frames(mut scene: impl Scene) -> Vec<Plane<f64>> {
+    let mut lights = Vec::new();
+    while let Some(frame) = scene.next_frame().unwrap() {
+        lights.push(frame.light);
+    }
+    lights
+}
+
+fn first(path: &str, options: &OpenOptions) -> Vec<f64> {
+    let lights = frames(open(path, options).unwrap());
+    lights[0].iter().copied().collect()
+}
+
+const CODED: [u8; 6] = [0, 16, 100, 126, 235, 255];
+
+fn stretched() -> Vec<f64> {
+    let light = |y: &u8| ((f64::from(*y) - 16.0) * 255.0 / 219.0).clamp(0.0, 255.0);
+    CODED.iter().map(light).collect()
+}
+
+#[test]
+fn the_range_of_a_y4m_is_the_files_the_callers_or_that_of_its_kind() {
+    let size = Size::new(1, 6);
+    let coded: Vec<f64> = CODED.iter().map(|y| f64::from(*y)).collect();
+    let stretched = stretched();
+    assert_eq!((stretched[1], stretched[4]), (0.0, 255.0));
+    for (fields, is_limited, from) in [
+        ("Cmono", false, Origin::Assumed),
+        ("Cmono XCOLORRANGE=FULL", false, Origin::File),
+        ("Cmono XCOLORRANGE=LIMITED", true, Origin::File),
+        ("C420jpeg", true, Origin::Assumed),
+        ("C420mpeg2 XCOLORRANGE=FULL", false, Origin::File),
+        ("C420paldv XCOLORRANGE=LIMITED", true, Origin::File),
+    ] {
+        let (_folder, path) = file("a.y4m", &y4m(size, fields, &[CODED.to_vec()]));
+        let light = open(&path, &OpenOptions::default()).unwrap().coding();
+        assert_eq!(light.range_from, from, "{fields}");
+        let want = if is_limited { &stretched } else { &coded };
+        assert_eq!(&first(&path, &OpenOptions::default()), want, "{fields}");
+        // The caller comes first.
+        assert_eq!(first(&path, &asked(Range::Limited)), stretched, "{fields}");
+        assert_eq!(first(&path, &asked(Range::Full)), coded, "{fields}");
+    }
+    let (_folder, path) = file(
+        "a.y4m",
+        &y4m(size, "Cmono XCOLORRANGE=HALF", &[CODED.to_vec()]),
+    );
+    let error = open(&path, &OpenOptions::default()).err().unwrap();
+    assert!(error.to_string().contains("COLORRANGE=HALF"), "{error}");
+}
+
+#[test]
+fn limited_range_of_more_bits() {
+    let size = Size::new(1, 4);
+    let deep = |bits: u32| -> Vec<u8> {
+        let one = 1_u16 << (bits - 8);
+        let codes = [16 * one, 235 * one, 16 * one + 73 * one, 4 * one];
+        codes.iter().flat_map(|c| c.to_le_bytes()).collect()
+    };
+    let want = [0.0, 255.0, 85.0, 0.0];
+    let near = |got: &[f64], what: &str| {
+        let worst = got.iter().zip(&want).map(|(g, w)| (g - w).abs());
+        assert!(worst.fold(0.0, f64::max) < 1e-9, "{what}: {got:?}");
+    };
+    for bits in [10, 12, 16] {
+        let fields = format!("Cmono{bits} XCOLORRANGE=LIMITED");
+        let (_folder, path) = file("a.y4m", &y4m(size, &fields, &[deep(bits)]));
+        near(&first(&path, &OpenOptions::default()), &fields);
+    }
+    // Whole numbers of an array, which are as given unless asked.
+    let (_folder, path) = file("a.npy", &npy("<u2", size, 1, deep(16)));
+    assert_eq!(first(&path, &OpenOptions::default())[0], 4096.0);
+    near(&first(&path, &asked(Range::Limited)), "u2");
+    let (_folder, path) = file("a.npy", &npy("|u1", size, 1, [16, 235, 89, 4]));
+    near(&first(&path, &asked(Range::Limited)), "u1");
+    // Pictures are full, and may be said to be limited.
+    assert_eq!(
+        first(&data("still.pgm"), &asked(Range::Full)),
+        first(&data("still.pgm"), &OpenOptions::default())
+    );
+    for name in ["still.pgm", "walk.gif", "walk.apng", "pictures"] {
+        let full = first(&data(name), &OpenOptions::default());
+        let limited = first(&data(name), &asked(Range::Limited));
+        for (full, limited) in full.iter().zip(&limited) {
+            let want = ((full - 16.0) * 255.0 / 219.0).clamp(0.0, 255.0);
+            assert!((limited - want).abs() < 1e-9, "{name}: {limited}, {want}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let (_folder, path) = file("a.npy", &doubles(Size::new(1, 2), &[vec![0.0, 1.0]]));
+    let says = |spec: &str, options: &OpenOptions, words: &str| {
+        let error: SceneError = open(spec, options).err().expect(words);
+        let help = error.help().unwrap().to_string();
+        assert!(error.to_string().contains(words), "{error}");
+        assert!(!help.is_empty());
+    };
+    says(&path, &asked(Range::Limited), "no limited range");
+    for scale in [0.0, -1.0, f64::NAN] {
+        says(&path, &coding(None, None, Some(scale)), "no scale");
+    }
+    let scaled = coding(None, None, Some(255.0));
+    says(&data("walk.y4m"), &scaled, "only the numbers of an array");
+    for options in [
+        scaled,
+        asked(Range::Limited),
+        coding(None, Some(Transfer::Srgb), None),
+    ] {
+        says("pattern:bar", &options, "drawn as light");
+    }
+    let fine = coding(Some(Range::Full), Some(Transfer::Linear), None);
+    assert!(open("pattern:bar", &fine).is_ok());
+}
+
+/// Every code of 8 bits is coded by the standard's formula from a light, and comes back.
+#[test]
+fn gamma_is_undone_in_a_file() {
+    let size = Size::new(16, 16);
+    let codes: Vec<u8> = (0..=255).collect();
+    let (_folder, path) = file("a.y4m", &y4m(size, "Cmono", &[codes]));
+    let light = |transfer| first(&path, &coding(None, Some(transfer), None));
+    let srgb = |v: f64| {
+        if v <= 0.04045 {
+            v / 12.92
+        } else {
+            ((v + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    let bt709 = |v: f64| {
+        if v < 0.081 {
+            v / 4.5
+        } else {
+            ((v + 0.099) / 1.099).powf(1.0 / 0.45)
+        }
+    };
+    let (in_srgb, in_bt709) = (light(Transfer::Srgb), light(Transfer::Bt709));
+    for code in 0..256_usize {
+        let v = code as f64 / 255.0;
+        assert!((in_srgb[code] - 255.0 * srgb(v)).abs() < 1e-9, "{code}");
+        assert!((in_bt709[code] - 255.0 * bt709(v)).abs() < 1e-9, "{code}");
+        let back = Transfer::Srgb.coded(in_srgb[code]);
+        assert!((back - code as f64).abs() < 1e-4, "{code}: {back}");
+        let back = Transfer::Bt709.coded(in_bt709[code]);
+        assert!((back - code as f64).abs() < 0.1, "{code}: {back}");
+    }
+    assert_eq!((in_srgb[0], in_srgb[255]), (0.0, 255.0));
+    assert_eq!((in_bt709[0], in_bt709[255]), (0.0, 255.0));
+    let as_given = light(Transfer::AsCoded);
+    assert_eq!(as_given, light(Transfer::Linear));
+    assert_eq!(as_given[128], 128.0);
+    // First the range, then the transfer.
+    let limited = coding(Some(Range::Limited), Some(Transfer::Srgb), None);
+    let got = first(&path, &limited)[126];
+    let want = 255.0 * srgb((126.0 - 16.0) / 219.0);
+    assert!((got - want).abs() < 1e-9, "{got}, {want}");
+}
+
+#[test]
+fn the_bundled_clip_is_full_range_and_takes_the_options() {
+    let plain = bundled().unwrap();
+    let light = plain.coding();
+    assert_eq!(
+        (light.range, light.transfer, light.scale),
+        (Some(Range::Full), Transfer::AsCoded, 1.0)
+    );
+    let options = OpenOptions {
+        fps: Some(25.0),
+        ..coding(None, Some(Transfer::Srgb), None)
+    };
+    let mut undone = bundled_with(&options).unwrap();
+    let frame = bundled().unwrap().next_frame().unwrap().unwrap();
+    let got = undone.next_frame().unwrap().unwrap();
+    assert_eq!(got.light, frame.light.mapv(|v| Transfer::Srgb.light(v)));
+    let next = undone.next_frame().unwrap().unwrap();
+    assert_eq!((undone.fps(), next.seconds), (25.0, 1.0 / 25.0));
+}
+
+/// Slope and offset of the straight line from one clip's light to another's.
+#[cfg(feature = "mp4")]
+fn line(from: &[Plane<f64>], to: &[Plane<f64>]) -> (f64, f64) {
+    let all = |planes: &[Plane<f64>]| -> Vec<f64> { planes.iter().flatten().copied().collect() };
+    let (from, to) = (all(from), all(to));
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    let (a, b) = (mean(&from), mean(&to));
+    let both: f64 = from.iter().zip(&to).map(|(x, y)| (x - a) * (y - b)).sum();
+    let slope = both / from.iter().map(|x| (x - a).powi(2)).sum::<f64>();
+    (slope, b - slope * a)
+}
+
+/// ffmpeg made the mp4 from `walk.y4m`, of full range, and coded it in limited range, which it
+/// does not write into the file.
+#[cfg(feature = "mp4")]
+#[test]
+fn an_mp4_of_ffmpeg_has_the_light_of_its_source() {
+    let walk = frames(open(&data("walk.y4m"), &OpenOptions::default()).unwrap());
+    for name in ["baseline.mp4", "bframes.mp4"] {
+        let scene = open(&data(name), &OpenOptions::default()).unwrap();
+        let light = scene.coding();
+        assert_eq!(
+            (light.range, light.range_from),
+            (Some(Range::Limited), Origin::Assumed)
+        );
+        let (slope, offset) = line(&walk, &frames(scene));
+        assert!((slope - 1.0).abs() < 0.01, "{name}: {slope}");
+        assert!(offset.abs() < 1.0, "{name}: {offset}");
+        let coded = frames(open(&data(name), &asked(Range::Full)).unwrap());
+        let (slope, offset) = line(&walk, &coded);
+        assert!((slope - 219.0 / 255.0).abs() < 0.01, "{name}: {slope}");
+        assert!((offset - 16.0).abs() < 1.0, "{name}: {offset}");
+    }
+}
+
+/// The clip with a box `colr` in place of its box `btrt`, which has the same length.
+#[cfg(feature = "mp4")]
+fn tagged(is_full: bool, transfer: u8) -> Vec<u8> {
+    let mut bytes = fs::read(data("baseline.mp4")).unwrap();
+    let at = bytes.windows(4).position(|four| four == b"btrt").unwrap();
+    assert_eq!(bytes[at - 4..at], [0, 0, 0, 20]);
+    bytes[at..at + 4].copy_from_slice(b"colr");
+    let content = [0, 1, 0, transfer, 0, 1, u8::from(is_full) << 7, 0];
+    bytes[at + 4..at + 8].copy_from_slice(b"nclx");
+    bytes[at + 8..at + 16].copy_from_slice(&content);
+    bytes
+}
+
+#[cfg(feature = "mp4")]
+#[test]
+fn an_mp4_says_its_range_and_transfer() {
+    let plain = data("baseline.mp4");
+    for is_full in [false, true] {
+        let range = if is_full { Range::Full } else { Range::Limited };
+        for (number, transfer) in [(1, Transfer::Bt709), (13, Transfer::Srgb)] {
+            let (_folder, path) = file("a.mp4", &tagged(is_full, number));
+            let scene = open(&path, &OpenOptions::default()).unwrap();
+            let light = scene.coding();
+            assert_eq!(
+                (light.range, light.range_from, light.stated_transfer),
+                (Some(range), Origin::File, Some(transfer))
+            );
+            assert_eq!(light.transfer, Transfer::AsCoded);
+            let as_coded = frames(scene);
+            assert_eq!(as_coded, frames(open(&plain, &asked(range)).unwrap()));
+            // What the file says is undone where that is asked for.
+            let undone = open(&path, &coding(None, None, None)).unwrap();
+            assert_eq!(undone.coding().transfer, transfer);
+            let want = as_coded[3].mapv(|v| transfer.light(v));
+            assert_eq!(frames(undone)[3], want);
+        }
+    }
+}
+
+/// Frames in memory.
+struct Clip {
+    size: Size,
+    lights: std::vec::IntoIter<Plane<f64>>,
+    next: u64,
+}
+
+impl Clip {
+    fn new(lights: Vec<Plane<f64>>) -> Self {
+        Self {
+            size: Size::of(&lights[0]),
+            lights: lights.into_iter(),
+            next: 0,
+        }
+    }
+}
+
+impl Scene for Clip {
+    fn size(&self) -> Size {
+        self.size
+    }
+    fn fps(&self) -> f64 {
+        10.0
+    }
+    fn frames(&self) -> Option<u64> {
+        None
+    }
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let index = self.next;
+        self.next += 1;
+        Ok(self.lights.next().map(|light| Frame {
+            index,
+            seconds: index as f64 / 10.0,
+            light,
+        }))
+    }
+    fn coding(&self) -> amacrine::scene::Light {
+        // As of a file: patterns have no cuts.
+        bundled().unwrap().coding()
+    }
+}
+
+/// What the plain DVS of `sensors/` says of a scene.
+fn dvs(mut scene: impl Scene) -> Packet {
+    let text = include_str!("../sensors/dvs.toml");
+    let none = |name: &str| Err(io::Error::other(name.to_owned()));
+    let description = Description::parse("dvs.toml", text, &none).unwrap();
+    let mut sensor = Reference::new(description, scene.size(), 0).unwrap();
+    let mut sensors: Vec<&mut (dyn Sensor + Send)> = vec![&mut sensor];
+    rig::watch(&mut scene, &mut sensors, |_| {})
+        .unwrap()
+        .remove(0)
+}
+
+/// A limited-range copy of a clip fires as the clip itself, and about half as much where its
+/// pedestal stays in the logarithm.
+#[test]
+fn a_limited_copy_has_the_events_of_the_clip() {
+    let mut lights = frames(bundled().unwrap());
+    lights.truncate(16);
+    let size = Size::of(&lights[0]);
+    let luma = |v: &f64| (16.0 + v * 219.0 / 255.0).round() as u8;
+    let limited: Vec<Vec<u8>> = lights
+        .iter()
+        .map(|l| l.iter().map(luma).collect())
+        .collect();
+    let fields = "Cmono XCOLORRANGE=LIMITED";
+    let (_folder, path) = file("limited.y4m", &y4m(size, fields, &limited));
+    let events = |options| dvs(open(&path, &options).unwrap()).events.len() as f64;
+    let full = dvs(Clip::new(lights)).events.len() as f64;
+    let auto = events(OpenOptions::default());
+    assert!((auto / full - 1.0).abs() < 0.02, "{auto} of {full}");
+    let pedestal = events(asked(Range::Full));
+    assert!(pedestal < 0.7 * full, "{pedestal} of {full}");
+    // The same light as numbers gives the same events, to the last.
+    let numbers: Vec<Vec<f64>> = limited
+        .iter()
+        .map(|frame| {
+            frame
+                .iter()
+                .map(|y| (f64::from(*y) - 16.0) * 255.0 / 219.0)
+                .collect()
+        })
+        .collect();
+    let (_folder, array) = file("limited.npy", &doubles(size, &numbers));
+    let options = OpenOptions {
+        fps: Some(10.0),
+        ..OpenOptions::default()
+    };
+    let of_array = dvs(open(&array, &options).unwrap());
+    assert_eq!(of_array, dvs(open(&path, &OpenOptions::default()).unwrap()));
+}
+
+fn observed(scene: impl Scene) -> Observation {
+    let observation = Observation::new();
+    frames(Observed::new(scene, &observation));
+    observation
+}
+
+#[test]
+fn a_cut_is_found_where_it_is_and_nowhere_else() {
+    let lights = frames(bundled().unwrap());
+    let mirrored = |light: &Plane<f64>| {
+        let mut light = light.clone();
+        light.invert_axis(ndarray::Axis(1));
+        light.as_standard_layout().into_owned()
+    };
+    for at in [7, 30] {
+        let pieces = lights[..at].iter().cloned();
+        let pieces = pieces.chain(lights[at..].iter().map(mirrored)).collect();
+        let found = observed(Clip::new(pieces)).cuts();
+        let places: Vec<_> = found.iter().map(|cut| (cut.frame, cut.seconds)).collect();
+        assert_eq!(places, [(at as u64, at as f64 / 10.0)]);
+        let warning = Warning::cuts(&found).unwrap();
+        assert_eq!(warning.about, About::Cut);
+        let text = warning.to_string();
+        assert!(text.contains(&format!("a cut at frame {at} ")), "{text}");
+        assert!(text.contains("split the clip"), "{text}");
+    }
+    assert_eq!(Warning::cuts(&[]), None);
+    // The clip itself, also when only some of its frames are taken, has none.
+    for step in [1, 2, 5, 10] {
+        let some = lights.iter().step_by(step).cloned().collect();
+        assert_eq!(observed(Clip::new(some)).cuts(), [], "every {step}");
+    }
+    // Lamps that flicker are no cut: the picture stays.
+    let lamp = |(n, light): (usize, &Plane<f64>)| light.mapv(|v| v * [1.0, 0.5][n % 2]);
+    let flicker = lights.iter().enumerate().map(lamp).collect();
+    assert_eq!(observed(Clip::new(flicker)).cuts(), []);
+    let walk = open(&data("walk.y4m"), &OpenOptions::default()).unwrap();
+    assert_eq!(observed(walk).cuts(), []);
+    for pattern in ["pattern:bar?speed=6000", "pattern:disc?speed=9000"] {
+        let scene = open(pattern, &OpenOptions::default()).unwrap();
+        assert_eq!(observed(scene).cuts(), [], "{pattern}");
+    }
+}
+
+#[test]
+fn a_scene_that_is_shown_again_is_seen_once() {
+    let observation = Observation::new();
+    for _ in 0..3 {
+        let clip = open(&data("walk.y4m"), &OpenOptions::default()).unwrap();
+        frames(Observed::new(clip, &observation));
+    }
+    assert_eq!(observation.frames(), 12);
+    let walk = frames(open(&data("walk.y4m"), &OpenOptions::default()).unwrap());
+    let all = walk.iter().flatten();
+    let extent = all.fold((f64::MAX, f64::MIN), |(low, high), v| {
+        (low.min(*v), high.max(*v))
+    });
+    assert_eq!(observation.extent(), Some(extent));
+}
+
+#[test]
+fn crowds_are_counted_by_frames_and_cells() {
+    use amacrine::event::{Event, Polarity};
+    let mut packet = Packet::new(Size::new(1, 4), 1);
+    let event = |t, x| Event {
+        t: Micros(t),
+        x,
+        y: 0,
+        polarity: Polarity::On,
+        channel: 0,
+    };
+    // In the second interval one cell fires twice, and two others once.
+    packet.events = vec![
+        event(5, 0),
+        event(10, 1),
+        event(11, 0),
+        event(12, 0),
+        event(15, 1),
+        event(20, 2),
+    ];
+    let frames = [Micros(0), Micros(10), Micros(20), Micros(30)];
+    let crowd = Crowd::from_packet(&packet, &frames);
+    let want = Crowd {
+        cells: 4,
+        frames: 4,
+        over: 1,
+        most: 3,
+        frame: 2,
+    };
+    // Two of four are no more than half.
+    assert_eq!(crowd, want);
+    let mut guard = Guard::new();
+    for time in frames {
+        guard.frame_at(time);
+    }
+    guard.packet("dvs", &packet);
+    guard.packet("another", &packet);
+    guard.packet("silent", &Packet::new(Size::new(1, 4), 1));
+    packet.dropped.no_slot = 6;
+    packet.events.truncate(2);
+    guard.packet("the chip", &packet);
+    let warnings = guard.warnings();
+    let about: Vec<_> = warnings
+        .iter()
+        .map(|w| (w.about, w.subjects.len()))
+        .collect();
+    assert_eq!(
+        about,
+        [
+            (About::MostCells, 2),
+            (About::NoEvents, 1),
+            (About::Slots, 1)
+        ]
+    );
+    let text = warnings[0].to_string();
+    for words in [
+        "dvs: 3 of 4 cells (75 %)",
+        "frame 2",
+        "another",
+        "threshold",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    let text = warnings[2].to_string();
+    assert!(text.contains("6 of 8 events (75.0 %)"), "{text}");
+}
+
+#[cfg(feature = "cli")]
+mod common;
+
+#[cfg(feature = "cli")]
+mod verbs {
+    use serde_json::{Value, json};
+
+    use super::{
+        common::{amacrine, good, line, refused},
+        *,
+    };
+
+    /// What is said to machines, and beside it.
+    #[track_caller]
+    fn both(folder: &Path, arguments: &[&str]) -> (Value, String) {
+        let all = [arguments, &["--json"]].concat();
+        let said = amacrine(folder, &all).output().unwrap();
+        assert!(said.status.success(), "{}", line(&said.stderr));
+        let json = serde_json::from_slice(&said.stdout).unwrap();
+        (json, line(&said.stderr))
+    }
+
+    /// What the warnings are about.
+    fn about(json: &Value) -> Vec<String> {
+        let warnings = json["warnings"].as_array().expect("warnings");
+        for warning in warnings {
+            for part in ["seen", "why", "change"] {
+                assert!(!warning[part].as_str().unwrap().is_empty(), "{warning}");
+            }
+        }
+        let about = |w: &Value| w["about"].as_str().unwrap().to_owned();
+        warnings.iter().map(about).collect()
+    }
+
+    const SIZE: Size = Size::new(24, 32);
+
+    /// A bar that moves, as light from 0 to `white`.
+    fn bar(white: f64) -> Vec<Vec<f64>> {
+        let spec = "pattern:bar?width=32&height=24&frames=8&speed=400&low=30&high=220";
+        let lights = frames(open(spec, &OpenOptions::default()).unwrap());
+        let scaled = |light: &Plane<f64>| light.iter().map(|v| v / 255.0 * white).collect();
+        lights.iter().map(scaled).collect()
+    }
+
+    fn folder() -> TempDir {
+        let folder = TempDir::new().unwrap();
+        let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
+        write("dvs.toml", include_bytes!("../sensors/dvs.toml"));
+        write("snap.scamp", include_bytes!("../programs/dvs/snap.scamp"));
+        write("unit.npy", &doubles(SIZE, &bar(1.0)));
+        write("full.npy", &doubles(SIZE, &bar(255.0)));
+        let lit = |level: f64| vec![level; SIZE.pixels()];
+        write(
+            "lamp.npy",
+            &doubles(SIZE, &[lit(20.0), lit(200.0), lit(20.0), lit(200.0)]),
+        );
+        write("still.npy", &doubles(SIZE, &vec![bar(255.0).remove(0); 5]));
+        let luma = |v: &f64| (16.0 + v * 219.0 / 255.0).round() as u8;
+        let coded: Vec<Vec<u8>> = bar(255.0)
+            .iter()
+            .map(|frame| frame.iter().map(luma).collect())
+            .collect();
+        write(
+            "limited.y4m",
+            &y4m(SIZE, "Cmono XCOLORRANGE=LIMITED", &coded),
+        );
+        folder
+    }
+
+    const VERBS: [&[&str]; 6] = [
+        &["run", "--sensor", "dvs.toml", "--scene"],
+        &["exec", "snap.scamp", "--image"],
+        &[
+            "quantise",
+            "csdvs-3",
+            "--to",
+            "ternary",
+            "--threshold",
+            "20",
+            "--effort",
+            "0.01",
+            "--scene",
+        ],
+        &[
+            "waterfall",
+            "csdvs-3",
+            "--threshold",
+            "20",
+            "--effort",
+            "0.01",
+            "--scene",
+        ],
+        &[
+            "feasibility",
+            "--kernel",
+            "csdvs-3",
+            "--threshold",
+            "20",
+            "--effort",
+            "0.01",
+            "--to",
+            "ternary",
+            "--candidates",
+            "ternary",
+            "--scene",
+        ],
+        &["plan", "--sensor", "dvs.toml", "--scene"],
+    ];
+
+    #[test]
+    fn every_verb_says_what_light_it_showed() {
+        let folder = folder();
+        let stated = "light    limited range (said by the file) expanded to 0..255, foot- and headroom clipped, transfer as coded\n";
+        let asked = "light    full range (as asked), transfer srgb undone\n";
+        for verb in VERBS {
+            let with = |more: &[&'static str]| [verb, &["limited.y4m"], more].concat();
+            let said = good(folder.path(), &with(&[]));
+            assert!(said.contains(stated), "{said}");
+            let said = good(
+                folder.path(),
+                &with(&["--range", "full", "--transfer", "srgb"]),
+            );
+            assert!(said.contains(asked), "{said}");
+            let (json, _) = both(folder.path(), &with(&[]));
+            let light = &json["light"];
+            assert_eq!(
+                (&light["range"], &light["range_from"], &light["transfer"]),
+                (&json!("limited"), &json!("file"), &json!("as-coded")),
+                "{verb:?}"
+            );
+            refused(
+                folder.path(),
+                &with(&["--scale", "255"]),
+                &["only the numbers of an array"],
+            );
+        }
+        let said = good(
+            folder.path(),
+            &[
+                "mesh",
+                "step",
+                "--lambda",
+                "2",
+                "--tau",
+                "0us",
+                "--scene",
+                "limited.y4m",
+                "-o",
+                "h.npy",
+            ],
+        );
+        assert!(said.contains(stated), "{said}");
+    }
+
+    /// The page of a feasibility can be made again.
+    #[test]
+    fn the_command_of_a_report_has_the_options() {
+        let folder = folder();
+        let all = [
+            VERBS[4],
+            &["unit.npy", "--scale", "255", "--transfer", "bt709"],
+        ]
+        .concat();
+        let (json, _) = both(folder.path(), &all);
+        let command = json["command"].as_str().unwrap();
+        assert!(
+            command.contains(" --transfer bt709 --scale 255 "),
+            "{command}"
+        );
+    }
+
+    #[test]
+    fn an_array_of_0_to_1_is_told_of_loudly() {
+        let folder = folder();
+        for verb in &VERBS[..5] {
+            // A waterfall of nothing is an error; the warning comes before it.
+            let all = [*verb, &["unit.npy"]].concat();
+            let said = amacrine(folder.path(), &all).output().unwrap();
+            let beside = line(&said.stderr);
+            for words in [
+                "warning: the scene: all light lies between 0.",
+                "--scale 255",
+            ] {
+                assert!(beside.contains(words), "{verb:?}: {beside}");
+            }
+            let all = [*verb, &["unit.npy", "--scale", "255"]].concat();
+            let (json, beside) = both(folder.path(), &all);
+            assert!(!about(&json).contains(&"scale".to_owned()), "{json}");
+            assert!(!beside.contains("all light lies"), "{beside}");
+            assert_eq!(json["light"]["scale"], 255.0);
+        }
+        let run = |more: &[&str]| both(folder.path(), &[VERBS[0], more].concat());
+        let (json, beside) = run(&["unit.npy"]);
+        assert_eq!(json["events"], 0);
+        assert_eq!(about(&json), ["scale", "no-events"]);
+        assert!(beside.contains("no event at all in 8 frames"), "{beside}");
+        let (scaled, _) = run(&["unit.npy", "--scale", "255"]);
+        let (full, _) = run(&["full.npy"]);
+        assert!(full["events"].as_u64().unwrap() > 50);
+        assert_eq!(scaled["events"], full["events"]);
+        assert_eq!(about(&full), Vec::<String>::new());
+        let said = good(folder.path(), &[VERBS[0], &["full.npy"]].concat());
+        assert!(
+            said.contains("light    numbers as given, transfer as coded; from 30"),
+            "{said}"
+        );
+        // A sensor whose white is 1 is shown what it expects.
+        let text = include_str!("../sensors/dvs.toml").replace(
+            "{ lin-log = { knee = 20 } }",
+            "{ log = { white = 1, offset = 1e-3 } }",
+        );
+        fs::write(folder.path().join("one.toml"), text).unwrap();
+        let (json, _) = both(
+            folder.path(),
+            &["run", "--sensor", "one.toml", "--scene", "unit.npy"],
+        );
+        assert!(!about(&json).contains(&"scale".to_owned()), "{json}");
+        assert!(json["events"].as_u64().unwrap() > 50);
+    }
+
+    #[test]
+    fn the_guard_of_silence() {
+        let folder = folder();
+        for verb in [VERBS[0], VERBS[1], VERBS[2], VERBS[4]] {
+            let (json, beside) = both(folder.path(), &[verb, &["still.npy"]].concat());
+            assert!(about(&json).contains(&"no-events".to_owned()), "{json}");
+            assert!(beside.contains("no event at all in"), "{verb:?}: {beside}");
+        }
+        let still = [VERBS[3], &["still.npy"]].concat();
+        refused(folder.path(), &still, &["no event", "0 to 255"]);
+        fs::write(folder.path().join("none.csv"), "t,x,y,p\n").unwrap();
+        fs::write(folder.path().join("some.csv"), "t,x,y,p\n10,1,1,1\n").unwrap();
+        let (json, beside) = both(folder.path(), &["compare", "some.csv", "none.csv"]);
+        assert_eq!(about(&json), ["no-events"]);
+        assert!(
+            beside.contains("warning: the judged: no event at all"),
+            "{beside}"
+        );
+        let (json, _) = both(folder.path(), &["compare", "some.csv", "some.csv"]);
+        assert_eq!(about(&json), Vec::<String>::new());
+    }
+
+    #[test]
+    fn the_guard_of_crowds() {
+        let folder = folder();
+        for verb in [VERBS[0], VERBS[1]] {
+            let (json, beside) = both(folder.path(), &[verb, &["lamp.npy"]].concat());
+            assert!(about(&json).contains(&"most-cells".to_owned()), "{json}");
+            assert!(beside.contains("768 of 768 cells (100 %)"), "{beside}");
+            let (json, _) = both(folder.path(), &[verb, &["full.npy"]].concat());
+            assert!(!about(&json).contains(&"most-cells".to_owned()), "{json}");
+        }
+    }
+
+    #[test]
+    fn the_guard_of_slots() {
+        let folder = folder();
+        let exec = |slots| {
+            let all = [VERBS[1], &["full.npy", "--const", slots]].concat();
+            both(folder.path(), &all)
+        };
+        let (json, beside) = exec("slots=2");
+        assert!(about(&json).contains(&"slots".to_owned()), "{json}");
+        assert!(beside.contains("slots were full"), "{beside}");
+        let (json, _) = exec("slots=4000");
+        assert!(!about(&json).contains(&"slots".to_owned()), "{json}");
+    }
+
+    #[test]
+    fn the_guard_of_saturation() {
+        let folder = folder();
+        // Half of A is too large to be doubled.
+        let a = Plane::from_shape_fn((4, 6), |(_, x)| if x < 3 { 100.0 } else { 20.0 });
+        ndarray_npy::write_npy(folder.path().join("a.npy"), &a).unwrap();
+        fs::write(folder.path().join("p.scamp"), "mov(C, A);\nadd(B, A, C);\n").unwrap();
+        let exec = |domain| {
+            let all = ["exec", "p.scamp", "--set", "A=a.npy", "--domain", domain];
+            both(folder.path(), &all)
+        };
+        let (json, beside) = exec("q8.8");
+        assert_eq!(about(&json), ["saturation"]);
+        assert!(beside.contains("12 of 24 values (50 %) in B"), "{beside}");
+        for domain in ["q16.16", "exact"] {
+            assert_eq!(about(&exec(domain).0), Vec::<String>::new(), "{domain}");
+        }
+        let text = include_str!("../sensors/dvs.toml")
+            .replace("{ lin-log = { knee = 20 } }", "\"identity\"")
+            .replace("0.2", "20");
+        fs::write(folder.path().join("plain.toml"), text).unwrap();
+        let run = |format| {
+            let all = [
+                "run",
+                "--sensor",
+                "plain.toml",
+                "--scene",
+                "full.npy",
+                "--format",
+                format,
+            ];
+            both(folder.path(), &all)
+        };
+        let (json, beside) = run("q8.8");
+        assert_eq!(about(&json), ["saturation"]);
+        assert!(beside.contains("held in q8.8"), "{beside}");
+        assert_eq!(about(&run("f64").0), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_sweep_takes_the_options_and_warns() {
+        let folder = folder();
+        let sweep = |name: &str, text: &str| -> Vec<Value> {
+            let study = format!(
+                "scene = \"limited.y4m\"\nkernel = \"dvs\"\n{text}\n[[side]]\nside = \"reference\"\n"
+            );
+            fs::write(folder.path().join(format!("{name}.toml")), study).unwrap();
+            good(folder.path(), &["sweep", &format!("{name}.toml")]);
+            let lines = fs::read_to_string(folder.path().join(name).join("results.jsonl"));
+            let lines = lines.unwrap();
+            lines
+                .lines()
+                .map(|l| serde_json::from_str(l).unwrap())
+                .collect()
+        };
+        let plain = sweep("plain", "threshold = 20");
+        // What is left out is what it is when it is said.
+        let said = sweep(
+            "said",
+            "threshold = 20\nrange = \"auto\"\ntransfer = \"as-coded\"",
+        );
+        assert_eq!(plain[0]["id"], said[0]["id"]);
+        let rows = sweep(
+            "three",
+            "threshold = 20\nrange = [\"auto\", \"full\", \"limited\"]",
+        );
+        // Limited is what the file says: the same light, the same point.
+        assert_eq!(rows.len(), 2);
+        assert_eq!(rows[0]["id"], plain[0]["id"]);
+        assert_ne!(rows[0]["events"], rows[1]["events"]);
+        assert_eq!(rows[1]["range"], "full");
+        let silent = sweep("silent", "threshold = [20, 1000]");
+        assert_eq!(
+            silent[0].get("warnings").unwrap_or(&Value::Null),
+            &Value::Null
+        );
+        assert_eq!(silent[1]["warnings"], "no-events");
+    }
+}
