@@ -138,15 +138,27 @@ fn is_readable(page: &Html) {
     }
 }
 
+/// Where in the JSON a number of the page stands: in a chapter, its root comes before.
+fn pointer(data: ElementRef<'_>) -> String {
+    let roots = data.ancestors().filter_map(ElementRef::wrap);
+    let root = roots.into_iter().find_map(|e| e.value().attr("data-root"));
+    root.unwrap_or("").to_owned() + data.value().attr("data-at").unwrap()
+}
+
 /// Every number on the page is the one of the JSON, and what is shown is that number.
 fn says_the_numbers(page: &Html, numbers: &Value) {
     let mut seen = 0;
     for data in all(page, "data") {
-        let at = data.value().attr("data-at").unwrap();
+        let at = pointer(data);
         let value: f64 = data.value().attr("value").unwrap().parse().unwrap();
         // The JSON reader is right to the last bit but one.
-        let off = (number(numbers, at) - value).abs();
+        let off = (number(numbers, &at) - value).abs();
         assert!(off <= 4.0 * f64::EPSILON * value.abs(), "{at}: {value}");
+        let by = data
+            .value()
+            .attr("data-by")
+            .map_or(1.0, |by| by.parse().unwrap());
+        let value = by * value;
         let shown = text(data).replace('\u{2212}', "-").replace('\u{202f}', "");
         let decimals = shown.split_once('.').map_or(0, |(_, after)| {
             after.chars().take_while(char::is_ascii_digit).count()
@@ -169,6 +181,43 @@ fn says_the_numbers(page: &Html, numbers: &Value) {
     }
 }
 
+/// The questions that architects ask are answered first, each with a link to the part of the
+/// page that says why.
+fn answers_the_questions(page: &Html) {
+    let links = all(page, "table.answers tbody th a");
+    let asked: Vec<_> = links.iter().map(|link| text(*link)).collect();
+    let one = [
+        "Which task belongs on the sensor?",
+        "What should it emit?",
+        "What are the trade-offs?",
+        "Does it fit?",
+        "How fast?",
+        "How much power?",
+        "What decides?",
+    ];
+    assert!(!asked.is_empty() && asked.len().is_multiple_of(one.len()));
+    for (i, question) in asked.iter().enumerate() {
+        assert_eq!(question, one[i % one.len()]);
+    }
+    for link in all(page, "a[href^='#']") {
+        let id = &link.value().attr("href").unwrap()[1..];
+        let there = all(page, &format!("[id='{id}']"));
+        assert_eq!(there.len(), 1, "nothing is at #{id}");
+    }
+    // The table comes before the paragraph.
+    let verdict = all(page, "section[aria-labelledby=verdict], article section");
+    let inside: Vec<_> = verdict[0].child_elements().collect();
+    let place = |name: &str, class: &str| {
+        let is =
+            |e: &ElementRef<'_>| e.value().name() == name && e.value().attr("class") == Some(class);
+        inside
+            .iter()
+            .position(is)
+            .unwrap_or_else(|| panic!("no {name}.{class}"))
+    };
+    assert!(place("table", "answers") < place("p", "verdict"));
+}
+
 #[test]
 fn the_page_stands_alone_and_says_the_numbers() {
     let folder = folder();
@@ -177,6 +226,7 @@ fn the_page_stands_alone_and_says_the_numbers() {
     stands_alone(&source, &page);
     is_readable(&page);
     says_the_numbers(&page, &numbers);
+    answers_the_questions(&page);
     // Frame, two kinds of events, their difference, the waterfall.
     assert_eq!(all(&page, "img").len(), 5);
     // The kernel, its levels at their scale, its levels: 9 squares each.
@@ -282,6 +332,109 @@ fn compile_and_quantise_say_the_same() {
     for (own, other) in [(0, 0), (1, 1)] {
         assert_eq!(numbers["mesh"][own]["error"], mesh[other]["error"]);
     }
+}
+
+/// Two kernels and what each is asked about: as one alone, and as `compile` makes both.
+#[test]
+fn several_kernels_are_a_chapter_each_and_one_program() {
+    let folder = folder();
+    let both = |threshold: &'static str| {
+        let mut ask = ASK;
+        (ask[2], ask[4]) = ("k.toml,sobel-x", threshold);
+        [
+            &ask[..],
+            &["--to", "ternary", "-o", "report.html", "--json"],
+        ]
+        .concat()
+    };
+    let numbers = json(folder.path(), &both("40,90"));
+    let source = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let page = Html::parse_document(&source);
+    stands_alone(&source, &page);
+    is_readable(&page);
+    says_the_numbers(&page, &numbers);
+    answers_the_questions(&page);
+    assert_eq!(all(&page, "article").len(), 2);
+    assert_eq!(all(&page, "table.answers").len(), 2);
+
+    // Each chapter is the answer to its own question, but for the command.
+    let (_, alone) = asked(folder.path(), &["--to", "ternary"]);
+    let mut chapter = numbers["kernels"][0].clone();
+    chapter["command"] = alone["command"].clone();
+    assert_eq!(chapter, alone);
+    assert_eq!(numbers["kernels"][1]["threshold"], 90.0);
+    assert_eq!(numbers["kernels"][1]["kernel"]["name"], "sobel-x");
+
+    // One program: the words that `compile` has for both.
+    let threshold = both("40");
+    let together = json(folder.path(), &threshold);
+    let compiled = json(
+        folder.path(),
+        &[
+            "compile",
+            "k.toml",
+            "sobel-x",
+            "--to",
+            "ternary",
+            "--sum",
+            "kept",
+            "--threshold",
+            "40",
+            "--effort",
+            "0.05",
+        ],
+    );
+    let program = &together["together"]["fit"]["on_chip"];
+    assert_eq!(program["frame_words"], compiled["words"]);
+    assert_eq!(program["filter_words"], compiled["filter_words"]);
+    let apart: f64 = { together["kernels"].as_array().unwrap().iter() }
+        .map(|one| number(one, "/fit/on_chip/frame_words"))
+        .sum();
+    assert_eq!(number(program, "/frame_words_apart"), apart);
+    assert!(number(program, "/frame_words") < apart);
+    let kinds = together["together"]["kinds"].as_array().unwrap();
+    assert_eq!(kinds.len(), 2);
+    for (i, kind) in kinds.iter().enumerate() {
+        for key in ["kept", "window_us", "fps", "threshold_equivalent_percent"] {
+            assert!(kind[key].is_number(), "no {key}");
+        }
+        // Without errors it says what its own program says: the same kernel, the same rule.
+        let row = format!("/kernels/{i}/quantisation/0/on_chip/exact");
+        assert_eq!(kind["exact"]["f1"], together.pointer(&row).unwrap()["f1"]);
+    }
+}
+
+/// A file of several kernels, and more of them than the chip has registers for.
+#[test]
+fn kernels_that_do_not_fit_together_are_told_so() {
+    let folder = folder();
+    let plane = |k: i32| (0..9).map(move |i| f64::from((i + k) % 3 - 1) + f64::from(i == 4));
+    let mut file = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    let head = "{'descr': '<f8', 'fortran_order': False, 'shape': (4, 3, 3), }";
+    file.extend(format!("{head:<117}\n").bytes());
+    file.extend((0..4).flat_map(plane).flat_map(f64::to_le_bytes));
+    fs::write(folder.path().join("k.npy"), file).unwrap();
+    let mut ask = ASK;
+    (ask[2], ask[8]) = ("k.npy", "ternary");
+    let more = ["-o", "report.html", "--json"];
+    let numbers = json(folder.path(), &[&ask[..], &more].concat());
+    let names: Vec<_> = { numbers["kernels"].as_array().unwrap().iter() }
+        .map(|one| one["kernel"]["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["k.npy[0]", "k.npy[1]", "k.npy[2]", "k.npy[3]"]);
+    let together = &numbers["together"];
+    assert_eq!(together["headline"], "Do not fit together");
+    let why = together["fit"]["refused"].as_array().unwrap();
+    assert_eq!(why.len(), 2);
+    assert!(why[0].as_str().unwrap().contains("registers"));
+    let source = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let page = Html::parse_document(&source);
+    is_readable(&page);
+    says_the_numbers(&page, &numbers);
+    assert!(source.contains("Do not fit together"));
+    // What a pixel of its own would keep is told all the same.
+    assert!(number(&numbers, "/together/kinds/3/kept_apart") > 0.0);
+    assert!(together["kinds"][3]["kept"].is_null());
 }
 
 fn number(of: &Value, at: &str) -> f64 {
@@ -494,6 +647,7 @@ fn what_does_not_fit_gets_a_page_that_says_so() {
     stands_alone(&source, &page);
     is_readable(&page);
     says_the_numbers(&page, &numbers);
+    answers_the_questions(&page);
     assert_eq!(numbers["verdict"]["headline"], "Does not fit");
     let why = numbers["fit"]["refused"].as_str().unwrap();
     assert!(why.contains("words"), "{why}");
@@ -566,12 +720,17 @@ fn bad_input_is_one_message_and_no_page() {
         [&ask[..], &["-o", "report.html"]].concat()
     };
     let more = |more: &[&'static str]| [&ASK, more, &["-o", "report.html"]].concat();
-    let cases: [(Vec<&str>, &[&str]); 15] = [
+    let cases: [(Vec<&str>, &[&str]); 17] = [
         (with(2, "nowhere.toml"), &["nowhere.toml", "rgc-5x5"]),
         (with(2, "zero.toml"), &["all weights are 0"]),
         (with(4, "0"), &["threshold is 0", "positive"]),
         (with(4, "-3"), &["threshold is -3", "positive"]),
         (with(4, "nan"), &["threshold", "positive"]),
+        (
+            with(4, "40,50"),
+            &["2 thresholds for 1 kernels", "one for each"],
+        ),
+        (with(2, "k.toml,nowhere.toml"), &["nowhere.toml", "rgc-5x5"]),
         (with(6, "gone.mp4"), &["gone.mp4"]),
         (with(8, "ternary,septenary"), &["septenary", "ternary"]),
         (more(&["--chip", "scamp9"]), &["scamp9"]),

@@ -11,11 +11,12 @@ use crate::{
     kernel::{Kernel, quantise::Quantiser},
     rig::guard::Warning,
     save::save,
-    scene::{Observation, Scene as _},
+    scene::{Observation, Scene, SceneError},
     study::{
         equivalent::{RUNGS, rate},
         feasibility::{
-            self, Feasibility, Fit, Question, Stream, chips::OverChips, readout::ReadoutOrder,
+            self, Feasibility, Fit, Question, Several, Snapshot, Stream, chips::OverChips,
+            readout::ReadoutOrder,
         },
         report,
     },
@@ -31,21 +32,30 @@ use super::{
     progress::Progress,
     quantiser::Total,
     readout::Choice,
+    waterfall,
     window::Window,
 };
 
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility --kernel learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n\nThe page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
+    after_help = "Examples:\n  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility --kernel learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n  amacrine feasibility --kernel csdvs-3,sobel-x --threshold 40,100 -o report.html\n\nSeveral kernels: each on its own, and all of them in one program. The page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
 )]
 pub struct Arguments {
-    /// A kernel file (.toml or .npy), or the name of a built-in
-    #[arg(long)]
-    kernel: Named,
-    /// Events where kernel times light (0 to 255) moved by more than this
-    #[arg(long, allow_negative_numbers = true)]
-    threshold: f64,
+    /// A kernel file (.toml or .npy), or the name of a built-in; or several of them, which are
+    /// to share a chip
+    #[arg(long, required = true, value_delimiter = ',', value_name = "KERNELS")]
+    kernel: Vec<Named>,
+    /// Events where kernel times light (0 to 255) moved by more than this: one number for all
+    /// kernels, or one for each
+    #[arg(
+        long,
+        required = true,
+        allow_negative_numbers = true,
+        value_delimiter = ',',
+        value_name = "THRESHOLDS"
+    )]
+    threshold: Vec<f64>,
     #[command(flatten)]
     clip: Clip,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
@@ -53,7 +63,7 @@ pub struct Arguments {
     #[arg(long, value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Option<Quantiser>,
     /// Rows of the table of quantisers
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = "ternary,po2-2,po2-4,int-3,int-5", value_parser = super::quantiser::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantiser::quantiser)]
     candidates: Vec<Quantiser>,
     /// What quantised kernels must sum to
     #[arg(long, value_enum, default_value_t)]
@@ -139,7 +149,7 @@ const SENSORS: usize = RUNGS.len() + 1;
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kernel = kernel(&arguments.kernel)?;
+    let kernels = arguments.kernels()?;
     let device = Device::find(&arguments.chip)?;
     if let Some(what) = &arguments.explain {
         feasibility::explain::check(what, &device)?;
@@ -147,63 +157,68 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let observation = Observation::new();
     let open = || arguments.clip.open(&observation);
     let scene = open()?;
-    let quantisers = arguments.candidates.len() + 1;
-    budget::check_study(&*scene, SENSORS + 2 * quantisers)?;
+    // The table, the waterfall, and all kernels together.
+    let sensors = [
+        SENSORS + 2 * (arguments.candidates.len() + 1),
+        waterfall::SENSORS,
+        kernels.len() * SENSORS + 2,
+    ];
+    budget::check_study(&*scene, sensors.into_iter().max().unwrap_or(SENSORS))?;
     let (frames, fps) = (scene.frames(), scene.fps());
     drop(scene);
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
-    let question = Question {
-        name: &arguments.kernel,
-        kernel: &kernel,
-        threshold: arguments.threshold,
-        to: arguments.to,
-        candidates: &arguments.candidates,
-        sum: arguments.sum.into(),
-        device: &device,
-        exposure: arguments.exposure,
-        order: arguments.readout.into(),
-        link: [least, most],
-        effort: Effort::seconds(arguments.effort),
-        seed: arguments.seed,
-        readout: Choice::default().open_compiled()?.readout()?,
-        within: arguments.window.at(fps),
-        chips: arguments.chips,
-        scene: arguments.clip.name(),
-        command: &command,
+    let mut questions = Vec::new();
+    for ((name, kernel), threshold) in kernels.iter().zip(arguments.thresholds(kernels.len())?) {
+        questions.push(Question {
+            name,
+            kernel,
+            threshold,
+            to: arguments.to,
+            candidates: &arguments.candidates,
+            sum: arguments.sum.into(),
+            device: &device,
+            exposure: arguments.exposure,
+            order: arguments.readout.into(),
+            link: [least, most],
+            effort: Effort::seconds(arguments.effort),
+            seed: arguments.seed,
+            readout: Choice::default().open_compiled()?.readout()?,
+            within: arguments.window.at(fps),
+            chips: arguments.chips,
+            scene: arguments.clip.name(),
+            command: &command,
+        });
+    }
+    // For the table and for the sensors twice, for the waterfall, and for some chips at a time;
+    // and once for all kernels together.
+    let each = 5 + arguments.chips.div_ceil(8) + 4;
+    let shows = match questions.len() {
+        1 => each,
+        n => each * n as u64 + 1,
     };
-    // For the table and for the sensors twice, for the waterfall, and for some chips at a time.
-    let shows = 5 + arguments.chips.div_ceil(8) + 4;
     let progress = Progress::new("watching", frames.map(|frames| shows * frames));
-    let answer = feasibility::ask(&question, &open, |_| progress.tick());
+    let answer = ask(&questions, &open, &progress);
     progress.finish();
-    let mut warnings = Warning::of_scene(&observation, 255.0);
+    let warnings = Warning::of_scene(&observation, 255.0);
     light::warn(&warnings);
-    let (mut all, sight) = answer?;
-    light::warn(&all.warnings);
-    warnings.append(&mut all.warnings);
-    all.warnings = warnings;
-    let explain = |what: &String| feasibility::explain(&all, what);
+    let answer = answer?.with(warnings);
+    let explain = |what: &String| answer.explain(what, arguments.json);
     let explained = arguments.explain.as_ref().map(explain).transpose()?;
     if let Some(path) = &arguments.output {
-        let page = report::page(&all, &sight);
+        let page = answer.page();
         save(path, |out| out.write_all(page.as_bytes()))?;
     }
     if let Some(chain) = explained {
-        let text = if arguments.json {
-            serde_json::to_string(&chain).into_diagnostic()? + "\n"
-        } else {
-            chain.to_string()
-        };
-        super::say(&text);
+        super::say(&chain);
         return Ok(());
     }
     if arguments.json {
-        let json = serde_json::to_string(&Shown::new(&all, &observation)).into_diagnostic()?;
+        let json = answer.json(&observation).into_diagnostic()?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = light::of_kernels(&all.warnings) + &summary(&all) + &light::line(&observation);
+    let mut text = answer.summary() + &light::line(&observation);
     if let Some(path) = &arguments.output {
         let _ = writeln!(text, "\nwrote {}", path.display());
     }
@@ -211,26 +226,139 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// The one kernel of a file or of a name.
-fn kernel(name: &str) -> miette::Result<Kernel> {
-    let (kernels, _) = super::kernels::read(name)?;
-    let count = kernels.len();
-    match <[Kernel; 1]>::try_from(kernels) {
-        Ok([kernel]) => Ok(kernel),
-        Err(_) => Err(miette!(
-            help = "give one of them, an array of shape (k,k)",
-            "{name} holds {count} kernels"
-        )),
+/// What was answered: of one kernel, or of several together.
+enum Answer {
+    One(Box<(Feasibility, Snapshot)>),
+    Several(Several, Vec<Snapshot>),
+}
+
+fn ask(
+    questions: &[Question<'_>],
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    progress: &Progress,
+) -> miette::Result<Answer> {
+    if let [question] = questions {
+        let answer = feasibility::ask(question, open, |_| progress.tick())?;
+        return Ok(Answer::One(Box::new(answer)));
+    }
+    let answer = feasibility::ask_several(questions, open, |_| progress.tick())?;
+    match answer {
+        Some((several, snapshots)) => Ok(Answer::Several(several, snapshots)),
+        None => Err(miette!("there is no kernel to ask about")),
     }
 }
 
+impl Answer {
+    /// Says the warnings of each kernel beside the output, and puts those of the scene before
+    /// them.
+    fn with(mut self, of_scene: Vec<Warning>) -> Self {
+        let kernels = match &mut self {
+            Self::One(answer) => std::slice::from_mut(&mut answer.0),
+            Self::Several(several, _) => &mut several.kernels,
+        };
+        for all in kernels {
+            light::warn(&all.warnings);
+            all.warnings.splice(0..0, of_scene.clone());
+        }
+        self
+    }
+
+    fn kernels(&self) -> &[Feasibility] {
+        match self {
+            Self::One(answer) => std::slice::from_ref(&answer.0),
+            Self::Several(several, _) => &several.kernels,
+        }
+    }
+
+    /// From a number of each kernel to its sources, in words or in JSON.
+    fn explain(&self, what: &str, in_json: bool) -> miette::Result<String> {
+        let mut chains = Vec::new();
+        for all in self.kernels() {
+            chains.push((&all.kernel.name, feasibility::explain(all, what)?));
+        }
+        if let [(_, chain)] = &chains[..] {
+            return Ok(if in_json {
+                serde_json::to_string(chain).into_diagnostic()? + "\n"
+            } else {
+                chain.to_string()
+            });
+        }
+        if in_json {
+            let chains: Vec<_> = chains.iter().map(|(_, chain)| chain).collect();
+            return Ok(serde_json::to_string(&chains).into_diagnostic()? + "\n");
+        }
+        let chains: Vec<String> = { chains.iter() }
+            .map(|(name, chain)| format!("{name}:\n{chain}"))
+            .collect();
+        Ok(chains.join("\n"))
+    }
+
+    fn page(&self) -> String {
+        match self {
+            Self::One(answer) => report::page(&answer.0, &answer.1),
+            Self::Several(several, snapshots) => report::page_of_several(several, snapshots),
+        }
+    }
+
+    fn json(&self, observation: &Observation) -> serde_json::Result<String> {
+        match self {
+            Self::One(answer) => serde_json::to_string(&Shown::new(&answer.0, observation)),
+            Self::Several(several, _) => serde_json::to_string(&Shown::new(several, observation)),
+        }
+    }
+
+    fn summary(&self) -> String {
+        match self {
+            Self::One(answer) => summary(&answer.0),
+            Self::Several(several, _) => summary_of_several(several),
+        }
+    }
+}
+
+/// The kernels of a file or of a name, each with a name of its own.
+fn named(name: &str) -> miette::Result<Vec<(String, Kernel)>> {
+    let (kernels, _) = super::kernels::read(name)?;
+    let several = kernels.len() > 1;
+    let own = |i| {
+        if several {
+            format!("{name}[{i}]")
+        } else {
+            name.to_owned()
+        }
+    };
+    let pairs = kernels.into_iter().enumerate();
+    Ok(pairs.map(|(i, kernel)| (own(i), kernel)).collect())
+}
+
 impl Arguments {
+    /// All kernels, each with its name.
+    fn kernels(&self) -> miette::Result<Vec<(String, Kernel)>> {
+        let mut all = Vec::new();
+        for name in &self.kernel {
+            all.extend(named(name)?);
+        }
+        Ok(all)
+    }
+
+    /// A threshold for each of so many kernels.
+    fn thresholds(&self, kernels: usize) -> miette::Result<Vec<f64>> {
+        match self.threshold[..] {
+            [all] => Ok(vec![all; kernels]),
+            ref each if each.len() == kernels => Ok(each.to_vec()),
+            ref other => Err(miette!(
+                help = "give one --threshold for all kernels, or one for each, in their order",
+                "{} thresholds for {kernels} kernels",
+                other.len()
+            )),
+        }
+    }
+
     /// The command that gives the same page again, every default written out.
     fn command(&self) -> String {
         let mut text = format!(
             "amacrine feasibility --kernel {} --threshold {}",
-            quoted(&self.kernel),
-            self.threshold
+            quoted(&list(&self.kernel)),
+            list(&self.threshold)
         );
         let mut add = |name: &str, value: &str| {
             let _ = write!(text, " --{name} {}", quoted(value));
@@ -262,6 +390,12 @@ impl Arguments {
     }
 }
 
+/// Words with commas between them.
+fn list(words: &[impl ToString]) -> String {
+    let words: Vec<_> = words.iter().map(ToString::to_string).collect();
+    words.join(",")
+}
+
 /// A word of a shell's command line.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=@%+".contains(c);
@@ -272,9 +406,38 @@ fn quoted(word: &str) -> String {
     }
 }
 
+/// What all kernels together take, a line for each of them, and each on its own.
+fn summary_of_several(several: &Several) -> String {
+    let together = &several.together;
+    let mut text = format!("{}\n\n{}\n\n", together.headline, together.says);
+    let _ = writeln!(
+        text,
+        "{:<22} {:>10} {:>10} {:>14} {:>10}",
+        "in one program", "to", "kept", "as threshold", "alone"
+    );
+    for kind in &together.kinds {
+        let number = |kept: Option<f64>| kept.map_or("-".to_owned(), |kept| format!("{kept:.3}"));
+        let _ = writeln!(
+            text,
+            "{:<22} {:>10} {:>10} {:>14} {:>10}",
+            kind.name,
+            kind.to,
+            number(kind.headline.map(|headline| headline.kept)),
+            kind.silicon
+                .map_or("-".to_owned(), |silicon| silicon.equivalent()),
+            number(kind.kept_apart),
+        );
+    }
+    for all in &several.kernels {
+        let _ = write!(text, "\n{}: {}", all.kernel.name, summary(all));
+    }
+    text
+}
+
 /// The verdict, and the streams as a table.
 fn summary(all: &Feasibility) -> String {
-    let mut text = format!("{}\n\n", all.verdict.headline);
+    let mut text = light::of_kernels(&all.warnings);
+    let _ = write!(text, "{}\n\n", all.verdict.headline);
     for finding in &all.verdict.findings {
         let _ = writeln!(text, "{:<12} {}", finding.about, finding.says);
     }

@@ -121,7 +121,7 @@ fn fps(text: &str) -> Result<f64, String> {
 
 /// Sensors that watch side by side: one a step, and in all but one of them; and the float
 /// sensors of both ladders.
-const SENSORS: usize = 21 + 2 * RUNGS.len();
+pub(super) const SENSORS: usize = 21 + 2 * RUNGS.len();
 
 /// Both answers as one object.
 #[derive(serde::Serialize)]

@@ -2,7 +2,8 @@
 //!
 //! A [`Scene`] is read once, frame by frame, so memory does not grow with a clip's length.
 //! Frame `n` of a source is at `n / fps` seconds, computed from `n` (never accumulated), so
-//! time does not drift. [`upsample::Upsampled`] puts frames between those of a source.
+//! time does not drift. [`upsample::Upsampled`] puts frames between those of a source where light
+//! changes fast, [`evenly::Evenly`] everywhere.
 //!
 //! | [`open()`] takes | what it is | frames per second |
 //! |---|---|---|

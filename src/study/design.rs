@@ -205,17 +205,28 @@ impl<'a> Design<'a> {
     /// # Errors
     /// When the threshold is not positive, or there is no program that the chip takes.
     pub fn compile(&self, title: &str) -> Result<Compiled, DesignError> {
-        let threshold = self.checked()?;
-        let kernels = [self.kernel.clone()];
+        self.compile_with(&[], DriveMemory::Analogue, title)
+    }
+
+    /// One program of several cells, its own kind the first; chip, effort and seed are its own.
+    ///
+    /// # Errors
+    /// As [`compile`](Self::compile); and when the chip has not the registers for all of them.
+    pub fn compile_with(
+        &self,
+        others: &[Design<'_>],
+        memory: DriveMemory,
+        title: &str,
+    ) -> Result<Compiled, DesignError> {
+        let mut kinds = vec![self.kind()?];
+        for other in others {
+            kinds.push(other.kind()?);
+        }
+        let kernels: Vec<_> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
         let mut request = Request::new(&kernels, self.device)?;
         request.effort = self.effort;
         request.seed = self.seed;
-        let kind = CellKind {
-            kernel: self.kernel.clone(),
-            on: threshold,
-            off: threshold,
-        };
-        let program = SensorProgram::new(&[kind], DriveMemory::Analogue, title, &request)?;
+        let program = SensorProgram::new(&kinds, memory, title, &request)?;
         let text = Program::parse(title, &program.text)?;
         let code = text.expand(self.device, &Overrides::default())?.code;
         Ok(Compiled {
@@ -224,6 +235,15 @@ impl<'a> Design<'a> {
             program,
             code,
             device: self.device.clone(),
+        })
+    }
+
+    fn kind(&self) -> Result<CellKind, DesignError> {
+        let threshold = self.checked()?;
+        Ok(CellKind {
+            kernel: self.kernel.clone(),
+            on: threshold,
+            off: threshold,
         })
     }
 

@@ -166,7 +166,7 @@ fn meshes(kernel: &Kernel) -> Vec<mesh::Fit> {
 }
 
 impl Question<'_> {
-    fn design(&self) -> Design<'_> {
+    pub(super) fn design(&self) -> Design<'_> {
         Design {
             kernel: self.kernel,
             threshold: self.threshold,

@@ -85,7 +85,7 @@ impl OnChip {
 }
 
 /// Analogue registers that a program touches, NEWS left out.
-fn registers(code: &Code, device: &Device) -> usize {
+pub(super) fn registers(code: &Code, device: &Device) -> usize {
     let mut cells = BTreeSet::new();
     for steps in [&code.init, &code.frame] {
         let Effect { reads, writes, .. } = Effect::of(steps, device);

@@ -11,6 +11,9 @@ use crate::{
     },
 };
 
+/// The candidates of whoever names none, as the command line takes them.
+pub const CANDIDATES: &str = "ternary,po2-2,po2-4,int-3,int-5";
+
 /// Scores closer than this are a tie: then fewer words win.
 const ALIKE: f64 = 0.005;
 
@@ -65,7 +68,8 @@ impl Question<'_> {
 
     /// The row that keeps most with the chip's errors, of those that score alike the one with
     /// the fewest words; none where no row has a program.
-    pub(super) fn best(rows: &[(Quantiser, Row)]) -> Option<Quantiser> {
+    #[must_use]
+    pub fn best(rows: &[(Quantiser, Row)]) -> Option<Quantiser> {
         let programs = || {
             rows.iter().filter_map(|(to, row)| match &row.outcome {
                 Outcome::OnChip(chip) => Some((*to, chip)),

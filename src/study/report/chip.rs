@@ -4,12 +4,12 @@ use maud::{Markup, html};
 
 use super::{
     number,
-    part::{part, wide},
+    part::{Part, cards, part},
 };
 use crate::study::feasibility::{Feasibility, Fit, chip::OnChip, time::Binds};
 
 /// Words, registers, time, noise; or why there is no program.
-pub(super) fn section(all: &Feasibility) -> Markup {
+pub(super) fn section(all: &Feasibility) -> Part {
     let inside = match &all.fit {
         Fit::Refused(why) => html! {
             p { "There is no program for " (all.chip.title) ": " (why) "." }
@@ -17,7 +17,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
         Fit::OnChip(chip) => html! {
             p { "The program captures, filters, compares with its memory and reads out, every frame; its kernel was found by the compiler. "
                 (binds(chip)) }
-            (wide("Program and time", &html! {
+            (cards("Program and time", &html! {
                 table {
                     caption { "The program on " (all.chip.title) }
                     (number::head())
@@ -28,7 +28,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
             (remarks(chip))
         },
     };
-    part("chip", "The chip", &inside)
+    part("chip", "Does it fit, and how fast?", inside)
 }
 
 fn binds(chip: &OnChip) -> &'static str {

@@ -1,17 +1,20 @@
-//! Events and bits, against the float kernel and against a plain DVS.
+//! Which events are right, and what they cost, against the float kernel and a plain DVS.
 
 use maud::{Markup, html};
 
 use super::{
     bars, number,
-    part::{part, wide},
+    part::{Part, part, wide},
+    power,
 };
 use crate::study::feasibility::{Feasibility, Stream, stream::Scored};
 
-/// Two tables: how much is said, and how much of it is right.
-pub(super) fn section(all: &Feasibility) -> Markup {
+/// A sensor that watched: what it is called, where it is in the JSON, what it said.
+type Watched<'a> = (&'static str, &'static str, &'a Stream);
+
+fn watched(all: &Feasibility) -> Vec<Watched<'_>> {
     let streams = &all.streams;
-    let rows: Vec<(&str, &str, &Stream)> = [
+    [
         ("Plain DVS", "/streams/dvs", Some(&streams.dvs)),
         ("Float kernel", "/streams/float", Some(&streams.float)),
         (
@@ -27,7 +30,12 @@ pub(super) fn section(all: &Feasibility) -> Markup {
     ]
     .into_iter()
     .filter_map(|(name, at, stream)| Some((name, at, stream?)))
-    .collect();
+    .collect()
+}
+
+/// How much each sensor says, and what a link would take for it.
+pub(super) fn emitted(all: &Feasibility) -> Part {
+    let rows = watched(all);
     let most = rows
         .iter()
         .map(|(.., s)| s.events)
@@ -35,9 +43,9 @@ pub(super) fn section(all: &Feasibility) -> Markup {
         .unwrap_or(0)
         .max(1);
     part(
-        "events",
-        "Events and bits",
-        &html! {
+        "emit",
+        "What should it emit?",
+        html! {
             p { "All sensors decide once a frame, at the same threshold. The plain DVS sees each pixel alone; an event costs one address word of row, column and sign." }
             (wide("Events and bits", &html! {
                 table {
@@ -64,8 +72,20 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                     }
                 }
             }))
-            p { "How much of it the float kernel says too: an event matches one of the same pixel and sign within "
-                (number::plain("/within_us", all.within_us.0 as f64)) " \u{b5}s. The floor is what a sensor scores that is right by accident: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
+            (power::link(all))
+        },
+    )
+}
+
+/// How much of what each sensor says is right.
+pub(super) fn right(all: &Feasibility) -> Part {
+    let rows = watched(all);
+    part(
+        "task",
+        "Which task belongs on the sensor?",
+        html! {
+            p { "One that the chip does as the float kernel says, and that a plain DVS does not do as well. An event is right where the float kernel has one of the same pixel and sign within "
+                (number::scaled("/within_us", all.within_us.0 as f64, 1e-3)) " ms. The floor is what a sensor scores that is right by accident: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
             (wide("Scores", &html! {
                 table {
                     caption { "Scores against the float kernel, each with its floor" }

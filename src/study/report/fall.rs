@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{
     image, number,
-    part::{part, wide},
+    part::{Part, part, wide},
 };
 use crate::study::{
     feasibility::Feasibility,
@@ -12,17 +12,14 @@ use crate::study::{
 };
 
 /// The waterfall as a picture and as a table; nothing where there is none.
-pub(super) fn section(all: &Feasibility) -> Markup {
-    all.waterfall.as_ref().map_or_else(
-        || html! {},
-        |waterfall| {
-            part(
-                "waterfall",
-                "Where the events went",
-                &content(all, waterfall),
-            )
-        },
-    )
+pub(super) fn section(all: &Feasibility) -> Option<Part> {
+    let waterfall = all.waterfall.as_ref()?;
+    let inside = content(all, waterfall);
+    Some(part(
+        "decides",
+        "What decides? Where the events went",
+        inside,
+    ))
 }
 
 fn content(all: &Feasibility, waterfall: &Waterfall) -> Markup {

@@ -4,12 +4,12 @@ use maud::{Markup, html};
 
 use super::{
     number,
-    part::{part, wide},
+    part::{Part, part, wide},
 };
 use crate::{mesh::Fit, study::feasibility::Feasibility};
 
 /// What one sheet and two make of the kernel.
-pub(super) fn section(all: &Feasibility) -> Markup {
+pub(super) fn section(all: &Feasibility) -> Part {
     let inside = match all.mesh.first() {
         None => html! { p { "The kernel could not be fitted." } },
         Some(first) => html! {
@@ -35,7 +35,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
             p.note { "Error: what is not reached, over the kernel. Sum of gains: what noise and offsets of the parts are multiplied by. Outside the window: the part of the fitted field beyond the kernel's own rows and columns. All modelled, of ideal resistors." }
         },
     };
-    part("mesh", "A resistor mesh instead", &inside)
+    part("mesh", "A resistor mesh instead", inside)
 }
 
 fn row(i: usize, fit: &Fit) -> Markup {

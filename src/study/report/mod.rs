@@ -3,6 +3,8 @@
 //! No script, no network, no font: text, tables and pictures in one file, made to be read on a
 //! phone, printed and forwarded. Every number is the one of [`Feasibility`]: it stands in a
 //! `<data>` element with its place in the JSON (`data-at`, a JSON pointer) and its full value.
+//! A pointer inside an element with `data-root` begins there: a page of [`Several`] kernels has
+//! a chapter for each.
 
 mod bars;
 mod chip;
@@ -15,13 +17,16 @@ mod part;
 mod power;
 mod quantisation;
 mod reproduce;
+mod shared;
 mod snapshot;
+pub mod tornado;
 mod verdict;
 mod weights;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::feasibility::{Feasibility, Snapshot};
+use self::part::Place;
+use super::feasibility::{Feasibility, Several, Snapshot};
 
 /// How it looks, on a screen and on paper.
 const STYLE: &str = include_str!("style.css");
@@ -32,7 +37,70 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 /// The whole page.
 #[must_use]
 pub fn page(all: &Feasibility, snapshot: &Snapshot) -> String {
-    let title = format!("Feasibility of {} on {}", all.kernel.name, all.chip.name);
+    let place = Place::default();
+    let reproduce = reproduce::section(all.amacrine, &all.command, all.seed);
+    whole(
+        all.amacrine,
+        &format!("{} on {}", all.kernel.name, all.chip.name),
+        &asked(all),
+        &html! {
+            (parts(all, snapshot, &place))
+            (reproduce.at(&place))
+        },
+    )
+}
+
+/// The page of several kernels: all of them in one program, then a chapter for each.
+#[must_use]
+pub fn page_of_several(all: &Several, snapshots: &[Snapshot]) -> String {
+    let names: Vec<&str> = all
+        .kernels
+        .iter()
+        .map(|one| one.kernel.name.as_str())
+        .collect();
+    let chip = all.kernels.first().map_or("", |one| one.chip.name.as_str());
+    let place = Place::default();
+    let reproduce = reproduce::section(all.amacrine, &all.command, all.seed);
+    whole(
+        all.amacrine,
+        &format!("{} on {chip}", names.join(", ")),
+        &html! {
+            p.lead { "Can a pixel of " (chip) " compute all of these receptive fields at once, and what is left of the events of each? First all of them together, then a chapter for each." }
+        },
+        &html! {
+            (shared::section(all).at(&place))
+            @for (i, (one, snapshot)) in all.kernels.iter().zip(snapshots).enumerate() {
+                article data-root=(format!("/kernels/{i}")) {
+                    h2 { (one.kernel.name) }
+                    (asked(one))
+                    (parts(one, snapshot, &Place::chapter(i + 1)))
+                }
+            }
+            (reproduce.at(&place))
+        },
+    )
+}
+
+/// All parts about one kernel.
+fn parts(all: &Feasibility, snapshot: &Snapshot, place: &Place) -> Markup {
+    let parts = [
+        Some(verdict::section(all, place)),
+        Some(snapshot::section(all, snapshot)),
+        Some(events::right(all)),
+        Some(events::emitted(all)),
+        Some(quantisation::section(all)),
+        Some(chip::section(all)),
+        Some(power::section(all)),
+        fall::section(all),
+        Some(mesh::section(all)),
+        Some(verdict::rules(all)),
+        Some(reproduce::assumptions(all)),
+    ];
+    html! { @for part in parts.iter().flatten() { (part.at(place)) } }
+}
+
+/// A page with its head and its foot.
+fn whole(amacrine: &str, heading: &str, lead: &Markup, main: &Markup) -> String {
     let whole = html! {
         (DOCTYPE)
         html lang="en-GB" {
@@ -40,31 +108,19 @@ pub fn page(all: &Feasibility, snapshot: &Snapshot) -> String {
                 meta charset="utf-8";
                 meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content={ "amacrine " (all.amacrine) };
-                title { (title) }
+                meta name="generator" content={ "amacrine " (amacrine) };
+                title { "Feasibility of " (heading) }
                 style { (PreEscaped(STYLE)) }
             }
             body {
                 header {
                     p.kind { "Feasibility report" }
-                    h1 { (all.kernel.name) " on " (all.chip.name) }
-                    (asked(all))
+                    h1 { (heading) }
+                    (lead)
                 }
-                main {
-                    (verdict::section(all))
-                    (snapshot::section(all, snapshot))
-                    (events::section(all))
-                    (fall::section(all))
-                    (chip::section(all))
-                    (quantisation::section(all))
-                    (mesh::section(all))
-                    (power::section(all))
-                    (verdict::rules(all))
-                    (reproduce::assumptions(all))
-                    (reproduce::section(all))
-                }
+                main { (main) }
                 footer {
-                    p { "Made by amacrine " (all.amacrine) ". Every number about hardware carries its evidence: "
+                    p { "Made by amacrine " (amacrine) ". Every number about hardware carries its evidence: "
                         strong { "measured" } " on the chip, "
                         strong { "quoted" } " from whoever made it, "
                         strong { "modelled" } " from what is known, or a "

@@ -17,6 +17,24 @@ pub(super) fn fixed(at: &str, value: f64, decimals: usize) -> Markup {
     data(at, value, &format!("{value:.decimals$}"))
 }
 
+/// A number in another unit than that of the JSON, which is so many times it.
+pub(super) fn scaled(at: &str, value: f64, by: f64) -> Markup {
+    html! { data value=(value) data-at=(at) data-by=(by) { (minus(&short(value * by))) } }
+}
+
+/// A change of threshold in per cent, as [`Likeness::equivalent`] writes it.
+///
+/// [`Likeness::equivalent`]: crate::study::equivalent::Likeness::equivalent
+pub(super) fn equivalent(at: &str, percent: f64, is_least: bool) -> Markup {
+    let decimals = usize::from(percent < 9.95);
+    html! { @if is_least { "> " } (fixed(at, percent, decimals)) " %" }
+}
+
+/// A number that stands elsewhere on the page with its place, such as the end of an axis.
+pub(super) fn plain_text(value: f64) -> String {
+    minus(&short(value))
+}
+
 /// A number that may be missing.
 pub(super) fn maybe(at: &str, value: Option<f64>) -> Markup {
     match value {
@@ -94,9 +112,12 @@ pub(super) fn unit(unit: &str) -> String {
 }
 
 fn data(at: &str, value: f64, shown: &str) -> Markup {
-    // A minus, not a hyphen.
-    let shown = shown.replace('-', "\u{2212}");
-    html! { data value=(value) data-at=(at) { (shown) } }
+    html! { data value=(value) data-at=(at) { (minus(shown)) } }
+}
+
+/// With a minus, not a hyphen.
+fn minus(shown: &str) -> String {
+    shown.replace('-', "\u{2212}")
 }
 
 fn short(value: f64) -> String {

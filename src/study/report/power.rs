@@ -4,17 +4,16 @@ use maud::{Markup, html};
 
 use super::{
     number,
-    part::{part, wide},
+    part::{Part, cards, part, wide},
 };
 use crate::study::feasibility::{Feasibility, power::Power};
 
-/// Both tables.
-pub(super) fn section(all: &Feasibility) -> Markup {
-    let link = &all.link;
+/// Power of the array.
+pub(super) fn section(all: &Feasibility) -> Part {
     part(
         "power",
-        "Power and link",
-        &html! {
+        "How much power?",
+        html! {
             @match &all.power {
                 None => p { "Without a program there is no power to state." },
                 Some(power) => {
@@ -23,34 +22,42 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                     (parts(power))
                 }
             }
-            (wide("Link", &html! {
-                table {
-                    caption { "What leaves the chip, and what a link of " (number::known("/link/bit", &link.bit)) " a bit would take for it (" (number::evidence(link.bit.evidence)) ")" }
-                    thead { tr {
-                        th scope="col" { "Sent" }
-                        th.n scope="col" { "kbit/s" }
-                        th.n scope="col" { "Link power" }
-                        th scope="col" { "Evidence" }
-                    } }
-                    tbody {
-                        @for (i, row) in link.rows.iter().enumerate() {
-                            tr {
-                                th scope="row" { (row.what) }
-                                td.n { (number::plain(&format!("/link/rows/{i}/kbit_s"), row.kbit_s)) }
-                                td.n { (number::known(&format!("/link/rows/{i}/power"), &row.power)) }
-                                td { (number::evidence(row.power.evidence)) }
-                            }
+        },
+    )
+}
+
+/// What leaves the chip, and what a link takes for it.
+pub(super) fn link(all: &Feasibility) -> Markup {
+    let link = &all.link;
+    wide(
+        "Link",
+        &html! {
+            table {
+                caption { "What leaves the chip, and what a link of " (number::known("/link/bit", &link.bit)) " a bit would take for it (" (number::evidence(link.bit.evidence)) ")" }
+                thead { tr {
+                    th scope="col" { "Sent" }
+                    th.n scope="col" { "kbit/s" }
+                    th.n scope="col" { "Link power" }
+                    th scope="col" { "Evidence" }
+                } }
+                tbody {
+                    @for (i, row) in link.rows.iter().enumerate() {
+                        tr {
+                            th scope="row" { (row.what) }
+                            td.n { (number::plain(&format!("/link/rows/{i}/kbit_s"), row.kbit_s)) }
+                            td.n { (number::known(&format!("/link/rows/{i}/power"), &row.power)) }
+                            td { (number::evidence(row.power.evidence)) }
                         }
                     }
                 }
-            }))
+            }
         },
     )
 }
 
 fn parts(power: &Power) -> Markup {
     let keys = ["busy", "idle", "readout", "link", "host"];
-    wide(
+    cards(
         "Power in parts",
         &html! {
             table {

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{
     number,
-    part::{part, wide},
+    part::{Part, broad, part},
     weights,
 };
 use crate::study::{
@@ -14,7 +14,7 @@ use crate::study::{
 };
 
 /// The kernel and its levels as pictures, and the table.
-pub(super) fn section(all: &Feasibility) -> Markup {
+pub(super) fn section(all: &Feasibility) -> Part {
     let chosen = &all.chosen;
     let most = weights::most(&all.kernel.weights);
     let (height, width) = (
@@ -25,9 +25,9 @@ pub(super) fn section(all: &Feasibility) -> Markup {
         format!("{what}, {height} rows of {width} weights; blue above zero, orange below.")
     };
     part(
-        "quantisation",
-        "The kernel in few values",
-        &html! {
+        "trade-offs",
+        "What are the trade-offs? The kernel in few values",
+        html! {
             p {
                 "The chip adds, subtracts, halves and shifts; it does not multiply. The kernel became " strong { (chosen.to) }
                 @if chosen.asked_for { ", as asked for" } @else { ", which keeps most events on this scene of those in the table" }
@@ -48,7 +48,7 @@ pub(super) fn section(all: &Feasibility) -> Markup {
                     figcaption { "The levels, sum " (number::plain("/chosen/levels/sum", chosen.levels.sum)) }
                 }
             }
-            (wide("Quantisers", &html! {
+            (broad("Quantisers", &html! {
                 table {
                     caption { "Each compiled, and run on this scene beside the float kernel" }
                     thead {
@@ -96,7 +96,13 @@ fn on_chip(at: &str, chip: &OnChip) -> Markup {
     let score = |key: &str, score: &Likeness| {
         html! {
             td.n { (number::fixed(&format!("{at}/{key}/kept"), score.kept, 3)) }
-            td.n { (score.equivalent()) }
+            td.n {
+                (number::equivalent(
+                    &format!("{at}/{key}/threshold_equivalent_percent"),
+                    score.threshold_equivalent_percent,
+                    score.threshold_equivalent_is_least,
+                ))
+            }
             td.n { (number::maybe(&format!("{at}/{key}/event_ratio"), score.event_ratio)) }
         }
     };

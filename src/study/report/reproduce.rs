@@ -1,16 +1,19 @@
 //! What was assumed, and how to get the same page again.
 
-use maud::{Markup, html};
+use maud::html;
 
-use super::{number, part::part};
+use super::{
+    number,
+    part::{Part, part},
+};
 use crate::study::feasibility::Feasibility;
 
 /// Everything that was taken as given.
-pub(super) fn assumptions(all: &Feasibility) -> Markup {
+pub(super) fn assumptions(all: &Feasibility) -> Part {
     part(
         "assumptions",
         "What was assumed",
-        &html! {
+        html! {
             ul.assumptions {
                 @for assumption in &all.assumptions {
                     li { (number::evidence(assumption.evidence)) " " (assumption.what) }
@@ -23,14 +26,14 @@ pub(super) fn assumptions(all: &Feasibility) -> Markup {
     )
 }
 
-/// The command, the seed, the version.
-pub(super) fn section(all: &Feasibility) -> Markup {
+/// The version, the command and the seed.
+pub(super) fn section(amacrine: &str, command: &str, seed: u64) -> Part {
     part(
         "reproduce",
         "How to reproduce it",
-        &html! {
-            p { "With amacrine " (all.amacrine) " and the same files this command gives this page again, to the byte (seed " (all.seed) "); with " code { "--json" } " it prints every number." }
-            pre { code { (all.command) } }
+        html! {
+            p { "With amacrine " (amacrine) " and the same files this command gives this page again, to the byte (seed " (seed) "); with " code { "--json" } " it prints every number." }
+            pre { code { (command) } }
         },
     )
 }

@@ -3,7 +3,10 @@
 use ::image::RgbImage;
 use maud::{Markup, html};
 
-use super::{image, part::part};
+use super::{
+    image,
+    part::{Part, part},
+};
 use crate::{
     event::{Event, Polarity},
     picture::{
@@ -15,7 +18,7 @@ use crate::{
 };
 
 /// The frame, the events of both sensors, and how they differ.
-pub(super) fn section(all: &Feasibility, snapshot: &Snapshot) -> Markup {
+pub(super) fn section(all: &Feasibility, snapshot: &Snapshot) -> Part {
     let finite = || snapshot.light.iter().copied().filter(|v| v.is_finite());
     let black = finite().fold(f64::INFINITY, f64::min);
     let white = finite().fold(f64::NEG_INFINITY, f64::max);
@@ -26,7 +29,7 @@ pub(super) fn section(all: &Feasibility, snapshot: &Snapshot) -> Markup {
     part(
         "sight",
         "The busiest moment",
-        &html! {
+        html! {
             p { "The frame at " (when) ", at which the float kernel has most events, and what each sensor says of it." }
             div.panels {
                 (figure(&frame, &format!("The scene at {when}."), "The scene"))

@@ -1,74 +1,311 @@
-//! The verdict, its key figures, and how its words were chosen.
+//! The verdict: the questions that architects ask, answered in a line each, the same as a
+//! paragraph, and how its words were chosen.
 
 use maud::{Markup, html};
 
-use super::{number, part::part};
-use crate::study::feasibility::{Feasibility, Fit};
+use super::{
+    number,
+    part::{Part, Place, part},
+};
+use crate::{
+    isa::Evidence,
+    study::{
+        feasibility::{Feasibility, Fit},
+        quantisation::{Outcome, Row},
+        waterfall::Step,
+    },
+};
 
-/// The verdict in a paragraph, and the figures that one looks for first.
-pub(super) fn section(all: &Feasibility) -> Markup {
+/// A question, and the answer in a line.
+struct Line {
+    question: &'static str,
+    /// The part of the page that has the whole answer.
+    part: &'static str,
+    answer: String,
+    /// Its number; none where there is none.
+    number: Option<Markup>,
+    evidence: Option<Evidence>,
+}
+
+/// The table, then the paragraph.
+pub(super) fn section(all: &Feasibility, place: &Place) -> Part {
     let verdict = &all.verdict;
     part(
         "verdict",
         "Verdict",
-        &html! {
-            p.verdict { strong { (verdict.headline) ". " } (verdict.paragraph()) }
-            dl.figures {
-                @if let Fit::OnChip(chip) = &all.fit {
-                    (figure("Program store", &html! {
-                        (number::plain("/fit/on_chip/stored_words", chip.stored_words as f64))
-                        span.of { " of " (number::plain("/fit/on_chip/store/low", chip.store.low)) " words" }
-                    }))
-                    (figure("Frame rate, at most", &html! {
-                        (number::fixed("/fit/on_chip/time/ceiling/low", chip.time.ceiling.low, 0))
-                        span.of { " frames/s" }
-                    }))
-                }
-                @if let Some(share) = all.over_chips.chips_feasible {
-                    (figure("Chips on which it is feasible", &html! {
-                        (number::plain("/chips_feasible", share))
-                        span.of { " of " (number::plain("/chips", all.over_chips.chips as f64)) " that the public data allow" }
-                    }))
-                }
-                @if let Some(silicon) = &all.streams.silicon {
-                    @if let Some(judged) = &silicon.judged {
-                        (figure("Kept of the float kernel's events", &html! {
-                            (number::fixed("/streams/silicon/judged/kept", judged.headline.kept, 3))
-                            span.of { ", as a threshold " (judged.likeness.equivalent()) " higher" }
-                        }))
-                    }
-                    (figure("Events", &html! {
-                        (number::plain("/streams/silicon/events", silicon.events as f64))
-                        span.of { " for " (number::plain("/streams/dvs/events", all.streams.dvs.events as f64)) " of a plain DVS" }
-                    }))
-                } @else {
-                    (figure("Events of the float kernel", &html! {
-                        (number::plain("/streams/float/events", all.streams.float.events as f64))
-                        span.of { " for " (number::plain("/streams/dvs/events", all.streams.dvs.events as f64)) " of a plain DVS" }
-                    }))
-                }
-                @if let Some(power) = &all.power {
-                    (figure("Power that is known", &html! {
-                        (number::known("/power/known", &power.known))
-                        span.of { ", " (power.known.evidence.word()) }
-                    }))
-                }
-            }
+        html! {
+            p.headline { strong { (verdict.headline) } }
+            (table(&lines(all), place))
+            p.verdict { (verdict.paragraph()) }
         },
     )
 }
 
-fn figure(name: &str, value: &Markup) -> Markup {
-    html! { div { dt { (name) } dd { (value) } } }
+fn table(lines: &[Line], place: &Place) -> Markup {
+    html! {
+        table.answers {
+            caption { "The questions, and where on this page each answer comes from" }
+            thead { tr {
+                th scope="col" { "Question" }
+                th scope="col" { "Answer" }
+                th scope="col" { "Number" }
+                th scope="col" { "Evidence" }
+            } }
+            tbody {
+                @for line in lines {
+                    tr {
+                        th scope="row" { a href=(place.link(line.part)) { (line.question) } }
+                        td.answer { (line.answer) }
+                        td.n { (line.number.clone().unwrap_or_else(number::none)) }
+                        td { @if let Some(evidence) = line.evidence { (number::evidence(evidence)) } @else { (number::none()) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn lines(all: &Feasibility) -> [Line; 7] {
+    [
+        task(all),
+        emit(all),
+        trade_offs(all),
+        fits(all),
+        fast(all),
+        power(all),
+        decides(all),
+    ]
+}
+
+/// The word of a finding.
+fn word(all: &Feasibility, about: &str) -> Option<&'static str> {
+    let mut findings = all.verdict.findings.iter();
+    findings
+        .find(|finding| finding.about == about)
+        .map(|finding| finding.word)
+}
+
+/// The row of the kernel as it was chosen, with its place in the JSON.
+fn chosen(all: &Feasibility) -> Option<(usize, &Row)> {
+    let mut rows = all.quantisation.iter().enumerate();
+    rows.find(|(_, row)| row.to == all.chosen.to)
+}
+
+fn task(all: &Feasibility) -> Line {
+    let answer = match word(all, "fidelity") {
+        Some(word) => format!(
+            "{} in {}: its events are {word}",
+            all.kernel.name, all.chosen.to
+        ),
+        None => format!("Not {}: there is no program", all.kernel.name),
+    };
+    let kept = chosen(all).and_then(|(i, row)| match &row.outcome {
+        Outcome::OnChip(chip) => Some((i, row.headline?, chip.silicon)),
+        Outcome::Refused(_) => None,
+    });
+    Line {
+        question: "Which task belongs on the sensor?",
+        part: "task",
+        answer,
+        number: kept.map(|(i, headline, silicon)| {
+            let at = |key: &str| format!("/quantisation/{i}/{key}");
+            html! {
+                "kept " (number::fixed(&at("kept"), headline.kept, 3))
+                ", as a threshold "
+                (number::equivalent(&at("threshold_equivalent_percent"), headline.threshold_equivalent_percent, silicon.threshold_equivalent_is_least))
+                " higher"
+                span.of {
+                    "within " (number::scaled(&at("window_us"), headline.window_us.0 as f64, 1e-3)) " ms, at "
+                    (number::plain(&at("fps"), headline.fps)) " frames/s"
+                }
+            }
+        }),
+        evidence: kept.map(|_| Evidence::Modelled),
+    }
+}
+
+fn emit(all: &Feasibility) -> Line {
+    // The chip's events, where there are any, and what does not depend on them.
+    let rows = all.link.rows.iter().enumerate();
+    let ways = || {
+        rows.clone().filter(|(_, row)| {
+            let other = ["events of the plain DVS", "events of the float sensor"];
+            !other.contains(&row.what.as_str())
+        })
+    };
+    let by_bits = |a: &f64, b: &f64| a.total_cmp(b);
+    let least = ways().min_by(|a, b| by_bits(&a.1.kbit_s, &b.1.kbit_s));
+    let most = ways().max_by(|a, b| by_bits(&a.1.kbit_s, &b.1.kbit_s));
+    Line {
+        question: "What should it emit?",
+        part: "emit",
+        answer: least.map_or("Nothing was sent".to_owned(), |(_, row)| {
+            format!("Fewest bits: {}", row.what)
+        }),
+        number: least.zip(most).map(|((i, least), (k, most))| {
+            html! {
+                (number::plain(&format!("/link/rows/{i}/kbit_s"), least.kbit_s))
+                " of " (number::plain(&format!("/link/rows/{k}/kbit_s"), most.kbit_s)) " kbit/s"
+            }
+        }),
+        evidence: least.map(|_| Evidence::Modelled),
+    }
+}
+
+fn trade_offs(all: &Feasibility) -> Line {
+    let rows = || {
+        let rows = all.quantisation.iter().enumerate();
+        rows.filter_map(|(i, row)| Some((i, row, row.headline?.kept, words(row)?)))
+    };
+    let fewest = rows().min_by_key(|(.., words)| *words);
+    let most = rows().max_by(|a, b| a.2.total_cmp(&b.2));
+    Line {
+        question: "What are the trade-offs?",
+        part: "trade-offs",
+        answer: match fewest.zip(most) {
+            None => "No candidate has a program".to_owned(),
+            Some((a, b)) if a.0 == b.0 => {
+                format!("{} has the fewest words and keeps most", a.1.to)
+            }
+            Some((a, b)) => format!("Fewest words: {}; keeps most: {}", a.1.to, b.1.to),
+        },
+        number: fewest.zip(most).map(|(a, b)| {
+            let row = |(i, _, kept, words): (usize, &Row, f64, u64)| {
+                html! {
+                    (number::plain(&format!("/quantisation/{i}/on_chip/words"), words as f64))
+                    " words keep " (number::fixed(&format!("/quantisation/{i}/kept"), kept, 3))
+                }
+            };
+            html! { (row(a)) @if a.0 != b.0 { span.line { (row(b)) } } }
+        }),
+        evidence: fewest.map(|_| Evidence::Modelled),
+    }
+}
+
+/// Instruction words a frame, of a row that has a program.
+fn words(row: &Row) -> Option<u64> {
+    match &row.outcome {
+        Outcome::OnChip(chip) => Some(chip.words),
+        Outcome::Refused(_) => None,
+    }
+}
+
+fn fits(all: &Feasibility) -> Line {
+    let chip = match &all.fit {
+        Fit::OnChip(chip) => Some(chip),
+        Fit::Refused(_) => None,
+    };
+    Line {
+        question: "Does it fit?",
+        part: "chip",
+        answer: word(all, "room").unwrap_or("does not fit").to_owned(),
+        number: chip.map(|chip| {
+            html! {
+                (number::plain("/fit/on_chip/stored_words", chip.stored_words as f64))
+                " of " (number::plain("/fit/on_chip/store/low", chip.store.low)) " words"
+                span.line {
+                    (number::plain("/fit/on_chip/registers", chip.registers as f64))
+                    " of " (number::plain("/fit/on_chip/registers_of", chip.registers_of as f64)) " registers"
+                }
+            }
+        }),
+        evidence: chip.map(|chip| chip.store.evidence),
+    }
+}
+
+fn fast(all: &Feasibility) -> Line {
+    let time = match &all.fit {
+        Fit::OnChip(chip) => Some(&chip.time),
+        Fit::Refused(_) => None,
+    };
+    Line {
+        question: "How fast?",
+        part: "chip",
+        answer: word(all, "speed").unwrap_or("there is no program").to_owned(),
+        number: time.map(|time| {
+            html! {
+                "at most " (number::known("/fit/on_chip/time/ceiling", &time.ceiling))
+                span.of {
+                    (number::plain("/scene/fps", all.scene.fps)) " asked for; "
+                    (number::known("/fit/on_chip/time/ceiling_as_programmed", &time.ceiling_as_programmed))
+                    " with all slots of the program"
+                }
+            }
+        }),
+        evidence: time.map(|time| time.ceiling.evidence),
+    }
+}
+
+fn power(all: &Feasibility) -> Line {
+    let power = all.power.as_ref();
+    Line {
+        question: "How much power?",
+        part: "power",
+        answer: match power {
+            Some(power) => {
+                let parts = power.parts();
+                let unknown = parts.iter().filter(|part| part.power.is_none());
+                let unknown: Vec<_> = unknown.map(|part| part.what).collect();
+                format!(
+                    "Of what is known, at the scene\u{2019}s frame rate; not known: {}",
+                    unknown.join(", ")
+                )
+            }
+            None => "There is no program".to_owned(),
+        },
+        number: power.map(|power| {
+            html! {
+                (number::known("/power/known", &power.known))
+                span.of { (number::known("/power/frame", &power.frame)) " a frame" }
+            }
+        }),
+        evidence: power.map(|power| power.known.evidence),
+    }
+}
+
+fn decides(all: &Feasibility) -> Line {
+    let steps = all.waterfall.iter().flat_map(|waterfall| &waterfall.steps);
+    let chip = steps.enumerate().filter(|(_, step)| !step.cause.is_float());
+    let changed = |step: &Step| step.forward_share.changed();
+    let largest = chip.max_by(|a, b| changed(a.1).total_cmp(&changed(b.1)));
+    let limit = word(all, "what limits");
+    let answer = match (limit, largest) {
+        (Some(limit), Some((_, step))) => {
+            format!(
+                "It loses most to: {limit}; of the chip\u{2019}s steps {} changes most",
+                step.name
+            )
+        }
+        (Some(limit), None) => format!("It loses most to: {limit}"),
+        (None, _) => "Nothing: there is no program, or nothing to keep".to_owned(),
+    };
+    Line {
+        question: "What decides?",
+        part: if largest.is_some() {
+            "decides"
+        } else {
+            "trade-offs"
+        },
+        answer,
+        number: largest.map(|(i, step)| {
+            let at = |key: &str| format!("/waterfall/steps/{i}/forward_share/{key}");
+            html! {
+                "lost " (number::fixed(&at("lost"), step.forward_share.lost, 3))
+                ", extra " (number::fixed(&at("extra"), step.forward_share.extra, 3))
+                span.of { "for each event of the float sensor" }
+            }
+        }),
+        evidence: largest.map(|_| Evidence::Modelled),
+    }
 }
 
 /// Which rule chose which word.
-pub(super) fn rules(all: &Feasibility) -> Markup {
+pub(super) fn rules(all: &Feasibility) -> Part {
     let verdict = &all.verdict;
     part(
         "rules",
         "How the words of the verdict were chosen",
-        &html! {
+        html! {
             p { "Each word follows from the numbers above by a rule; nothing else is in the verdict." }
             table.rules {
                 caption { "Words of the verdict and their rules" }

@@ -1,0 +1,108 @@
+//! Event files and pictures.
+
+use std::path::{Path, PathBuf};
+
+use crate::{
+    event::{Packet, file},
+    picture::{Moment, Show, contact_sheet, write_animation, write_png},
+    plane::Plane,
+    scene::Frame,
+    unit::Micros,
+};
+
+use super::{
+    CHOSEN, DOMAINS,
+    cell::is_shown,
+    showing::{Row, Showing},
+};
+
+/// A picture for every tenth of a second: the frame at its end, the events in it.
+#[derive(Default)]
+pub(super) struct Moments {
+    pub kept: Vec<Moment>,
+    from: f64,
+}
+
+impl Moments {
+    pub fn see(&mut self, frame: &Frame) {
+        // The clip's own frames are a tenth of a second apart, to the last bit but one.
+        if frame.seconds + 1e-9 < self.from + 0.1 {
+            return;
+        }
+        let light: Plane<f64> = frame.light.clone();
+        self.kept.push(Moment {
+            from: Micros::from_seconds(self.from),
+            to: Micros::from_seconds(frame.seconds),
+            frame: light,
+        });
+        self.from = frame.seconds;
+    }
+}
+
+/// The event files: the float sensor's first.
+pub(super) fn events(out: &Path) -> Vec<[PathBuf; 2]> {
+    let names = std::iter::once("reference").chain(DOMAINS.iter().map(|(domain, _)| *domain));
+    names
+        .map(|name| ["csv", "npy"].map(|kind| out.join(format!("{name}.{kind}"))))
+        .collect()
+}
+
+/// The pictures.
+pub(super) fn pictures(out: &Path) -> [PathBuf; 2] {
+    ["sheet.png", "watch.gif"].map(|name| out.join(name))
+}
+
+/// Writes events and pictures of the kernel that the chip can carry; returns what was written.
+pub(super) fn write(
+    out: &Path,
+    showing: &Showing<'_>,
+    moments: &[Moment],
+) -> miette::Result<Vec<PathBuf>> {
+    let mut written = Vec::new();
+    let rows: Vec<&Row<'_>> = showing
+        .reference()
+        .into_iter()
+        .chain(showing.chosen())
+        .collect();
+    for (paths, row) in events(out).into_iter().zip(&rows) {
+        for path in paths {
+            file::write(&path, &row.packet)?;
+            written.push(path);
+        }
+    }
+    let shown = rows.iter().find(|row| is_shown(row.domain()));
+    let (Some(reference), Some(shown)) = (rows.first(), shown) else {
+        return Ok(written);
+    };
+    let title = format!(
+        "A clip at {} frames/s, seen by ganglion cells: the float model, and its program on a SCAMP-5 array",
+        showing.fps
+    );
+    let device = format!("array in {CHOSEN}, with the chip's errors");
+    let show = Show {
+        title: &title,
+        reference: ("float reference", &reference.packet),
+        device: (&device, &shown.packet),
+    };
+    let [sheet, animation] = pictures(out);
+    write_png(
+        &sheet,
+        &contact_sheet(&show, &busiest(moments, &reference.packet))?,
+    )?;
+    write_animation(&animation, &show, moments, 0.1)?;
+    written.extend([sheet, animation]);
+    Ok(written)
+}
+
+/// The four moments with most events, in order of time.
+fn busiest(moments: &[Moment], truth: &Packet) -> Vec<Moment> {
+    let events = |moment: &Moment| {
+        let inside = |t: Micros| moment.from < t && t <= moment.to;
+        truth.events.iter().filter(|event| inside(event.t)).count()
+    };
+    let mut busiest = moments.to_vec();
+    busiest.sort_by_cached_key(|moment| std::cmp::Reverse(events(moment)));
+    busiest.truncate(4);
+    busiest.sort_by_key(|moment| moment.from);
+    busiest
+}

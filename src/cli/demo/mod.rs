@@ -1,0 +1,121 @@
+//! `amacrine demo`: a real clip through float sensors and through their programs on the array,
+//! at two frame rates.
+
+mod cell;
+mod files;
+mod json;
+mod showing;
+mod table;
+
+use std::num::NonZeroU32;
+
+use crate::{
+    program::Cost,
+    rig::guard::{Guard, Warning},
+    scene::{Observation, Observed, Scene, SceneError, bundled, evenly::Evenly},
+};
+
+use self::{cell::Cell, files::Moments, showing::Showing};
+use super::{
+    content::Content,
+    files::{self as outputs, Output},
+    light,
+    progress::Progress,
+};
+
+/// The kernel of the demo.
+const KERNEL: &str = "rgc-5x5";
+
+/// The few values that the chip can carry it in: what `feasibility` chooses of its candidates
+/// for this kernel and clip. `tests/demo.rs` makes the choice again.
+const CHOSEN: &str = "int-5";
+
+/// Fewer values, for comparison.
+const FEWER: &str = "ternary";
+
+/// An event where kernel times light (0 to 255) moved by more than this.
+const THRESHOLD: f64 = 128.0;
+
+/// Frames for each of the clip's, where the chip looks more often.
+const TIMES: NonZeroU32 = NonZeroU32::new(5).unwrap();
+
+/// What the array computes in, and what that is.
+const DOMAINS: [(&str, &str); 3] = [
+    ("exact", "without any error"),
+    ("q8.8", "in 16-bit fixed point"),
+    ("silicon", "with the errors of one modelled chip"),
+];
+
+/// Which of them the pictures show.
+const SHOWN: &str = "silicon";
+
+/// What `demo` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: amacrine demo --out out")]
+pub struct Arguments {
+    /// Where the event files and pictures go
+    #[arg(long, default_value = "out", value_name = "FOLDER", value_parser = Content::Folder)]
+    out: Output,
+    /// Chooses the silicon's mismatch and noise
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the output folder cannot be written to.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    outputs::writes(files::events(&arguments.out).into_iter().flatten())?;
+    outputs::writes(files::pictures(&arguments.out))?;
+    let seed = arguments.seed;
+    let cells = cell::all(seed)?;
+    let observation = Observation::new();
+    let clip = || Ok::<_, SceneError>(Observed::new(bundled()?, &observation));
+    let (mut own, mut faster) = (clip()?, Evenly::new(clip()?, TIMES));
+    let frames = own.frames().zip(faster.frames());
+    let progress = Progress::new("watching", frames.map(|(a, b)| a + b));
+    let mut guard = Guard::new();
+    let own = Showing::new(&cells, &mut own, seed, &mut guard, |_| progress.tick())?;
+    let mut moments = Moments::default();
+    let faster = Showing::new(&cells, &mut faster, seed, &mut guard, |frame| {
+        moments.see(frame);
+        progress.tick();
+    })?;
+    progress.finish();
+    let mut warnings = Warning::of_scene(&observation, 255.0);
+    warnings.append(&mut guard.warnings());
+    light::warn(&warnings);
+    let written = files::write(&arguments.out, &faster, &moments.kept)?;
+    let demo = Demo {
+        cells: &cells,
+        showings: [own, faster],
+        observation,
+        warnings,
+        written,
+    };
+    if arguments.json {
+        super::say(&format!("{}\n", demo.json()));
+    } else {
+        super::say(&demo.table());
+    }
+    Ok(())
+}
+
+/// All that the demo has to say.
+struct Demo<'a> {
+    cells: &'a [Cell],
+    /// At the clip's own rate, and at one that the chip would run.
+    showings: [Showing<'a>; 2],
+    observation: Observation,
+    warnings: Vec<Warning>,
+    written: Vec<std::path::PathBuf>,
+}
+
+/// Frames a second that a chip computes and reads out at most.
+fn most_frames(cost: &Cost) -> f64 {
+    1e6 / cost.micros()
+}

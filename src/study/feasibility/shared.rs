@@ -1,0 +1,351 @@
+//! One program of several kernels: whether there is one, what it takes, and what each kernel
+//! keeps in it.
+
+use super::{
+    Estimate, Feasibility, FeasibilityError, Question,
+    chip::registers,
+    readout::Busy,
+    runs::MEMORY,
+    time::{self, Time},
+};
+use crate::{
+    array::{Arithmetic, Array},
+    compare::CompareError,
+    compile::DriveMemory,
+    event::{Event, Packet},
+    isa::Figure,
+    kernel::quantise::{Quantised, Quantiser},
+    number::Format,
+    program::stored,
+    rig,
+    scene::{Frame, Scene},
+    sensor::Sensor,
+    study::{
+        design::{Compiled, Design},
+        equivalent::{self, Ladder, Likeness},
+        quantisation::{Headline, Outcome},
+    },
+};
+
+/// All kernels in one program.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Shared {
+    /// In a few words.
+    pub headline: String,
+    /// In sentences.
+    pub says: String,
+    /// The program, or why there is none.
+    pub fit: SharedFit,
+    /// A row for each kernel.
+    pub kinds: Vec<SharedKind>,
+}
+
+/// A program of all kernels, or none.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SharedFit {
+    /// It runs.
+    OnChip(Box<SharedProgram>),
+    /// What is short, for each way to remember the drives that was tried.
+    Refused(Vec<String>),
+}
+
+/// What the program takes of the chip.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct SharedProgram {
+    /// Where the drives of the last events are kept.
+    pub memory: String,
+    /// Instruction words of the filters, which share what they can.
+    pub filter_words: u64,
+    /// Instruction words of a frame.
+    pub frame_words: u64,
+    /// Words of a frame of each kernel's own program, added up; none where one has none.
+    pub frame_words_apart: Option<u64>,
+    /// Words that the program takes of the store, the first frame's included.
+    pub stored_words: u64,
+    /// Words that the store holds.
+    pub store: Estimate,
+    /// Analogue registers that the whole program uses.
+    pub registers: usize,
+    /// Analogue registers that a pixel has, NEWS left out.
+    pub registers_of: usize,
+    /// Halvings of the light before anything else, a bit each.
+    pub prescale_bits: u32,
+    /// Time.
+    pub time: Time,
+}
+
+/// One kernel in the program of all.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct SharedKind {
+    /// What the kernel is called.
+    pub name: String,
+    /// Its few values.
+    pub to: String,
+    /// What it keeps of its own float sensor's events, with the chip's errors.
+    #[serde(flatten)]
+    pub headline: Option<Headline>,
+    /// What it keeps in a program of its own.
+    pub kept_apart: Option<f64>,
+    /// Without errors of the chip.
+    pub exact: Option<Likeness>,
+    /// With them.
+    pub silicon: Option<Likeness>,
+}
+
+/// One-bit registers that memories may take.
+const BITS: usize = 8;
+
+impl Shared {
+    /// Of questions that were answered, in the few values that were chosen for each; `of` is the
+    /// one whose chip, exposure, effort and seed count.
+    pub(super) fn new(
+        of: &Question<'_>,
+        questions: &[Question<'_>],
+        answers: &[Feasibility],
+        scene: &mut dyn Scene,
+        seen: &mut dyn FnMut(&Frame),
+    ) -> Result<Self, FeasibilityError> {
+        let mut quantised = Vec::new();
+        for (question, answer) in questions.iter().zip(answers) {
+            let mut asked = question.candidates.iter().chain(&question.to);
+            // Ternary is what is taken where there is no candidate.
+            let to = asked.find(|to| to.to_string() == answer.chosen.to);
+            let to = to.copied().unwrap_or(Quantiser::TERNARY);
+            quantised.push(question.design().quantise(to, question.sum)?);
+        }
+        let designs = levels(questions, &quantised);
+        let mut refused = Vec::new();
+        let mut found = None;
+        for memory in memories(designs.len()) {
+            let Some((first, others)) = designs.split_first() else {
+                break;
+            };
+            match first.compile_with(others, memory, "together") {
+                Ok(compiled) => {
+                    found = Some((memory, compiled));
+                    break;
+                }
+                Err(error) if error.is_refusal() => {
+                    refused.push(format!("{}: {error}", name(memory)));
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+        let mut kinds: Vec<_> = answers.iter().map(SharedKind::new).collect();
+        let fit = match found {
+            None => SharedFit::Refused(refused),
+            Some((memory, compiled)) => {
+                let shape = (scene.size().height, scene.fps());
+                let busy = judge(of, questions, &compiled, &mut kinds, scene, seen)?;
+                let time = time::time(of, &compiled, &busy, shape)?;
+                let program = SharedProgram::new(memory, &compiled, answers, time);
+                SharedFit::OnChip(Box::new(program))
+            }
+        };
+        let (headline, says) = verdict(&fit, &kinds, answers);
+        Ok(Self {
+            headline,
+            says,
+            fit,
+            kinds,
+        })
+    }
+}
+
+/// The cells in their few values.
+fn levels<'a>(questions: &'a [Question<'_>], quantised: &'a [Quantised]) -> Vec<Design<'a>> {
+    let pairs = questions.iter().zip(quantised);
+    pairs
+        .map(|(question, quantised)| question.design().in_levels(quantised))
+        .collect()
+}
+
+/// The ways to remember so many drives, the better one first.
+fn memories(kinds: usize) -> Vec<DriveMemory> {
+    let bits = u8::try_from(BITS / kinds.max(1)).unwrap_or(1);
+    let in_bits = (bits > 0).then_some(DriveMemory::Bits(bits));
+    std::iter::once(DriveMemory::Analogue)
+        .chain(in_bits)
+        .collect()
+}
+
+fn name(memory: DriveMemory) -> String {
+    match memory {
+        DriveMemory::Analogue => "memories in analogue registers".to_owned(),
+        DriveMemory::Bits(bits) => format!("memories of {bits} bits each"),
+    }
+}
+
+/// Shows the scene to the float sensors and to the program, and judges every kernel; how many
+/// events of the kernel that has most in one frame there are to read, with the chip's errors.
+fn judge(
+    of: &Question<'_>,
+    questions: &[Question<'_>],
+    compiled: &Compiled,
+    kinds: &mut [SharedKind],
+    scene: &mut dyn Scene,
+    seen: &mut dyn FnMut(&Frame),
+) -> Result<Busy, FeasibilityError> {
+    let (size, fps) = (scene.size(), scene.fps());
+    let mut floats = Vec::new();
+    for question in questions {
+        let design = question.design();
+        floats.push(design.reference(size, MEMORY, Format::F64)?);
+        floats.extend(equivalent::sensors(&design, size, MEMORY)?);
+    }
+    let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
+    let silicon = Arithmetic::Silicon { seed: of.seed };
+    for arithmetic in [Arithmetic::Number(Format::F64), silicon] {
+        chips.push(compiled.chip(arithmetic, size, compiled.settings())?);
+    }
+    let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
+    for sensor in &mut floats {
+        sensors.push(sensor);
+    }
+    for chip in &mut chips {
+        sensors.push(chip);
+    }
+    let mut frames = 0;
+    let packets = rig::watch(scene, &mut sensors, |frame| {
+        frames += 1;
+        seen(frame);
+    })?;
+    let (floats, chips) = packets.split_at(packets.len().saturating_sub(2));
+    let mut busiest = Busy::default();
+    let each = floats.len() / questions.len().max(1);
+    for (i, (kind, floats)) in kinds.iter_mut().zip(floats.chunks(each.max(1))).enumerate() {
+        let [truth, rungs @ ..] = floats else {
+            continue;
+        };
+        let ladder = Ladder::new(truth.clone(), rungs, of.within, fps, of.seed)?;
+        let mut judged = chips.iter().map(|packet| own(packet, i)).map(|packet| {
+            let likeness = ladder.judge(&packet)?;
+            Ok::<_, CompareError>((packet, likeness))
+        });
+        kind.exact = judged.next().transpose()?.map(|(_, likeness)| likeness);
+        if let Some((packet, likeness)) = judged.next().transpose()? {
+            kind.headline = Some(likeness.into());
+            kind.silicon = Some(likeness);
+            let busy = Busy::new(&packet, frames);
+            if busy.busiest() >= busiest.busiest() {
+                busiest = busy;
+            }
+        }
+    }
+    Ok(busiest)
+}
+
+/// The events of one kind, as a sensor of that kind alone has them.
+fn own(packet: &Packet, kind: usize) -> Packet {
+    let mut own = Packet::new(packet.size, 1);
+    own.span = packet.span;
+    let events = packet.events.iter();
+    own.events = events
+        .filter(|event| usize::from(event.channel) == kind)
+        .map(|event| Event {
+            channel: 0,
+            ..*event
+        })
+        .collect();
+    own
+}
+
+impl SharedKind {
+    /// Of a kernel that was answered on its own.
+    fn new(answer: &Feasibility) -> Self {
+        let chosen = { answer.quantisation.iter() }.find(|row| row.to == answer.chosen.to);
+        Self {
+            name: answer.kernel.name.clone(),
+            to: answer.chosen.to.clone(),
+            headline: None,
+            kept_apart: chosen.and_then(|row| match &row.outcome {
+                Outcome::OnChip(chip) => Some(chip.silicon.kept),
+                Outcome::Refused(_) => None,
+            }),
+            exact: None,
+            silicon: None,
+        }
+    }
+}
+
+impl SharedProgram {
+    fn new(memory: DriveMemory, compiled: &Compiled, answers: &[Feasibility], time: Time) -> Self {
+        let (device, code) = (&compiled.device, &compiled.code);
+        let filter = &compiled.program.filter;
+        let apart = answers.iter().map(|answer| match &answer.fit {
+            super::Fit::OnChip(chip) => Some(chip.frame_words),
+            super::Fit::Refused(_) => None,
+        });
+        Self {
+            memory: name(memory),
+            filter_words: filter.words.len() as u64,
+            frame_words: compiled.cost.words.0,
+            frame_words_apart: apart.sum(),
+            stored_words: (stored(&code.init, device) + stored(&code.frame, device)).0,
+            store: Estimate::figure(device, Figure::Store),
+            registers: registers(code, device),
+            registers_of: device.registers().analog.len() - 1,
+            prescale_bits: filter.prescale,
+            time,
+        }
+    }
+}
+
+/// What one program does to a kernel's kept share is told from this loss on.
+const LOSS: f64 = 0.05;
+
+fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (String, String) {
+    let count = kinds.len();
+    let program = match fit {
+        SharedFit::Refused(why) => {
+            return (
+                "Do not fit together".to_owned(),
+                format!(
+                    "There is no program of all {count} kernels. {}. Each kernel could have a chip, or a frame, of its own.",
+                    why.join(". ")
+                ),
+            );
+        }
+        SharedFit::OnChip(program) => program,
+    };
+    let fps = answers.first().map_or(0.0, |answer| answer.scene.fps);
+    let ceiling = &program.time.ceiling;
+    let headline = if ceiling.high < fps {
+        "Fit together, but are too slow"
+    } else if ceiling.low < fps {
+        "Fit together, but may be too slow"
+    } else {
+        "Fit together"
+    };
+    let loses = |kind: &&SharedKind| {
+        let together = kind.headline.map(|headline| headline.kept);
+        together
+            .zip(kind.kept_apart)
+            .is_some_and(|(together, apart)| together < apart - LOSS)
+    };
+    let losing: Vec<&str> = kinds
+        .iter()
+        .filter(loses)
+        .map(|kind| kind.name.as_str())
+        .collect();
+    let loss = if losing.is_empty() {
+        "None of them keeps clearly less than in a program of its own.".to_owned()
+    } else {
+        format!(
+            "Clearly less than in a program of their own keep: {}.",
+            losing.join(", ")
+        )
+    };
+    (
+        headline.to_owned(),
+        format!(
+            "One program has all {count} kernels, with {}: {} words of the {} in the store, {} of {} analogue registers, at most {ceiling} for the {fps} that the scene asks for. {loss}",
+            program.memory,
+            program.stored_words,
+            program.store.low,
+            program.registers,
+            program.registers_of
+        ),
+    )
+}
