@@ -227,8 +227,8 @@ fn the_page_stands_alone_and_says_the_numbers() {
     is_readable(&page);
     says_the_numbers(&page, &numbers);
     answers_the_questions(&page);
-    // Frame, two kinds of events, their difference, the waterfall.
-    assert_eq!(all(&page, "img").len(), 5);
+    // Frame, two kinds of events, their difference, the waterfall over frame rate and in steps.
+    assert_eq!(all(&page, "img").len(), 6);
     // The kernel, its levels at their scale, its levels: 9 squares each.
     assert_eq!(all(&page, "svg.kernel rect").len(), 27);
     let verdict = text(all(&page, "p.verdict")[0]);

@@ -15,7 +15,10 @@ use crate::{
     kernel::Kernel,
     mesh,
     rig::guard::Warning,
-    study::{quantisation::Row, waterfall::Waterfall},
+    study::{
+        quantisation::Row,
+        waterfall::{Rates, Waterfall},
+    },
     unit::Micros,
 };
 
@@ -53,6 +56,8 @@ pub struct Feasibility {
     pub streams: Streams,
     /// Where the float sensor's events went; none without a program, or without events.
     pub waterfall: Option<Waterfall>,
+    /// The same over frame rate, on some of the drawn chips' seeds; none where nothing happens.
+    pub over_rates: Option<Rates>,
     /// The kernel in other few values.
     pub quantisation: Vec<Row>,
     /// The kernel as resistor meshes have it, one sheet and two; empty for one of zeros.

@@ -15,6 +15,7 @@ use super::{
 };
 use crate::{
     array::Arithmetic,
+    compare::window,
     event::Packet,
     isa::Evidence,
     kernel::{Kernel, quantise::Quantiser},
@@ -25,12 +26,15 @@ use crate::{
     study::{
         design::{Compiled, Design},
         equivalent::Ladder,
-        waterfall::{self, Waterfall, WaterfallError},
+        waterfall::{self, Fall, Rates, Waterfall, WaterfallError},
     },
 };
 
 /// The ridge of the mesh fits: added to the squared relative error for each squared gain.
 const RIDGE: f64 = 1e-4;
+
+/// Chips over which the waterfall over frame rate is taken, at most.
+const RATE_CHIPS: u64 = 10;
 
 /// Asks the question of a scene that can be opened again: it is watched twice for the table and
 /// twice for the sensors, for the waterfall, by the drawn chips some at a time, and up to the
@@ -89,9 +93,9 @@ pub fn ask(
         .run(open, &mut seen)?,
         _ => OverChips::without_program(question.chips),
     };
-    let waterfall = match program {
-        Some(_) => question.waterfall(&design, to, &mut *open()?, &mut seen)?,
-        None => None,
+    let (waterfall, over_rates) = match program {
+        Some(_) => question.waterfall(&design, to, open, &mut seen)?,
+        None => (None, None),
     };
     let snapshot = Snapshot::new(&runs.float, runs.silicon.as_ref(), &mut *open()?)?;
     let busy =
@@ -139,6 +143,7 @@ pub fn ask(
         link,
         streams,
         waterfall,
+        over_rates,
         quantisation: table.into_iter().map(|(_, row)| row).collect(),
         mesh: meshes(question.kernel),
         assumptions: Assumption::all(question, &scene),
@@ -150,6 +155,14 @@ pub fn ask(
     };
     feasibility.verdict = Verdict::new(&feasibility);
     Ok((feasibility, snapshot))
+}
+
+/// None where the float sensor has no event.
+fn heard<T>(answer: Result<T, WaterfallError>) -> Result<Option<T>, WaterfallError> {
+    match answer {
+        Err(WaterfallError::Silent { .. }) => Ok(None),
+        answer => answer.map(Some),
+    }
 }
 
 /// The kernel fitted by one resistive grid and by two; nothing for a kernel of zeros.
@@ -176,27 +189,35 @@ impl Question<'_> {
         }
     }
 
-    /// Where the events went; none where the float sensor has none.
+    /// Where the events went: step by step, and over frame rate; none where the float sensor has
+    /// none.
     fn waterfall(
         &self,
         design: &Design<'_>,
         to: Quantiser,
-        scene: &mut dyn Scene,
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
         seen: &mut dyn FnMut(&Frame),
-    ) -> Result<Option<Waterfall>, FeasibilityError> {
-        let asked = waterfall::Question {
+    ) -> Result<(Option<Waterfall>, Option<Rates>), FeasibilityError> {
+        let fall = Fall::new(waterfall::Question {
             design: *design,
             to,
             sum: self.sum,
             arithmetic: Arithmetic::Silicon { seed: self.seed },
             readout: self.readout,
             within: self.within,
+        })?;
+        let mut scene = open()?;
+        // A window that is not the headline's was asked for, at every rate.
+        let is_usual = self.within == window::headline(scene.fps());
+        let steps = heard(fall.steps(&mut *scene, seen))?;
+        drop(scene);
+        let choice = waterfall::Choice {
+            chips: self.chips.min(RATE_CHIPS),
+            within: (!is_usual).then_some(self.within),
+            ..waterfall::Choice::default()
         };
-        match waterfall::ask(&asked, scene, seen) {
-            Ok(waterfall) => Ok(Some(waterfall)),
-            Err(WaterfallError::Silent { .. }) => Ok(None),
-            Err(error) => Err(error.into()),
-        }
+        let rates = heard(fall.rates(&choice, open, &|| ()))?;
+        Ok((steps, rates))
     }
 
     /// What the sensors are judged by, of the float sensors' packets.

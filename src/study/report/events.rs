@@ -4,10 +4,13 @@ use maud::{Markup, html};
 
 use super::{
     bars, number,
-    part::{Part, part, wide},
+    part::{Part, broad, part, wide},
     power,
 };
-use crate::study::feasibility::{Feasibility, Stream, stream::Scored};
+use crate::study::{
+    equivalent::Likeness,
+    feasibility::{Feasibility, Stream, stream::Scored},
+};
 
 /// A sensor that watched: what it is called, where it is in the JSON, what it said.
 type Watched<'a> = (&'static str, &'static str, &'a Stream);
@@ -86,7 +89,7 @@ pub(super) fn right(all: &Feasibility) -> Part {
         html! {
             p { "One that the chip does as the float kernel says, and that a plain DVS does not do as well. An event is right where the float kernel has one of the same pixel and sign within "
                 (number::scaled("/within_us", all.within_us.0 as f64, 1e-3)) " ms. The floor is what a sensor scores that is right by accident: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
-            (wide("Scores", &html! {
+            (broad("Scores", &html! {
                 table {
                     caption { "Scores against the float kernel, each with its floor" }
                     thead { tr {
@@ -96,6 +99,9 @@ pub(super) fn right(all: &Feasibility) -> Part {
                         th.n scope="col" { "F1" }
                         th.n scope="col" { "Floor of F1" }
                         th.n scope="col" { "F1, a frame apart" }
+                        th.n scope="col" { "kept" }
+                        th.n scope="col" { "as threshold" }
+                        th.n scope="col" { "kept, at equal events" }
                     } }
                     tbody {
                         @for (name, at, stream) in &rows {
@@ -108,15 +114,35 @@ pub(super) fn right(all: &Feasibility) -> Part {
                                     (scored(&format!("{at}/f1"), &judged.f1))
                                     td.n { (number::fixed(&format!("{at}/f1/floor"), judged.f1.floor, 3)) }
                                     (scored(&format!("{at}/f1_a_frame_apart"), &judged.f1_a_frame_apart))
+                                    (kept(&at, &judged.likeness))
                                 }
                             }
                         }
                     }
                 }
             }))
-            p.note { "The mark in each bar is the floor. In the last column an event may be a frame early or late: what it has more than F1 was there, but not then." }
+            p.note { "The mark in each bar is the floor. A frame apart, an event may be a frame early or late: what it has more than F1 was there, but not then. "
+                "Kept is what of F1 is more than a redraw of the float kernel\u{2019}s events scores; the threshold is the change of the float sensor\u{2019}s that costs as much; at equal events its threshold was set such that it says as many events, so that what is left is shape and not gain." }
         },
     )
+}
+
+/// What is kept, the threshold equivalent, and what is kept of a float sensor of as many events.
+fn kept(at: &str, likeness: &Likeness) -> Markup {
+    let tuned = likeness.tuned.as_ref();
+    html! {
+        td.n { (number::fixed(&format!("{at}/kept"), likeness.kept, 3)) }
+        td.n { (number::equivalent(
+            &format!("{at}/threshold_equivalent_percent"),
+            likeness.threshold_equivalent_percent,
+            likeness.threshold_equivalent_is_least,
+        )) }
+        td.n {
+            @if let Some(tuned) = tuned {
+                (number::fixed(&format!("{at}/likeness/tuned/kept"), tuned.kept, 3))
+            } @else { (number::none()) }
+        }
+    }
 }
 
 fn scored(at: &str, score: &Scored) -> Markup {

@@ -8,6 +8,7 @@
 
 mod bars;
 mod chip;
+mod chips;
 mod events;
 mod fall;
 mod image;
@@ -19,7 +20,7 @@ mod quantisation;
 mod reproduce;
 mod shared;
 mod snapshot;
-pub mod tornado;
+mod tornado;
 mod verdict;
 mod weights;
 
@@ -90,6 +91,7 @@ fn parts(all: &Feasibility, snapshot: &Snapshot, place: &Place) -> Markup {
         Some(events::emitted(all)),
         Some(quantisation::section(all)),
         Some(chip::section(all)),
+        chips::section(all),
         Some(power::section(all)),
         fall::section(all),
         Some(mesh::section(all)),

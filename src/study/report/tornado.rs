@@ -7,7 +7,7 @@ use super::{number, part::wide};
 
 /// A headline, and what moves it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tornado<'a> {
+pub(super) struct Tornado<'a> {
     /// What the headline is called, such as `kept`.
     pub headline: &'a str,
     /// Its value where every number is as the chip's data say.
@@ -20,7 +20,7 @@ pub struct Tornado<'a> {
 
 /// What one number does to the headline.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bar<'a> {
+pub(super) struct Bar<'a> {
     /// What the number is called.
     pub name: &'a str,
     /// The least and the most that it may be, with its unit.
@@ -32,10 +32,10 @@ pub struct Bar<'a> {
 }
 
 impl Bar<'_> {
-    /// How far the headline moves.
-    fn swing(&self) -> f64 {
+    /// How far the headline moves, from where it is otherwise or from end to end.
+    fn swing(&self, nominal: f64) -> f64 {
         let [least, most] = self.ends;
-        (most - least).abs()
+        most.max(least).max(nominal) - most.min(least).min(nominal)
     }
 }
 
@@ -43,10 +43,10 @@ impl Bar<'_> {
 const WIDTH: f64 = 100.0;
 
 /// The chart, a row of a table for each bar; nothing where there is no bar.
-#[must_use]
-pub fn chart(tornado: &Tornado<'_>) -> Markup {
+pub(super) fn chart(tornado: &Tornado<'_>) -> Markup {
     let mut bars: Vec<&Bar<'_>> = tornado.bars.iter().collect();
-    bars.sort_by(|a, b| b.swing().total_cmp(&a.swing()));
+    let swing = |bar: &Bar<'_>| bar.swing(tornado.nominal);
+    bars.sort_by(|a, b| swing(b).total_cmp(&swing(a)));
     let all = || {
         bars.iter()
             .flat_map(|bar| bar.ends)

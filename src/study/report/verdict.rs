@@ -4,13 +4,13 @@
 use maud::{Markup, html};
 
 use super::{
-    number,
+    fall, number,
     part::{Part, Place, part},
 };
 use crate::{
     isa::Evidence,
     study::{
-        feasibility::{Feasibility, Fit},
+        feasibility::{Feasibility, Fit, chips::Turn},
         quantisation::{Outcome, Row},
         waterfall::Step,
     },
@@ -118,9 +118,29 @@ fn task(all: &Feasibility) -> Line {
                     "within " (number::scaled(&at("window_us"), headline.window_us.0 as f64, 1e-3)) " ms, at "
                     (number::plain(&at("fps"), headline.fps)) " frames/s"
                 }
+                (over_chips(all))
             }
         }),
-        evidence: kept.map(|_| Evidence::Modelled),
+        evidence: kept.map(|_| all.over_chips.chips_evidence.unwrap_or(Evidence::Modelled)),
+    }
+}
+
+/// What the chips that the public data allow keep, and on how many of them it is feasible.
+fn over_chips(all: &Feasibility) -> Markup {
+    let over = &all.over_chips;
+    let judged = over.chips_feasible.zip(over.ranges.as_ref());
+    html! {
+        @if let Some((share, ranges)) = judged {
+            span.line {
+                (number::fixed("/ranges/kept/p10", ranges.kept.p10, 3)) " to "
+                (number::fixed("/ranges/kept/p90", ranges.kept.p90, 3))
+                span.of {
+                    "on 10 to 90 % of " (number::plain("/chips", over.chips as f64))
+                    " chips that the public data allow; feasible on "
+                    (number::scaled("/chips_feasible", share, 100.0)) " %"
+                }
+            }
+        }
     }
 }
 
@@ -268,34 +288,58 @@ fn decides(all: &Feasibility) -> Line {
     let chip = steps.enumerate().filter(|(_, step)| !step.cause.is_float());
     let changed = |step: &Step| step.forward_share.changed();
     let largest = chip.max_by(|a, b| changed(a.1).total_cmp(&changed(b.1)));
-    let limit = word(all, "what limits");
-    let answer = match (limit, largest) {
-        (Some(limit), Some((_, step))) => {
-            format!(
-                "It loses most to: {limit}; of the chip\u{2019}s steps {} changes most",
-                step.name
-            )
+    let turn = fall::deciding(all).next();
+    let answer = match word(all, "what limits") {
+        Some(limit) => {
+            let mut answer = format!("It loses most to: {limit}");
+            if let Some((_, step)) = largest {
+                answer += &format!("; of the chip\u{2019}s steps {} changes most", step.name);
+            }
+            if let Some((_, turn)) = turn {
+                answer += &format!("; of what nobody states exactly {}", turn.figure);
+            }
+            answer
         }
-        (Some(limit), None) => format!("It loses most to: {limit}"),
-        (None, _) => "Nothing: there is no program, or nothing to keep".to_owned(),
+        None => "Nothing: there is no program, or nothing to keep".to_owned(),
     };
+    let number = turn.map(|(i, turn)| moved(i, turn));
     Line {
         question: "What decides?",
-        part: if largest.is_some() {
+        part: if fall::is_there(all) {
             "decides"
         } else {
             "trade-offs"
         },
         answer,
-        number: largest.map(|(i, step)| {
-            let at = |key: &str| format!("/waterfall/steps/{i}/forward_share/{key}");
-            html! {
-                "lost " (number::fixed(&at("lost"), step.forward_share.lost, 3))
-                ", extra " (number::fixed(&at("extra"), step.forward_share.extra, 3))
-                span.of { "for each event of the float sensor" }
-            }
-        }),
-        evidence: largest.map(|_| Evidence::Modelled),
+        number: number.or_else(|| largest.map(|(i, step)| lost(i, step))),
+        evidence: match (turn, largest) {
+            (Some((_, turn)), _) => Some(turn.evidence),
+            (None, largest) => largest.map(|_| Evidence::Modelled),
+        },
+    }
+}
+
+/// From what to what one number moves what is kept.
+fn moved(i: usize, turn: &Turn) -> Markup {
+    let at = |key: &str| format!("/tornado/{i}/{key}");
+    html! {
+        "kept " (number::fixed(&at("kept_at_low"), turn.kept_at_low, 3)) " to "
+        (number::fixed(&at("kept_at_high"), turn.kept_at_high, 3))
+        span.of {
+            (turn.figure) " from " (number::plain(&at("low"), turn.low)) " to "
+            (number::plain(&at("high"), turn.high))
+            @if turn.unit != "1" { " " (number::unit(turn.unit)) }
+        }
+    }
+}
+
+/// What one step changes.
+fn lost(i: usize, step: &Step) -> Markup {
+    let at = |key: &str| format!("/waterfall/steps/{i}/forward_share/{key}");
+    html! {
+        "lost " (number::fixed(&at("lost"), step.forward_share.lost, 3))
+        ", extra " (number::fixed(&at("extra"), step.forward_share.extra, 3))
+        span.of { "for each event of the float sensor" }
     }
 }
 
