@@ -67,7 +67,8 @@ fn main() -> miette::Result<()> {
         let times = NonZeroU32::new(times).ok_or_else(|| miette!("no frames"))?;
         let mut scene = Evenly::new(bundled()?, times);
         let rate = equivalent::rate(scene.fps());
-        let cells: Vec<String> = { judged(&float, &designs, &mut scene)?.iter() }
+        let all = judged(&float, &designs, &mut scene)?;
+        let cells: Vec<String> = { all.iter() }
             .map(|(f1, judged)| format!("{f1:.3} | {:.3} | {}", judged.kept, judged.equivalent()))
             .collect();
         println!("| {rate} | {} |", cells.join(" | "));

@@ -888,16 +888,17 @@ mod verbs {
                 .map(|l| serde_json::from_str(l).unwrap())
                 .collect()
         };
-        let plain = sweep("plain", "threshold = 20");
+        // Between what the bar changes by in 16 to 235 and in 0 to 255.
+        let plain = sweep("plain", "threshold = 230");
         // What is left out is what it is when it is said.
         let said = sweep(
             "said",
-            "threshold = 20\nrange = \"auto\"\ntransfer = \"as-coded\"",
+            "threshold = 230\nrange = \"auto\"\ntransfer = \"as-coded\"",
         );
         assert_eq!(plain[0]["id"], said[0]["id"]);
         let rows = sweep(
             "three",
-            "threshold = 20\nrange = [\"auto\", \"full\", \"limited\"]",
+            "threshold = 230\nrange = [\"auto\", \"full\", \"limited\"]",
         );
         // Limited is what the file says: the same light, the same point.
         assert_eq!(rows.len(), 2);

@@ -96,7 +96,11 @@ fn on_chip(at: &str, chip: &OnChip) -> Markup {
     let score = |key: &str, score: &Likeness| {
         html! {
             td.n { (number::fixed(&format!("{at}/{key}/kept"), score.kept, 3)) }
-            td.n { (score.equivalent()) }
+            td.n {
+                @if score.threshold_equivalent_is_least { "> " }
+                (number::plain(&format!("{at}/{key}/threshold_equivalent_percent"), score.threshold_equivalent_percent))
+                " %"
+            }
             td.n { (number::maybe(&format!("{at}/{key}/event_ratio"), score.event_ratio)) }
         }
     };

@@ -175,6 +175,9 @@ pub enum WaterfallError {
     Packet,
 }
 
+/// Within this an event is where it was, unless the question asks for less.
+const NARROW: Micros = Micros(1000);
+
 /// A packet of the waterfall: a sensor, and whether its events went through the readout.
 type Place = (usize, bool);
 
@@ -234,7 +237,7 @@ pub fn ask(
             .collect(),
         fired: packets,
         windows: Windows {
-            narrow: question.within,
+            narrow: question.within.min(NARROW),
             // `as` saturates.
             wide: Micros((1e6 / fps).ceil() as u64).max(question.within),
         },
