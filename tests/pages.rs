@@ -104,7 +104,8 @@ fn the_waterfall_and_its_picture() {
 #[test]
 fn the_feasibility_of_a_disc() {
     let command = "amacrine feasibility --kernel rgc-5x5 --threshold 128 \
-                   --scene \"pattern:disc?width=64&height=48&frames=8\" --fps 100";
+                   --scene \"pattern:disc?width=64&height=48&frames=8\" --fps 100 \
+                   --within 10ms";
     let page = page("docs/feasibility.md");
     let said = printed(&folder(), command);
     let said: Vec<_> = said.trim().lines().map(str::trim_end).collect();

@@ -260,7 +260,7 @@ mod tests {
         assert_eq!(*picture.get_pixel(middle + 90, up(0.97)), ink::PAGE);
         let quarter = (LEFT + PLOT / 4.0) as u32;
         // Edges of thin lines are blended with what is behind them.
-        let near = |score: f64, ink: Rgb<u8>| {
+        let near = |score: f64, ink: image::Rgb<u8>| {
             let got = picture.get_pixel(quarter, up(score));
             let off = got.0.iter().zip(ink.0).map(|(a, b)| a.abs_diff(b));
             assert!(off.max() <= Some(12), "{score}: {got:?} for {ink:?}");
