@@ -30,6 +30,7 @@ use crate::{
         fate::{Fate, Windows},
     },
     event::Packet,
+    reference::MemoryRule,
     rig::{
         self, RigError,
         guard::{Guard, Warning},
@@ -206,6 +207,8 @@ pub fn ask(
 ) -> Result<Waterfall, WaterfallError> {
     let (size, fps) = (scene.size(), scene.fps());
     let design = question.design;
+    // The threshold as it was given is what a message names, not the one in levels.
+    design.description(MemoryRule::FilteredSnap)?;
     let quantised = design.quantise(question.to, question.sum)?;
     let levels = design.in_levels(&quantised);
     let program = levels.compile("levels")?;
