@@ -55,7 +55,9 @@ fn steady(line: &str) -> &str {
 /// on the front, is a matter of time.
 fn sensors(text: &str) -> Vec<String> {
     let row = |line: &str| {
-        let (before, after) = line.split_once(" ms ")?;
+        // A sentence may have milliseconds too.
+        let sensor = line.starts_with("  ");
+        let (before, after) = line.split_once(" ms ").filter(|_| sensor)?;
         let (sensor, _) = before.rsplit_once(' ')?;
         let counts: Vec<_> = after.split_whitespace().take(2).collect();
         Some(format!("{} {}", sensor.trim_end(), counts.join(" ")))
