@@ -138,8 +138,8 @@ fn waterfall_says_what_quantise_says() {
 fn feasibility_says_what_quantise_says() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
-    let said = quantise(at);
-    let row = of(&said["chip"]["rows"]);
+    let quantised = quantise(at);
+    let row = of(&quantised["chip"]["rows"]);
     let feasibility = asked(at, &["feasibility", "--kernel", KERNEL, "--to", TO]);
     assert_eq!(answer(of(&feasibility["quantisation"])), answer(row));
     let streams = &feasibility["streams"];
@@ -174,7 +174,7 @@ fn sums_are_kept_in_every_verb() {
             }
         }
     }
-    let schema = json(at, &["schema", "study"]);
+    let schema: Value = serde_json::from_str(&good(at, &["schema", "study"])).unwrap();
     assert_eq!(schema["properties"]["sum"]["default"], "kept");
 }
 

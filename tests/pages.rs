@@ -55,7 +55,9 @@ fn steady(line: &str) -> &str {
 /// on the front, is a matter of time.
 fn sensors(text: &str) -> Vec<String> {
     let row = |line: &str| {
-        let (before, after) = line.split_once(" ms ")?;
+        // A sentence may have milliseconds too.
+        let sensor = line.starts_with("  ");
+        let (before, after) = line.split_once(" ms ").filter(|_| sensor)?;
         let (sensor, _) = before.rsplit_once(' ')?;
         let counts: Vec<_> = after.split_whitespace().take(2).collect();
         Some(format!("{} {}", sensor.trim_end(), counts.join(" ")))
@@ -117,7 +119,8 @@ fn the_steps_of_the_waterfall_and_their_picture() {
 #[test]
 fn the_feasibility_of_a_disc() {
     let command = "amacrine feasibility --kernel rgc-5x5 --threshold 128 \
-                   --scene \"pattern:disc?width=64&height=48&frames=8\" --fps 100 --within 10ms";
+                   --scene \"pattern:disc?width=64&height=48&frames=8\" --fps 100 \
+                   --within 10ms";
     let page = page("docs/feasibility.md");
     let said = printed(&folder(), command);
     let said: Vec<_> = said.trim().lines().map(str::trim_end).collect();

@@ -18,7 +18,7 @@
 //! - R12 is written only where R0 was 1 before the word.
 //!
 //! This is the meaning. `array/engine/` does the same on rows, many pixels at once, where
-//! [`row_form`] says how, and is held to it to the bit by `tests/array.rs`; where it says
+//! `row_form` says how, and is held to it to the bit by `tests/array.rs`; where it says
 //! nothing, the engine executes the meaning.
 
 use smallvec::{SmallVec, smallvec};

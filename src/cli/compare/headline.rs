@@ -97,8 +97,8 @@ impl Headline {
         let Point {
             window_us, floor, ..
         } = self.point;
-        let [reference, _] = pair.events();
-        { (reference > 0).then(|| Warning::window(window_us, floor)) }.flatten()
+        let [reference, judged] = pair.events();
+        { (reference.min(judged) > 0).then(|| Warning::window(window_us, floor)) }.flatten()
     }
 
     /// The curve of a pair.

@@ -76,9 +76,10 @@ impl Question<'_> {
                 Outcome::Refused(_) => None,
             })
         };
-        let kept = programs().map(|(_, chip)| chip.silicon.kept);
-        let best = kept.fold(f64::NEG_INFINITY, f64::max);
-        let alike = programs().filter(|(_, chip)| chip.silicon.kept > best - ALIKE);
+        // What is kept rises with F1, and F1 tells rows apart also where accident scores 1.
+        let f1 = programs().map(|(_, chip)| chip.silicon.f1);
+        let best = f1.fold(0.0, f64::max);
+        let alike = programs().filter(|(_, chip)| chip.silicon.f1 > best - ALIKE);
         alike.min_by_key(|(_, chip)| chip.words).map(|(to, _)| to)
     }
 }

@@ -5,6 +5,7 @@ use crate::{
     compare::CompareError,
     event::readout::Readout,
     kernel::quantise::{Quantised, Quantiser, Sum},
+    reference::MemoryRule,
     rig::RigError,
     scene::SceneError,
     study::design::{Compiled, Design, DesignError},
@@ -59,6 +60,8 @@ impl<'a> Fall<'a> {
     /// When the kernel cannot be quantised as asked, or does not fit the chip.
     pub fn new(question: Question<'a>) -> Result<Self, WaterfallError> {
         let design = question.design;
+        // The threshold as it was given is what a message names, not the one in levels.
+        design.description(MemoryRule::FilteredSnap)?;
         let quantised = design.quantise(question.to, question.sum)?;
         let program = design.in_levels(&quantised).compile("levels")?;
         Ok(Self {
