@@ -8,8 +8,6 @@
 //! The light is the same at every rate: frames are inserted evenly, and between two frames of the
 //! clip each pixel's light is a straight line.
 
-use std::num::NonZeroU32;
-
 use amacrine::{
     compare::{
         Pair,
@@ -24,7 +22,7 @@ use amacrine::{
     number::Format,
     reference::MemoryRule,
     rig,
-    scene::{Scene, bundled, evenly::Evenly},
+    scene::{Scene, bundled, resample::Resampled},
     sensor::Sensor,
     study::{
         design::Design,
@@ -35,7 +33,7 @@ use amacrine::{
 use miette::{IntoDiagnostic, miette};
 
 /// Frames for each of the clip's.
-const TIMES: [u32; 5] = [1, 3, 10, 30, 50];
+const TIMES: [f64; 5] = [1.0, 3.0, 10.0, 30.0, 50.0];
 
 /// The memory of a chip's program.
 const MEMORY: MemoryRule = MemoryRule::FilteredSnap;
@@ -64,8 +62,9 @@ fn main() -> miette::Result<()> {
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for times in TIMES {
-        let times = NonZeroU32::new(times).ok_or_else(|| miette!("no frames"))?;
-        let mut scene = Evenly::new(bundled()?, times);
+        let clip = bundled()?;
+        let fps = clip.fps() * times;
+        let mut scene = Resampled::new(clip, fps)?;
         let rate = equivalent::rate(scene.fps());
         let rows = judged(&float, &designs, &mut scene)?;
         let cells: Vec<String> = { rows.iter() }

@@ -1012,6 +1012,10 @@ mod verb {
         assert!((percent - 20.0).abs() < 1e-6, "{percent}");
         assert_eq!(headline["threshold_equivalent_is_least"], false);
         assert!(headline["fps"].is_number());
+        // A sensor with that threshold has as many events, and they are these.
+        let tuned = &headline["tuned"];
+        assert!((tuned["threshold_percent"].as_f64().unwrap() - 20.0).abs() < 1e-6);
+        assert_eq!(tuned["kept"], 1.0);
         let out = amacrine(&[&ask[..], &[&other]].concat()).assert().code(2);
         let said = common::line(&out.get_output().stderr).replace(' ', "");
         assert!(said.contains("theypartat"), "{said}");

@@ -361,6 +361,8 @@ fn several_kernels_are_a_chapter_each_and_one_program() {
     let (_, alone) = asked(folder.path(), &["--to", "ternary"]);
     let mut chapter = numbers["kernels"][0].clone();
     chapter["command"] = alone["command"].clone();
+    // The light is that of all.
+    chapter["light"] = numbers["light"].clone();
     assert_eq!(chapter, alone);
     assert_eq!(numbers["kernels"][1]["threshold"], 90.0);
     assert_eq!(numbers["kernels"][1]["kernel"]["name"], "sobel-x");
@@ -416,7 +418,7 @@ fn kernels_that_do_not_fit_together_are_told_so() {
     fs::write(folder.path().join("k.npy"), file).unwrap();
     let mut ask = ASK;
     (ask[2], ask[8]) = ("k.npy", "ternary");
-    let more = ["-o", "report.html", "--json"];
+    let more = ["--within", "5ms", "-o", "report.html", "--json"];
     let numbers = json(folder.path(), &[&ask[..], &more].concat());
     let names: Vec<_> = { numbers["kernels"].as_array().unwrap().iter() }
         .map(|one| one["kernel"]["name"].as_str().unwrap())
@@ -557,13 +559,17 @@ fn words(numbers: &Value) -> BTreeMap<String, String> {
 fn the_words_follow_from_the_numbers() {
     let folder = folder();
     let mut seen = BTreeSet::new();
-    for more in [
-        &["--fps", "20", "--within", "1ms"][..],
-        &["--fps", "6000", "--within", "50us"],
-        &["--fps", "200000", "--within", "2us"],
-        &["--to", "ternary", "--sum", "zero", "--within", "1ms"],
+    // From frame to frame the disc moves as far at each rate.
+    for (speed, more) in [
+        (5, &["--fps", "20", "--within", "1ms"][..]),
+        (1500, &["--fps", "6000", "--within", "50us"]),
+        (50_000, &["--fps", "200000", "--within", "2us"]),
+        (60, &["--to", "ternary", "--sum", "zero", "--within", "1ms"]),
     ] {
-        let (_, all) = asked(folder.path(), more);
+        let scene = format!("{SCENE}&speed={speed}");
+        let mut ask = ASK;
+        ask[6] = &scene;
+        let all = json(folder.path(), &[&ask, more, &["--json"]].concat());
         let words = words(&all);
         let ceiling = |end| number(&all, &format!("/fit/on_chip/time/ceiling/{end}"));
         let fps = number(&all, "/scene/fps");

@@ -1,8 +1,6 @@
 //! The same light at 10 to 500 frames a second: what is kept within the headline's window stays,
 //! and F1 within a millisecond does not. Against: the frame rate itself.
 
-use std::num::NonZeroU32;
-
 use amacrine::{
     compare::{
         Pair,
@@ -18,7 +16,7 @@ use amacrine::{
     plane::Size,
     reference::MemoryRule,
     rig,
-    scene::{Frame, Scene, SceneError, bundled, evenly::Evenly, part::First},
+    scene::{Frame, Scene, SceneError, bundled, part::First, resample::Resampled},
     sensor::Sensor,
     study::design::Design,
     unit::Micros,
@@ -70,9 +68,8 @@ fn judged(times: u32) -> [(f64, f64); 2] {
         ..float
     };
     let clip = First::new(Middle(bundled().unwrap()), 40);
-    let mut scene = Evenly::new(clip, NonZeroU32::new(times).unwrap());
-    let fps = scene.fps();
-    assert_eq!(fps, 10.0 * f64::from(times));
+    let fps = 10.0 * f64::from(times);
+    let mut scene = Resampled::new(clip, fps).unwrap();
     let memory = MemoryRule::FilteredSnap;
     let mut sensors = [float, float.in_levels(&levels), higher]
         .map(|design| design.reference(scene.size(), memory, Format::F64).unwrap());

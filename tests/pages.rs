@@ -104,14 +104,14 @@ fn waterfall(command: &str, picture: &str) {
 
 #[test]
 fn the_waterfall_and_its_picture() {
-    let command = "amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 \
+    let command = "amacrine waterfall rgc-5x5 --to int-5 --threshold 128 \
                    -o docs/waterfall.svg";
     waterfall(command, "docs/waterfall.svg");
 }
 
 #[test]
 fn the_steps_of_the_waterfall_and_their_picture() {
-    let command = "amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 \
+    let command = "amacrine waterfall rgc-5x5 --to int-5 --threshold 128 \
                    --steps -o docs/waterfall-steps.svg";
     waterfall(command, "docs/waterfall-steps.svg");
 }

@@ -86,7 +86,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_CHIPS))]
     chips: u64,
     /// How long to search for each program, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
     #[arg(long, default_value_t = 0)]

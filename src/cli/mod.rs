@@ -181,7 +181,9 @@ mod tests {
     use super::*;
 
     /// Arguments that are texts, and no names of files.
-    const TEXTS: [&str; 7] = ["domain", "schedule", "title", "cost", "into", "keep", ""];
+    const TEXTS: [&str; 7] = [
+        "domain", "schedule", "title", "cost", "into", "keep", "explain",
+    ];
 
     /// Every argument that is a path is of a kind that [`files::check`] finds.
     #[test]

@@ -68,7 +68,7 @@ pub struct Arguments {
     #[arg(long, default_value = "scamp5", requires = "threshold")]
     chip: Named,
     /// How long to search for each program, in seconds of two cores of 2024, with --threshold
-    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds, requires = "threshold")]
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, requires = "threshold")]
     effort: f64,
     #[command(flatten)]
     window: Window,

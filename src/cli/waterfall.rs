@@ -70,7 +70,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// How long to search for the program, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 1.0, value_parser = super::effort::seconds)]
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Frames a second at which the same light is shown, with commas between [default: four from
     /// the clip's own to the most that the chip allows]

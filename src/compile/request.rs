@@ -23,6 +23,10 @@ pub struct Effort {
 }
 
 impl Effort {
+    /// Seconds where nobody says how long, in every verb: the same question gets the same
+    /// program.
+    pub const SECONDS: f64 = 1.0;
+
     /// About as many states as two cores of 2024 look at in `seconds`.
     #[must_use]
     pub fn seconds(seconds: f64) -> Self {
@@ -34,7 +38,7 @@ impl Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self::seconds(3.0)
+        Self::seconds(Self::SECONDS)
     }
 }
 

@@ -3,7 +3,7 @@
 //! A [`Scene`] is read once, frame by frame, so memory does not grow with a clip's length.
 //! Frame `n` of a source is at `n / fps` seconds, computed from `n` (never accumulated), so
 //! time does not drift. [`upsample::Upsampled`] puts frames between those of a source where light
-//! changes fast, [`evenly::Evenly`] everywhere.
+//! changes fast, [`resample::Resampled`] evenly.
 //!
 //! | [`open()`] takes | what it is | frames per second |
 //! |---|---|---|
@@ -42,7 +42,6 @@ mod rate;
 mod still;
 mod y4m;
 
-pub mod evenly;
 pub mod held;
 pub mod part;
 pub mod pattern;

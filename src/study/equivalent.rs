@@ -255,6 +255,13 @@ impl Ladder {
         (percent(part), true)
     }
 
+    /// The same of what is kept above the reference's floor.
+    #[must_use]
+    pub fn equivalent_of_kept(&self, kept: f64) -> (f64, bool) {
+        let floor = self.floor();
+        self.equivalent(floor + kept * (1.0 - floor))
+    }
+
     /// The threshold, as a part of the reference's, at which the float sensor says this many
     /// events; none where no threshold of the ladder does.
     #[must_use]
@@ -282,9 +289,7 @@ impl Ladder {
     ) -> Result<(), CompareError> {
         let pair = Pair::new(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
-        let floor = self.floor();
-        let as_kept = floor + point.kept * (1.0 - floor);
-        let (equivalent, is_least) = self.equivalent(as_kept);
+        let (equivalent, is_least) = self.equivalent_of_kept(point.kept);
         likeness.tuned = Some(Tuned {
             threshold_percent: percent(part),
             kept: point.kept,

@@ -14,7 +14,7 @@ use crate::{
     picture::{CurvePoint, CurveShow, Drawing, curve},
     rig::guard::Warning,
     scene::SceneError,
-    study::equivalent,
+    study::equivalent::{self, Tuned},
     unit::Micros,
 };
 
@@ -38,6 +38,8 @@ pub(super) struct Equivalent {
     pub percent: f64,
     #[serde(rename = "threshold_equivalent_is_least")]
     pub is_least: bool,
+    /// Against the sensor that says as many events; none where no threshold does.
+    pub tuned: Option<Tuned>,
 }
 
 /// F1 within one window, and whether that is less than the time from frame to frame.
@@ -87,11 +89,6 @@ impl Headline {
         self.point.window_us
     }
 
-    /// F1 within the window.
-    pub(super) const fn f1(&self) -> f64 {
-        self.point.f1
-    }
-
     /// That accident scores as much as anything, where it does.
     pub(super) fn warning(&self, pair: &Pair) -> Option<Warning> {
         let Point {
@@ -129,11 +126,24 @@ impl Headline {
             (None, Some(interval)) => write!(text, "; a frame every {}", Short(interval)),
             (None, None) => write!(text, "; times on no frames"),
         };
-        if let Some(Equivalent { percent, is_least }) = self.equivalent {
-            let told = equivalent::percents(percent, is_least);
-            let _ = write!(text, "; as a threshold {told} higher");
+        if let Some(equivalent) = self.equivalent {
+            let percents = equivalent::percents(equivalent.percent, equivalent.is_least);
+            let _ = write!(text, "; as a threshold {percents} higher");
         }
         text + "\n"
+    }
+
+    /// Gain and shape apart, where the sensor is known.
+    pub(super) fn tuned(&self) -> String {
+        let tuned = self.equivalent.and_then(|equivalent| equivalent.tuned);
+        tuned.map_or_else(String::new, |tuned| {
+            format!(
+                "against the sensor of as many events, its threshold {:+.1} %: kept {:.4}, as a threshold {} higher\n",
+                tuned.threshold_percent,
+                tuned.kept,
+                tuned.equivalent()
+            )
+        })
     }
 
     /// The curve as a drawing.

@@ -1,4 +1,4 @@
-//! The threshold equivalent of a comparison: the reference's sensor, run again at higher
+//! The threshold equivalent of a comparison: the reference's sensor, run again at other
 //! thresholds.
 
 use miette::{WrapErr, miette};
@@ -11,11 +11,11 @@ use super::{
 use crate::{
     compare::{Pair, equality},
     event::Packet,
-    reference::Reference,
+    reference::{Description, Reference},
     rig::{self, guard::Warning},
     scene::{Observation, Scene, upsample},
     sensor::Sensor,
-    study::equivalent::{self, Ladder},
+    study::equivalent::{self, Ladder, RUNGS},
     unit::Micros,
 };
 
@@ -29,7 +29,8 @@ impl Arguments {
         Ok(upsample::by_contrast(scene, self.upsample)?)
     }
 
-    /// The change of the sensor's threshold that costs as much as this F1 within a window.
+    /// The change of the sensor's threshold that costs as much as what the judged packet lacks
+    /// within a window; beside it the same against the sensor of as many events.
     ///
     /// # Errors
     /// When the reference is not what this sensor says of the scene, or sensor or scene cannot go
@@ -37,30 +38,13 @@ impl Arguments {
     pub(super) fn equivalent(
         &self,
         sensor: &Input,
-        reference: &Packet,
-        (f1, window): (f64, Micros),
+        [reference, judged]: [&Packet; 2],
+        window: Micros,
     ) -> miette::Result<Equivalent> {
         let description = read_sensor(sensor)?;
-        let observation = Observation::new();
-        let mut scene = self.shown(&observation)?;
-        let (size, fps) = (scene.size(), scene.fps());
-        let parts: Vec<f64> = equivalent::higher().collect();
-        let mut sensors = Vec::new();
-        for part in [1.0].iter().chain(&parts) {
-            let description = equivalent::at_part(&description, *part);
-            sensors.push(Reference::new(description, size, self.seed)?);
-        }
-        budget::check_study(&*scene, sensors.len())?;
-        let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-        for sensor in &mut sensors {
-            watching.push(sensor);
-        }
-        let progress = Progress::new("watching", scene.frames());
-        let packets = rig::watch(&mut *scene, &mut watching, |_| progress.tick());
-        progress.finish();
-        light::warn(&Warning::of_scene(&observation, 255.0));
-        let mut packets = packets?.into_iter();
-        let own = packets.next().unwrap_or_else(|| Packet::new(size, 1));
+        let mut parts = vec![1.0];
+        parts.extend(RUNGS);
+        let (own, rungs) = self.at_parts(&description, &parts)?;
         let seen = || format!("{} seen by {}", self.clip.name(), sensor.display());
         let pair = Pair::new(reference, &own).wrap_err_with(seen)?;
         if let Some(first) = equality::first_divergence(&pair) {
@@ -76,11 +60,48 @@ impl Arguments {
                 first.channel
             ));
         }
-        let mut ladder = Ladder::bare(own, window, fps, self.seed)?;
-        for (part, packet) in parts.into_iter().zip(packets) {
-            ladder.add(part, &packet)?;
+        // The frame rate is the headline's own.
+        let ladder = Ladder::new(own, &rungs, window, 0.0, self.seed)?;
+        let mut likeness = ladder.judge(judged)?;
+        if let Some(part) = ladder.part_of(judged.events.len() as u64) {
+            let (tuned, _) = self.at_parts(&description, &[part])?;
+            ladder.tune(&mut likeness, judged, (part, &tuned))?;
         }
-        let (percent, is_least) = ladder.equivalent(f1);
-        Ok(Equivalent { percent, is_least })
+        Ok(Equivalent {
+            percent: likeness.threshold_equivalent_percent,
+            is_least: likeness.threshold_equivalent_is_least,
+            tuned: likeness.tuned,
+        })
+    }
+
+    /// What the sensor says of the scene at these parts of its thresholds: the first, and the
+    /// others.
+    fn at_parts(
+        &self,
+        description: &Description,
+        parts: &[f64],
+    ) -> miette::Result<(Packet, Vec<Packet>)> {
+        let observation = Observation::new();
+        let mut scene = self.shown(&observation)?;
+        let size = scene.size();
+        let mut sensors = Vec::new();
+        for part in parts {
+            let description = equivalent::at_part(description, *part);
+            sensors.push(Reference::new(description, size, self.seed)?);
+        }
+        budget::check_study(&*scene, sensors.len())?;
+        let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
+        for sensor in &mut sensors {
+            watching.push(sensor);
+        }
+        let progress = Progress::new("watching", scene.frames());
+        let packets = rig::watch(&mut *scene, &mut watching, |_| progress.tick());
+        progress.finish();
+        if parts.len() > 1 {
+            light::warn(&Warning::of_scene(&observation, 255.0));
+        }
+        let mut packets = packets?.into_iter();
+        let first = packets.next().unwrap_or_else(|| Packet::new(size, 1));
+        Ok((first, packets.collect()))
     }
 }

@@ -42,8 +42,8 @@ pub struct Arguments {
     recording: Recording,
     #[command(flatten)]
     window: Window,
-    /// The sensor file that made the reference: it is run on the scene at higher thresholds, to
-    /// tell which change of its threshold costs as much
+    /// The sensor file that made the reference: it is run on the scene at other thresholds, to
+    /// tell which change of its threshold costs as much, and which has as many events
     #[arg(long)]
     sensor: Option<files::Input>,
     #[command(flatten)]
@@ -84,8 +84,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let redraws = Redraws::new(&pair, arguments.seed);
     let mut headline = Headline::new(arguments, &pair, &redraws, arguments.fps()?)?;
     if let Some(sensor) = &arguments.sensor {
-        let score = (headline.f1(), headline.window());
-        headline = headline.with(arguments.equivalent(sensor, &reference.packet, score)?);
+        let packets = [&reference.packet, &judged.packet];
+        headline = headline.with(arguments.equivalent(sensor, packets, headline.window())?);
     }
     let curve = headline.curve(&pair, &redraws);
     let comparison = Comparison::from_pair(&pair, headline.window());
@@ -127,6 +127,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{json}\n"));
     } else {
         super::say(&headline.line());
+        super::say(&headline.tuned());
         super::say(&headline::table(&curve));
         super::say(&head(arguments, &reference, &judged));
         super::say(&table(&comparison));

@@ -80,7 +80,7 @@ pub struct Arguments {
     #[arg(long, default_value = "scamp5")]
     chip: Named,
     /// How long to search, in seconds of two cores of 2024
-    #[arg(long, default_value_t = 2.5, value_parser = super::effort::seconds)]
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Another seed may find another program
     #[arg(long, default_value_t = 0)]

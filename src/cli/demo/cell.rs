@@ -13,9 +13,6 @@ use crate::{
 
 use super::{CHOSEN, DOMAINS, FEWER, KERNEL, SHOWN, THRESHOLD};
 
-/// How long to search for each program: as `feasibility` does.
-const EFFORT_SECONDS: f64 = 1.0;
-
 /// A cell: a float sensor, and the programs that stand for it on the chip.
 pub(super) struct Cell {
     /// What it is called.
@@ -96,7 +93,7 @@ impl Cell {
             kernel: &self.kernel,
             threshold: THRESHOLD,
             device: &self.device,
-            effort: Effort::seconds(EFFORT_SECONDS),
+            effort: Effort::default(),
             seed,
         }
     }

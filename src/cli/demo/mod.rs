@@ -7,12 +7,10 @@ mod json;
 mod showing;
 mod table;
 
-use std::num::NonZeroU32;
-
 use crate::{
     program::Cost,
     rig::guard::{Guard, Warning},
-    scene::{Observation, Observed, Scene, SceneError, bundled, evenly::Evenly},
+    scene::{Observation, Observed, Scene, SceneError, bundled, resample::Resampled},
 };
 
 use self::{cell::Cell, files::Moments, showing::Showing};
@@ -37,7 +35,7 @@ const FEWER: &str = "ternary";
 const THRESHOLD: f64 = 128.0;
 
 /// Frames for each of the clip's, where the chip looks more often.
-const TIMES: NonZeroU32 = NonZeroU32::new(5).unwrap();
+const TIMES: u32 = 5;
 
 /// What the array computes in, and what that is.
 const DOMAINS: [(&str, &str); 3] = [
@@ -75,7 +73,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let cells = cell::all(seed)?;
     let observation = Observation::new();
     let clip = || Ok::<_, SceneError>(Observed::new(bundled()?, &observation));
-    let (mut own, mut faster) = (clip()?, Evenly::new(clip()?, TIMES));
+    let mut own = clip()?;
+    let mut faster = Resampled::new(clip()?, own.fps() * f64::from(TIMES))?;
     let frames = own.frames().zip(faster.frames());
     let progress = Progress::new("watching", frames.map(|(a, b)| a + b));
     let mut guard = Guard::new();

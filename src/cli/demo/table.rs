@@ -43,7 +43,7 @@ impl Demo<'_> {
         lines.push(format!(
             "at {} frames/s, which the chip can run: the same light, {} frames put in between each two",
             rate(faster.fps),
-            TIMES.get() - 1
+            TIMES - 1
         ));
         lines.extend(rows(faster));
         lines.push(String::new());
@@ -76,10 +76,8 @@ impl Demo<'_> {
             "for any sensor with every frame that is put in.".to_owned(),
         ];
         let domains = DOMAINS.map(|(domain, what)| format!("{domain}: {what}"));
-        lines.push(format!(
-            "{}. Chip, at most: with 2 x {SLOTS} readout slots.",
-            domains.join("; ")
-        ));
+        lines.push(format!("{}.", domains.join("; ")));
+        lines.push(format!("Chip, at most: with 2 x {SLOTS} readout slots."));
         lines.push(String::new());
         let of = |showing: &Showing<'_>, to: &str, domain: &str| {
             let judged = showing.rows.iter().filter(|row| row.cell.name == KERNEL);

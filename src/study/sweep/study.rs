@@ -217,8 +217,8 @@ pub const SETTINGS: [config::Key; 10] = [
     config::Key::with_default(
         "effort",
         Kind::Number(Range::between(0.0, 3600.0)),
-        "0.2",
-        "how long to search for each program, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 0.2 when left out",
+        "1",
+        "how long to search for each program, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 1 when left out",
     ),
     config::Key::optional(
         "sample",

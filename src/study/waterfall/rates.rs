@@ -383,7 +383,7 @@ impl OneRate<'_> {
         causes.push(Share::new(Cause::Readout, vec![readout], How::Last));
         let kept: Vec<f64> = kept.iter().map(|kept| kept - readout).collect();
         let mean = mean(&kept);
-        let (threshold_equivalent_percent, is_least) = ladder.equivalent(mean);
+        let (threshold_equivalent_percent, is_least) = ladder.equivalent_of_kept(mean);
         let noise = match question.arithmetic {
             Arithmetic::Silicon { .. } => {
                 let seeds = self.seeds.get(..NOISE_CHIPS).unwrap_or(self.seeds);
