@@ -7,5 +7,6 @@ pub mod front;
 pub mod plan;
 pub mod quantisation;
 pub mod report;
+pub mod saturation;
 pub mod sweep;
 pub mod waterfall;

@@ -30,6 +30,7 @@ use crate::{
 use super::{
     design::{Compiled, Design, DesignError},
     equivalent::{self, EquivalentError, Ladder, Likeness},
+    saturation,
 };
 
 /// What is asked.
@@ -230,8 +231,12 @@ pub(super) fn ask_keeping(
         guard.warn(warning);
     }
     let mut judged = Vec::new();
-    for (packet, subject) in chips.iter().zip(subjects) {
+    let ran = { built.iter() }
+        .filter_map(|one| one.program.as_ref().ok())
+        .flat_map(|program| program.chips.iter().zip(program.ends));
+    for ((packet, subject), (chip, ends)) in chips.iter().zip(subjects).zip(ran) {
         guard.packet(&subject, packet);
+        saturation::warn(&mut guard, &subject, &**chip, ends);
         judged.push(ladder.judge(packet)?);
     }
     let mut pairs: Vec<_> = chips.iter().zip(&mut judged).collect();
@@ -302,6 +307,8 @@ struct Chips {
     cost: Costs,
     /// In exact arithmetic, and as silicon.
     chips: [Box<dyn Array + Send>; 2],
+    /// The ends of their registers' range.
+    ends: [Option<[f64; 2]>; 2],
 }
 
 /// What of [`OnChip`] is known before it runs.
@@ -350,7 +357,10 @@ impl Question<'_> {
     }
 
     fn chips(&self, compiled: &Compiled, size: Size) -> Result<Chips, DesignError> {
-        let chip = |arithmetic| compiled.chip(arithmetic, size, compiled.settings());
+        let settings = || compiled.settings();
+        let chip = |arithmetic| compiled.chip(arithmetic, size, settings());
+        let exact = Arithmetic::Number(Format::F64);
+        let silicon = Arithmetic::Silicon { seed: self.seed };
         let filter = &compiled.program.filter;
         Ok(Chips {
             cost: Costs {
@@ -360,10 +370,8 @@ impl Question<'_> {
                 registers: compiled.registers(),
                 prescale_bits: filter.prescale,
             },
-            chips: [
-                chip(Arithmetic::Number(Format::F64))?,
-                chip(Arithmetic::Silicon { seed: self.seed })?,
-            ],
+            chips: [chip(exact)?, chip(silicon)?],
+            ends: [exact, silicon].map(|domain| domain.ends(self.device, &settings())),
         })
     }
 }

@@ -85,7 +85,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut headline = Headline::new(arguments, &pair, &redraws, arguments.fps()?)?;
     if let Some(sensor) = &arguments.sensor {
         let packets = [&reference.packet, &judged.packet];
-        headline = headline.with(arguments.equivalent(sensor, packets, headline.window())?);
+        let equivalent = arguments.equivalent(sensor, packets, headline.window())?;
+        headline = headline.with(equivalent);
     }
     let curve = headline.curve(&pair, &redraws);
     let comparison = Comparison::from_pair(&pair, headline.window());

@@ -1,19 +1,19 @@
 //! One showing of the clip: every cell, on the array and in float, judged by its float sensor.
 
 use crate::{
-    array::{Arithmetic, Array, AtBorder},
+    array::{Arithmetic, Array},
     compare::window,
     event::Packet,
     number::Format,
     plane::Size,
     reference::MemoryRule,
-    rig::{
-        self,
-        guard::{Guard, Warning},
-    },
+    rig::{self, guard::Guard},
     scene::{Frame, Scene},
     sensor::Sensor,
-    study::equivalent::{self, Ladder, Likeness, RUNGS},
+    study::{
+        equivalent::{self, Ladder, Likeness, RUNGS},
+        saturation,
+    },
     unit::Micros,
 };
 
@@ -137,11 +137,7 @@ impl<'a> Showing<'a> {
                 guard.packet(&subject, &packet);
                 let compiled = &program.compiled;
                 let ends = domain.ends(&compiled.device, &compiled.settings());
-                for at in ends.map_or(Vec::new(), |ends| AtBorder::registers(&*chip.sensor, ends)) {
-                    let place = format!("{} after the last frame", at.register);
-                    let counted = (at.pixels, at.of);
-                    guard.warn(Warning::saturation(&subject, &place, counted, at.ends));
-                }
+                saturation::warn(guard, &subject, &*chip.sensor, ends);
                 rows.push(Row {
                     cell,
                     chip: Some(Judged {

@@ -17,7 +17,7 @@ use super::{
     strip,
 };
 use crate::{
-    array::{Arithmetic, Array, AtBorder, Schedule, Settings},
+    array::{Arithmetic, Array, Schedule, Settings},
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,
@@ -29,6 +29,7 @@ use crate::{
         guard::{Guard, Warning},
     },
     scene::{Observation, Scene},
+    study::saturation,
     unit::Micros,
 };
 
@@ -154,13 +155,8 @@ impl<'a> Bench<'a> {
             let kept = packet.events.len() as u64;
             guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));
         }
-        if let Some(ends) = self.arithmetic.ends(&self.opened.device, &self.settings) {
-            for at in AtBorder::registers(chip, ends) {
-                let counted = (at.pixels, at.of);
-                let place = format!("{} after the last frame", at.register);
-                guard.warn(Warning::saturation(program, &place, counted, at.ends));
-            }
-        }
+        let ends = self.arithmetic.ends(&self.opened.device, &self.settings);
+        saturation::warn(&mut guard, program, chip, ends);
         guard.warnings()
     }
 

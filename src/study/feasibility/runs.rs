@@ -2,7 +2,7 @@
 
 use super::{FeasibilityError, Question, Stream, Streams, stream::Window};
 use crate::{
-    array::{Arithmetic, Array, AtBorder},
+    array::{Arithmetic, Array},
     event::Packet,
     kernel::Kernel,
     number::Format,
@@ -17,6 +17,7 @@ use crate::{
     study::{
         design::{Compiled, Design},
         equivalent::{self, Ladder, Likeness},
+        saturation,
     },
     unit::Micros,
 };
@@ -84,12 +85,7 @@ impl Question<'_> {
         if let Some((chip, program)) = chips.last().zip(program) {
             let silicon = Arithmetic::Silicon { seed: self.seed };
             let ends = silicon.ends(self.device, &program.settings());
-            for at in ends.map_or(Vec::new(), |ends| AtBorder::registers(&**chip, ends)) {
-                let place = format!("{} after the last frame", at.register);
-                let counted = (at.pixels, at.of);
-                let subject = "the program on the chip";
-                guard.warn(Warning::saturation(subject, &place, counted, at.ends));
-            }
+            saturation::warn(&mut guard, "the program on the chip", &**chip, ends);
         }
         runs.warnings = guard.warnings();
         Ok((runs, frames))

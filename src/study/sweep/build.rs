@@ -14,6 +14,7 @@ use crate::{
     number::Format,
     program::{Code, Cost, Overrides, Program},
     reference::{Description, MemoryRule},
+    rig::guard::Warning,
     sensor::Sensor,
     study::design,
     study::design::Compiled,
@@ -100,7 +101,12 @@ pub(super) fn array(
     let made = shared.program(&key, || {
         compiled(settings, &entry.kernel, entry, rounding, on == off)
     });
-    let (compiled, scale, lost) = match made.get() {
+    let Programmed {
+        compiled,
+        scale,
+        quantisation_error,
+        erased,
+    } = match made.get() {
         Some(Ok(made)) => made,
         Some(Err(refusal)) => return Err(refusal.clone()),
         None => return Err(Refusal::Cannot("the program was not made".to_owned())),
@@ -129,7 +135,10 @@ pub(super) fn array(
     put("array_us", json!(cost.array_us));
     put("registers", json!(compiled.registers()));
     put("prescale_bits", json!(compiled.program.filter.prescale));
-    put("quantisation_error", json!(lost));
+    put("quantisation_error", json!(quantisation_error));
+    if !erased.is_empty() {
+        put("warnings", json!(erased.join(" ")));
+    }
     let cell = match arithmetic {
         Arithmetic::Number(format) => bytes(format),
         Arithmetic::Silicon { .. } => size_of::<f32>() as u64,
@@ -155,22 +164,33 @@ pub(super) fn array(
     Ok(chip)
 }
 
-/// The program of a kernel with thresholds of 1; the scale of its levels, and what they lose.
+/// The program of a kernel with thresholds of 1.
+#[derive(Debug)]
+pub(super) struct Programmed {
+    compiled: Compiled,
+    /// Of the kernel's levels.
+    scale: f64,
+    quantisation_error: f64,
+    /// What the levels have lost of its shape, by the names of the warnings.
+    erased: Vec<&'static str>,
+}
+
+/// Makes it.
 fn compiled(
     settings: &Settings,
     kernel: &Kernel,
     entry: &Entry,
     seed: u64,
     one_threshold: bool,
-) -> Result<(Compiled, f64, f64), Refusal> {
+) -> Result<Programmed, Refusal> {
     let point = &entry.point;
     let device = entry
         .chip
         .as_ref()
         .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
     let name = point.word("quantise").unwrap_or("none");
-    let (levels, scale, lost) = if name == "none" {
-        (kernel.clone(), 1.0, 0.0)
+    let (levels, scale, quantisation_error, erased) = if name == "none" {
+        (kernel.clone(), 1.0, 0.0, Vec::new())
     } else {
         let to: Quantiser = name.parse()?;
         let sum = match point.word("sum") {
@@ -179,8 +199,11 @@ fn compiled(
             _ => Sum::Kept,
         };
         let quantised = to.quantise(kernel, sum, seed)?.within_one();
-        let lost = quantised.relative_error(kernel);
-        (quantised.levels, quantised.scale, lost)
+        let error = quantised.relative_error(kernel);
+        let erased = { quantised.erasures(kernel).into_iter() }
+            .map(|erasure| Warning::erased(name, erasure).about.name())
+            .collect();
+        (quantised.levels, quantised.scale, error, erased)
     };
     let kernels = [levels.clone()];
     let mut request = Request::new(&kernels, device)?;
@@ -206,5 +229,10 @@ fn compiled(
         title,
         program,
     };
-    Ok((compiled, scale, lost))
+    Ok(Programmed {
+        compiled,
+        scale,
+        quantisation_error,
+        erased,
+    })
 }

@@ -94,13 +94,16 @@ fn run(
         .iter()
         .filter(|e| e.polarity == Polarity::On)
         .count();
+    let erased = row.get("warnings").and_then(serde_json::Value::as_str);
+    let erased = erased.map(str::to_owned);
     let mut put = |name: &str, value: serde_json::Value| row.insert(name.to_owned(), value);
     put("events", json!(packet.events.len()));
     put("on", json!(on));
     put("off", json!(packet.events.len() - on));
     put("dropped", json!(packet.dropped.total()));
     if !warnings.is_empty() {
-        let names: Vec<&str> = warnings.iter().map(|w| w.about.name()).collect();
+        let mut names: Vec<&str> = erased.iter().map(String::as_str).collect();
+        names.extend(warnings.iter().map(|w| w.about.name()));
         put("warnings", json!(names.join(" ")));
     }
     put("bits", json!(address::bits(&packet)));

@@ -5,8 +5,8 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-use super::refusal::Refusal;
-use crate::study::{design::Compiled, equivalent::Ladder};
+use super::{build::Programmed, refusal::Refusal};
+use crate::study::equivalent::Ladder;
 
 /// A memo of what several points need.
 #[derive(Debug, Default)]
@@ -19,7 +19,7 @@ pub(super) struct Shared {
 pub(super) type Truth = Arc<OnceLock<Result<Ladder, Refusal>>>;
 
 /// A program, or why there is none.
-pub(super) type Made = Arc<OnceLock<Result<(Compiled, f64, f64), Refusal>>>;
+pub(super) type Made = Arc<OnceLock<Result<Programmed, Refusal>>>;
 
 /// Ladders that are kept: points come task by task.
 const KEPT: usize = 8;
@@ -45,11 +45,7 @@ impl Shared {
     }
 
     /// A program, the scale of its levels, and what they lose.
-    pub fn program(
-        &self,
-        key: &str,
-        make: impl FnOnce() -> Result<(Compiled, f64, f64), Refusal>,
-    ) -> Made {
+    pub fn program(&self, key: &str, make: impl FnOnce() -> Result<Programmed, Refusal>) -> Made {
         let slot = {
             let mut all = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some((_, slot)) = all.iter().find(|(known, _)| known == key) {
