@@ -70,9 +70,14 @@ fn quantise(folder: &Path) -> Value {
 }
 
 fn sweep(folder: &Path) -> Value {
+    swept(folder, KERNEL, TO, "kept")
+}
+
+/// The one row of a study.
+fn swept(folder: &Path, kernel: &str, to: &str, sum: &str) -> Value {
     let study = format!(
-        "scene = \"{SCENE}\"\nfps = {FPS}\nkernel = \"{KERNEL}\"\nthreshold = {THRESHOLD}\neffort = {EFFORT}\n\
-         [[side]]\nside = \"array\"\nquantise = \"{TO}\"\ndomain = \"silicon\"\n"
+        "scene = \"{SCENE}\"\nfps = {FPS}\nkernel = \"{kernel}\"\nthreshold = {THRESHOLD}\neffort = {EFFORT}\nsum = \"{sum}\"\n\
+         [[side]]\nside = \"array\"\nquantise = \"{to}\"\ndomain = \"silicon\"\n"
     );
     fs::write(folder.join("study.toml"), study).unwrap();
     json(folder, &["sweep", "study.toml", "--output", "swept"]);
@@ -218,6 +223,11 @@ fn what_few_values_erase_is_told_first() {
         let told = abouts(&json(at, &ask));
         assert!(told.contains(&"surround".to_owned()), "{verb:?}: {told:?}");
     }
+    let row = swept(at, "csdvs-3", "ternary", "free");
+    assert!(
+        row["warnings"].as_str().unwrap().contains("surround"),
+        "{row}"
+    );
     let fine = ["quantise", "rgc-5x5", "--to", "int-5"];
     assert!(first(&fine).starts_with("rgc-5x5"));
     assert!(abouts(&json(at, &fine)).is_empty());
