@@ -12,6 +12,7 @@ use crate::{
     kernel::Kernel,
     plane::Plane,
     program::{Cost, for_each, stored},
+    study::feasibility::time,
 };
 
 impl Compiled {
@@ -58,6 +59,7 @@ impl Compiled {
             "snake_words": self.snake,
             "border": self.filter.border,
             "array_us": cost.array_us,
+            "array_us_range": self.array_us(device),
             "host_us": cost.host_us,
             "results_lsb": results.collect::<Vec<_>>(),
             "thresholds_lsb": self.thresholds,
@@ -66,7 +68,7 @@ impl Compiled {
             "largest_input_lsb": 127.0 / self.filter.peak,
             "offset_stores": self.filter.offsets,
             "noise_lsb": self.noise(asked, device),
-            "energy_uj": self.energy(device).0,
+            "energy_uj": self.energy_uj(device),
             "states": self.filter.states,
             "seconds": seconds,
             "text": self.text,
@@ -96,15 +98,16 @@ impl Compiled {
         2f64.powi(-(self.filter.prescale as i32))
     }
 
-    /// Microjoules a frame at the highest frame rate, from the array's busy time alone to full
-    /// power all the time; and that frame rate.
-    pub(super) fn energy(&self, device: &Device) -> ([f64; 2], f64) {
-        let cost = Cost::of(&self.expansion.code.frame, device);
-        let power = device.value(Figure::Power);
-        (
-            [power * cost.array_us, power * cost.micros()],
-            1e6 / cost.micros(),
-        )
+    /// The least and the most that the words of a frame take, in us.
+    fn array_us(&self, device: &Device) -> [f64; 2] {
+        let frame = &self.expansion.code.frame;
+        time::array_us(frame, device).unwrap_or([Cost::of(frame, device).array_us; 2])
+    }
+
+    /// Microjoules that the words of a frame take: a word takes what it takes at the full rate.
+    fn energy_uj(&self, device: &Device) -> f64 {
+        let [least, _] = self.array_us(device);
+        device.value(Figure::Power) * least
     }
 
     /// The table for people.
@@ -129,14 +132,14 @@ impl Compiled {
             "store",
             format!("{kept} words of {}", device.value(Figure::Store)),
         );
+        let [least, most] = self.array_us(device);
         line(
             "time",
             format!(
-                "{:.1} us on the array, {:.1} us on the host: at most {:.0} frames/s, of compute alone {:.0}",
-                cost.array_us,
+                "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {:.1} us on the host with all slots: at most {:.0} frames/s, of compute alone {:.0}",
                 cost.host_us,
                 1e6 / cost.micros(),
-                1e6 / cost.array_us
+                1e6 / least
             ),
         );
         line(
@@ -179,11 +182,11 @@ impl Compiled {
                 ),
             );
         }
-        let ([least, most], rate) = self.energy(device);
         line(
             "energy",
             format!(
-                "{least:.2} to {most:.2} uJ a frame at {rate:.0} frames/s: {} W (quoted) while the array is busy, or all the time; what it takes idle is not public",
+                "{:.2} uJ a frame for its words: {} W (quoted) while the array is busy; what it takes idle and for the readout is not public",
+                self.energy_uj(device),
                 device.value(Figure::Power)
             ),
         );

@@ -74,6 +74,15 @@ pub(super) struct Words {
     is_unknown: bool,
 }
 
+/// The least and the most that the words of a frame take, in us: at the chip's peak clock, and
+/// with what their launches may take.
+///
+/// # Errors
+/// Never for a chip that was loaded.
+pub fn array_us(frame: &[Step], device: &Device) -> Result<[f64; 2], FigureError> {
+    Ok(Words::new(frame, device)?.ends())
+}
+
 impl Words {
     /// Of a frame's program.
     ///
