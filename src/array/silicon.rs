@@ -198,7 +198,8 @@ impl Silicon {
     fn run(&self, share: Share, place: Place, cells: usize) -> Run<'_> {
         let (first, register) = (self.pixel(place), usize::from(place.register.0));
         Run {
-            first: self.lies.pixel(place.y, place.x) as u32,
+            first,
+            lies: self.lies,
             by: share.by as f32,
             gain: &self.gain[register][first..][..cells],
             offset: &self.offset[register][first..][..cells],
@@ -221,7 +222,9 @@ impl Silicon {
 
 /// What all cells of a run have in common, and what is each one's own.
 struct Run<'a> {
-    first: u32,
+    /// The number of the first cell in the array; rows follow each other.
+    first: usize,
+    lies: Lies,
     by: f32,
     gain: &'a [f32],
     offset: &'a [f32],
@@ -273,6 +276,24 @@ impl Run<'_> {
         offset + self.noise * Draws::normal(drawn)
     }
 
+    /// Draws for cells beside each other, from that number of the run on.
+    #[inline(always)]
+    fn draw(&self, from: usize, drawn: &mut [u32]) {
+        let (mut at, Lies { columns, width, .. }) = (self.first + from, self.lies);
+        if width == columns {
+            return self.draws.draw(self.lies.pixel(0, at) as u32, drawn);
+        }
+        // On the chip the next row does not follow.
+        let mut rest = drawn;
+        while !rest.is_empty() {
+            let (y, x) = (at / width, at % width);
+            let (row, more) = rest.split_at_mut((width - x).min(rest.len()));
+            self.draws.draw(self.lies.pixel(y, x) as u32, row);
+            at += row.len();
+            rest = more;
+        }
+    }
+
     /// Stores what is on the bus of each cell, so many cells at once: `sum`, of its number and
     /// what it holds.
     #[inline(always)]
@@ -298,7 +319,7 @@ impl Run<'_> {
         for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
             let from = k * BLOCK;
             let drawn = &mut drawn[..cells.len()];
-            self.draws.draw(self.first + from as u32, drawn);
+            self.draw(from, drawn);
             for (j, cell) in cells.iter_mut().enumerate() {
                 let error = self.error(self.offset[from + j], drawn[j]);
                 *cell = value(from + j, *cell, error).clamp(self.range.0, self.range.1);
@@ -363,7 +384,7 @@ impl Domain for Silicon {
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
         let run = self.run(Share::new(1, 0), place, 1);
         let mut drawn = [0];
-        run.draws.draw(run.first, &mut drawn);
+        run.draw(0, &mut drawn);
         let error = run.error(run.offset[0], drawn[0]);
         Some(self.saturated(sum * sum * gain as f32 + error))
     }

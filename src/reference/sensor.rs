@@ -34,6 +34,12 @@ const SMALL: usize = 1 << 13;
 /// task. Events do not depend on it.
 const BAND_ROWS: usize = 32;
 
+/// Into how many bands, at most as many threads, a sensor of this size is cut.
+#[must_use]
+pub const fn bands_of(size: Size) -> usize {
+    size.height.div_ceil(band_rows(size))
+}
+
 /// The float model of one sensor, in one number format.
 #[derive(Clone, Debug)]
 pub struct Reference<N: Number = F64> {
@@ -358,10 +364,12 @@ fn first_fault<N: Number>(light: Light<'_, N>, size: Size) -> Option<SensorError
 
 /// Rows of a band of a sensor of this size.
 const fn band_rows(size: Size) -> usize {
-    if size.pixels() < SMALL {
+    if size.pixels() >= SMALL {
+        BAND_ROWS
+    } else if size.height > 0 {
         size.height
     } else {
-        BAND_ROWS
+        1
     }
 }
 

@@ -44,6 +44,7 @@ mod y4m;
 
 pub mod evenly;
 pub mod held;
+pub mod kept;
 pub mod part;
 pub mod pattern;
 pub mod resample;

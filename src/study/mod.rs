@@ -4,6 +4,7 @@ pub mod design;
 pub mod equivalent;
 pub mod feasibility;
 pub mod front;
+pub mod pilot;
 pub mod plan;
 pub mod quantisation;
 pub mod report;

@@ -1,0 +1,395 @@
+//! The plan of a run: what the float model may leave out in one scene.
+
+use std::{ops::ControlFlow, ops::Range};
+
+use crate::{
+    event::{Packet, readout::Readout},
+    kernel::Kernel,
+    mosaic::Mosaic,
+    number::{Format, Number, Visitor},
+    plane::{At, Plane, Size},
+    reference::{Description, Limit, MemoryRule, Reference},
+    rig,
+    scene::{Frame, Scene, SceneError, kept::Kept, upsample},
+    sensor::{Sensor, SensorError},
+    unit::Micros,
+};
+
+use super::{
+    answer::Offer,
+    effect::{Choice, Effect},
+    estimate::Estimate,
+    float::Floats,
+    look::{Grid, Look},
+    measure::Measure,
+    rule,
+};
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct Question<'a> {
+    /// The sensor.
+    pub description: &'a Description,
+    /// Its mismatch and noise; draws the tiles, too.
+    pub seed: u64,
+    /// The share of the full model's events that may change: 0.01 for 1 %.
+    pub tolerance: f64,
+    /// An event that is moved by more is changed.
+    pub within: Micros,
+    /// Number formats that may be taken in place of double precision.
+    pub formats: &'a [Format],
+    /// The contrast that frames are inserted for, in ln units.
+    pub upsample: Option<f64>,
+    /// What stands between the cells and the packet.
+    pub readout: Option<Readout>,
+    /// Whether the array may be cut to where something changes.
+    pub crop: bool,
+    /// What the pilot may spend: a part of the full model's time, and seconds besides.
+    pub budget: (f64, f64),
+    /// So many tiles whatever they cost, in place of what the budget affords.
+    pub tiles: Option<usize>,
+}
+
+/// What a pilot may spend where nobody says: with the reading of the scene less than 5 % and a
+/// tenth of a second.
+pub const BUDGET: (f64, f64) = (0.04, 0.05);
+
+/// The most bytes of a scene that is kept for a pilot.
+pub const KEPT: usize = 1 << 30;
+
+/// Rows and columns.
+pub type Window = (Range<usize>, Range<usize>);
+
+/// What a rule allows to leave out.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Free {
+    /// What.
+    pub what: Effect,
+    /// Why it changes nothing.
+    pub why: &'static str,
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Plan {
+    /// The model to run.
+    pub choice: Choice,
+    /// What it changes; none where nothing but what a rule allows is left out.
+    pub change: Option<Estimate>,
+    /// What rules allow to leave out.
+    pub free: Vec<Free>,
+    /// What was thought of, and measured.
+    pub offers: Vec<Offer<Choice>>,
+    /// Why the pilot ended where it did.
+    pub why: String,
+    /// Rows and columns outside of which no cell ever fires, where the array is cut to them.
+    pub window: Option<Window>,
+    /// Seconds that the pilot took, the reading of the scene not included.
+    pub seconds: f64,
+    /// Seconds that the full model and the choice are expected to take, the scene not included;
+    /// none where nothing was run.
+    pub expected: Option<[f64; 2]>,
+}
+
+/// Why there is no plan, or no run of it.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum PlanError {
+    /// The scene cannot be read.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// The sensor cannot go on.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Sensor(#[from] SensorError),
+    /// A tolerance that is none.
+    #[error("the tolerance is {0}")]
+    #[diagnostic(help("give a share of the events from 0 to 1"))]
+    Tolerance(f64),
+}
+
+impl Plan {
+    /// What is left out by the choice changes so many of a hundred events at most, with the
+    /// pilot's confidence; 0 where only rules allow it.
+    #[must_use]
+    pub fn limit(&self) -> f64 {
+        self.change.and_then(|change| change.limit).unwrap_or(0.0)
+    }
+
+    fn full(why: &str) -> Self {
+        Self {
+            choice: Choice::full(),
+            change: None,
+            free: Vec::new(),
+            offers: Vec::new(),
+            why: why.to_owned(),
+            window: None,
+            seconds: 0.0,
+            expected: None,
+        }
+    }
+}
+
+/// Makes the plan. Where the scene is too long to be `kept`, there are rules only.
+///
+/// # Errors
+/// When the tolerance is not from 0 to 1, or the full model cannot be made.
+pub fn plan(
+    question: &Question<'_>,
+    kept: Option<&Kept>,
+    clock: &(dyn Fn() -> f64 + Sync),
+) -> Result<Plan, PlanError> {
+    let Question {
+        description,
+        tolerance,
+        upsample,
+        ..
+    } = *question;
+    if !(0.0..=1.0).contains(&tolerance) {
+        return Err(PlanError::Tolerance(tolerance));
+    }
+    if tolerance == 0.0 {
+        return Ok(Plan::full("nothing may change"));
+    }
+    let is_ideal = |readout: Readout| matches!(readout, Readout::Ideal(_));
+    if !question.readout.is_none_or(is_ideal) {
+        // A queue may lose any event for one that came before: there is no sample of it, and no
+        // limit on what the smallest change does.
+        return Ok(Plan::full(
+            "what a readout does to an event depends on all others, so nothing is left out before it",
+        ));
+    }
+    let mut plan = Plan::full("");
+    if upsample.is_some()
+        && let Some(why) = rule::needs_no_inserted_frames(description)
+    {
+        let what = Effect::InsertedFrames;
+        plan.free.push(Free { what, why });
+    }
+    let Some(kept) = kept else {
+        plan.choice = plan.base();
+        "the scene is too long to be kept, so nothing was measured".clone_into(&mut plan.why);
+        return Ok(plan);
+    };
+    let start = clock();
+    let size = kept.size();
+    if description.refractory.us > 0.0 || question.crop {
+        let look = Look::new(kept, Grid { size, side: 2 }, false);
+        if description.refractory.us > 0.0 && rule::has_no_close_crossings(description, &look) {
+            plan.free.push(Free {
+                what: Effect::DeadTime,
+                why: "the light changes so slowly that no two crossings of a cell are as close as the dead time",
+            });
+        }
+        if question.crop
+            && let Some(window) = window(description, &look)
+        {
+            plan.window = Some(window);
+            plan.free.push(Free {
+                what: Effect::Surroundings,
+                why: "nothing ever changes outside of these rows and columns, grown by what kernels reach",
+            });
+        }
+    }
+    let base = plan.base();
+    let candidates = candidates(question, &base);
+    let measure = Measure {
+        kept,
+        upsample: upsample.filter(|_| !base.leaves_out(Effect::InsertedFrames)),
+        tolerance,
+        within: question.within,
+        seed: question.seed,
+        clock,
+        budget: (question.budget.0, question.budget.1 - (clock() - start)),
+        tiles: question.tiles,
+    };
+    let family = Floats {
+        description,
+        seed: question.seed,
+        base: &base,
+    };
+    let answer = measure.ask(&family, &candidates)?;
+    Ok(Plan {
+        choice: answer.choice,
+        change: answer.change,
+        offers: answer.offers,
+        why: answer.why,
+        expected: answer.expected,
+        seconds: clock() - start,
+        ..plan
+    })
+}
+
+impl Plan {
+    /// What rules leave out.
+    fn base(&self) -> Choice {
+        let free = self.free.iter().map(|free| free.what);
+        free.fold(Choice::full(), Choice::and_without)
+    }
+}
+
+/// What could be left out besides, one thing at a time.
+fn candidates(question: &Question<'_>, base: &Choice) -> Vec<(String, Choice)> {
+    let inserts = question.upsample.is_some();
+    let is_there = |effect: &Effect| effect.is_in(question.description, inserts);
+    let effects = Effect::ALL.into_iter().filter(is_there);
+    let effects = effects.filter(|effect| !base.leaves_out(*effect));
+    let effects = effects.map(|effect| (effect.to_string(), base.clone().and_without(effect)));
+    let formats = question.formats.iter().filter(|format| **format != Format::F64);
+    let formats = formats.map(|format| {
+        let choice = Choice {
+            format: *format,
+            ..base.clone()
+        };
+        (format!("f64, for {format}"), choice)
+    });
+    effects.chain(formats).collect()
+}
+
+/// The rows and columns that have to be looked at, if those are fewer: where something changes,
+/// and twice as far as a kernel reaches around it, so that not even the rounding of a sum is
+/// another one.
+fn window(description: &Description, look: &Look) -> Option<Window> {
+    let noise = &description.noise;
+    let everywhere = noise.fires()
+        || noise.leak_hz > 0.0
+        // This memory moves without a change of its own pixel.
+        || description.memory == MemoryRule::AuthorsPixelStep
+        || description.channels.iter().any(|c| c.surrounds.is_some());
+    if everywhere {
+        return None;
+    }
+    let kernels = description.channels.iter();
+    let kernels = kernels.flat_map(|c| c.kernels.iter().chain(&c.memory_kernel));
+    let reach = kernels.map(Kernel::reach);
+    let (down, across) = reach.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+    let grown = |range: &Range<usize>, reach: usize, side: usize| {
+        // From an even place on: patterns are 2x2.
+        let start = range.start.saturating_sub(2 * reach) & !1;
+        start..(range.end + 2 * reach).clamp(start + 1, side.max(start + 1))
+    };
+    let (rows, columns) = &look.changing;
+    let size = look.grid.size;
+    let rows = grown(rows, down, size.height);
+    let columns = grown(columns, across, size.width);
+    let part = rows.len() * columns.len();
+    (10 * part <= 9 * size.pixels()).then_some((rows, columns))
+}
+
+/// A model of a plan, and how it is run.
+#[derive(Clone, Debug)]
+pub struct Model<'a> {
+    /// Of what.
+    pub question: &'a Question<'a>,
+    /// Which.
+    pub choice: Choice,
+    /// What is left of the array.
+    pub window: Option<Window>,
+    /// How many events it may list.
+    pub limit: Limit,
+}
+
+impl<'a> Model<'a> {
+    /// The full model.
+    #[must_use]
+    pub const fn full(question: &'a Question<'a>, limit: Limit) -> Self {
+        Self {
+            question,
+            choice: Choice::full(),
+            window: None,
+            limit,
+        }
+    }
+
+    /// The planned one.
+    #[must_use]
+    pub fn planned(question: &'a Question<'a>, plan: &Plan, limit: Limit) -> Self {
+        Self {
+            question,
+            choice: plan.choice.clone(),
+            window: plan.window.clone(),
+            limit,
+        }
+    }
+
+    /// Shows it a scene; `seen` is called after each frame.
+    ///
+    /// # Errors
+    /// When the scene or the sensor cannot go on.
+    pub fn run(&self, scene: impl Scene, seen: impl FnMut()) -> Result<Packet, PlanError> {
+        let keeps = |effect: Effect| !self.choice.leaves_out(effect);
+        let contrast = self.question.upsample.filter(|_| keeps(Effect::InsertedFrames));
+        let whole = scene.size();
+        let mut scene = upsample::by_contrast(scene, contrast)?;
+        let window = self.window.clone().filter(|_| !keeps(Effect::Surroundings));
+        let mosaic = window.map(|(rows, columns)| {
+            let at = At {
+                y: rows.start,
+                x: columns.start,
+            };
+            let tile = Size::new(rows.len(), columns.len());
+            Mosaic::new(whole, tile, 0, vec![at], 1)
+        });
+        let mut packet = self.choice.format.visit(Watch {
+            model: self,
+            mosaic: mosaic.as_ref(),
+            scene: &mut *scene,
+            seen,
+        })?;
+        if let Some(at) = mosaic.as_ref().and_then(|mosaic| mosaic.tiles().first()) {
+            for event in &mut packet.events {
+                event.x += at.x as u16;
+                event.y += at.y as u16;
+            }
+            packet.size = whole;
+        }
+        Ok(match self.question.readout {
+            Some(readout) => readout.read(&packet).packet,
+            None => packet,
+        })
+    }
+}
+
+/// A model that watches, in whatever format.
+struct Watch<'a, F> {
+    model: &'a Model<'a>,
+    mosaic: Option<&'a Mosaic>,
+    scene: &'a mut (dyn Scene + 'a),
+    seen: F,
+}
+
+impl<F: FnMut()> Visitor for Watch<'_, F> {
+    type Output = Result<Packet, PlanError>;
+
+    fn visit<N: Number>(mut self, number: N) -> Self::Output {
+        let Question {
+            description, seed, ..
+        } = *self.model.question;
+        let plain = self.model.choice.plainer(description);
+        let sensor = match self.mosaic {
+            Some(mosaic) => Reference::on_tiles(number, plain, mosaic, seed)?,
+            None => Reference::with_number(number, plain, self.scene.size(), seed)?,
+        };
+        let mut sensor = sensor.with_limit(self.model.limit);
+        let mut packet = Packet::new(sensor.size(), sensor.channels());
+        rig::play(self.scene, |frame| {
+            let frame = match self.mosaic {
+                Some(mosaic) => cut(&frame, mosaic),
+                None => frame,
+            };
+            sensor.watch(&frame, &mut packet)?;
+            (self.seen)();
+            Ok::<_, PlanError>(ControlFlow::Continue(()))
+        })?;
+        Ok(packet)
+    }
+}
+
+/// The part of a frame that a mosaic of one tile shows.
+fn cut(frame: &Frame, mosaic: &Mosaic) -> Frame {
+    let at = mosaic.tiles().first().copied().unwrap_or(At { y: 0, x: 0 });
+    let Size { height, width } = mosaic.size();
+    let rows = ndarray::s![at.y..at.y + height, at.x..at.x + width];
+    let light: Plane<f64> = frame.light.slice(rows).to_owned();
+    Frame { light, ..*frame }
+}
