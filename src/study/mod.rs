@@ -5,7 +5,6 @@ pub mod equivalent;
 pub mod feasibility;
 pub mod front;
 pub mod pilot;
-pub mod plan;
 pub mod quantisation;
 pub mod report;
 pub mod sweep;

@@ -19,6 +19,7 @@ use super::{
     answer::Offer,
     effect::{Choice, Effect},
     estimate::Estimate,
+    family::Family as _,
     float::Floats,
     look::{Grid, Look},
     measure::Measure,
@@ -59,6 +60,25 @@ pub const KEPT: usize = 1 << 30;
 
 /// Rows and columns.
 pub type Window = (Range<usize>, Range<usize>);
+
+impl Question<'_> {
+    /// Whether a pilot would look at the scene: else there is no need to keep it.
+    #[must_use]
+    pub fn looks(&self) -> bool {
+        let family = Floats {
+            description: self.description,
+            seed: self.seed,
+            base: &Choice::full(),
+        };
+        self.tolerance > 0.0 && self.is_read_ideally() && (self.crop || family.halo().is_ok())
+    }
+
+    /// Whether events leave the cells as they are.
+    fn is_read_ideally(&self) -> bool {
+        let is_ideal = |readout: Readout| matches!(readout, Readout::Ideal(_));
+        self.readout.is_none_or(is_ideal)
+    }
+}
 
 /// What a rule allows to leave out.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -151,8 +171,7 @@ pub fn plan(
     if tolerance == 0.0 {
         return Ok(Plan::full("nothing may change"));
     }
-    let is_ideal = |readout: Readout| matches!(readout, Readout::Ideal(_));
-    if !question.readout.is_none_or(is_ideal) {
+    if !question.is_read_ideally() {
         // A queue may lose any event for one that came before: there is no sample of it, and no
         // limit on what the smallest change does.
         return Ok(Plan::full(
@@ -168,7 +187,16 @@ pub fn plan(
     }
     let Some(kept) = kept else {
         plan.choice = plan.base();
-        "the scene is too long to be kept, so nothing was measured".clone_into(&mut plan.why);
+        let family = Floats {
+            description,
+            seed: question.seed,
+            base: &plan.choice,
+        };
+        let why = match family.halo() {
+            Err(why) => why,
+            Ok(_) => "the scene is too long to be kept, so nothing was measured",
+        };
+        why.clone_into(&mut plan.why);
         return Ok(plan);
     };
     let start = clock();
