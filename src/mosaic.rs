@@ -126,14 +126,20 @@ impl Mosaic {
     /// The rows and columns of the mosaic that a tile and its halo take, without what lies off the
     /// plane; and where the first of them lies in the plane.
     #[must_use]
-    pub fn window(&self, tile: usize) -> Option<(std::ops::Range<usize>, std::ops::Range<usize>, At)> {
+    pub fn window(
+        &self,
+        tile: usize,
+    ) -> Option<(std::ops::Range<usize>, std::ops::Range<usize>, At)> {
         let corner = self.tiles.get(tile)?;
         let block = self.block();
         let span = |first: usize, corner: usize, side: usize, whole: usize| {
             let before = self.halo.min(corner);
             let end = (corner + side + self.halo).min(whole);
             let start = first + self.halo - before;
-            (start..start + (end + before).saturating_sub(corner), corner - before)
+            (
+                start..start + (end + before).saturating_sub(corner),
+                corner - before,
+            )
         };
         let (rows, y) = span(
             tile / self.across * block.height,
@@ -180,7 +186,10 @@ mod tests {
         let near = mosaic.shown(&plane, Outside::Nearest);
         let dark = mosaic.shown(&plane, Outside::Dark);
         // The upper left corner of the halo of the first tile lies off the plane.
-        assert_eq!((near[(0, 0)], dark[(0, 0)], mosaic.tile(0, 0)), (0.0, 0.0, None));
+        assert_eq!(
+            (near[(0, 0)], dark[(0, 0)], mosaic.tile(0, 0)),
+            (0.0, 0.0, None)
+        );
         assert_eq!((near[(1, 1)], mosaic.tile(1, 1)), (0.0, Some(0)));
         assert_eq!((near[(2, 3)], dark[(2, 3)]), (102.0, 102.0));
         assert_eq!((near[(1, 7)], mosaic.tile(1, 7)), (408.0, Some(1)));
@@ -188,7 +197,10 @@ mod tests {
         assert_eq!(mosaic.home(4, 10), At { y: 7, x: 11 });
         // The third tile reaches beyond the plane on two sides.
         assert_eq!((near[(7, 1)], mosaic.tile(7, 1)), (812.0, Some(2)));
-        assert_eq!((near[(9, 3)], dark[(9, 3)], mosaic.tile(9, 3)), (913.0, 0.0, None));
+        assert_eq!(
+            (near[(9, 3)], dark[(9, 3)], mosaic.tile(9, 3)),
+            (913.0, 0.0, None)
+        );
         // What is left of the last row.
         assert_eq!((near[(7, 7)], mosaic.tile(7, 7)), (812.0, None));
     }
@@ -204,7 +216,10 @@ mod tests {
             let (rows, columns, at) = mosaic.window(tile).unwrap();
             assert_eq!(mosaic.home(rows.start, columns.start), at);
             let end = mosaic.home(rows.end - 1, columns.end - 1);
-            assert_eq!((end.y + 1 - at.y, end.x + 1 - at.x), (rows.len(), columns.len()));
+            assert_eq!(
+                (end.y + 1 - at.y, end.x + 1 - at.x),
+                (rows.len(), columns.len())
+            );
         }
     }
 }

@@ -315,11 +315,14 @@ impl Run<'_> {
     /// Each cell, from its number, what it holds and its error; limited to the range.
     #[inline(always)]
     fn each<const BLOCK: usize>(&self, cells: &mut [f32], value: impl Fn(usize, f32, f32) -> f32) {
-        let mut drawn = [0; BLOCK];
+        // What makes a normal number of 0.
+        let mut drawn = [1020; BLOCK];
         for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
             let from = k * BLOCK;
             let drawn = &mut drawn[..cells.len()];
-            self.draw(from, drawn);
+            if self.noise != 0.0 {
+                self.draw(from, drawn);
+            }
             for (j, cell) in cells.iter_mut().enumerate() {
                 let error = self.error(self.offset[from + j], drawn[j]);
                 *cell = value(from + j, *cell, error).clamp(self.range.0, self.range.1);

@@ -98,7 +98,11 @@ impl Fidelity {
     #[must_use]
     pub fn lines(&self, plan: &Plan) -> String {
         let mut text = chosen(plan, self.tolerance());
-        for free in plan.free.iter().filter(|free| plan.choice.leaves_out(free.what)) {
+        for free in plan
+            .free
+            .iter()
+            .filter(|free| plan.choice.leaves_out(free.what))
+        {
             let _ = writeln!(text, "* {:<26} free: {}", free.what.name(), free.why);
         }
         for offer in plan.offers.iter().filter(|offer| offer.left_out) {
@@ -184,7 +188,10 @@ pub fn line(offer: &Offer<impl Sized>, measured: Option<String>) -> String {
         format!("{:.0} %", 100.0 * plain / full)
     });
     let mark = if offer.left_out { '*' } else { ' ' };
-    let mut line = format!("{mark} {:<26} {about:>10} {limit:>10} {time:>7}", offer.what);
+    let mut line = format!(
+        "{mark} {:<26} {about:>10} {limit:>10} {time:>7}",
+        offer.what
+    );
     if let Some(measured) = measured {
         let _ = write!(line, " {measured:>10}");
     }
@@ -195,14 +202,24 @@ pub fn line(offer: &Offer<impl Sized>, measured: Option<String>) -> String {
 /// What the plan runs, and why it may.
 #[must_use]
 pub fn chosen(plan: &Plan, tolerance: f64) -> String {
-    let mut text = format!("plan     {}; {}\n", plan.choice, plan.why);
+    told(
+        (&plan.choice.to_string(), &plan.why),
+        plan.change,
+        tolerance,
+    )
+}
+
+/// The same of any choice: what it is, why, and what it changes.
+#[must_use]
+pub fn told((choice, why): (&str, &str), change: Option<Estimate>, tolerance: f64) -> String {
+    let mut text = format!("plan     {choice}; {why}\n");
     if let Some(Estimate {
         share: about,
         limit: Some(limit),
         tiles,
         events,
         ..
-    }) = plan.change
+    }) = change
     {
         let _ = writeln!(
             text,

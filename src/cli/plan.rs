@@ -162,7 +162,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
                     ..Model::planned(&question, &plan, limit)
                 };
                 let plain = ran(model, "one offer")?;
-                offers.push(Change::between(&full.packet, &plain.packet, question.within)?);
+                offers.push(Change::between(
+                    &full.packet,
+                    &plain.packet,
+                    question.within,
+                )?);
             }
             Some(Verified {
                 change: Change::between(&full.packet, &planned.packet, question.within)?,
@@ -270,15 +274,31 @@ impl Told<'_> {
             kept.size(),
             kept.len()
         );
-        let measured = if self.verified.is_some() { "   measured" } else { "" };
+        let measured = if self.verified.is_some() {
+            "   measured"
+        } else {
+            ""
+        };
         let _ = writeln!(
             text,
             "{:<28} {:>10} {:>10} {:>7}{measured}",
             "without", "about", "at most", "time"
         );
         for free in &plan.free {
-            let mark = if plan.choice.leaves_out(free.what) { '*' } else { ' ' };
-            let _ = writeln!(text, "{mark} {:<26} {:>10} {:>10} {:>7}   {}", free.what.name(), "0 %", "free", "", free.why);
+            let mark = if plan.choice.leaves_out(free.what) {
+                '*'
+            } else {
+                ' '
+            };
+            let _ = writeln!(
+                text,
+                "{mark} {:<26} {:>10} {:>10} {:>7}   {}",
+                free.what.name(),
+                "0 %",
+                "free",
+                "",
+                free.why
+            );
         }
         for (n, offer) in plan.offers.iter().enumerate() {
             let measured = self.verified.map(|verified| {
@@ -311,7 +331,11 @@ impl Told<'_> {
                 share: changed,
                 ..
             } = verified.change;
-            let held = if verified.held(plan) { "held" } else { "did not hold" };
+            let held = if verified.held(plan) {
+                "held"
+            } else {
+                "did not hold"
+            };
             let _ = writeln!(
                 text,
                 "verified {} events in {:.3} s by the full model: {missing} missing, {extra} extra, {} changed; the plan is {:.2} times as fast, and its limit {held}",

@@ -454,7 +454,8 @@ mod tests {
         let channels = description.channels.len();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
-            let mut reference = Reference::in_bands(F64, description, (size, None), 5, rows).unwrap();
+            let mut reference =
+                Reference::in_bands(F64, description, (size, None), 5, rows).unwrap();
             let mut packet = Packet::new(size, channels as u8);
             let mut counts = Counts::new(size, channels);
             let mut grid = VoxelGrid::new(size, channels);

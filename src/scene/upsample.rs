@@ -206,7 +206,10 @@ impl<S: Scene> Scene for Upsampled<S> {
             });
         }
         between.steps += 1;
-        between.share += self.how.bound.longest_step(&between.steepest, between.share);
+        between.share += self
+            .how
+            .bound
+            .longest_step(&between.steepest, between.share);
         let share = between.share;
         if share < 1.0 {
             let (from, to) = (&between.from, &between.to);

@@ -1,8 +1,8 @@
 //! The constants of a sensor, which its bands share, and their input in an interval.
 
 use crate::{
-    number::Number,
     mosaic::Mosaic,
+    number::Number,
     plane::Size,
     reference::{
         description::Description,
@@ -78,7 +78,9 @@ impl<N: Number> Plan<N> {
         let thresholds = channels
             .iter()
             .enumerate()
-            .map(|(number, channel)| Thresholds::new(&channel.thresholds, size, seed, (number, &home)))
+            .map(|(number, channel)| {
+                Thresholds::new(&channel.thresholds, size, seed, (number, &home))
+            })
             .collect();
         Self {
             number,

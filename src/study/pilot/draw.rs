@@ -27,7 +27,11 @@ pub fn draw(activity: &[f64], certain: &[usize], count: usize, seed: u64) -> Vec
     let may = |tile: &usize| activity.get(*tile).is_some_and(|a| *a >= 0.0);
     let mut tiles: Vec<usize> = (0..activity.len()).filter(may).collect();
     let total: f64 = tiles.iter().filter_map(|tile| activity.get(*tile)).sum();
-    let mean = if total > 0.0 { total / tiles.len() as f64 } else { 1.0 };
+    let mean = if total > 0.0 {
+        total / tiles.len() as f64
+    } else {
+        1.0
+    };
     let hash = |tile: usize| Hash::new(seed).with(tile as u64);
     let size = |tile: usize| activity.get(tile).copied().unwrap_or(0.0) + FLOOR * mean;
     // In order of size; equal ones in an order of chance.
@@ -37,7 +41,10 @@ pub fn draw(activity: &[f64], certain: &[usize], count: usize, seed: u64) -> Vec
         b.total_cmp(&a).then(x.cmp(&y))
     });
     let mut drawn: Vec<Drawn> = Vec::new();
-    let sure = |tile| Drawn { tile, probability: 1.0 };
+    let sure = |tile| Drawn {
+        tile,
+        probability: 1.0,
+    };
     for tile in certain {
         if drawn.len() < count && may(tile) && !drawn.iter().any(|one| one.tile == *tile) {
             drawn.push(sure(*tile));
@@ -84,7 +91,9 @@ mod tests {
     #[test]
     fn tiles_come_as_often_as_they_should() {
         const SEEDS: u64 = 4000;
-        let activity: Vec<f64> = (0..40).map(|i| f64::from(i % 10) * if i == 39 { 20.0 } else { 1.0 }).collect();
+        let activity: Vec<f64> = (0..40)
+            .map(|i| f64::from(i % 10) * if i == 39 { 20.0 } else { 1.0 })
+            .collect();
         let mut came = [0u64; 40];
         let mut said = [0.0; 40];
         for seed in 0..SEEDS {
@@ -95,7 +104,11 @@ mod tests {
         }
         for tile in 0..40 {
             let part = came[tile] as f64 / SEEDS as f64;
-            assert!((part - said[tile]).abs() < 0.04, "{tile}: {part}, not {}", said[tile]);
+            assert!(
+                (part - said[tile]).abs() < 0.04,
+                "{tile}: {part}, not {}",
+                said[tile]
+            );
             assert!(said[tile] > 0.05);
         }
         assert_eq!((said[3], said[39]), (1.0, 1.0));
@@ -118,10 +131,14 @@ mod tests {
     #[test]
     fn as_many_are_drawn_as_asked_for() {
         for seed in 0..50 {
-            let activity: Vec<f64> = (0..500).map(|i| Hash::new(seed).with(i).uniform().powi(4)).collect();
+            let activity: Vec<f64> = (0..500)
+                .map(|i| Hash::new(seed).with(i).uniform().powi(4))
+                .collect();
             let count = draw(&activity, &[], 40, seed).len();
             assert!((39..=40).contains(&count), "{count}");
-            let stands: f64 = { draw(&activity, &[], 40, seed).iter() }.map(|one| 1.0 / one.probability).sum();
+            let stands: f64 = { draw(&activity, &[], 40, seed).iter() }
+                .map(|one| 1.0 / one.probability)
+                .sum();
             assert!((stands / 500.0 - 1.0).abs() < 0.5, "{stands}");
         }
     }

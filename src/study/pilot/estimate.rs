@@ -84,7 +84,9 @@ impl Estimate {
             // All of it was run.
             (events > 0 || changes == 0).then_some(share)
         } else {
-            let known = changed - { drawn.iter() }.map(|tile| weight(tile) * tile.changes as f64).sum::<f64>();
+            let known = changed - { drawn.iter() }
+                .map(|tile| weight(tile) * tile.changes as f64)
+                .sum::<f64>();
             let upper = known + upper(&drawn, unseen, risk);
             let error = share * spread(&drawn) / total * deviations(risk);
             let more = upper / total - share;
@@ -171,8 +173,17 @@ mod tests {
 
     #[test]
     fn deviations_are_those_of_tables() {
-        for (risk, want) in [(0.5, 0.0), (0.05, 1.6449), (0.0125, 2.2414), (0.001, 3.0902)] {
-            assert!((deviations(risk) - want).abs() < 1e-3, "{risk}: {}", deviations(risk));
+        for (risk, want) in [
+            (0.5, 0.0),
+            (0.05, 1.6449),
+            (0.0125, 2.2414),
+            (0.001, 3.0902),
+        ] {
+            assert!(
+                (deviations(risk) - want).abs() < 1e-3,
+                "{risk}: {}",
+                deviations(risk)
+            );
         }
     }
 

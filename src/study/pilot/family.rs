@@ -57,6 +57,16 @@ pub trait Family: Sync {
     /// What several models leave out, together; none where that is no model.
     fn together(&self, models: &[Self::Model]) -> Option<Self::Model>;
 
+    /// A model on the whole sensor, where that is to tell what it costs: a few frames of it, since
+    /// tiles cost more than their share. None where they do not.
+    fn on_the_whole(
+        &self,
+        _model: &Self::Model,
+        _size: Size,
+    ) -> Option<Result<Box<dyn Sensor + Send>, SensorError>> {
+        None
+    }
+
     /// Into how many parts a sensor of this size is cut for several threads.
     fn parts(&self, size: Size) -> usize;
 }

@@ -33,8 +33,11 @@ impl Floats<'_> {
     /// How far kernels reach.
     fn reach(&self) -> usize {
         let channels = self.description.channels.iter();
-        let kernels = channels.flat_map(|channel| channel.kernels.iter().chain(&channel.memory_kernel));
-        let reach = kernels.map(Kernel::reach).map(|(down, right)| down.max(right));
+        let kernels =
+            channels.flat_map(|channel| channel.kernels.iter().chain(&channel.memory_kernel));
+        let reach = kernels
+            .map(Kernel::reach)
+            .map(|(down, right)| down.max(right));
         reach.max().unwrap_or(0)
     }
 }
@@ -51,7 +54,11 @@ impl Family for Floats<'_> {
     /// end to it, but for a kernel of one pixel. A resistor sheet reaches everywhere.
     fn halo(&self) -> Result<usize, &'static str> {
         let description = self.description;
-        if description.channels.iter().any(|channel| channel.surrounds.is_some()) {
+        if description
+            .channels
+            .iter()
+            .any(|channel| channel.surrounds.is_some())
+        {
             return Err("a resistor sheet reaches over the whole sensor, and its tiles are not it");
         }
         let reach = self.reach();
@@ -60,11 +67,20 @@ impl Family for Floats<'_> {
             MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
         );
         if pixels && reach > 0 {
-            return Err("with this memory what a cell does reaches its neighbours, and theirs: the events of a tile are not those of the whole sensor");
+            return Err(
+                "with this memory what a cell does reaches its neighbours, and theirs: the events of a tile are not those of the whole sensor",
+            );
         }
-        let dark = || description.response.apply(0.0).is_ok_and(|signal| signal.to_bits() == 0);
+        let dark = || {
+            description
+                .response
+                .apply(0.0)
+                .is_ok_and(|signal| signal.to_bits() == 0)
+        };
         if description.border == Border::Zero && !dark() {
-            return Err("off the sensor there is 0, which no light makes in this response: tiles at the border cannot be shown");
+            return Err(
+                "off the sensor there is 0, which no light makes in this response: tiles at the border cannot be shown",
+            );
         }
         Ok(reach.next_multiple_of(2))
     }
@@ -114,8 +130,8 @@ impl Family for Floats<'_> {
     /// noise is its own. Saturation, and what the scene makes of a dead time, a bandwidth or the
     /// frames, is in a place.
     fn unseen(&self, model: &Choice, look: &Look) -> Unseen {
-        let saturates = model.format != Format::F64
-            && rule::may_saturate(model.format, self.description, look);
+        let saturates =
+            model.format != Format::F64 && rule::may_saturate(model.format, self.description, look);
         if saturates {
             Unseen::Tile
         } else {

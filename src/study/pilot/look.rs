@@ -113,7 +113,11 @@ impl Look {
             };
             look.seconds += seconds - start;
             let (dt, counts) = (seconds - start, n % skip == 0);
-            let how = How { dt, counts, relative };
+            let how = How {
+                dt,
+                counts,
+                relative,
+            };
             match (before, now) {
                 (Pixels::Bytes(a), Pixels::Bytes(b)) => look.compare(a, b, how, &mut places[2]),
                 (Pixels::Numbers(a), Pixels::Numbers(b)) => {
@@ -121,7 +125,9 @@ impl Look {
                 }
                 (a, b) => {
                     let all = |pixels: Pixels<'_>| -> Vec<f64> {
-                        (0..grid.size.pixels()).map(|pixel| pixels.at(pixel)).collect()
+                        (0..grid.size.pixels())
+                            .map(|pixel| pixels.at(pixel))
+                            .collect()
                     };
                     look.compare(&all(a), &all(b), how, &mut places[2]);
                 }
@@ -142,8 +148,12 @@ impl Look {
 
     fn extent_of<T: Value>(&mut self, pixels: &[T], places: &mut [usize; 3]) {
         let Some(first) = pixels.first() else { return };
-        let least = pixels.iter().fold(*first, |a, b| if *b < a { *b } else { a });
-        let most = pixels.iter().fold(*first, |a, b| if *b > a { *b } else { a });
+        let least = pixels
+            .iter()
+            .fold(*first, |a, b| if *b < a { *b } else { a });
+        let most = pixels
+            .iter()
+            .fold(*first, |a, b| if *b > a { *b } else { a });
         let place = |of: T| pixels.iter().position(|light| *light == of).unwrap_or(0);
         if least.light() < self.range.0 {
             (self.range.0, places[0]) = (least.light(), place(least));

@@ -1,7 +1,12 @@
 //! The measurement: candidates against the full model on the tiles that can be afforded.
 
 use crate::{
-    mosaic::Mosaic, plane::Size, scene::kept::Kept, sensor::SensorError, unit::Micros,
+    event::Packet,
+    mosaic::Mosaic,
+    plane::Size,
+    scene::{Scene as _, kept::Kept},
+    sensor::SensorError,
+    unit::Micros,
 };
 
 use super::{
@@ -46,6 +51,9 @@ const LEAST_TILES: usize = 12;
 /// Pixels of the mosaic on which costs are learned, and frames of the scene.
 const TRIED_PIXELS: usize = 1 << 12;
 const TRIED_FRAMES: usize = 6;
+
+/// Frames on the whole sensor, where tiles do not tell what it costs.
+const TRIED_WHOLE: u32 = 2;
 
 /// Frames that are not timed.
 const UNCLOCKED: u64 = 2;
@@ -99,12 +107,7 @@ impl Measure<'_> {
         Ok(answer)
     }
 
-    fn answer<F: Family>(
-        &self,
-        family: &F,
-        start: f64,
-        answer: &mut Answer<F::Model>,
-    ) -> Step<()> {
+    fn answer<F: Family>(&self, family: &F, start: f64, answer: &mut Answer<F::Model>) -> Step<()> {
         if answer.offers.is_empty() {
             return because("there is nothing to leave out that takes time");
         }
@@ -231,12 +234,19 @@ impl<F: Family> Pilot<'_, F> {
             size.pixels() as f64 / parts.max(1) as f64
         };
         let larger = share(measure.kept.size()) / share(mosaic.size());
-        let whole = larger * self.whole_scene(reference);
+        let expected = |ran: &Ran<F::Model>| match self.on_the_whole(&ran.model) {
+            Some(seconds) => seconds,
+            None => larger * self.whole_scene(ran),
+        };
+        let whole = expected(reference);
         answer.expected = Some([whole, whole]);
         let mut each = self.whole_scene(reference);
-        let going = answer.offers.iter_mut().filter(|offer| offer.why.is_empty());
+        let going = answer
+            .offers
+            .iter_mut()
+            .filter(|offer| offer.why.is_empty());
         for (offer, ran) in going.zip(others) {
-            let seconds = larger * self.whole_scene(ran);
+            let seconds = expected(ran);
             offer.seconds = Some([seconds, whole]);
             if let Some(why) = &ran.given_up {
                 offer.why.clone_from(why);
@@ -259,6 +269,28 @@ impl<F: Family> Pilot<'_, F> {
             );
         }
         Ok(affordable.min(trial.grid.tiles()))
+    }
+
+    /// Seconds that a model takes for the whole scene, from its first frames on the whole sensor;
+    /// none where tiles tell them.
+    fn on_the_whole(&self, model: &F::Model) -> Option<f64> {
+        let Self { trial, measure, .. } = self;
+        let kept = measure.kept;
+        let mut sensor = trial.family.on_the_whole(model, kept.size())?.ok()?;
+        let mut packet = Packet::new(sensor.size(), sensor.channels());
+        let mut scene = kept.scene();
+        let mut seconds = 0.0;
+        for n in 0..TRIED_WHOLE {
+            let frame = scene.next_frame().ok()??;
+            let start = (measure.clock)();
+            sensor.watch(&frame, &mut packet).ok()?;
+            // The first frame is another body.
+            if n > 0 {
+                seconds += (measure.clock)() - start;
+            }
+        }
+        let each = seconds / f64::from(TRIED_WHOLE - 1);
+        Some(each * self.frames[0] as f64)
     }
 
     /// Seconds that the pilot may take, of a full model that takes so many.
@@ -295,7 +327,10 @@ impl<F: Family> Pilot<'_, F> {
             reference,
             risk: RISK / models.len() as f64,
         };
-        let going = answer.offers.iter_mut().filter(|offer| offer.why.is_empty());
+        let going = answer
+            .offers
+            .iter_mut()
+            .filter(|offer| offer.why.is_empty());
         for (offer, ran) in going.zip(others) {
             judge.fill(offer, ran, whole);
         }
@@ -366,7 +401,10 @@ impl<F: Family> Pilot<'_, F> {
                 && change.missing + change.extra > 100
                 && change.share > 5.0 * self.measure.tolerance
             {
-                ran.given_up = Some(format!("{:.1} % of the events change", 100.0 * change.share));
+                ran.given_up = Some(format!(
+                    "{:.1} % of the events change",
+                    100.0 * change.share
+                ));
             }
         }
     }
@@ -407,8 +445,10 @@ impl<F: Family> Judge<'_, F> {
                 offer.why = said(change, measure.tolerance);
             }
         }
-        let part = self.pilot.whole_scene(ran) / self.pilot.whole_scene(self.reference);
-        offer.seconds = Some([part * whole, whole]);
+        let seconds = self.pilot.on_the_whole(&ran.model).unwrap_or_else(|| {
+            whole * self.pilot.whole_scene(ran) / self.pilot.whole_scene(self.reference)
+        });
+        offer.seconds = Some([seconds, whole]);
     }
 }
 

@@ -14,6 +14,7 @@
 
 pub mod answer;
 pub mod change;
+pub mod chips;
 pub mod draw;
 pub mod effect;
 pub mod estimate;
@@ -22,12 +23,15 @@ pub mod float;
 pub mod look;
 pub mod measure;
 pub mod plan;
+mod program_halo;
 pub mod rule;
 mod stage;
+pub mod term;
 mod trial;
 
 pub use answer::{Answer, Offer};
 pub use change::Change;
+pub use chips::{Chips, Machine};
 pub use effect::{Choice, Effect};
 pub use estimate::{Estimate, Unseen};
 pub use family::Family;
@@ -35,3 +39,4 @@ pub use float::Floats;
 pub use look::{Grid, Look};
 pub use measure::Measure;
 pub use plan::{Plan, PlanError, Question};
+pub use term::Term;

@@ -263,7 +263,10 @@ fn candidates(question: &Question<'_>, base: &Choice) -> Vec<(String, Choice)> {
     let effects = Effect::ALL.into_iter().filter(is_there);
     let effects = effects.filter(|effect| !base.leaves_out(*effect));
     let effects = effects.map(|effect| (effect.to_string(), base.clone().and_without(effect)));
-    let formats = question.formats.iter().filter(|format| **format != Format::F64);
+    let formats = question
+        .formats
+        .iter()
+        .filter(|format| **format != Format::F64);
     let formats = formats.map(|format| {
         let choice = Choice {
             format: *format,
@@ -346,7 +349,10 @@ impl<'a> Model<'a> {
     /// When the scene or the sensor cannot go on.
     pub fn run(&self, scene: impl Scene, seen: impl FnMut()) -> Result<Packet, PlanError> {
         let keeps = |effect: Effect| !self.choice.leaves_out(effect);
-        let contrast = self.question.upsample.filter(|_| keeps(Effect::InsertedFrames));
+        let contrast = self
+            .question
+            .upsample
+            .filter(|_| keeps(Effect::InsertedFrames));
         let whole = scene.size();
         let mut scene = upsample::by_contrast(scene, contrast)?;
         let window = self.window.clone().filter(|_| !keeps(Effect::Surroundings));

@@ -8,6 +8,9 @@ use crate::{
     reference::{Channel, Description, MemoryRule, RefractoryRule, SheetRule},
 };
 
+/// The most steps of a memory that are counted.
+const MOST_STEPS: f64 = (1 << 30) as f64;
+
 /// What a signal is of light: the white of a linear response; none where it is not straight.
 fn white(description: &Description) -> Option<f64> {
     if description.response.round_f32 {
@@ -60,7 +63,11 @@ pub fn has_no_close_crossings(description: &Description, look: &Look) -> bool {
         let thresholds = channel.thresholds.iter().map(|threshold| {
             let least = threshold.on.min(threshold.off);
             // A cell's own is at least a twentieth of the nominal one.
-            if threshold.sigma > 0.0 { least / 20.0 } else { least }
+            if threshold.sigma > 0.0 {
+                least / 20.0
+            } else {
+                least
+            }
         });
         let least = thresholds.fold(f64::INFINITY, f64::min);
         let speed = look.steepest / white * gain(&channel.kernels);
@@ -72,23 +79,49 @@ pub fn has_no_close_crossings(description: &Description, look: &Look) -> bool {
 }
 
 /// Whether what cells hold may reach an end of a format's range in this light: a scene that never
-/// does cannot saturate it. The memory lies between drives, and a distance is at most two of them.
+/// does cannot saturate it. The memory lies between drives, and a distance is at most two of them;
+/// but where a memory steps by thresholds of two sizes, steps are counted, and what they come to on
+/// the way may be anything up to the most that are counted.
 #[must_use]
 pub fn may_saturate(format: Format, description: &Description, look: &Look) -> bool {
     let (least, most) = format.limits();
     let room = most.min(-least);
     let (low, high) = look.range;
-    let signal = |light: f64| description.response.apply(light).map_or(f64::INFINITY, f64::abs);
+    let signal = |light: f64| {
+        description
+            .response
+            .apply(light)
+            .map_or(f64::INFINITY, f64::abs)
+    };
     // Responses do not turn, so the largest signal is at an end.
     let signal = signal(low).max(signal(high));
     let whole = |channel: &Channel| {
-        let thresholds = channel.thresholds.iter().map(|t| t.on.max(t.off) + 9.0 * t.sigma);
+        let thresholds = channel
+            .thresholds
+            .iter()
+            .map(|t| t.on.max(t.off) + 9.0 * t.sigma);
         let threshold = thresholds.fold(0.0, f64::max);
-        2.0 * (signal * gain(&channel.kernels) * 1.01 + threshold)
+        let whole = 2.0 * (signal * gain(&channel.kernels) * 1.01 + threshold);
+        let equal = channel
+            .thresholds
+            .iter()
+            .all(|t| t.on == t.off && t.sigma <= 0.0);
+        let steps = matches!(
+            description.memory,
+            MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep
+        );
+        if steps && !equal {
+            whole + threshold * MOST_STEPS
+        } else {
+            whole
+        }
     };
     let leaks = description.noise.leak_hz > 0.0;
     let mut channels = description.channels.iter();
-    leaks || channels.any(|channel| channel.log_temporal || channel.surrounds.is_some() || whole(channel) >= room)
+    leaks
+        || channels.any(|channel| {
+            channel.log_temporal || channel.surrounds.is_some() || whole(channel) >= room
+        })
 }
 
 /// The largest drive that a signal of 1 can make.

@@ -79,7 +79,13 @@ impl Sample {
         } else {
             (blocks.chosen(count, events), SIDE, SIDE, halo)
         };
-        let corners: Vec<At> = tiles.iter().map(|tile| At { y: tile.y, x: tile.x }).collect();
+        let corners: Vec<At> = tiles
+            .iter()
+            .map(|tile| At {
+                y: tile.y,
+                x: tile.x,
+            })
+            .collect();
         let across = corners.len();
         Self {
             mosaic: Mosaic::new(size, Size::new(height, width), halo, corners, across),
