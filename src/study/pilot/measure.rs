@@ -62,7 +62,8 @@ const UNCLOCKED: u64 = 2;
 const WORTH: f64 = 0.07;
 
 /// The even side of a tile: large enough that its halo is not most of it.
-pub(super) fn side(halo: usize) -> usize {
+#[must_use]
+pub fn side(halo: usize) -> usize {
     (3 * halo).next_power_of_two().clamp(4, 64)
 }
 
