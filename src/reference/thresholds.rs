@@ -40,11 +40,11 @@ impl<R: Real> Thresholds<R> {
         };
         let cells = (0..rows).flat_map(|y| (0..size.width).map(move |x| (y, x)));
         let drawn = |(y, x)| {
-            let (y, x) = home(y, x);
             let mean = match nominal {
                 [one] => *one,
                 four => four[2 * (y % 2) + x % 2],
             };
+            let (y, x) = home(y, x);
             let place = Place {
                 seed,
                 channel,
