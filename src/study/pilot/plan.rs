@@ -179,13 +179,8 @@ pub fn plan(
         ));
     }
     let mut plan = Plan::full("");
-    if upsample.is_some()
-        && let Some(why) = rule::needs_no_inserted_frames(description)
-    {
-        let what = Effect::InsertedFrames;
-        plan.free.push(Free { what, why });
-    }
     let Some(kept) = kept else {
+        plan.inserted(description, upsample);
         plan.choice = plan.base();
         let family = Floats {
             description,
@@ -219,6 +214,8 @@ pub fn plan(
             });
         }
     }
+    // Without close crossings, a dead time decides nothing.
+    plan.inserted(&plan.base().plainer(description), upsample);
     let base = plan.base();
     let candidates = candidates(question, &base);
     let measure = Measure {
@@ -249,6 +246,13 @@ pub fn plan(
 }
 
 impl Plan {
+    /// Leaves inserted frames out where a rule allows it.
+    fn inserted(&mut self, description: &Description, upsample: Option<f64>) {
+        let what = Effect::InsertedFrames;
+        let why = rule::needs_no_inserted_frames(description).filter(|_| upsample.is_some());
+        self.free.extend(why.map(|why| Free { what, why }));
+    }
+
     /// What rules leave out.
     fn base(&self) -> Choice {
         let free = self.free.iter().map(|free| free.what);
