@@ -24,7 +24,14 @@ use amacrine::{
 
 const PATTERN: &str = "pattern:noise?width=256&height=256&frames=400&fps=1000&speed=300";
 const SENSORS: [&str; 8] = [
-    "dvs", "dvs-v2e", "csdvs", "dog", "rgc", "rgc-4", "orientation", "csdvs-mesh",
+    "dvs",
+    "dvs-v2e",
+    "csdvs",
+    "dog",
+    "rgc",
+    "rgc-4",
+    "orientation",
+    "csdvs-mesh",
 ];
 /// Of three sensors with inserted frames: two of a linear response, one of another.
 const UPSAMPLED: [&str; 3] = ["laplacian", "csdvs", "dvs-v2e"];
@@ -61,7 +68,11 @@ fn auto(question: &Question<'_>, clip: &str) -> Result<(Plan, Packet), Error> {
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
     let mut scene = light(clip)?;
-    let kept = if question.looks() { Kept::new(&mut *scene, KEPT)? } else { None };
+    let kept = if question.looks() {
+        Kept::new(&mut *scene, KEPT)?
+    } else {
+        None
+    };
     let plan = plan(question, kept.as_ref(), &clock)?;
     let model = Model::planned(question, &plan, Limit::default());
     let packet = match &kept {
