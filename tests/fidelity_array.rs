@@ -264,6 +264,7 @@ fn programs_without_tiles_are_left_alone() {
             clock: &|| 0.0,
             budget: (0.04, 0.05),
             tiles: Some(30),
+            look: None,
         };
         let answer = measure
             .ask(&chips, &chips.candidates(&[Format::F32]))

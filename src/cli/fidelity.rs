@@ -162,7 +162,7 @@ impl Source {
     #[must_use]
     pub fn scene(self) -> Box<dyn Scene> {
         match self {
-            Self::Kept(kept) => Box::new(kept.scene()),
+            Self::Kept(kept) => kept.into_scene(),
             Self::Unread(scene) => scene,
         }
     }

@@ -8,24 +8,24 @@ use crate::plane::{Plane, Size};
 /// A scene in memory: a byte a pixel where light is 0, 1, … 255, as in 8-bit video.
 #[derive(Clone, Debug)]
 pub struct Kept {
-    frames: Arc<[One]>,
+    frames: Arc<Vec<One>>,
     size: Size,
     fps: f64,
     fps_is_assumed: bool,
     coding: Light,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct One {
     index: u64,
     seconds: f64,
     pixels: Store,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Store {
     Bytes(Box<[u8]>),
-    Numbers(Box<[f64]>),
+    Numbers(Plane<f64>),
 }
 
 /// The light of a frame, row by row.
@@ -51,27 +51,30 @@ impl Pixels<'_> {
 
 impl Store {
     fn new(light: Plane<f64>) -> Self {
-        let bytes: Vec<u8> = light.iter().map(|light| *light as u8).collect();
-        let same = |(byte, light): (&u8, &f64)| f64::from(*byte).to_bits() == light.to_bits();
-        if bytes.iter().zip(&light).all(same) {
-            Self::Bytes(bytes.into())
+        // `as` saturates.
+        let is_byte = |light: &f64| f64::from(*light as u8).to_bits() == light.to_bits();
+        if light.iter().all(is_byte) {
+            Self::Bytes(light.iter().map(|light| *light as u8).collect())
+        } else if light.is_standard_layout() {
+            Self::Numbers(light)
         } else {
-            Self::Numbers(light.iter().copied().collect())
+            Self::Numbers(light.as_standard_layout().into_owned())
         }
     }
 
     fn bytes(&self) -> usize {
         match self {
             Self::Bytes(bytes) => bytes.len(),
-            Self::Numbers(numbers) => size_of_val(&**numbers),
+            Self::Numbers(numbers) => numbers.len() * size_of::<f64>(),
         }
     }
 
-    fn plane(&self, size: Size) -> Plane<f64> {
-        let numbers = match self {
-            Self::Bytes(bytes) => bytes.iter().copied().map(f64::from).collect(),
-            Self::Numbers(numbers) => numbers.to_vec(),
+    fn into_plane(self, size: Size) -> Plane<f64> {
+        let bytes = match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Numbers(numbers) => return numbers,
         };
+        let numbers = bytes.iter().copied().map(f64::from).collect();
         Plane::from_shape_vec(size.shape(), numbers).unwrap_or_else(|_| Plane::zeros(size.shape()))
     }
 }
@@ -143,7 +146,7 @@ impl Kept {
         } = self.frames.get(n)?;
         let pixels = match pixels {
             Store::Bytes(bytes) => Pixels::Bytes(bytes),
-            Store::Numbers(numbers) => Pixels::Numbers(numbers),
+            Store::Numbers(numbers) => Pixels::Numbers(numbers.as_slice().unwrap_or_default()),
         };
         Some((*index, *seconds, pixels))
     }
@@ -151,7 +154,8 @@ impl Kept {
     /// The light of a frame as a plane.
     #[must_use]
     pub fn plane(&self, n: usize) -> Option<Plane<f64>> {
-        self.frames.get(n).map(|one| one.pixels.plane(self.size))
+        let one = self.frames.get(n)?;
+        Some(one.pixels.clone().into_plane(self.size))
     }
 
     /// The scene from its beginning; its frames are those that were read, to the bit.
@@ -161,6 +165,83 @@ impl Kept {
             kept: self.clone(),
             given: 0,
         }
+    }
+
+    /// As [`scene`](Self::scene), where nobody else will look: frames are given away, not copied.
+    #[must_use]
+    pub fn into_scene(self) -> Box<dyn Scene> {
+        let Self {
+            frames,
+            size,
+            fps,
+            fps_is_assumed,
+            coding,
+        } = self;
+        match Arc::try_unwrap(frames) {
+            Ok(frames) => Box::new(Once {
+                left: frames.into_iter(),
+                size,
+                fps,
+                fps_is_assumed,
+                coding,
+            }),
+            Err(frames) => Box::new(Again {
+                kept: Self {
+                    frames,
+                    size,
+                    fps,
+                    fps_is_assumed,
+                    coding,
+                },
+                given: 0,
+            }),
+        }
+    }
+}
+
+/// A scene that was kept, given away.
+#[derive(Debug)]
+struct Once {
+    left: std::vec::IntoIter<One>,
+    size: Size,
+    fps: f64,
+    fps_is_assumed: bool,
+    coding: Light,
+}
+
+impl Scene for Once {
+    fn size(&self) -> Size {
+        self.size
+    }
+
+    fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    fn fps_is_assumed(&self) -> bool {
+        self.fps_is_assumed
+    }
+
+    fn frames(&self) -> Option<u64> {
+        Some(self.left.len() as u64)
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        Ok(self.left.next().map(|one| Frame {
+            index: one.index,
+            seconds: one.seconds,
+            light: one.pixels.into_plane(self.size),
+        }))
+    }
+
+    fn coding(&self) -> Light {
+        self.coding
+    }
+
+    fn bytes(&self) -> u128 {
+        let left = self.left.as_slice().iter();
+        let left: usize = left.map(|one| one.pixels.bytes()).sum();
+        left as u128 + light::PIXEL_BYTES * self.size.pixels() as u128
     }
 }
 
@@ -232,14 +313,18 @@ mod tests {
         let kept = Kept::new(&mut scene, 1 << 20).unwrap().unwrap();
         assert!(matches!(kept.frame(0), Some((0, _, Pixels::Bytes(_)))));
         assert!(matches!(kept.frame(2), Some((2, _, Pixels::Numbers(_)))));
-        let mut again = kept.scene();
-        for frame in &frames {
-            let shown = again.next_frame().unwrap().unwrap();
-            assert_eq!(&shown, frame);
-            let bits = |frame: &Frame| frame.light.mapv(f64::to_bits);
-            assert_eq!(bits(&shown), bits(frame));
+        let again: Box<dyn Scene> = Box::new(kept.scene());
+        let shared: Box<dyn Scene> = kept.clone().into_scene();
+        drop(shared);
+        for mut scene in [again, kept.into_scene()] {
+            for frame in &frames {
+                let shown = scene.next_frame().unwrap().unwrap();
+                assert_eq!(&shown, frame);
+                let bits = |frame: &Frame| frame.light.mapv(f64::to_bits);
+                assert_eq!(bits(&shown), bits(frame));
+            }
+            assert!(scene.next_frame().unwrap().is_none());
         }
-        assert!(again.next_frame().unwrap().is_none());
         for most in [1, 20] {
             let mut scene = Held::new(frames.clone(), size, 10.0);
             assert!(Kept::new(&mut scene, most).unwrap().is_none());

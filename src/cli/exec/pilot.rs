@@ -72,6 +72,7 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Answer<Machine>> {
         clock: &clock,
         budget: BUDGET,
         tiles: None,
+        look: None,
     };
     Ok(measure.ask(&family, &family.candidates(&formats))?)
 }

@@ -65,7 +65,7 @@ pub struct Look {
 }
 
 /// How much is looked at for activity: so many pixels of all frames together.
-const LOOKED_AT: usize = 1 << 24;
+const LOOKED_AT: usize = 1 << 22;
 
 /// Light of a pixel.
 trait Value: Copy + PartialOrd {
@@ -148,12 +148,19 @@ impl Look {
 
     fn extent_of<T: Value>(&mut self, pixels: &[T], places: &mut [usize; 3]) {
         let Some(first) = pixels.first() else { return };
-        let least = pixels
-            .iter()
-            .fold(*first, |a, b| if *b < a { *b } else { a });
-        let most = pixels
-            .iter()
-            .fold(*first, |a, b| if *b > a { *b } else { a });
+        let less = |a: T, b: T| if b < a { b } else { a };
+        let more = |a: T, b: T| if b > a { b } else { a };
+        // In lanes, so that this runs in vectors.
+        let (mut low, mut high) = ([*first; LANES], [*first; LANES]);
+        let (blocks, rest) = pixels.as_chunks::<LANES>();
+        for block in blocks {
+            for (lane, light) in block.iter().enumerate() {
+                low[lane] = less(low[lane], *light);
+                high[lane] = more(high[lane], *light);
+            }
+        }
+        let least = low.iter().chain(rest).fold(*first, |a, b| less(a, *b));
+        let most = high.iter().chain(rest).fold(*first, |a, b| more(a, *b));
         let place = |of: T| pixels.iter().position(|light| *light == of).unwrap_or(0);
         if least.light() < self.range.0 {
             (self.range.0, places[0]) = (least.light(), place(least));
@@ -168,7 +175,7 @@ impl Look {
         let rows = before.chunks(width).zip(now.chunks(width)).enumerate();
         for (y, (a, b)) in rows.filter(|(_, (a, b))| a != b) {
             let change = |(a, b): (&T, &T)| (b.light() - a.light()).abs();
-            let most = a.iter().zip(b).map(change).fold(0.0, f64::max) / how.dt;
+            let most = largest_change(a, b) / how.dt;
             if most > self.steepest {
                 self.steepest = most;
                 let at = { a.iter().zip(b) }.position(|pair| change(pair) / how.dt >= most);
@@ -230,6 +237,27 @@ impl Look {
         };
         self.activity.iter().enumerate().map(own).collect()
     }
+}
+
+/// Values that are worked on side by side.
+const LANES: usize = 16;
+
+/// The largest difference of two rows.
+fn largest_change<T: Value>(a: &[T], b: &[T]) -> f64 {
+    let more = |most: f64, a: &T, b: &T| {
+        let change = (b.light() - a.light()).abs();
+        if change > most { change } else { most }
+    };
+    let mut most = [0.0; LANES];
+    let ((a, rest_a), (b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    for (a, b) in a.iter().zip(b) {
+        for (lane, most) in most.iter_mut().enumerate() {
+            *most = more(*most, &a[lane], &b[lane]);
+        }
+    }
+    let rest = rest_a.iter().zip(rest_b);
+    let most = most.into_iter().fold(0.0, f64::max);
+    rest.fold(most, |most, (a, b)| more(most, a, b))
 }
 
 /// How two frames are compared.

@@ -40,6 +40,8 @@ pub struct Measure<'a> {
     pub budget: (f64, f64),
     /// So many tiles whatever they cost, in place of what the budget affords.
     pub tiles: Option<usize>,
+    /// A look at the scene in the tiles of the family, where somebody had one already.
+    pub look: Option<&'a Look>,
 }
 
 /// The limits of a pilot hold together but for one case in so many.
@@ -133,7 +135,10 @@ impl Measure<'_> {
             }
             None => None,
         };
-        let look = Look::new(self.kept, grid, family.is_relative());
+        let look = match self.look.filter(|look| look.grid == grid) {
+            Some(look) => look.clone(),
+            None => Look::new(self.kept, grid, family.is_relative()),
+        };
         let mut activity = look.seen_from(halo);
         if family.fires_alone() {
             for tile in &mut activity {
@@ -249,8 +254,9 @@ impl<F: Family> Pilot<'_, F> {
         for (offer, ran) in going.zip(others) {
             let seconds = expected(ran);
             offer.seconds = Some([seconds, whole]);
-            if let Some(why) = &ran.given_up {
-                offer.why.clone_from(why);
+            let much = || self.changes_much(reference, ran);
+            if let Some(why) = ran.given_up.clone().or_else(much) {
+                offer.why = why;
             } else if whole - seconds < WORTH * whole {
                 SAVES_LITTLE.clone_into(&mut offer.why);
             } else {
@@ -397,17 +403,23 @@ impl<F: Family> Pilot<'_, F> {
                 ran.given_up = Some(SAVES_LITTLE.to_owned());
                 continue;
             }
-            let packets = (&reference.packet, &ran.packet);
-            if let Ok(change) = Change::between(packets.0, packets.1, self.measure.within)
-                && change.missing + change.extra > 100
-                && change.share > 5.0 * self.measure.tolerance
-            {
-                ran.given_up = Some(format!(
-                    "{:.1} % of the events change",
-                    100.0 * change.share
-                ));
+            if let Some(why) = self.changes_much(reference, ran) {
+                ran.given_up = Some(why);
             }
         }
+    }
+
+    /// Whether so much changes already that more of the scene need not be seen.
+    fn changes_much(&self, full: &Ran<F::Model>, plain: &Ran<F::Model>) -> Option<String> {
+        let change = Change::between(&full.packet, &plain.packet, self.measure.within).ok()?;
+        let is_much = change.share > 5.0 * self.measure.tolerance;
+        let told = || {
+            format!(
+                "{:.0} % of the events of a few tiles change",
+                100.0 * change.share
+            )
+        };
+        (is_much && change.missing + change.extra > 50).then(told)
     }
 }
 

@@ -22,7 +22,7 @@ use super::{
     family::Family as _,
     float::Floats,
     look::{Grid, Look},
-    measure::Measure,
+    measure::{self, Measure},
     rule,
 };
 
@@ -196,23 +196,28 @@ pub fn plan(
     };
     let start = clock();
     let size = kept.size();
-    if description.refractory.us > 0.0 || question.crop {
-        let look = Look::new(kept, Grid { size, side: 2 }, false);
-        if description.refractory.us > 0.0 && rule::has_no_close_crossings(description, &look) {
-            plan.free.push(Free {
-                what: Effect::DeadTime,
-                why: "the light changes so slowly that no two crossings of a cell are as close as the dead time",
-            });
-        }
-        if question.crop
-            && let Some(window) = window(description, &look)
-        {
-            plan.window = Some(window);
-            plan.free.push(Free {
-                what: Effect::Surroundings,
-                why: "nothing ever changes outside of these rows and columns, grown by what kernels reach",
-            });
-        }
+    let all = Choice::full();
+    let family = Floats {
+        description,
+        seed: question.seed,
+        base: &all,
+    };
+    let side = measure::side(family.halo().unwrap_or(0));
+    let look = Look::new(kept, Grid { size, side }, family.is_relative());
+    if description.refractory.us > 0.0 && rule::has_no_close_crossings(description, &look) {
+        plan.free.push(Free {
+            what: Effect::DeadTime,
+            why: "the light changes so slowly that no two crossings of a cell are as close as the dead time",
+        });
+    }
+    if question.crop
+        && let Some(window) = window(description, &look)
+    {
+        plan.window = Some(window);
+        plan.free.push(Free {
+            what: Effect::Surroundings,
+            why: "nothing ever changes outside of these rows and columns, grown by what kernels reach",
+        });
     }
     // Without close crossings, a dead time decides nothing.
     plan.inserted(&plan.base().plainer(description), upsample);
@@ -227,6 +232,7 @@ pub fn plan(
         clock,
         budget: (question.budget.0, question.budget.1 - (clock() - start)),
         tiles: question.tiles,
+        look: Some(&look),
     };
     let family = Floats {
         description,

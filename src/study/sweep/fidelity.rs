@@ -265,6 +265,7 @@ fn measured<F: Family>(
         clock: &|| 0.0,
         budget: (0.0, 0.0),
         tiles: Some(tiles.max(12)),
+        look: None,
     };
     let answer = measure.ask(family, candidates)?;
     let limit = |change: Estimate| {
