@@ -395,7 +395,9 @@ fn sampled(
     );
     let mut activity = look.seen_from(family.halo().unwrap());
     if family.fires_alone() {
-        activity.iter_mut().for_each(|tile| *tile = tile.max(0.0));
+        for tile in &mut activity {
+            *tile = tile.max(0.0);
+        }
     }
     let drawn = draw::draw(&activity, &look.extremes, count, seed);
     let grid = look.grid;
@@ -539,11 +541,11 @@ fn no_crossings_are_closer_than_the_rule_says() {
         // The longest dead time that is free, by halves.
         let (mut least, mut most) = (0.0, 1e5);
         for _ in 0..30 {
-            let middle = (least + most) / 2.0;
+            let middle = f64::midpoint(least, most);
             if is_free(middle) {
-                least = middle
+                least = middle;
             } else {
-                most = middle
+                most = middle;
             }
         }
         for (us, is_free) in [(least, true), (20.0 * least, false)] {

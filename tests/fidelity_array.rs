@@ -197,7 +197,9 @@ fn limits_hold_on_the_array() {
         let look = Look::new(&kept, grid, false);
         let mut activity = look.seen_from(chips.halo().unwrap());
         if chips.fires_alone() {
-            activity.iter_mut().for_each(|tile| *tile = tile.max(0.0));
+            for tile in &mut activity {
+                *tile = tile.max(0.0);
+            }
         }
         let drawn = draw::draw(&activity, &look.extremes, 12 + below(8, 20), seed);
         let mut probabilities = vec![f64::NAN; grid.tiles()];

@@ -36,9 +36,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut bench = Bench::new(arguments)?;
     bench.check()?;
-    let plan = match arguments.fidelity.is_auto() {
-        true => Some(pilot::plan(&bench)?),
-        false => None,
+    let plan = if arguments.fidelity.is_auto() {
+        Some(pilot::plan(&bench)?)
+    } else {
+        None
     };
     if let Some(plan) = &plan {
         bench.machine = Some(plan.choice.clone());

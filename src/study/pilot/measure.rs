@@ -51,8 +51,11 @@ const RISK: f64 = 0.05;
 const LEAST_TILES: usize = 12;
 
 /// Pixels of the mosaic on which costs are learned, and frames of the scene.
-const TRIED_PIXELS: usize = 1 << 12;
+const TRIED_PIXELS: usize = 1 << 11;
 const TRIED_FRAMES: usize = 6;
+
+/// Frames that are tried in all, about, where some are inserted.
+const TRIED_INSERTED: usize = 30;
 
 /// Frames on the whole sensor, where tiles do not tell what it costs.
 const TRIED_WHOLE: u32 = 2;
@@ -227,7 +230,9 @@ impl<F: Family> Pilot<'_, F> {
         }
         let mosaic = trial.mosaic(&few);
         let models = going(trial.family.full(), &answer.offers);
-        let tried = trial.run(&models, &mosaic, (TRIED_FRAMES, UNCLOCKED), |_, _| ())?;
+        let [inserted, own] = self.frames;
+        let frames = (TRIED_INSERTED * own / inserted.max(1)).clamp(3, TRIED_FRAMES);
+        let tried = trial.run(&models, &mosaic, (frames, UNCLOCKED), |_, _| ())?;
         let Some((reference, others)) = tried.split_first() else {
             return because("nothing was run");
         };
@@ -266,10 +271,15 @@ impl<F: Family> Pilot<'_, F> {
         if answer.offers.iter().all(|offer| !offer.why.is_empty()) {
             return because("nothing to win: what could be left out takes hardly any time");
         }
+        // A sample costs time now and saves some later: no more than half of what may be saved.
+        let going = answer.offers.iter().filter(|offer| offer.why.is_empty());
+        let saves: f64 = { going.filter_map(|offer| offer.seconds) }
+            .map(|[plain, full]| full - plain)
+            .sum();
         let left = self.allowed(whole) - ((measure.clock)() - self.start);
         // Some is left for a last trial of all that may go together. `as` saturates.
         let tile = each / mosaic.tiles().len() as f64;
-        let affordable = (0.7 * left / tile) as usize;
+        let affordable = ((0.7 * left).min(saves / 2.0) / tile) as usize;
         if affordable < LEAST_TILES {
             return because(
                 "the full model is too quick: a sample that says anything would take longer than it may save",

@@ -53,7 +53,7 @@ pub struct Question<'a> {
 
 /// What a pilot may spend where nobody says: with the reading of the scene less than 5 % and a
 /// tenth of a second.
-pub const BUDGET: (f64, f64) = (0.04, 0.05);
+pub const BUDGET: (f64, f64) = (0.04, 0.06);
 
 /// The most bytes of a scene that is kept for a pilot.
 pub const KEPT: usize = 1 << 30;

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use crate::{
     isa::{
-        Cell, Device,
-        operands::{FlagEffect, Mode, Terminal, Unit},
+        Cell, Device, Primitive,
+        operands::{Access, FlagEffect, Mode, Terminal, Unit},
     },
     program::{Action, Code, Host, Step},
 };
@@ -62,54 +62,7 @@ impl Body<'_> {
     fn steps(&mut self, steps: &[Step]) -> Result<(), &'static str> {
         for step in steps {
             match &step.action {
-                Action::Word(word) => {
-                    let operands = self.device.operands(word);
-                    if operands.unit == Unit::Propagation {
-                        return Err("a bit that propagates may cross the whole array in one word");
-                    }
-                    let from = |access: &crate::isa::operands::Access| match access.terminal {
-                        Terminal::Cell(cell) => self.reach.get(&cell).copied().unwrap_or(0),
-                        Terminal::Pix | Terminal::In | Terminal::Select => 0,
-                    };
-                    if operands
-                        .accesses
-                        .iter()
-                        .any(|a| a.terminal == Terminal::Select)
-                    {
-                        return Err(
-                            "the program selects pixels by their address, and a tile has other addresses",
-                        );
-                    }
-                    let mut written = Vec::new();
-                    for write in operands.accesses.iter().filter(|a| a.mode == Mode::Write) {
-                        let Some(cell) = write.cell() else { continue };
-                        let read = operands.accesses.iter().filter(|a| a.mode != Mode::Write);
-                        let far = read.map(|read| {
-                            let way = |a: isize, b: isize| (a - b).unsigned_abs();
-                            let down = way(read.offset.0, write.offset.0);
-                            from(read) + down.max(way(read.offset.1, write.offset.1))
-                        });
-                        let mut far = far.max().unwrap_or(0);
-                        // What lies in another pixel may have been written by another.
-                        let own = write.offset == (0, 0) && operands.replaces(self.whole);
-                        let others = matches!(write.offset, (0, 0)) || self.whole;
-                        if !own && !(others && operands.replaces(self.whole)) {
-                            far = far.max(self.reach.get(&cell).copied().unwrap_or(0));
-                        }
-                        written.push((cell, far));
-                    }
-                    for (cell, far) in written {
-                        self.reach.insert(cell, far);
-                    }
-                    match operands.flag {
-                        FlagEffect::Keeps => {}
-                        FlagEffect::Sets => {
-                            self.whole = true;
-                            self.reach.insert(Cell::Flag, 0);
-                        }
-                        FlagEffect::May => self.whole = false,
-                    }
-                }
+                Action::Word(word) => self.word(word)?,
                 Action::Host(host) => match host {
                     Host::LoadIn { .. }
                     | Host::LoadInRaw { .. }
@@ -128,6 +81,54 @@ impl Body<'_> {
                     }
                 }
             }
+        }
+        Ok(())
+    }
+
+    fn word(&mut self, word: &Primitive) -> Result<(), &'static str> {
+        let operands = self.device.operands(word);
+        if operands.unit == Unit::Propagation {
+            return Err("a bit that propagates may cross the whole array in one word");
+        }
+        let from = |access: &Access| match access.terminal {
+            Terminal::Cell(cell) => self.reach.get(&cell).copied().unwrap_or(0),
+            Terminal::Pix | Terminal::In | Terminal::Select => 0,
+        };
+        if operands
+            .accesses
+            .iter()
+            .any(|a| a.terminal == Terminal::Select)
+        {
+            return Err(
+                "the program selects pixels by their address, and a tile has other addresses",
+            );
+        }
+        let mut written = Vec::new();
+        for write in operands.accesses.iter().filter(|a| a.mode == Mode::Write) {
+            let Some(cell) = write.cell() else { continue };
+            let read = operands.accesses.iter().filter(|a| a.mode != Mode::Write);
+            let far = read.map(|read| {
+                let way = |a: isize, b: isize| (a - b).unsigned_abs();
+                let down = way(read.offset.0, write.offset.0);
+                from(read) + down.max(way(read.offset.1, write.offset.1))
+            });
+            let mut far = far.max().unwrap_or(0);
+            // A pixel at the border may have no neighbour that writes it.
+            if write.offset != (0, 0) || !operands.replaces(self.whole) {
+                far = far.max(self.reach.get(&cell).copied().unwrap_or(0));
+            }
+            written.push((cell, far));
+        }
+        for (cell, far) in written {
+            self.reach.insert(cell, far);
+        }
+        match operands.flag {
+            FlagEffect::Keeps => {}
+            FlagEffect::Sets => {
+                self.whole = true;
+                self.reach.insert(Cell::Flag, 0);
+            }
+            FlagEffect::May => self.whole = false,
         }
         Ok(())
     }
