@@ -13,10 +13,7 @@ use crate::{
     number::Format,
     reference::{Description, Limit, Reference},
     scene::{Observation, kept::Kept},
-    study::pilot::{
-        Change, Plan, Question,
-        plan::{BUDGET, Model},
-    },
+    study::pilot::{Change, Plan, Question, model::Model, plan::BUDGET},
     unit::Micros,
 };
 
