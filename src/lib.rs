@@ -24,6 +24,7 @@ pub mod config;
 pub mod elementary;
 pub mod limit;
 pub mod memory;
+pub mod mosaic;
 pub mod plane;
 pub mod rng;
 pub mod save;

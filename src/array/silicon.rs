@@ -25,6 +25,7 @@ use multiversion::multiversion;
 use super::{Ageing, Domain, Layout, Place, RowOps, Share};
 use crate::{
     isa::{Device, Digital, Figure},
+    plane::At,
     rng::row::{Draws, hash, normal},
 };
 
@@ -97,12 +98,31 @@ const SPLIT: u64 = 2;
 const NOISE: u64 = 3;
 const RETENTION: u64 = 4;
 
+/// Where the pixels of an array lie on the chip, which has as many columns or more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lies {
+    at: At,
+    /// Columns of the chip.
+    columns: usize,
+    /// Columns of the array.
+    width: usize,
+}
+
+impl Lies {
+    /// The number on the chip of a pixel of the array.
+    #[inline]
+    const fn pixel(self, y: usize, x: usize) -> usize {
+        (y + self.at.y) * self.columns + x + self.at.x
+    }
+}
+
 /// One chip: its errors, and the mismatch of each of its cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Silicon {
     errors: Errors,
     seed: u64,
-    width: usize,
+    /// Where the array lies.
+    lies: Lies,
     /// `-(1 - loss + mismatch)` and `Δ + mismatch` of every cell, by register, row by row.
     gain: Vec<Vec<f32>>,
     offset: Vec<Vec<f32>>,
@@ -114,17 +134,29 @@ impl Silicon {
     /// The chip of this seed.
     #[must_use]
     pub fn new(errors: Errors, seed: u64, layout: &Layout) -> Self {
-        let pixels = layout.size.pixels() as u64;
+        Self::part(errors, seed, layout, (At { y: 0, x: 0 }, layout.size.width))
+    }
+
+    /// A part of the chip of this seed: an array whose upper left pixel lies at this place of a
+    /// chip of so many columns, with the errors that its pixels have there.
+    #[must_use]
+    pub fn part(errors: Errors, seed: u64, layout: &Layout, (at, columns): (At, usize)) -> Self {
+        let width = layout.size.width;
+        let lies = Lies { at, columns, width };
+        let numbers = || {
+            let rows = 0..layout.size.height;
+            rows.flat_map(|y| (0..width).map(move |x| lies.pixel(y, x) as u64))
+        };
         let draw = |kind, register, pixel| f64::from(normal(hash(seed, kind, register, 0, pixel)));
         let planes = |value: &dyn Fn(u8, u64) -> f64| -> Vec<Vec<f32>> {
             (0..layout.analog)
-                .map(|register| (0..pixels).map(|p| value(register, p) as f32).collect())
+                .map(|register| numbers().map(|p| value(register, p) as f32).collect())
                 .collect()
         };
         let together = errors.mismatch_correlation;
         let apart = (1.0 - together * together).sqrt();
         let split = |part: u8| {
-            (0..pixels)
+            numbers()
                 .map(|pixel| (errors.division_mismatch * draw(SPLIT, part, pixel)) as f32)
                 .collect()
         };
@@ -141,7 +173,7 @@ impl Silicon {
             split: [split(0), split(1)],
             errors,
             seed,
-            width: layout.size.width,
+            lies,
         }
     }
 
@@ -158,7 +190,7 @@ impl Silicon {
 
     #[inline]
     fn pixel(&self, place: Place) -> usize {
-        place.y * self.width + place.x
+        place.y * self.lies.width + place.x
     }
 
     /// Cells beside each other, from `place` on.
@@ -166,7 +198,8 @@ impl Silicon {
     fn run(&self, share: Share, place: Place, cells: usize) -> Run<'_> {
         let (first, register) = (self.pixel(place), usize::from(place.register.0));
         Run {
-            first: first as u32,
+            first,
+            lies: self.lies,
             by: share.by as f32,
             gain: &self.gain[register][first..][..cells],
             offset: &self.offset[register][first..][..cells],
@@ -189,7 +222,9 @@ impl Silicon {
 
 /// What all cells of a run have in common, and what is each one's own.
 struct Run<'a> {
-    first: u32,
+    /// The number of the first cell in the array; rows follow each other.
+    first: usize,
+    lies: Lies,
     by: f32,
     gain: &'a [f32],
     offset: &'a [f32],
@@ -241,6 +276,24 @@ impl Run<'_> {
         offset + self.noise * Draws::normal(drawn)
     }
 
+    /// Draws for cells beside each other, from that number of the run on.
+    #[inline(always)]
+    fn draw(&self, from: usize, drawn: &mut [u32]) {
+        let (mut at, Lies { columns, width, .. }) = (self.first + from, self.lies);
+        if width == columns {
+            return self.draws.draw(self.lies.pixel(0, at) as u32, drawn);
+        }
+        // On the chip the next row does not follow.
+        let mut rest = drawn;
+        while !rest.is_empty() {
+            let (y, x) = (at / width, at % width);
+            let (row, more) = rest.split_at_mut((width - x).min(rest.len()));
+            self.draws.draw(self.lies.pixel(y, x) as u32, row);
+            at += row.len();
+            rest = more;
+        }
+    }
+
     /// Stores what is on the bus of each cell, so many cells at once: `sum`, of its number and
     /// what it holds.
     #[inline(always)]
@@ -262,11 +315,14 @@ impl Run<'_> {
     /// Each cell, from its number, what it holds and its error; limited to the range.
     #[inline(always)]
     fn each<const BLOCK: usize>(&self, cells: &mut [f32], value: impl Fn(usize, f32, f32) -> f32) {
-        let mut drawn = [0; BLOCK];
+        // What makes a normal number of 0.
+        let mut drawn = [1020; BLOCK];
         for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
             let from = k * BLOCK;
             let drawn = &mut drawn[..cells.len()];
-            self.draws.draw(self.first + from as u32, drawn);
+            if self.noise != 0.0 {
+                self.draw(from, drawn);
+            }
             for (j, cell) in cells.iter_mut().enumerate() {
                 let error = self.error(self.offset[from + j], drawn[j]);
                 *cell = value(from + j, *cell, error).clamp(self.range.0, self.range.1);
@@ -331,7 +387,7 @@ impl Domain for Silicon {
     fn square(&self, sum: &f32, gain: f64, place: Place) -> Option<f32> {
         let run = self.run(Share::new(1, 0), place, 1);
         let mut drawn = [0];
-        run.draws.draw(run.first, &mut drawn);
+        run.draw(0, &mut drawn);
         let error = run.error(run.offset[0], drawn[0]);
         Some(self.saturated(sum * sum * gain as f32 + error))
     }
@@ -362,6 +418,8 @@ impl Ageing for Silicon {
     }
 
     fn holds(&self, register: Digital, pixel: usize, seconds: f64) -> bool {
+        let Lies { width, .. } = self.lies;
+        let pixel = self.lies.pixel(pixel / width, pixel % width);
         let draw = normal(hash(self.seed, RETENTION, register.0, 0, pixel as u64));
         let longer = self.errors.retention_spread * f64::from(draw.abs());
         seconds <= self.errors.retention * (1.0 + longer)

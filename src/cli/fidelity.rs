@@ -1,6 +1,6 @@
 //! `--fidelity auto` of `amacrine run`, and how plans are made and told.
 
-use std::fmt::Write as _;
+use std::{fmt::Write as _, time::Instant};
 
 use miette::IntoDiagnostic;
 use serde_json::Value;
@@ -9,17 +9,20 @@ use crate::{
     event::readout::Readout,
     number::Format,
     reference::Description,
-    scene::{OpenOptions, open},
-    study::plan::{self, Choice, Offer, Plan, Question},
+    scene::{Scene, SceneError, kept::Kept},
+    study::pilot::{
+        Estimate, Offer, Plan, Question,
+        plan::{self, BUDGET, KEPT},
+    },
     unit::Micros,
 };
 
-use super::progress::Progress;
+use super::budget;
 
 /// `--fidelity` of `amacrine run`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Fidelity {
-    /// `auto` leaves out what cannot matter in this scene, and says what and why
+    /// `auto` leaves out what hardly matters in this scene, as a pilot measures, and says what
     #[arg(long, value_enum)]
     fidelity: Option<How>,
     /// The share of events that may change under `--fidelity auto`, such as 1% (the default)
@@ -57,7 +60,9 @@ pub fn percent(text: &str) -> Result<f64, String> {
 }
 
 impl Fidelity {
-    fn tolerance(&self) -> f64 {
+    /// The share of events that may change.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or(0.01)
     }
 
@@ -67,19 +72,15 @@ impl Fidelity {
         self.fidelity == Some(How::Auto)
     }
 
-    /// The plan of a run; arrays that are written are whole, so that it is not cut.
-    ///
-    /// # Errors
-    /// When the scene or the sensor cannot go on.
-    pub fn plan(
+    /// What is asked of a run; arrays that are written are whole, so that it is not cut.
+    #[must_use]
+    pub fn question<'a>(
         &self,
-        scene: &str,
-        options: &OpenOptions,
-        (description, seed): (&Description, u64),
+        (description, seed): (&'a Description, u64),
         upsample: Option<f64>,
         readout: Option<Readout>,
-    ) -> miette::Result<Plan> {
-        let question = Question {
+    ) -> Question<'a> {
+        Question {
             description,
             seed,
             tolerance: self.tolerance(),
@@ -88,18 +89,26 @@ impl Fidelity {
             upsample,
             readout,
             crop: false,
-        };
-        make(&question, scene, options)
+            budget: BUDGET,
+            tiles: None,
+        }
     }
 
     /// What the plan left out, for people.
     #[must_use]
     pub fn lines(&self, plan: &Plan) -> String {
-        format!(
-            "plan     {}\n{}",
-            chosen(&plan.choice),
-            allowed(plan, self.tolerance())
-        ) + &left_out(plan)
+        let mut text = chosen(plan, self.tolerance());
+        for free in plan
+            .free
+            .iter()
+            .filter(|free| plan.choice.leaves_out(free.what))
+        {
+            let _ = writeln!(text, "* {:<26} free: {}", free.what.name(), free.why);
+        }
+        for offer in plan.offers.iter().filter(|offer| offer.left_out) {
+            text += &line(offer, None);
+        }
+        text
     }
 
     /// What the plan left out, for machines.
@@ -113,64 +122,114 @@ impl Fidelity {
     }
 }
 
-/// Makes the plan, with a bar.
+/// A scene that is kept, or still to be read.
+pub enum Source {
+    /// It was read, and is in memory.
+    Kept(Kept),
+    /// It has not been read.
+    Unread(Box<dyn Scene>),
+}
+
+impl Source {
+    /// Reads a scene where a pilot wants to look at it and there is room; `open` opens it.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn new(
+        looks: bool,
+        open: impl Fn() -> Result<Box<dyn Scene>, SceneError>,
+    ) -> Result<Self, SceneError> {
+        if looks {
+            let most = budget::budget().bytes / 4;
+            let most = usize::try_from(most).unwrap_or(KEPT).min(KEPT);
+            if let Some(kept) = Kept::new(&mut *open()?, most)? {
+                return Ok(Self::Kept(kept));
+            }
+        }
+        Ok(Self::Unread(open()?))
+    }
+
+    /// What is kept.
+    #[must_use]
+    pub const fn kept(&self) -> Option<&Kept> {
+        match self {
+            Self::Kept(kept) => Some(kept),
+            Self::Unread(_) => None,
+        }
+    }
+
+    /// The scene from its beginning.
+    #[must_use]
+    pub fn scene(self) -> Box<dyn Scene> {
+        match self {
+            Self::Kept(kept) => kept.into_scene(),
+            Self::Unread(scene) => scene,
+        }
+    }
+}
+
+/// Makes the plan.
 ///
 /// # Errors
-/// When the scene or the sensor cannot go on.
-pub fn make(question: &Question<'_>, scene: &str, options: &OpenOptions) -> miette::Result<Plan> {
-    let frames = open(scene, options)?.frames();
-    let progress = Progress::new("looking", frames.map(|frames| 2 * frames));
-    let plan = plan::plan(question, &mut || open(scene, options), || progress.tick());
-    progress.finish();
-    Ok(plan?)
+/// When the full model cannot be made.
+pub fn make(question: &Question<'_>, kept: Option<&Kept>) -> miette::Result<Plan> {
+    let start = Instant::now();
+    let clock = || start.elapsed().as_secs_f64();
+    Ok(plan::plan(question, kept, &clock)?)
 }
 
 /// One thing that could be left out.
 #[must_use]
-pub fn line(offer: &Offer, measured: Option<String>) -> String {
-    let bound = offer
-        .bound
-        .map_or("no bound".to_owned(), |b| share(b.share));
+pub fn line(offer: &Offer<impl Sized>, measured: Option<String>) -> String {
+    let told = |of: Option<f64>| of.map_or("-".to_owned(), share);
+    let about = told(offer.change.map(|change| change.share));
+    let limit = told(offer.change.and_then(|change| change.limit));
+    let time = offer.seconds.map_or("-".to_owned(), |[plain, full]| {
+        format!("{:.0} %", 100.0 * plain / full)
+    });
     let mark = if offer.left_out { '*' } else { ' ' };
-    let mut line = format!("{mark} {:<26} {bound:>10}", offer.what);
+    let mut line = format!(
+        "{mark} {:<26} {about:>10} {limit:>10} {time:>7}",
+        offer.what
+    );
     if let Some(measured) = measured {
         let _ = write!(line, " {measured:>10}");
     }
-    let _ = write!(line, "   {}", offer.why);
-    if !offer.with.is_empty() {
-        let names: Vec<_> = offer.with.iter().map(ToString::to_string).collect();
-        let _ = write!(line, " (also without {})", names.join(", "));
-    }
-    line + "\n"
+    let _ = writeln!(line, "   {}", offer.why);
+    line
 }
 
-/// What is left out, with the reasons.
+/// What the plan runs, and why it may.
 #[must_use]
-pub fn left_out(plan: &Plan) -> String {
-    let left_out = plan.offers.iter().filter(|offer| offer.left_out);
-    left_out.map(|offer| line(offer, None)).collect()
-}
-
-#[must_use]
-pub fn chosen(choice: &Choice) -> String {
-    let without: Vec<_> = choice.without.iter().map(ToString::to_string).collect();
-    if choice == &Choice::full() {
-        "the full model: nothing is left out".to_owned()
-    } else if without.is_empty() {
-        choice.format.to_string()
-    } else {
-        format!("{}, without {}", choice.format, without.join(", "))
-    }
-}
-
-#[must_use]
-pub fn allowed(plan: &Plan, tolerance: f64) -> String {
-    format!(
-        "         at most {} of the events change ({:.0} without a partner); {} are tolerated\n",
-        share(plan.bound.share),
-        plan.bound.events,
-        share(tolerance)
+pub fn chosen(plan: &Plan, tolerance: f64) -> String {
+    told(
+        (&plan.choice.to_string(), &plan.why),
+        plan.change,
+        tolerance,
     )
+}
+
+/// The same of any choice: what it is, why, and what it changes.
+#[must_use]
+pub fn told((choice, why): (&str, &str), change: Option<Estimate>, tolerance: f64) -> String {
+    let mut text = format!("plan     {choice}; {why}\n");
+    if let Some(Estimate {
+        share: about,
+        limit: Some(limit),
+        tiles,
+        events,
+        ..
+    }) = change
+    {
+        let _ = writeln!(
+            text,
+            "         about {} of the events change, hardly more than {} ({events} events of {tiles} tiles); {} are tolerated",
+            share(about),
+            share(limit),
+            share(tolerance)
+        );
+    }
+    text
 }
 
 /// A share in percent, with three figures.
@@ -179,8 +238,8 @@ pub fn share(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 {
         "0 %".to_owned()
-    } else if percent > 100.0 || percent.is_nan() {
-        "over 100 %".to_owned()
+    } else if percent > 1000.0 || percent.is_nan() {
+        "over 1000 %".to_owned()
     } else if percent < 0.01 {
         format!("{percent:.1e} %")
     } else if percent < 10.0 {
@@ -206,15 +265,15 @@ mod tests {
 
     #[test]
     fn shares_have_three_figures() {
-        let shown = [0.0, 1e-7, 0.000_447, 0.0123, 0.5, 9.7, f64::INFINITY].map(share);
+        let shown = [0.0, 1e-7, 0.000_447, 0.0123, 0.5, 1.5, f64::INFINITY].map(share);
         let want = [
             "0 %",
             "1.0e-5 %",
             "0.045 %",
             "1.230 %",
             "50.0 %",
-            "over 100 %",
-            "over 100 %",
+            "150.0 %",
+            "over 1000 %",
         ];
         assert_eq!(shown, want);
     }

@@ -1,4 +1,4 @@
-//! `amacrine plan`: what a model may leave out of a scene, and the bound that allows it.
+//! `amacrine plan`: what a model may leave out of a scene, and what a pilot measured of it.
 
 use std::{
     fmt::Write as _,
@@ -12,14 +12,14 @@ use crate::{
     event::Packet,
     number::Format,
     reference::{Description, Limit, Reference},
-    scene::{Observation, OpenOptions, Scene as _, open},
-    study::plan::{Change, Choice, Model, Plan, Question},
+    scene::{Observation, kept::Kept},
+    study::pilot::{Change, Plan, Question, model::Model, plan::BUDGET},
     unit::Micros,
 };
 
 use super::{
     budget,
-    fidelity::{allowed, chosen, line, make, percent, share},
+    fidelity::{Source, chosen, line, make, percent, share},
     files::{Input, Named},
     light::{self, Samples},
     progress::Progress,
@@ -57,7 +57,7 @@ pub struct Arguments {
     /// Run the planned model
     #[arg(long)]
     run: bool,
-    /// Run it and the full model, and show what every step really changes beside its bound
+    /// Run it and the full model, and show what everything really changes beside its limit
     #[arg(long)]
     verify: bool,
     /// The most events a list may hold [default: 100000000, or what there is memory for]
@@ -93,17 +93,17 @@ struct Ran {
     time: Duration,
 }
 
-/// What every step really changes.
+/// What everything really changes.
 struct Verified {
     full: Ran,
     change: Change,
-    steps: Vec<Option<Change>>,
+    offers: Vec<Change>,
 }
 
 /// Runs the verb.
 ///
 /// # Errors
-/// When the scene or the sensor file is not what it should be, or a bound did not hold.
+/// When the scene or the sensor file is not what it should be.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let description = read_sensor(&arguments.sensor)?;
     let readout = arguments.readout.open()?.map(|d| d.readout()).transpose()?;
@@ -116,25 +116,34 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         upsample: arguments.upsample,
         readout,
         crop: true,
+        budget: BUDGET,
+        tiles: None,
     };
-    let options = arguments.samples.opening(arguments.fps);
-    let events = events(arguments, &description)?;
     let observation = Observation::new();
-    // Only to be asked how its samples become light.
-    drop(
-        arguments
-            .samples
-            .open(Some(&arguments.scene), arguments.fps, &observation)?,
-    );
-    let start = Instant::now();
-    let plan = make(&question, &arguments.scene, &options)
+    let samples = &arguments.samples;
+    let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
+    let source = Source::new(true, open)?;
+    let Source::Kept(kept) = source else {
+        return Err(miette!(
+            help = "take a shorter or smaller scene; amacrine run --fidelity auto takes it, by rules that need no measurement",
+            "{} is too long to be kept in memory, and a pilot looks at all of it",
+            arguments.scene
+        ));
+    };
+    if kept.is_empty() {
+        return Err(miette!(
+            help = "give a scene with at least one frame",
+            "the scene has no frames"
+        ));
+    }
+    let events = events(arguments, &description, &kept)?;
+    let plan = make(&question, Some(&kept))
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
-    let planning = start.elapsed();
     let limit = Limit {
         events,
         ..Limit::default()
     };
-    let ran = |model: Model, what| ran(model, what, &arguments.scene, &options);
+    let ran = |model: Model<'_>, what| ran(&model, what, &kept);
     let planned = if arguments.run || arguments.verify {
         Some(ran(Model::planned(&question, &plan, limit), "planned")?)
     } else {
@@ -143,56 +152,49 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let verified = match &planned {
         Some(planned) if arguments.verify => {
             let full = ran(Model::full(&question, limit), "full")?;
-            let mut steps = Vec::new();
+            let mut offers = Vec::new();
             for offer in &plan.offers {
-                let step = |model: &Choice| {
-                    let model = Model::chosen(&question, model, plan.window.clone(), limit);
-                    let step = ran(model, "one step")?;
-                    let change = Change::between(&full.packet, &step.packet, question.within);
-                    change.into_diagnostic()
+                let model = Model {
+                    choice: offer.model.clone(),
+                    ..Model::planned(&question, &plan, limit)
                 };
-                steps.push(offer.model.as_ref().map(step).transpose()?);
+                let plain = ran(model, "one offer")?;
+                offers.push(Change::between(
+                    &full.packet,
+                    &plain.packet,
+                    question.within,
+                )?);
             }
             Some(Verified {
                 change: Change::between(&full.packet, &planned.packet, question.within)?,
                 full,
-                steps,
+                offers,
             })
         }
         _ => None,
     };
+    let told = Told {
+        arguments,
+        plan: &plan,
+        kept: &kept,
+        planned: planned.as_ref(),
+        verified: verified.as_ref(),
+    };
     if arguments.json {
-        let mut json = as_json(
-            arguments,
-            &plan,
-            planning,
-            planned.as_ref(),
-            verified.as_ref(),
-        )?;
+        let mut json = told.json()?;
         json["light"] = light::json(&observation);
         super::say(&format!("{json}\n"));
     } else {
-        let text = as_text(
-            arguments,
-            &plan,
-            planning,
-            planned.as_ref(),
-            verified.as_ref(),
-        );
-        super::say(&(text + &light::line(&observation)));
+        super::say(&(told.text() + &light::line(&observation)));
     }
-    verified.map_or(Ok(()), |verified| verified.held(&plan))
+    Ok(())
 }
 
-/// How many events a list may hold beside the model, its probe and what is followed of each cell.
-fn events(arguments: &Arguments, description: &Description) -> miette::Result<usize> {
-    let scene = open(&arguments.scene, &arguments.samples.opening(arguments.fps))?;
-    let size = scene.size();
+/// How many events a list may hold beside the scene, the model and its tiles.
+fn events(arguments: &Arguments, description: &Description, kept: &Kept) -> miette::Result<usize> {
+    let size = kept.size();
     let model = <Reference>::bytes(description, size);
-    let cells = (size.pixels() * description.channels.len()) as u128;
-    let need = budget::of_scene(&*scene)
-        .and("the model and its probe", 3 * model)
-        .and("what is followed of each cell", FOLLOWED * cells);
+    let need = budget::of_scene(&kept.scene()).and("the model and its tiles", 2 * model);
     let what = format!("a plan for {size}");
     let lists = 1 + u128::from(arguments.run) + 2 * u128::from(arguments.verify);
     let help = "take a smaller scene";
@@ -205,153 +207,141 @@ fn events(arguments: &Arguments, description: &Description) -> miette::Result<us
     )
 }
 
-/// Bytes of what is followed of a cell.
-const FOLLOWED: u128 = 200;
-
-impl Verified {
-    /// Whether every bound held.
-    fn held(&self, plan: &Plan) -> miette::Result<()> {
-        let steps = plan.offers.iter().zip(&self.steps);
-        let mut broken = steps.filter_map(|(offer, change)| {
-            let (bound, change) = (offer.bound?, (*change)?);
-            above(&change, bound.events).then(|| offer.what.clone())
-        });
-        let plan = above(&self.change, plan.bound.events).then(|| "the plan".to_owned());
-        match plan.or_else(|| broken.next()) {
-            None => Ok(()),
-            Some(what) => Err(miette!(
-                help = "this is a fault of amacrine: please report the scene, the sensor file and the seed",
-                "{what} changes more events than its bound allows"
-            )),
-        }
-    }
-}
-
-/// Whether more changed than a bound allows.
-fn above(change: &Change, bound: f64) -> bool {
-    (change.missing + change.extra) as f64 > bound
-}
-
-fn ran(
-    model: Model,
-    what: &'static str,
-    scene: &str,
-    options: &OpenOptions,
-) -> miette::Result<Ran> {
-    let progress = Progress::new(what, open(scene, options)?.frames());
+fn ran(model: &Model<'_>, what: &'static str, kept: &Kept) -> miette::Result<Ran> {
+    let progress = Progress::new(what, Some(kept.len() as u64));
     let start = Instant::now();
-    let packet = model.run(&mut || open(scene, options), || progress.tick())?;
+    let packet = model.run(kept.scene(), || progress.tick())?;
     let time = start.elapsed();
     progress.finish();
     Ok(Ran { packet, time })
 }
 
-fn as_json(
-    arguments: &Arguments,
-    plan: &Plan,
-    planning: Duration,
-    planned: Option<&Ran>,
-    verified: Option<&Verified>,
-) -> miette::Result<Value> {
-    let mut json = serde_json::to_value(plan).into_diagnostic()?;
-    json["scene"] = (*arguments.scene).into();
-    json["sensor"] = arguments.sensor.display().to_string().into();
-    json["tolerance"] = arguments.asked.tolerance.into();
-    json["within_us"] = arguments.asked.within.0.into();
-    json["planning_seconds"] = planning.as_secs_f64().into();
-    json["planned"] = planned.map_or(
-        Value::Null,
-        |ran| json!({"events": ran.packet.events.len(), "seconds": ran.time.as_secs_f64()}),
-    );
-    json["verified"] = verified.map_or(Value::Null, |verified| {
-        json!({
-            "full": {"events": verified.full.packet.events.len(), "seconds": verified.full.time.as_secs_f64()},
-            "change": verified.change,
-            "steps": verified.steps,
-            "held": verified.held(plan).is_ok(),
-        })
-    });
-    Ok(json)
+/// What there is to tell.
+struct Told<'a> {
+    arguments: &'a Arguments,
+    plan: &'a Plan,
+    kept: &'a Kept,
+    planned: Option<&'a Ran>,
+    verified: Option<&'a Verified>,
 }
 
-fn as_text(
-    arguments: &Arguments,
-    plan: &Plan,
-    planning: Duration,
-    planned: Option<&Ran>,
-    verified: Option<&Verified>,
-) -> String {
-    let light = &plan.light;
-    let mut text = format!(
-        "scene    {}, {}, {} frames in {:.6} s\n         light {:.4} to {:.4}, {:.3} ln units a pixel and second, {} of the tiles change\n         root mean square frequency {:.3} cycles/pixel, {:.2} Hz\nfull     at least {:.0} events\n\n",
-        arguments.scene,
-        light.size,
-        light.frames,
-        light.seconds,
-        light.range.0,
-        light.range.1,
-        light.contrast_per_second,
-        share(light.active_tiles),
-        light.spatial_frequency,
-        light.temporal_frequency,
-        plan.events,
-    );
-    let measured = if verified.is_some() {
-        "   measured"
-    } else {
-        ""
-    };
-    let _ = writeln!(text, "{:<28} {:>10}{measured}", "without", "at most");
-    for (n, offer) in plan.offers.iter().enumerate() {
-        let measured = verified.map(|verified| match verified.steps.get(n) {
-            Some(Some(change)) => share(change.share),
-            _ => String::new(),
+impl Verified {
+    /// Whether the limit held: of twenty plans one may exceed it.
+    fn held(&self, plan: &Plan) -> bool {
+        // Rules leave rounding.
+        self.change.share <= plan.limit().max(1e-3)
+    }
+}
+
+impl Told<'_> {
+    fn json(&self) -> miette::Result<Value> {
+        let Self {
+            arguments, plan, ..
+        } = self;
+        let mut json = serde_json::to_value(plan).into_diagnostic()?;
+        json["scene"] = (*arguments.scene).into();
+        json["sensor"] = arguments.sensor.display().to_string().into();
+        json["tolerance"] = arguments.asked.tolerance.into();
+        json["within_us"] = arguments.asked.within.0.into();
+        json["planned"] = self.planned.map_or(
+            Value::Null,
+            |ran| json!({"events": ran.packet.events.len(), "seconds": ran.time.as_secs_f64()}),
+        );
+        json["verified"] = self.verified.map_or(Value::Null, |verified| {
+            json!({
+                "full": {"events": verified.full.packet.events.len(), "seconds": verified.full.time.as_secs_f64()},
+                "change": verified.change,
+                "offers": verified.offers,
+                "held": verified.held(plan),
+            })
         });
-        text += &line(offer, measured);
+        Ok(json)
     }
-    let _ = write!(
-        text,
-        "\nplan     {}\n{}",
-        chosen(&plan.choice),
-        allowed(plan, arguments.asked.tolerance)
-    );
-    let [full, cheapest] = plan.seconds;
-    let _ = writeln!(
-        text,
-        "time     {:.3} ms a core for the sensor, {:.3} ms for the full one (modelled); the plan took {:.3} ms",
-        cheapest * 1e3,
-        full * 1e3,
-        planning.as_secs_f64() * 1e3
-    );
-    if let Some(ran) = planned {
-        let _ = writeln!(
-            text,
-            "run      {} events in {:.3} ms, the scene's own time included",
-            ran.packet.events.len(),
-            ran.time.as_secs_f64() * 1e3
-        );
-    }
-    if let (Some(verified), Some(ran)) = (verified, planned) {
-        let Change {
-            missing,
-            extra,
-            share: changed,
+
+    fn text(&self) -> String {
+        let Self {
+            arguments,
+            plan,
+            kept,
             ..
-        } = verified.change;
+        } = self;
+        let mut text = format!(
+            "scene    {}, {}, {} frames\n\n",
+            arguments.scene,
+            kept.size(),
+            kept.len()
+        );
+        let measured = if self.verified.is_some() {
+            "   measured"
+        } else {
+            ""
+        };
         let _ = writeln!(
             text,
-            "verified {} events in {:.3} ms by the full model: {missing} missing, {extra} extra, {} changed; the plan is {:.2} times as fast",
-            verified.full.packet.events.len(),
-            verified.full.time.as_secs_f64() * 1e3,
-            share(changed),
-            verified.full.time.as_secs_f64() / ran.time.as_secs_f64().max(1e-9)
+            "{:<28} {:>10} {:>10} {:>7}{measured}",
+            "without", "about", "at most", "time"
         );
-        let held = if verified.held(plan).is_ok() {
-            "every bound held"
-        } else {
-            "a bound did not hold"
-        };
-        let _ = writeln!(text, "         {held}");
+        for free in &plan.free {
+            let mark = if plan.choice.leaves_out(free.what) {
+                '*'
+            } else {
+                ' '
+            };
+            let _ = writeln!(
+                text,
+                "{mark} {:<26} {:>10} {:>10} {:>7}   {}",
+                free.what.name(),
+                "0 %",
+                "free",
+                "",
+                free.why
+            );
+        }
+        for (n, offer) in plan.offers.iter().enumerate() {
+            let measured = self.verified.map(|verified| {
+                let change = verified.offers.get(n);
+                change.map_or(String::new(), |change| share(change.share))
+            });
+            text += &line(offer, measured);
+        }
+        text += "\n";
+        text += &chosen(plan, arguments.asked.tolerance);
+        if let Some([full, plain]) = plan.expected {
+            let _ = writeln!(
+                text,
+                "time     {:.3} s for the sensor where the full one takes {:.3} s (expected); the pilot took {:.3} s",
+                plain, full, plan.seconds
+            );
+        }
+        if let Some(ran) = self.planned {
+            let _ = writeln!(
+                text,
+                "run      {} events in {:.3} s",
+                ran.packet.events.len(),
+                ran.time.as_secs_f64()
+            );
+        }
+        if let (Some(verified), Some(ran)) = (self.verified, self.planned) {
+            let Change {
+                missing,
+                extra,
+                share: changed,
+                ..
+            } = verified.change;
+            let held = if verified.held(plan) {
+                "held"
+            } else {
+                "did not hold"
+            };
+            let _ = writeln!(
+                text,
+                "verified {} events in {:.3} s by the full model: {missing} missing, {extra} extra, {} changed; the plan is {:.2} times as fast, and its limit {held}",
+                verified.full.packet.events.len(),
+                verified.full.time.as_secs_f64(),
+                share(changed),
+                verified.full.time.as_secs_f64() / ran.time.as_secs_f64().max(1e-9)
+            );
+        }
+        text
     }
-    text
 }

@@ -19,16 +19,16 @@ use crate::{
     },
     rig::{self, guard::Warning},
     save::Stack,
-    scene::{Observation, Scene, upsample},
+    scene::{Observation, Scene, SceneError, upsample},
     source,
-    study::plan::{Effect, Plan, cost},
+    study::pilot::{Effect, Plan},
     unit::Micros,
 };
 
 use super::{
     budget,
     content::Content,
-    fidelity::Fidelity,
+    fidelity::{Fidelity, Source, make},
     files::{self, Input, Named, Output},
     guards::{RunGuard, white},
     light::{self, Samples},
@@ -105,27 +105,29 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "--readout without --events: counts and voxels are of what the cells fired"
         ));
     }
-    let planned = arguments.planned(&description)?;
-    let Some((plan, plainer)) = planned else {
-        return watched(arguments, &description, None);
-    };
+    let observation = Observation::new();
+    let samples = &arguments.samples;
+    let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
+    if !arguments.fidelity.is_auto() {
+        return watched(arguments, &description, None, (open()?, &observation));
+    }
+    let (plan, scene) = arguments.planned(&description, open)?;
+    let plainer = plan.choice.plainer(&description);
     let mut arguments = arguments.clone();
     arguments.format = plan.choice.format;
-    if plan.choice.leaves_out(Effect::Upsampling) {
+    if plan.choice.leaves_out(Effect::InsertedFrames) {
         arguments.upsample = None;
     }
-    if plan.choice.leaves_out(Effect::Readout) {
-        arguments.readout = readout::Choice::default();
-    }
-    watched(&arguments, &plainer, Some(&plan))
+    watched(&arguments, &plainer, Some(&plan), (scene, &observation))
 }
 
 impl Arguments {
-    /// The plan that was asked for, and the sensor without what it leaves out.
-    fn planned(&self, description: &Description) -> miette::Result<Option<(Plan, Description)>> {
-        if !self.fidelity.is_auto() {
-            return Ok(None);
-        }
+    /// The plan that was asked for, and the scene, which may have been read for it.
+    fn planned(
+        &self,
+        description: &Description,
+        open: impl Fn() -> Result<Box<dyn Scene>, SceneError>,
+    ) -> miette::Result<(Plan, Box<dyn Scene>)> {
         if self.format != Format::F64 {
             return Err(miette!(
                 help = "leave --format out, or choose the rest by hand as well",
@@ -134,16 +136,12 @@ impl Arguments {
             ));
         }
         let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
-        let options = self.samples.opening(self.fps);
-        let plan = self.fidelity.plan(
-            &self.scene,
-            &options,
-            (description, self.seed),
-            self.upsample,
-            readout,
-        )?;
-        let plainer = cost::plainer(description, &plan.choice);
-        Ok(Some((plan, plainer)))
+        let sensor = (description, self.seed);
+        let question = self.fidelity.question(sensor, self.upsample, readout);
+        let source = Source::new(question.looks(), open)?;
+        let plan = make(&question, source.kept())
+            .wrap_err_with(|| format!("{} seen by {}", self.scene, self.sensor.display()))?;
+        Ok((plan, source.scene()))
     }
 }
 
@@ -152,11 +150,8 @@ fn watched(
     arguments: &Arguments,
     description: &Description,
     plan: Option<&Plan>,
+    (scene, observation): (Box<dyn Scene>, &Observation),
 ) -> miette::Result<()> {
-    let observation = Observation::new();
-    let scene = arguments
-        .samples
-        .open(Some(&arguments.scene), arguments.fps, &observation)?;
     let sensor = description.clone();
     let scene = upsample::by_contrast(scene, arguments.upsample)?;
     let watched = arguments.format.visit(Run {
@@ -164,7 +159,7 @@ fn watched(
         description: sensor,
         scene,
     });
-    let mut warnings = Warning::of_scene(&observation, white(description.response));
+    let mut warnings = Warning::of_scene(observation, white(description.response));
     light::warn(&warnings);
     let mut watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
@@ -172,14 +167,14 @@ fn watched(
     warnings.append(&mut watched.warnings);
     if arguments.json {
         let mut json = watched.json(arguments, description);
-        json["light"] = light::json(&observation);
+        json["light"] = light::json(observation);
         json["warnings"] = json!(warnings);
         if let Some(plan) = plan {
             json["fidelity"] = arguments.fidelity.json(plan)?;
         }
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&watched.table(arguments, description, &light::line(&observation)));
+        super::say(&watched.table(arguments, description, &light::line(observation)));
         if let Some(plan) = plan {
             super::say(&arguments.fidelity.lines(plan));
         }

@@ -134,6 +134,14 @@ pub fn matched(pair: &Pair, within: Micros) -> u64 {
     )
 }
 
+/// How many events of one cell match within `within`.
+#[must_use]
+pub fn matched_of_cell(reference: Times<'_>, judged: Times<'_>, within: Micros) -> u64 {
+    let mut matched = 0;
+    pairs(reference, judged, within, |_, _| matched += 1);
+    matched
+}
+
 /// Finds the matches of one cell.
 fn pairs(reference: Times<'_>, judged: Times<'_>, within: Micros, mut found: impl FnMut(u64, u64)) {
     let (mut a, mut b) = (reference.iter().peekable(), judged.iter().peekable());

@@ -49,7 +49,7 @@ pub use firing::{Firing, FiringBand};
 pub use list::{EventList, Limit, ListBand, WhenFull};
 pub use noise::Noise;
 pub use report::Report;
-pub use sensor::Reference;
+pub use sensor::{Reference, bands_of};
 pub use surround::{SheetRule, Surround, Surrounds};
 pub use tally::{Tally, TallyBand};
 pub use train::{BandSink, Interval, Sink, Train, TrainRow};

@@ -8,6 +8,7 @@ use crate::{
     event::Packet,
     kernel::Kernel,
     limit::ARRAY_SIDE,
+    mosaic::Mosaic,
     number::{F64, Number, Real},
     plane::{Plane, Size},
     scene::Frame,
@@ -32,6 +33,12 @@ const SMALL: usize = 1 << 13;
 /// Rows of a band: few enough that a band's working memory stays in cache, enough to be worth a
 /// task. Events do not depend on it.
 const BAND_ROWS: usize = 32;
+
+/// Into how many bands, at most as many threads, a sensor of this size is cut.
+#[must_use]
+pub const fn bands_of(size: Size) -> usize {
+    size.height.div_ceil(band_rows(size))
+}
 
 /// The float model of one sensor, in one number format.
 #[derive(Clone, Debug)]
@@ -77,19 +84,32 @@ impl<N: Number> Reference<N> {
         size: Size,
         seed: u64,
     ) -> Result<Self, SensorError> {
-        let rows = if size.pixels() < SMALL {
-            size.height
-        } else {
-            BAND_ROWS
-        };
-        Self::in_bands(number, description, size, seed, rows)
+        Self::in_bands(number, description, (size, None), seed, band_rows(size))
+    }
+
+    /// The sensor on some tiles of it: it watches mosaics, and gives the cells of a tile the
+    /// mismatch and noise that they have in the whole sensor. Tiles whose halo is what their cells
+    /// depend on have the events of the whole sensor, to the bit, where corners, side and halo of
+    /// tiles are even; resistor sheets depend on all of it.
+    ///
+    /// # Errors
+    /// As [`Reference::new`].
+    pub fn on_tiles(
+        number: N,
+        description: Description,
+        mosaic: &Mosaic,
+        seed: u64,
+    ) -> Result<Self, SensorError> {
+        let size = mosaic.size();
+        let rows = band_rows(size);
+        Self::in_bands(number, description, (size, Some(mosaic)), seed, rows)
     }
 
     /// A sensor with bands of so many rows.
     fn in_bands(
         number: N,
         description: Description,
-        size: Size,
+        (size, mosaic): (Size, Option<&Mosaic>),
         seed: u64,
         rows: usize,
     ) -> Result<Self, SensorError> {
@@ -130,7 +150,7 @@ impl<N: Number> Reference<N> {
             buffers: Buffers::default(),
             seen: None,
             intervals: 0,
-            plan: Plan::new(number, description, size, seed),
+            plan: Plan::new(number, description, size, seed, mosaic),
         })
     }
 
@@ -342,6 +362,17 @@ fn first_fault<N: Number>(light: Light<'_, N>, size: Size) -> Option<SensorError
     (0..size.height).find_map(|y| light.row(y, &mut row).err())
 }
 
+/// Rows of a band of a sensor of this size.
+const fn band_rows(size: Size) -> usize {
+    if size.pixels() >= SMALL {
+        BAND_ROWS
+    } else if size.height > 0 {
+        size.height
+    } else {
+        1
+    }
+}
+
 /// The rows of each band.
 fn bands(height: usize, rows: usize) -> Vec<Range<usize>> {
     (0..height)
@@ -423,7 +454,8 @@ mod tests {
         let channels = description.channels.len();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
-            let mut reference = Reference::in_bands(F64, description, size, 5, rows).unwrap();
+            let mut reference =
+                Reference::in_bands(F64, description, (size, None), 5, rows).unwrap();
             let mut packet = Packet::new(size, channels as u8);
             let mut counts = Counts::new(size, channels);
             let mut grid = VoxelGrid::new(size, channels);

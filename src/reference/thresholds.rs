@@ -25,7 +25,13 @@ pub(super) struct Thresholds<R> {
 }
 
 impl<R: Real> Thresholds<R> {
-    pub(super) fn new(nominal: &[Threshold], size: Size, seed: u64, channel: usize) -> Self {
+    /// `home` is the place that a cell's numbers are drawn for.
+    pub(super) fn new(
+        nominal: &[Threshold],
+        size: Size,
+        seed: u64,
+        (channel, home): (usize, &dyn Fn(usize, usize) -> (usize, usize)),
+    ) -> Self {
         let mismatch = nominal.iter().any(|t| t.sigma > 0.0);
         let rows = match nominal {
             _ if mismatch => size.height,
@@ -38,6 +44,7 @@ impl<R: Real> Thresholds<R> {
                 [one] => *one,
                 four => four[2 * (y % 2) + x % 2],
             };
+            let (y, x) = home(y, x);
             let place = Place {
                 seed,
                 channel,

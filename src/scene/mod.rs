@@ -43,6 +43,7 @@ mod still;
 mod y4m;
 
 pub mod held;
+pub mod kept;
 pub mod part;
 pub mod pattern;
 pub mod resample;

@@ -4,7 +4,7 @@ pub mod design;
 pub mod equivalent;
 pub mod feasibility;
 pub mod front;
-pub mod plan;
+pub mod pilot;
 pub mod quantisation;
 pub mod report;
 pub mod saturation;

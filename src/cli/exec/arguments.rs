@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::super::{
     content::Content,
+    fidelity::Fidelity,
     figure::figure,
     files::{Named, Output},
     light::Samples,
@@ -51,6 +52,8 @@ pub struct Arguments {
     /// In which order the array is worked on, which changes only the speed: plain, tiled
     #[arg(long)]
     pub(super) schedule: Option<String>,
+    #[command(flatten)]
+    pub(super) fidelity: Fidelity,
     /// On how many threads at most
     #[arg(long, value_parser = threads)]
     pub(super) threads: Option<usize>,

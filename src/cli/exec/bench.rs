@@ -22,29 +22,34 @@ use crate::{
     isa::{Device, Figure},
     limit::THREADS,
     memory::Need,
-    plane::Size,
+    plane::{At, Size},
     program::{Expansion, Program},
     rig::{
         self,
         guard::{Guard, Warning},
     },
     scene::{Observation, Scene},
-    study::saturation,
+    study::{
+        pilot::{Chips, Machine},
+        saturation,
+    },
     unit::Micros,
 };
 
 /// A program and all that it needs to run, once or several times.
 pub struct Bench<'a> {
-    arguments: &'a Arguments,
+    pub(super) arguments: &'a Arguments,
     pub opened: Opened,
-    planes: Vec<Set>,
-    size: Size,
+    pub(super) planes: Vec<Set>,
+    pub(super) size: Size,
     /// What was seen of its light.
     pub observation: Observation,
     /// Bytes of the frames of its light.
     frames: u128,
     pub arithmetic: Arithmetic,
-    settings: Settings,
+    pub(super) settings: Settings,
+    /// What runs in place of the arithmetic that was asked for.
+    pub machine: Option<Machine>,
 }
 
 impl<'a> Bench<'a> {
@@ -75,6 +80,7 @@ impl<'a> Bench<'a> {
             frames: light.scene.as_ref().map_or(0, Scene::bytes),
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
+            machine: None,
             arguments,
             planes,
             opened,
@@ -119,16 +125,16 @@ impl<'a> Bench<'a> {
             device,
             expansion,
         } = &self.opened;
-        let mut chip = self
-            .arithmetic
-            .with_seed(seed)
-            .chip(
-                &program.file,
-                &expansion.code,
-                device,
-                self.size,
-                self.settings,
-            )
+        let chips = Chips {
+            name: &program.file,
+            code: &expansion.code,
+            device,
+            settings: self.settings,
+            arithmetic: self.arithmetic.with_seed(seed),
+        };
+        let machine = self.machine.clone().unwrap_or_else(|| chips.machine());
+        let mut chip = chips
+            .chip(&machine, self.size, (At { y: 0, x: 0 }, self.size.width))
             .wrap_err_with(|| format!("{} cannot run", program.file))?;
         for set in &self.planes {
             set.apply(&mut *chip)?;

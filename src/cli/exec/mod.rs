@@ -6,6 +6,7 @@ mod debug;
 mod dump;
 mod light;
 mod moment;
+mod pilot;
 mod reading;
 mod report;
 mod set;
@@ -33,8 +34,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             files::reads(path)?;
         }
     }
-    let bench = Bench::new(arguments)?;
+    let mut bench = Bench::new(arguments)?;
     bench.check()?;
+    let plan = if arguments.fidelity.is_auto() {
+        Some(pilot::plan(&bench)?)
+    } else {
+        None
+    };
+    if let Some(plan) = &plan {
+        bench.machine = Some(plan.choice.clone());
+    }
     if let Some(folder) = &arguments.dump {
         files::writes(dump::files(&bench.opened.device, folder))?;
     }
@@ -71,6 +80,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             Ok(ControlFlow::Continue(()))
         })?
     };
+    if plan.is_some() {
+        pilot::check(&packet)?;
+    }
     let warnings = bench.warnings(guard, &*chip, &packet, frames);
     super::light::warn(&warnings);
 
@@ -98,9 +110,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         warnings: &warnings,
     };
     if arguments.json {
-        super::say(&format!("{}\n", report.json()));
+        let mut json = report.json();
+        if let Some(plan) = &plan {
+            json["fidelity"] = pilot::json(plan, arguments)?;
+        }
+        super::say(&format!("{json}\n"));
     } else {
         super::say(&report.table());
+        if let Some(plan) = &plan {
+            super::say(&pilot::lines(plan, arguments));
+        }
         if let Some(path) = &arguments.events {
             super::say(&super::convert::opened(path));
         }

@@ -9,7 +9,6 @@ use crate::{
         drive::{Made, log_temporal},
         memory::{Memory, Stepped},
         noise::Noise,
-        reason::Place,
         sheets::{self, Sheets},
         signal::Padded,
     },
@@ -51,12 +50,7 @@ impl<N: Number> Cells<N> {
         };
         let thresholds = &plan.thresholds[channel];
         let noise = description.noise;
-        let place = |cell: usize| Place {
-            seed: plan.seed,
-            channel,
-            y: rows.start + cell / width,
-            x: cell % width,
-        };
+        let place = |cell: usize| plan.place(channel, rows.start + cell / width, cell % width);
         let on = |cell: usize| {
             let (on, _) = thresholds.row(rows.start + cell / width);
             on[cell % width]

@@ -4,7 +4,6 @@ use crate::{
     number::Number,
     reference::{
         noise_event::NoiseEvents,
-        reason::Place,
         refractory::awake,
         train::{BandSink, Interval, Train},
     },
@@ -33,12 +32,7 @@ impl<N: Number> Band<N> {
         let all = NoiseEvents::new(noise, plan.seed, interval.index, dt);
         let mut noise_events = Vec::new();
         for x in 0..self.width {
-            let place = Place {
-                seed: plan.seed,
-                channel,
-                y,
-                x,
-            };
+            let place = plan.place(channel, y, x);
             if !all.may_be(place) {
                 continue;
             }

@@ -1,11 +1,13 @@
 //! The constants of a sensor, which its bands share, and their input in an interval.
 
 use crate::{
+    mosaic::Mosaic,
     number::Number,
     plane::Size,
     reference::{
         description::Description,
         drive::Weights,
+        reason::Place,
         sheets::Sheets,
         signal::{Light, Padded},
         thresholds::Thresholds,
@@ -23,6 +25,31 @@ pub(in crate::reference) struct Plan<N: Number> {
     pub(in crate::reference) weights: Vec<Weights<N::Held>>,
     pub(in crate::reference) memory_weights: Vec<Option<Weights<N::Held>>>,
     pub(in crate::reference) thresholds: Vec<Thresholds<N::Real>>,
+    /// Where each cell is at home, row by row, where that is not where it lies: random numbers
+    /// are drawn for that place.
+    homes: Option<Homes>,
+}
+
+/// The home of each cell of a mosaic.
+#[derive(Clone, Debug)]
+struct Homes {
+    places: Vec<(u16, u16)>,
+    width: usize,
+}
+
+impl Homes {
+    fn new(mosaic: &Mosaic) -> Self {
+        let size = mosaic.size();
+        let cells = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (y, x)));
+        let home = |(y, x)| {
+            let at = mosaic.home(y, x);
+            (at.y as u16, at.x as u16)
+        };
+        Self {
+            places: cells.map(home).collect(),
+            width: size.width,
+        }
+    }
 }
 
 impl<N: Number> Plan<N> {
@@ -31,7 +58,10 @@ impl<N: Number> Plan<N> {
         description: Description,
         size: Size,
         seed: u64,
+        mosaic: Option<&Mosaic>,
     ) -> Self {
+        let homes = mosaic.map(Homes::new);
+        let home = |y: usize, x: usize| home(homes.as_ref(), y, x);
         let channels = &description.channels;
         let weights = channels
             .iter()
@@ -48,7 +78,9 @@ impl<N: Number> Plan<N> {
         let thresholds = channels
             .iter()
             .enumerate()
-            .map(|(number, channel)| Thresholds::new(&channel.thresholds, size, seed, number))
+            .map(|(number, channel)| {
+                Thresholds::new(&channel.thresholds, size, seed, (number, &home))
+            })
             .collect();
         Self {
             number,
@@ -57,12 +89,33 @@ impl<N: Number> Plan<N> {
             weights,
             memory_weights,
             thresholds,
+            homes,
+        }
+    }
+
+    /// What random numbers of a cell are drawn for.
+    #[inline]
+    pub(super) fn place(&self, channel: usize, y: usize, x: usize) -> Place {
+        let (y, x) = home(self.homes.as_ref(), y, x);
+        Place {
+            seed: self.seed,
+            channel,
+            y,
+            x,
         }
     }
 
     pub(super) fn refractory(&self) -> f64 {
         self.description.refractory.us * 1e-6
     }
+}
+
+/// The home of a cell.
+#[inline]
+fn home(homes: Option<&Homes>, y: usize, x: usize) -> (usize, usize) {
+    let Some(homes) = homes else { return (y, x) };
+    let place = homes.places.get(y * homes.width + x);
+    place.map_or((y, x), |(y, x)| ((*y).into(), (*x).into()))
 }
 
 /// The input of all bands in an interval.

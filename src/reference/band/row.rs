@@ -14,7 +14,6 @@ use super::{
         drive::log_temporal,
         fire,
         memory::{self, Memory},
-        reason::Place,
         refractory,
         report::Report,
         sheets,
@@ -269,12 +268,7 @@ impl<N: Number> Row<'_, N> {
         let trains = &mut scratch.trains;
         for x in 0..self.range.len() {
             let Some(train) = trains.get(x) else { continue };
-            let place = Place {
-                seed: self.plan.seed,
-                channel: self.channel,
-                y: self.y,
-                x,
-            };
+            let place = self.plan.place(self.channel, self.y, x);
             let moved = noise.jitter(train, place, interval.index, interval.duration());
             trains.set(x, Some(moved));
         }

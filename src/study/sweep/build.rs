@@ -12,6 +12,7 @@ use crate::{
         quantise::{Quantiser, Sum},
     },
     number::Format,
+    plane::Size,
     program::{Code, Cost, Overrides, Program},
     reference::{Description, MemoryRule},
     rig::guard::Warning,
@@ -74,6 +75,44 @@ pub(super) fn array(
     shared: &Shared,
     row: &mut Row,
 ) -> Result<Box<dyn Sensor + Send>, Refusal> {
+    let made = array_of(settings, entry, shared, row)?;
+    let point = &entry.point;
+    let arithmetic: Arithmetic = point.word("domain").unwrap_or_default().parse()?;
+    let seed = point.whole("seed").unwrap_or(0);
+    let all = point.word("readout") == Some("all");
+    made.sensor(arithmetic.with_seed(seed), entry.scene.size, all)
+}
+
+/// The program of an array point, and how its array is worked on.
+pub(super) struct Programmed {
+    pub compiled: Compiled,
+    pub settings: array::Settings,
+}
+
+impl Programmed {
+    /// The program on an array of this arithmetic.
+    pub fn sensor(
+        &self,
+        arithmetic: Arithmetic,
+        size: Size,
+        all: bool,
+    ) -> Result<Box<dyn Sensor + Send>, Refusal> {
+        let chip = self.compiled.chip(arithmetic, size, self.settings)?;
+        Ok(if all {
+            Box::new(self.compiled.all_events(chip))
+        } else {
+            chip
+        })
+    }
+}
+
+/// The program of an array point; what it costs goes into the row.
+pub(super) fn array_of(
+    settings: &Settings,
+    entry: &Entry,
+    shared: &Shared,
+    row: &mut Row,
+) -> Result<Programmed, Refusal> {
     let point = &entry.point;
     let word = |key: &str| point.word(key).unwrap_or_default().to_owned();
     let [on, off, _] = point.thresholds().unwrap_or([1.0; 3]);
@@ -157,11 +196,7 @@ pub(super) fn array(
         threads: Some(1),
         ..compiled.settings()
     };
-    let chip = compiled.chip(arithmetic.with_seed(seed), size, settings)?;
-    if word("readout") == "all" {
-        return Ok(Box::new(compiled.all_events(chip)));
-    }
-    Ok(chip)
+    Ok(Programmed { compiled, settings })
 }
 
 /// The program of a kernel with thresholds of 1.

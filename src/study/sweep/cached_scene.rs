@@ -8,8 +8,8 @@ use crate::{
     plane::Size,
     rig::{self, guard::Warning},
     scene::{
-        Coding, Frame, Observation, Observed, OpenOptions, SceneError, bundled_with, open,
-        part::First, upsample,
+        Coding, Frame, Observation, Observed, OpenOptions, SceneError, bundled_with, held::Held,
+        kept::Kept, open, part::First, upsample,
     },
 };
 
@@ -94,6 +94,20 @@ impl CachedScene {
             warning.subjects = vec![self.wanted.spec.clone()];
         }
         warnings
+    }
+
+    /// The scene for a pilot to look at; none where it is too long to be kept.
+    pub fn kept(&self) -> Result<Option<Kept>, SceneError> {
+        let mut frames = Vec::new();
+        let least = self.frames as usize * self.size.pixels();
+        if least > HELD {
+            return Ok(None);
+        }
+        self.play(|frame| {
+            frames.push(frame.clone());
+            Ok::<(), SceneError>(())
+        })?;
+        Kept::new(&mut Held::new(frames, self.size, self.fps), HELD)
     }
 
     /// Shows every frame.

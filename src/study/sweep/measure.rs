@@ -4,6 +4,7 @@ use serde_json::json;
 
 use super::{
     build::{array, float},
+    fidelity::{self, Plain},
     key::Side,
     limits::{Exhausted, Limits},
     plan::{Entry, Plan},
@@ -56,7 +57,7 @@ pub(super) fn without_figures(mut row: Row, outcome: &str, why: &str) -> Row {
 /// Computes a point; what came of it, as a row.
 pub(super) fn measure(plan: &Plan, entry: &Entry, shared: &Shared, limits: Limits<'_>) -> Row {
     let mut row = described(plan, entry);
-    match run(&plan.study.settings, entry, shared, limits, &mut row) {
+    match run(plan, entry, shared, limits, &mut row) {
         Ok(()) => {
             row.insert("outcome".to_owned(), json!("done"));
             row
@@ -68,19 +69,63 @@ pub(super) fn measure(plan: &Plan, entry: &Entry, shared: &Shared, limits: Limit
 }
 
 fn run(
-    settings: &Settings,
+    plan: &Plan,
     entry: &Entry,
     shared: &Shared,
     limits: Limits<'_>,
     row: &mut Row,
 ) -> Result<(), Refusal> {
+    let settings = &plan.study.settings;
     let fits = limits.fits(entry.scene.size);
     fits.map_err(|exhausted| exhausted.given_up())?;
+    if let Some(plain) = fidelity::plain(plan, entry, shared, row)? {
+        if entry.point.side() == Side::Reference {
+            float(entry, row)?;
+        }
+        let Plain {
+            key,
+            left_out,
+            limit,
+            mut sensor,
+        } = plain;
+        // What a point is measured against is the same for points of one task.
+        let key = format!("{} {key}", entry.task);
+        let figures = shared.figures(&key, || {
+            let mut figures = Row::new();
+            measured(
+                settings,
+                entry,
+                shared,
+                limits,
+                (&mut *sensor, &mut figures),
+            )?;
+            Ok(figures)
+        });
+        match figures.get() {
+            Some(Ok(figures)) => row.extend(figures.clone()),
+            Some(Err(refusal)) => return Err(refusal.clone()),
+            None => return Err(Refusal::Cannot("nothing was measured".to_owned())),
+        }
+        row.insert("left_out".to_owned(), json!(left_out));
+        row.insert("left_out_limit".to_owned(), json!(limit));
+        return Ok(());
+    }
     let mut sensor = match entry.point.side() {
         Side::Reference | Side::Mesh => float(entry, row)?,
         Side::Array => array(settings, entry, shared, row)?,
     };
-    let (packet, seconds, warnings) = watch(entry, &mut *sensor, limits)?;
+    measured(settings, entry, shared, limits, (&mut *sensor, row))
+}
+
+/// Fills in the figures of a sensor on the scene of a point.
+fn measured(
+    settings: &Settings,
+    entry: &Entry,
+    shared: &Shared,
+    limits: Limits<'_>,
+    (sensor, row): (&mut (dyn Sensor + Send), &mut Row),
+) -> Result<(), Refusal> {
+    let (packet, seconds, warnings) = watch(entry, sensor, limits)?;
     let made = shared.truth(&entry.task, || ladder(settings, entry, limits));
     let ladder = match made.get() {
         Some(Ok(ladder)) => ladder,

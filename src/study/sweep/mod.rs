@@ -15,6 +15,7 @@ mod cached_scene;
 pub mod damage;
 mod difference;
 mod error;
+mod fidelity;
 pub mod grid;
 pub mod key;
 pub mod limits;

@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashMap,
+    path::PathBuf,
     sync::{
         Mutex, PoisonError,
         atomic::{AtomicBool, AtomicUsize, Ordering},
@@ -142,7 +143,11 @@ impl Run<'_> {
         begin(work.len() as u64);
         let failed = Mutex::new(Vec::new());
         let provenance = Provenance::here();
-        self.on_threads(work, |point, entry, shared| {
+        let pilots = match self.plan.study.settings.tolerance {
+            Some(_) => Some(store.pilots()?),
+            None => None,
+        };
+        self.on_threads(work, pilots, |point, entry, shared| {
             store.begin(&entry.id)?;
             let row = self.computed(entry, || compute(entry, shared));
             if is_failed(&row) {
@@ -182,12 +187,13 @@ impl Run<'_> {
     pub(super) fn on_threads(
         &self,
         mut work: Vec<(usize, &Entry)>,
+        pilots: Option<PathBuf>,
         each: impl Fn(usize, &Entry, &Shared) -> Kept<()> + Sync,
     ) -> Kept<()> {
         task_by_task(&mut work);
         let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
         let failed = Mutex::new(None);
-        let shared = Shared::default();
+        let shared = Shared::new(pilots);
         let worker = || {
             while !stop.load(Ordering::Relaxed) {
                 let Some((point, entry)) = work.get(next.fetch_add(1, Ordering::Relaxed)) else {

@@ -1,11 +1,12 @@
 //! A memo: what several points need is made once, by whichever needs it first.
 
 use std::{
-    collections::VecDeque,
+    collections::{BTreeMap, HashMap, VecDeque},
+    path::{Path, PathBuf},
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-use super::{build::Programmed, refusal::Refusal};
+use super::{build::Programmed, refusal::Refusal, table::Row};
 use crate::study::equivalent::Ladder;
 
 /// A memo of what several points need.
@@ -13,6 +14,22 @@ use crate::study::equivalent::Ladder;
 pub(super) struct Shared {
     truths: Mutex<VecDeque<(String, Truth)>>,
     programs: Mutex<Vec<(String, Made)>>,
+    pilots: Mutex<HashMap<String, Pilot>>,
+    figures: Mutex<HashMap<String, Figures>>,
+    /// Where pilots are kept.
+    folder: Option<PathBuf>,
+}
+
+/// The limits of plainer models, by name, or why there are none.
+pub(super) type Pilot = Arc<OnceLock<Result<BTreeMap<String, f64>, Refusal>>>;
+
+/// The figures of a model on a scene, or why there are none.
+pub(super) type Figures = Arc<OnceLock<Result<Row, Refusal>>>;
+
+/// The place of a key in a memo.
+fn slot<T: Default>(all: &Mutex<HashMap<String, Arc<T>>>, key: &str) -> Arc<T> {
+    let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+    Arc::clone(all.entry(key.to_owned()).or_default())
 }
 
 /// What the f64 sensor says, or why there is nothing.
@@ -25,6 +42,37 @@ pub(super) type Made = Arc<OnceLock<Result<Programmed, Refusal>>>;
 const KEPT: usize = 8;
 
 impl Shared {
+    /// Nothing yet; pilots are kept in this folder, if there is one.
+    pub fn new(folder: Option<PathBuf>) -> Self {
+        Self {
+            folder,
+            ..Self::default()
+        }
+    }
+
+    /// Where pilots are kept.
+    pub fn pilots(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// What a pilot says of a family of sensors on a scene.
+    pub fn pilot(
+        &self,
+        key: &str,
+        make: impl FnOnce() -> Result<BTreeMap<String, f64>, Refusal>,
+    ) -> Pilot {
+        let slot = slot(&self.pilots, key);
+        slot.get_or_init(make);
+        slot
+    }
+
+    /// The figures of a model that stands for several points.
+    pub fn figures(&self, key: &str, make: impl FnOnce() -> Result<Row, Refusal>) -> Figures {
+        let slot = slot(&self.figures, key);
+        slot.get_or_init(make);
+        slot
+    }
+
     /// What points of a task are measured against.
     pub fn truth(&self, task: &str, make: impl FnOnce() -> Result<Ladder, Refusal>) -> Truth {
         let slot = {

@@ -81,7 +81,7 @@ const FILES: [&str; 5] = [
 ];
 
 /// Its folders.
-const FOLDERS: [&str; 2] = ["points", "damaged"];
+const FOLDERS: [&str; 3] = ["points", "damaged", "pilots"];
 
 impl Store {
     /// Makes the folder, or goes on with it.
@@ -131,6 +131,16 @@ impl Store {
             ledger,
             _lock: lock,
         })
+    }
+
+    /// The folder of pilots, made where it is missing.
+    ///
+    /// # Errors
+    /// When the disk does not do it.
+    pub(super) fn pilots(&self) -> Kept<PathBuf> {
+        let folder = self.folder.join("pilots");
+        make_folder_durably(&folder)?;
+        Ok(folder)
     }
 
     /// What is there.

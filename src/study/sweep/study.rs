@@ -52,19 +52,26 @@ pub struct Settings {
     pub threshold_equivalent: bool,
     /// How long to search for each program, in states.
     pub effort: u64,
+    /// The share of a point's events that a plainer model may change, where one may stand for it.
+    pub tolerance: Option<f64>,
 }
 
 impl Settings {
     /// All that changes what is written of a point, in a fixed order.
     pub(super) fn measured(&self) -> serde_json::Value {
-        serde_json::json!([
-            self.metrics,
-            self.within,
-            self.van_rossum,
-            self.victor_purpura,
-            self.against,
-            self.threshold_equivalent
-        ])
+        let mut all = vec![
+            serde_json::json!(self.metrics),
+            serde_json::json!(self.within),
+            serde_json::json!(self.van_rossum),
+            serde_json::json!(self.victor_purpura),
+            serde_json::json!(self.against),
+            serde_json::json!(self.threshold_equivalent),
+        ];
+        all.extend(
+            self.tolerance
+                .map(|tolerance| serde_json::json!({"tolerance": tolerance})),
+        );
+        all.into()
     }
 
     /// The windows of the metrics that are measured in windows.
@@ -169,7 +176,7 @@ const SAMPLE: Table = Table::new(&[
 const BESIDE: Table = Table::new(&SETTINGS);
 
 /// The keys beside the axes, and what each is.
-pub const SETTINGS: [config::Key; 10] = [
+pub const SETTINGS: [config::Key; 12] = [
     config::Key::optional(
         "title",
         Kind::Text,
@@ -219,6 +226,18 @@ pub const SETTINGS: [config::Key; 10] = [
         Kind::Number(Range::between(0.0, 3600.0)),
         "1",
         "how long to search for each program, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 1 when left out",
+    ),
+    config::Key::with_default(
+        "fidelity",
+        Kind::Choice(&["full", "auto"]),
+        "\"full\"",
+        "`auto`: a plainer model stands for a point where a pilot finds that it changes no more than `tolerance`; `full` when left out",
+    ),
+    config::Key::with_default(
+        "tolerance",
+        Kind::Number(Range::between(0.0, 1.0)),
+        "0.01",
+        "the share of a point's events that may change under `fidelity = \"auto\"`; 0.01 when left out",
     ),
     config::Key::optional(
         "sample",
@@ -354,6 +373,11 @@ fn settings_of(section: &Section<'_>) -> Read<Settings> {
         against: against.unwrap_or(AGAINST[0]),
         threshold_equivalent: equivalent.and_then(Node::as_flag).unwrap_or(true),
         effort: Effort::seconds(section.number("effort")?).states,
+        tolerance: if section.text("fidelity")? == "auto" {
+            Some(section.number("tolerance")?).filter(|tolerance| *tolerance > 0.0)
+        } else {
+            None
+        },
     })
 }
 

@@ -185,6 +185,18 @@ const FIGURES: [(&str, Holds, &str); 22] = [
     real("error", "1 - kept"),
 ];
 
+/// What stands for the point, where a plainer model may.
+const FIDELITY: [(&str, Holds, &str); 2] = [
+    text(
+        "left_out",
+        "what a plainer model does without that stands for the point; empty where it was computed as it is",
+    ),
+    real(
+        "left_out_limit",
+        "the share of the point's events that this hardly changes more of; 0 where it changes none",
+    ),
+];
+
 /// What differs between machines, or is named like it.
 const MACHINE: [(&str, Holds, &str); 4] = [
     real(
@@ -212,7 +224,12 @@ pub fn columns(settings: &Settings) -> Vec<Column> {
         holds: Holds::Real,
         what: metric.to_string(),
     });
-    let before = POINT.iter().chain(&FIGURES).map(column);
+    let fidelity: &[_] = if settings.tolerance.is_some() {
+        &FIDELITY
+    } else {
+        &[]
+    };
+    let before = POINT.iter().chain(&FIGURES).chain(fidelity).map(column);
     before
         .chain(metrics)
         .chain(MACHINE.iter().map(column))
@@ -270,7 +287,8 @@ pub(super) fn cell(row: &Row, column: &str) -> String {
 /// What stands in a column of this name; metrics are numbers.
 #[must_use]
 pub fn holds(name: &str) -> Holds {
-    let fixed = POINT.iter().chain(&FIGURES).chain(&MACHINE);
+    let fixed = POINT.iter().chain(&FIGURES).chain(&FIDELITY);
+    let fixed = fixed.chain(&MACHINE);
     let mut fixed = fixed.filter(|(known, ..)| *known == name);
     fixed.next().map_or(Holds::Real, |(_, holds, _)| *holds)
 }

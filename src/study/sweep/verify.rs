@@ -146,7 +146,7 @@ impl Run<'_> {
         begin(compared as u64);
         let found = Mutex::new(Vec::new());
         let (plan, limits) = (self.plan, self.limits);
-        self.on_threads(chosen, |point, entry, shared| {
+        self.on_threads(chosen, None, |point, entry, shared| {
             let row = self.computed(entry, || measure(plan, entry, shared, limits));
             if let Some(Record { row: kept, .. }) = held.records.get(&entry.id) {
                 let own = differences(&asked.columns, kept, &row);

@@ -14,7 +14,8 @@ use serde::Serialize;
 
 use crate::{
     event::{Event, Packet},
-    plane::{Plane, Size},
+    mosaic::{Mosaic, Outside},
+    plane::{At, Size},
     scene::Frame,
 };
 
@@ -42,6 +43,8 @@ pub struct Sample {
     pub pixels: usize,
     /// Pixels of the sensor.
     pub pixels_of: usize,
+    #[serde(skip)]
+    mosaic: Mosaic,
 }
 
 /// The upper left corner of a tile.
@@ -76,7 +79,16 @@ impl Sample {
         } else {
             (blocks.chosen(count, events), SIDE, SIDE, halo)
         };
+        let corners: Vec<At> = tiles
+            .iter()
+            .map(|tile| At {
+                y: tile.y,
+                x: tile.x,
+            })
+            .collect();
+        let across = corners.len();
         Self {
+            mosaic: Mosaic::new(size, Size::new(height, width), halo, corners, across),
             from_seconds,
             seconds,
             source_frames,
@@ -91,30 +103,21 @@ impl Sample {
 
     /// Size of the mosaic.
     pub(super) fn size(&self) -> Size {
-        let across = self.width + 2 * self.halo;
-        Size::new(self.height + 2 * self.halo, self.tiles.len() * across)
+        self.mosaic.size()
     }
 
     /// A frame of the scene as a mosaic.
     pub(super) fn shown(&self, frame: &Frame) -> Frame {
-        let (halo, across) = (self.halo, self.width + 2 * self.halo);
-        let light = Plane::from_shape_fn(self.size().shape(), |(y, x)| {
-            let tile = self.tiles.get(x / across).unwrap_or(&Tile { x: 0, y: 0 });
-            // Tiles of a grid begin at least a halo from the edge.
-            frame.light[(tile.y + y - halo, tile.x + x % across - halo)]
-        });
+        // Tiles of a grid begin at least a halo from the edge.
+        let light = self.mosaic.shown(&frame.light, Outside::Nearest);
         Frame { light, ..*frame }
     }
 
     /// The events of the tiles themselves.
     pub(super) fn within(&self, mut packet: Packet) -> Packet {
-        let (halo, across) = (self.halo, self.width + 2 * self.halo);
-        if halo > 0 {
-            let inside = |at: usize, side: usize| (halo..halo + side).contains(&at);
-            packet.events.retain(|e| {
-                let (x, y) = (usize::from(e.x), usize::from(e.y));
-                inside(x % across, self.width) && inside(y, self.height)
-            });
+        if self.halo > 0 {
+            let own = |event: &Event| self.mosaic.tile(event.y.into(), event.x.into());
+            packet.events.retain(|event| own(event).is_some());
         }
         packet
     }
@@ -191,7 +194,7 @@ fn nearest_to_mean(blocks: &[(u64, usize)]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{event::Polarity, unit::Micros};
+    use crate::{event::Polarity, plane::Plane, unit::Micros};
 
     fn event(x: usize, y: usize) -> Event {
         Event {

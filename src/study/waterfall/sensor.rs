@@ -11,7 +11,10 @@ use crate::{
     reference::MemoryRule,
     scene::Frame,
     sensor::{Sensor, SensorError},
-    study::design::{Compiled, Design, DesignError},
+    study::{
+        design::{Compiled, Design, DesignError},
+        pilot::Term,
+    },
     unit::Micros,
 };
 
@@ -134,25 +137,17 @@ impl Setup {
 /// The chip's errors, those that are switched off as if it had none.
 fn errors(question: &Question<'_>, on: &Switches) -> Errors {
     let mut errors = Errors::from_device(question.design.device);
-    let off = |cause| !on.contains(&cause);
-    if off(Cause::Converter) {
-        errors.input_step = 0.0;
-    }
-    if off(Cause::Saturation) {
-        errors.range = (f64::NEG_INFINITY, f64::INFINITY);
-    }
-    if off(Cause::Transfer) {
-        (errors.transfer, errors.loss, errors.division) = (0.0, 0.0, 0.0);
-    }
-    if off(Cause::Mismatch) {
-        (errors.gain_mismatch, errors.offset_mismatch) = (0.0, 0.0);
-        errors.division_mismatch = 0.0;
-    }
-    if off(Cause::Noise) {
-        errors.noise = 0.0;
-    }
-    if off(Cause::Decay) {
-        (errors.decay, errors.retention) = (0.0, f64::INFINITY);
+    for (cause, term) in [
+        (Cause::Converter, Term::Converter),
+        (Cause::Saturation, Term::Saturation),
+        (Cause::Transfer, Term::Transfer),
+        (Cause::Mismatch, Term::Mismatch),
+        (Cause::Noise, Term::Noise),
+        (Cause::Decay, Term::Decay),
+    ] {
+        if !on.contains(&cause) {
+            term.leave_out(&mut errors);
+        }
     }
     errors
 }

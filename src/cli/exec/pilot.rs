@@ -1,0 +1,118 @@
+//! `--fidelity auto` of `amacrine exec`: what the array may leave out.
+
+use std::time::Instant;
+
+use miette::{IntoDiagnostic, miette};
+use serde_json::Value;
+
+use super::{
+    super::fidelity::{WITHIN, line, told},
+    arguments::Arguments,
+    bench::Bench,
+    light::{Lasting, Light},
+};
+use crate::{
+    event::Packet,
+    number::Format,
+    scene::kept::Kept,
+    study::pilot::{
+        Answer, Chips, Machine, Measure,
+        plan::{BUDGET, KEPT},
+    },
+};
+
+/// Domains that may be taken in place of the one that was asked for, beside `exact`.
+const FORMATS: [&str; 2] = ["f32", "q8.8"];
+
+/// Asks a pilot what may be left out of a run.
+///
+/// # Errors
+/// When more than events is asked for, or the light or the array cannot go on.
+pub fn plan(bench: &Bench<'_>) -> miette::Result<Answer<Machine>> {
+    let arguments = bench.arguments;
+    let registers = arguments.dump.is_some() || arguments.strip.is_some() || arguments.debug;
+    if registers || arguments.repeat.is_some() {
+        return Err(miette!(
+            help = "leave --dump, --strip, --debug and --repeat out, or --fidelity",
+            "--fidelity auto keeps events, and registers are looked at"
+        ));
+    }
+    let opened = &bench.opened;
+    if opened.expansion.bare || !bench.planes.is_empty() {
+        return Err(miette!(
+            help = "run it without --fidelity",
+            "--fidelity auto takes programs of `init` and `frame` that see nothing but light"
+        ));
+    }
+    let light = Light::open(arguments, &opened.program, &bench.observation)?;
+    let mut light = Lasting::new(light, bench.size, 2);
+    let family = Chips {
+        name: &opened.program.file,
+        code: &opened.expansion.code,
+        device: &opened.device,
+        settings: bench.settings,
+        arithmetic: bench.arithmetic,
+    };
+    let Some(kept) = Kept::new(&mut light, KEPT)? else {
+        return Err(miette!(
+            help = "run it without --fidelity, or show a shorter clip",
+            "the light is too long to be kept in memory, and a pilot looks at all of it"
+        ));
+    };
+    let formats = FORMATS.iter().filter_map(|name| name.parse().ok());
+    let formats: Vec<Format> = formats.chain([Format::F64]).collect();
+    let start = Instant::now();
+    let clock = || start.elapsed().as_secs_f64();
+    let measure = Measure {
+        kept: &kept,
+        upsample: None,
+        tolerance: arguments.fidelity.tolerance(),
+        within: WITHIN,
+        seed: arguments.seed,
+        clock: &clock,
+        budget: BUDGET,
+        tiles: None,
+        look: None,
+    };
+    Ok(measure.ask(&family, &family.candidates(&formats))?)
+}
+
+/// A readout whose slots are full loses events for others, wherever they are: then the pilot's
+/// limit is none.
+///
+/// # Errors
+/// When slots were full.
+pub fn check(packet: &Packet) -> miette::Result<()> {
+    if packet.dropped.no_slot == 0 {
+        return Ok(());
+    }
+    Err(miette!(
+        help = "run it without --fidelity, or with more slots",
+        "{} events found no slot: which ones depends on the whole array, and a pilot has no limit on what its changes do to that",
+        packet.dropped.no_slot
+    ))
+}
+
+/// What is left out, for machines.
+///
+/// # Errors
+/// When it cannot be written as JSON, which is a fault of amacrine.
+pub fn json(plan: &Answer<Machine>, arguments: &Arguments) -> miette::Result<Value> {
+    let mut json = serde_json::to_value(plan).into_diagnostic()?;
+    json["tolerance"] = arguments.fidelity.tolerance().into();
+    Ok(json)
+}
+
+/// What is left out, for people.
+pub fn lines(plan: &Answer<Machine>, arguments: &Arguments) -> String {
+    let choice = plan.choice.to_string();
+    let mut text = told(
+        (&choice, &plan.why),
+        plan.change,
+        arguments.fidelity.tolerance(),
+    );
+    for offer in plan.offers.iter().filter(|offer| offer.left_out) {
+        text += &line(offer, None);
+    }
+    text
+}

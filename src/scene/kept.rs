@@ -1,0 +1,333 @@
+//! A scene read once and kept as small as it can be, to be looked at and shown again.
+
+use std::sync::Arc;
+
+use super::{Frame, Light, Scene, SceneError, light};
+use crate::plane::{Plane, Size};
+
+/// A scene in memory: a byte a pixel where light is 0, 1, … 255, as in 8-bit video.
+#[derive(Clone, Debug)]
+pub struct Kept {
+    frames: Arc<Vec<One>>,
+    size: Size,
+    fps: f64,
+    fps_is_assumed: bool,
+    coding: Light,
+}
+
+#[derive(Clone, Debug)]
+struct One {
+    index: u64,
+    seconds: f64,
+    pixels: Store,
+}
+
+#[derive(Clone, Debug)]
+enum Store {
+    Bytes(Box<[u8]>),
+    Numbers(Plane<f64>),
+}
+
+/// The light of a frame, row by row.
+#[derive(Clone, Copy, Debug)]
+pub enum Pixels<'a> {
+    /// Whole numbers from 0 to 255.
+    Bytes(&'a [u8]),
+    /// Any.
+    Numbers(&'a [f64]),
+}
+
+impl Pixels<'_> {
+    /// The light of the pixel of this number, counted row by row; dark where there is none.
+    #[inline]
+    #[must_use]
+    pub fn at(self, pixel: usize) -> f64 {
+        match self {
+            Self::Bytes(bytes) => bytes.get(pixel).copied().map_or(0.0, f64::from),
+            Self::Numbers(numbers) => numbers.get(pixel).copied().unwrap_or(0.0),
+        }
+    }
+}
+
+impl Store {
+    fn new(light: Plane<f64>) -> Self {
+        // `as` saturates.
+        let is_byte = |light: &f64| f64::from(*light as u8).to_bits() == light.to_bits();
+        if light.iter().all(is_byte) {
+            Self::Bytes(light.iter().map(|light| *light as u8).collect())
+        } else if light.is_standard_layout() {
+            Self::Numbers(light)
+        } else {
+            Self::Numbers(light.as_standard_layout().into_owned())
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Bytes(bytes) => bytes.len(),
+            Self::Numbers(numbers) => numbers.len() * size_of::<f64>(),
+        }
+    }
+
+    fn into_plane(self, size: Size) -> Plane<f64> {
+        let bytes = match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Numbers(numbers) => return numbers,
+        };
+        let numbers = bytes.iter().copied().map(f64::from).collect();
+        Plane::from_shape_vec(size.shape(), numbers).unwrap_or_else(|_| Plane::zeros(size.shape()))
+    }
+}
+
+impl Kept {
+    /// Reads a scene to its end; none where it would take more than so many bytes, and its frames
+    /// are then gone.
+    ///
+    /// # Errors
+    /// When the scene cannot be read.
+    pub fn new(scene: &mut dyn Scene, most: usize) -> Result<Option<Self>, SceneError> {
+        let size = scene.size();
+        let least = |frames: u64| u128::from(frames) * size.pixels() as u128 > most as u128;
+        if scene.frames().is_some_and(least) {
+            return Ok(None);
+        }
+        let (mut frames, mut bytes) = (Vec::new(), 0);
+        while let Some(Frame {
+            index,
+            seconds,
+            light,
+        }) = scene.next_frame()?
+        {
+            let pixels = Store::new(light);
+            bytes += pixels.bytes();
+            if bytes > most {
+                return Ok(None);
+            }
+            frames.push(One {
+                index,
+                seconds,
+                pixels,
+            });
+        }
+        Ok(Some(Self {
+            frames: frames.into(),
+            size,
+            fps: scene.fps(),
+            fps_is_assumed: scene.fps_is_assumed(),
+            coding: scene.coding(),
+        }))
+    }
+
+    /// How many frames.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// Size of every frame.
+    #[must_use]
+    pub const fn size(&self) -> Size {
+        self.size
+    }
+
+    /// The number of a frame in its scene, its time and its light.
+    #[must_use]
+    pub fn frame(&self, n: usize) -> Option<(u64, f64, Pixels<'_>)> {
+        let One {
+            index,
+            seconds,
+            pixels,
+        } = self.frames.get(n)?;
+        let pixels = match pixels {
+            Store::Bytes(bytes) => Pixels::Bytes(bytes),
+            Store::Numbers(numbers) => Pixels::Numbers(numbers.as_slice().unwrap_or_default()),
+        };
+        Some((*index, *seconds, pixels))
+    }
+
+    /// The light of a frame as a plane.
+    #[must_use]
+    pub fn plane(&self, n: usize) -> Option<Plane<f64>> {
+        let one = self.frames.get(n)?;
+        Some(one.pixels.clone().into_plane(self.size))
+    }
+
+    /// The scene from its beginning; its frames are those that were read, to the bit.
+    #[must_use]
+    pub fn scene(&self) -> Again {
+        Again {
+            kept: self.clone(),
+            given: 0,
+        }
+    }
+
+    /// As [`scene`](Self::scene), where nobody else will look: frames are given away, not copied.
+    #[must_use]
+    pub fn into_scene(self) -> Box<dyn Scene> {
+        let Self {
+            frames,
+            size,
+            fps,
+            fps_is_assumed,
+            coding,
+        } = self;
+        match Arc::try_unwrap(frames) {
+            Ok(frames) => Box::new(Once {
+                left: frames.into_iter(),
+                size,
+                fps,
+                fps_is_assumed,
+                coding,
+            }),
+            Err(frames) => Box::new(Again {
+                kept: Self {
+                    frames,
+                    size,
+                    fps,
+                    fps_is_assumed,
+                    coding,
+                },
+                given: 0,
+            }),
+        }
+    }
+}
+
+/// A scene that was kept, given away.
+#[derive(Debug)]
+struct Once {
+    left: std::vec::IntoIter<One>,
+    size: Size,
+    fps: f64,
+    fps_is_assumed: bool,
+    coding: Light,
+}
+
+impl Scene for Once {
+    fn size(&self) -> Size {
+        self.size
+    }
+
+    fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    fn fps_is_assumed(&self) -> bool {
+        self.fps_is_assumed
+    }
+
+    fn frames(&self) -> Option<u64> {
+        Some(self.left.len() as u64)
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        Ok(self.left.next().map(|one| Frame {
+            index: one.index,
+            seconds: one.seconds,
+            light: one.pixels.into_plane(self.size),
+        }))
+    }
+
+    fn coding(&self) -> Light {
+        self.coding
+    }
+
+    fn bytes(&self) -> u128 {
+        let left = self.left.as_slice().iter();
+        let left: usize = left.map(|one| one.pixels.bytes()).sum();
+        left as u128 + light::PIXEL_BYTES * self.size.pixels() as u128
+    }
+}
+
+/// A scene that is kept, shown from its beginning.
+#[derive(Debug)]
+pub struct Again {
+    kept: Kept,
+    given: usize,
+}
+
+impl Scene for Again {
+    fn size(&self) -> Size {
+        self.kept.size
+    }
+
+    fn fps(&self) -> f64 {
+        self.kept.fps
+    }
+
+    fn fps_is_assumed(&self) -> bool {
+        self.kept.fps_is_assumed
+    }
+
+    fn frames(&self) -> Option<u64> {
+        Some(self.kept.len() as u64)
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        let Some(light) = self.kept.plane(self.given) else {
+            return Ok(None);
+        };
+        let frame = self.kept.frame(self.given);
+        self.given += 1;
+        Ok(frame.map(|(index, seconds, _)| Frame {
+            index,
+            seconds,
+            light,
+        }))
+    }
+
+    fn coding(&self) -> Light {
+        self.kept.coding
+    }
+
+    /// What is kept, and the frame that is given.
+    fn bytes(&self) -> u128 {
+        let kept: usize = self.kept.frames.iter().map(|one| one.pixels.bytes()).sum();
+        kept as u128 + light::PIXEL_BYTES * self.kept.size.pixels() as u128
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::held::Held;
+
+    #[test]
+    fn frames_come_back_as_they_were() {
+        let light = [[0.0, 255.0], [0.5, 3.0], [-0.0, 1.0], [256.0, 2.0]];
+        let frames: Vec<Frame> = { (0..).zip(light) }
+            .map(|(index, [a, b])| Frame {
+                index,
+                seconds: index as f64 * 0.1,
+                light: Plane::from_shape_vec((1, 2), vec![a, b]).unwrap(),
+            })
+            .collect();
+        let size = Size::new(1, 2);
+        let mut scene = Held::new(frames.clone(), size, 10.0);
+        let kept = Kept::new(&mut scene, 1 << 20).unwrap().unwrap();
+        assert!(matches!(kept.frame(0), Some((0, _, Pixels::Bytes(_)))));
+        assert!(matches!(kept.frame(2), Some((2, _, Pixels::Numbers(_)))));
+        let again: Box<dyn Scene> = Box::new(kept.scene());
+        let shared: Box<dyn Scene> = kept.clone().into_scene();
+        drop(shared);
+        for mut scene in [again, kept.into_scene()] {
+            for frame in &frames {
+                let shown = scene.next_frame().unwrap().unwrap();
+                assert_eq!(&shown, frame);
+                let bits = |frame: &Frame| frame.light.mapv(f64::to_bits);
+                assert_eq!(bits(&shown), bits(frame));
+            }
+            assert!(scene.next_frame().unwrap().is_none());
+        }
+        for most in [1, 20] {
+            let mut scene = Held::new(frames.clone(), size, 10.0);
+            assert!(Kept::new(&mut scene, most).unwrap().is_none());
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Change: by how many events two models differ, and where.
+
+use std::collections::HashMap;
+
+use super::estimate::Tile;
+use crate::{
+    compare::{CompareError, Pair, matching},
+    event::Packet,
+    mosaic::Mosaic,
+    unit::Micros,
+};
+
+/// What two models' events differ by.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Change {
+    /// Events of the full model.
+    pub events: u64,
+    /// Those without a partner in the plainer one.
+    pub missing: u64,
+    /// Events of the plainer one without a partner.
+    pub extra: u64,
+    /// Both, for each event of the full model; 0 where neither has any.
+    pub share: f64,
+}
+
+impl Change {
+    /// What `plain` changes of `full`: events without a partner of their cell and sign within
+    /// the window, found as [`matching`] finds them.
+    ///
+    /// # Errors
+    /// When the packets are not of one size.
+    pub fn between(full: &Packet, plain: &Packet, within: Micros) -> Result<Self, CompareError> {
+        let matched = matching::matched(&Pair::new(full, plain)?, within);
+        let events = full.events.len() as u64;
+        let (missing, extra) = (events - matched, plain.events.len() as u64 - matched);
+        let alone = (missing + extra) as f64;
+        Ok(Self {
+            events,
+            missing,
+            extra,
+            share: if alone > 0.0 {
+                alone / events as f64
+            } else {
+                0.0
+            },
+        })
+    }
+}
+
+/// What each tile of a mosaic shows, `probabilities` being those with which they were drawn.
+///
+/// # Errors
+/// When the packets are not of the mosaic's size.
+pub fn of_tiles(
+    mosaic: &Mosaic,
+    probabilities: &[f64],
+    (full, plain): (&Packet, &Packet),
+    within: Micros,
+) -> Result<Vec<Tile>, CompareError> {
+    let mut tiles: Vec<Tile> = { probabilities.iter() }
+        .map(|probability| Tile {
+            probability: *probability,
+            ..Tile::default()
+        })
+        .collect();
+    let pair = Pair::new(full, plain)?;
+    // Both signs of a cell are one history.
+    let mut histories: HashMap<(usize, u16, u16, u8), u64> = HashMap::new();
+    for (cell, reference, judged) in pair.cells() {
+        let Some(number) = mosaic.tile(cell.y().into(), cell.x().into()) else {
+            continue;
+        };
+        let Some(tile) = tiles.get_mut(number) else {
+            continue;
+        };
+        let events = [reference.len(), judged.len()].map(|n| n as u64);
+        let matched = matching::matched_of_cell(reference, judged, within);
+        tile.events += events[0];
+        tile.changes += events[0] + events[1] - 2 * matched;
+        let at = (number, cell.y(), cell.x(), cell.channel());
+        *histories.entry(at).or_default() += events[0];
+    }
+    for ((number, ..), events) in histories {
+        if let Some(tile) = tiles.get_mut(number) {
+            tile.squares += events * events;
+        }
+    }
+    Ok(tiles)
+}

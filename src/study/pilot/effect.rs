@@ -1,0 +1,159 @@
+//! What can be left out of the float model.
+
+use std::fmt;
+
+use crate::{number::Format, reference::Description};
+
+/// What can be left out, besides the digits of a number format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effect {
+    /// The rows and columns in which nothing ever changes.
+    Surroundings,
+    /// The frames inserted between those of the scene.
+    InsertedFrames,
+    /// The dead time after an event.
+    DeadTime,
+    /// Shot noise and hot pixels.
+    Strays,
+    /// The jitter of event times.
+    Jitter,
+    /// The photoreceptors' bandwidth.
+    Bandwidth,
+    /// The leak of the memories.
+    Leak,
+    /// The mismatch of the thresholds.
+    Mismatch,
+}
+
+impl Effect {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Surroundings,
+        Self::InsertedFrames,
+        Self::DeadTime,
+        Self::Strays,
+        Self::Jitter,
+        Self::Bandwidth,
+        Self::Leak,
+        Self::Mismatch,
+    ];
+
+    /// What it is called.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Surroundings => "still surroundings",
+            Self::InsertedFrames => "inserted frames",
+            Self::DeadTime => "dead time",
+            Self::Strays => "shot noise, hot pixels",
+            Self::Jitter => "jitter",
+            Self::Bandwidth => "bandwidth",
+            Self::Leak => "leak",
+            Self::Mismatch => "threshold mismatch",
+        }
+    }
+
+    /// Whether a sensor has it; `inserts`: whether frames are inserted for it.
+    #[must_use]
+    pub fn is_in(self, description: &Description, inserts: bool) -> bool {
+        let noise = &description.noise;
+        let mut thresholds = description.channels.iter().flat_map(|c| &c.thresholds);
+        match self {
+            Self::Surroundings => false,
+            Self::InsertedFrames => inserts,
+            Self::DeadTime => description.refractory.us > 0.0,
+            Self::Strays => noise.fires(),
+            Self::Jitter => noise.jitter_us > 0.0,
+            Self::Bandwidth => noise.cutoff_hz > 0.0,
+            Self::Leak => noise.leak_hz > 0.0,
+            Self::Mismatch => thresholds.any(|threshold| threshold.sigma > 0.0),
+        }
+    }
+
+    /// Takes it out of a sensor.
+    fn leave_out(self, plain: &mut Description) {
+        match self {
+            Self::DeadTime => plain.refractory.us = 0.0,
+            Self::Strays => {
+                (plain.noise.shot_hz, plain.noise.hot_hz) = (0.0, 0.0);
+                plain.noise.hot_fraction = 0.0;
+            }
+            Self::Jitter => plain.noise.jitter_us = 0.0,
+            Self::Bandwidth => plain.noise.cutoff_hz = 0.0,
+            Self::Leak => plain.noise.leak_hz = 0.0,
+            Self::Mismatch => {
+                let channels = plain.channels.iter_mut();
+                for threshold in channels.flat_map(|channel| &mut channel.thresholds) {
+                    threshold.sigma = 0.0;
+                }
+            }
+            // Not the sensor's.
+            Self::Surroundings | Self::InsertedFrames => {}
+        }
+    }
+}
+
+impl fmt::Display for Effect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What a model leaves out: the digits of its numbers, and effects.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Choice {
+    /// The format of signals, weights and memory.
+    pub format: Format,
+    /// What it does without, in the order of [`Effect::ALL`].
+    pub without: Vec<Effect>,
+}
+
+impl Choice {
+    /// Nothing is left out.
+    #[must_use]
+    pub const fn full() -> Self {
+        Self {
+            format: Format::F64,
+            without: Vec::new(),
+        }
+    }
+
+    /// Whether it does without `effect`.
+    #[must_use]
+    pub fn leaves_out(&self, effect: Effect) -> bool {
+        self.without.contains(&effect)
+    }
+
+    /// The same, without one effect more.
+    #[must_use]
+    pub fn and_without(mut self, effect: Effect) -> Self {
+        self.without.push(effect);
+        self.without.sort_unstable();
+        self.without.dedup();
+        self
+    }
+
+    /// The sensor without what the choice does without; the format and the scene are others' work.
+    #[must_use]
+    pub fn plainer(&self, description: &Description) -> Description {
+        let mut plain = description.clone();
+        for effect in &self.without {
+            effect.leave_out(&mut plain);
+        }
+        plain
+    }
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let without: Vec<_> = self.without.iter().map(Effect::to_string).collect();
+        if *self == Self::full() {
+            f.write_str("the full model: nothing is left out")
+        } else if without.is_empty() {
+            self.format.fmt(f)
+        } else {
+            write!(f, "{}, without {}", self.format, without.join(", "))
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! The float models of one sensor.
+
+use crate::{
+    kernel::Kernel,
+    mosaic::{Mosaic, Outside},
+    number::{Format, Number, Visitor},
+    photoreceptor::Curve,
+    plane::Size,
+    reference::{Border, Description, MemoryRule, Reference, bands_of},
+    sensor::{Sensor, SensorError},
+};
+
+use super::{
+    effect::{Choice, Effect},
+    estimate::Unseen,
+    family::Family,
+    look::Look,
+    rule,
+};
+
+/// The float models of a sensor file, for one seed.
+#[derive(Clone, Copy, Debug)]
+pub struct Floats<'a> {
+    /// The sensor.
+    pub description: &'a Description,
+    /// Its mismatch and noise.
+    pub seed: u64,
+    /// What is left out for free, of all models.
+    pub base: &'a Choice,
+}
+
+impl Floats<'_> {
+    /// How far kernels reach.
+    fn reach(&self) -> usize {
+        let channels = self.description.channels.iter();
+        let kernels =
+            channels.flat_map(|channel| channel.kernels.iter().chain(&channel.memory_kernel));
+        let reach = kernels
+            .map(Kernel::reach)
+            .map(|(down, right)| down.max(right));
+        reach.max().unwrap_or(0)
+    }
+}
+
+impl Family for Floats<'_> {
+    type Model = Choice;
+
+    fn full(&self) -> Choice {
+        self.base.clone()
+    }
+
+    /// A cell sees what its kernel reaches, and its memory is its own. Where the memory holds
+    /// pixels it sees the memories of its neighbours, which see those of theirs: then there is no
+    /// end to it, but for a kernel of one pixel. A resistor sheet reaches everywhere.
+    fn halo(&self) -> Result<usize, &'static str> {
+        let description = self.description;
+        if description
+            .channels
+            .iter()
+            .any(|channel| channel.surrounds.is_some())
+        {
+            return Err("a resistor sheet reaches over the whole sensor, and its tiles are not it");
+        }
+        let reach = self.reach();
+        let pixels = matches!(
+            description.memory,
+            MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
+        );
+        if pixels && reach > 0 {
+            return Err(
+                "with this memory what a cell does reaches its neighbours, and theirs: the events of a tile are not those of the whole sensor",
+            );
+        }
+        let dark = || {
+            description
+                .response
+                .apply(0.0)
+                .is_ok_and(|signal| signal.to_bits() == 0)
+        };
+        if description.border == Border::Zero && !dark() {
+            return Err(
+                "off the sensor there is 0, which no light makes in this response: tiles at the border cannot be shown",
+            );
+        }
+        Ok(reach.next_multiple_of(2))
+    }
+
+    fn outside(&self) -> Outside {
+        match self.description.border {
+            Border::Replicate => Outside::Nearest,
+            Border::Zero => Outside::Dark,
+        }
+    }
+
+    fn is_relative(&self) -> bool {
+        let logarithmic = matches!(
+            self.description.response.curve,
+            Curve::Log { .. } | Curve::LinLog { .. }
+        );
+        logarithmic || self.description.channels.iter().any(|c| c.log_temporal)
+    }
+
+    fn fires_alone(&self) -> bool {
+        let noise = &self.description.noise;
+        noise.fires() || noise.leak_hz > 0.0
+    }
+
+    fn sees_inserted(&self, model: &Choice) -> bool {
+        !model.leaves_out(Effect::InsertedFrames)
+    }
+
+    fn on_tiles(
+        &self,
+        model: &Choice,
+        mosaic: &Mosaic,
+    ) -> Result<Box<dyn Sensor + Send>, SensorError> {
+        struct Make<'a>(Description, &'a Mosaic, u64);
+        impl Visitor for Make<'_> {
+            type Output = Result<Box<dyn Sensor + Send>, SensorError>;
+            fn visit<N: Number>(self, number: N) -> Self::Output {
+                let made = Reference::on_tiles(number, self.0, self.1, self.2)?;
+                Ok(Box::new(made))
+            }
+        }
+        let description = model.plainer(self.description);
+        model.format.visit(Make(description, mosaic, self.seed))
+    }
+
+    /// What rounding changes in one cell says nothing of the next, and each cell's mismatch and
+    /// noise is its own. Saturation, and what the scene makes of a dead time, a bandwidth or the
+    /// frames, is in a place.
+    fn unseen(&self, model: &Choice, look: &Look) -> Unseen {
+        let saturates =
+            model.format != Format::F64 && rule::may_saturate(model.format, self.description, look);
+        if saturates {
+            Unseen::Tile
+        } else {
+            Unseen::Cell
+        }
+    }
+
+    fn together(&self, models: &[Choice]) -> Option<Choice> {
+        let mut all = self.base.clone();
+        for model in models {
+            if model.format != Format::F64 {
+                all.format = model.format;
+            }
+            for effect in &model.without {
+                all = all.and_without(*effect);
+            }
+        }
+        Some(all)
+    }
+
+    fn parts(&self, size: Size) -> usize {
+        bands_of(size)
+    }
+}

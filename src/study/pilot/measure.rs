@@ -1,0 +1,492 @@
+//! The measurement: candidates against the full model on the tiles that can be afforded.
+
+use crate::{
+    event::Packet,
+    mosaic::Mosaic,
+    plane::Size,
+    scene::{Scene as _, kept::Kept},
+    sensor::SensorError,
+    unit::Micros,
+};
+
+use super::{
+    answer::{Answer, Offer},
+    change::{self, Change},
+    draw::{Drawn, draw},
+    estimate::Estimate,
+    family::Family,
+    look::{Grid, Look},
+    stage::{self, Stage},
+    trial::{Ran, Trial},
+};
+
+/// How a measurement is made.
+#[derive(Clone, Copy)]
+pub struct Measure<'a> {
+    /// The scene.
+    pub kept: &'a Kept,
+    /// The contrast that frames are inserted for, in ln units.
+    pub upsample: Option<f64>,
+    /// The share of events that may change.
+    pub tolerance: f64,
+    /// An event that is moved by more is changed.
+    pub within: Micros,
+    /// Draws the tiles.
+    pub seed: u64,
+    /// Seconds since any moment.
+    pub clock: &'a (dyn Fn() -> f64 + Sync),
+    /// What the pilot may spend: this part of what the full model is expected to take, and these
+    /// seconds besides.
+    pub budget: (f64, f64),
+    /// So many tiles whatever they cost, in place of what the budget affords.
+    pub tiles: Option<usize>,
+    /// A look at the scene in the tiles of the family, where somebody had one already.
+    pub look: Option<&'a Look>,
+}
+
+/// The limits of a pilot hold together but for one case in so many.
+const RISK: f64 = 0.05;
+
+/// The fewest tiles that stand for anything.
+const LEAST_TILES: usize = 12;
+
+/// Pixels of the mosaic on which costs are learned, and frames of the scene.
+const TRIED_PIXELS: usize = 1 << 11;
+const TRIED_FRAMES: usize = 6;
+
+/// Frames that are tried in all, about, where some are inserted.
+const TRIED_INSERTED: usize = 30;
+
+/// Frames on the whole sensor, where tiles do not tell what it costs.
+const TRIED_WHOLE: u32 = 2;
+
+/// Frames that are not timed.
+const UNCLOCKED: u64 = 2;
+
+/// A candidate that would save less than this part of the full model's time is not worth it.
+const WORTH: f64 = 0.07;
+
+/// The even side of a tile: large enough that its halo is not most of it.
+#[must_use]
+pub fn side(halo: usize) -> usize {
+    (3 * halo).next_power_of_two().clamp(4, 64)
+}
+
+impl Measure<'_> {
+    /// Measures candidates, each with what it is called, against the full model.
+    ///
+    /// # Errors
+    /// When the full model cannot be made.
+    pub fn ask<F: Family>(
+        &self,
+        family: &F,
+        candidates: &[(String, F::Model)],
+    ) -> Result<Answer<F::Model>, SensorError> {
+        let start = (self.clock)();
+        let offer = |(what, model): &(String, F::Model)| Offer {
+            what: what.clone(),
+            model: model.clone(),
+            change: None,
+            seconds: None,
+            left_out: false,
+            why: String::new(),
+        };
+        let mut answer = Answer {
+            choice: family.full(),
+            change: None,
+            offers: candidates.iter().map(offer).collect(),
+            why: String::new(),
+            seconds: 0.0,
+            expected: None,
+        };
+        match self.answer(family, start, &mut answer) {
+            Ok(()) => "it is the quickest within the tolerance".clone_into(&mut answer.why),
+            Err(End::Because(why)) => answer.why = why,
+            Err(End::Sensor(error)) => return Err(error),
+        }
+        for offer in &mut answer.offers {
+            if offer.why.is_empty() {
+                offer.why.clone_from(&answer.why);
+            }
+        }
+        answer.seconds = (self.clock)() - start;
+        Ok(answer)
+    }
+
+    fn answer<F: Family>(&self, family: &F, start: f64, answer: &mut Answer<F::Model>) -> Step<()> {
+        if answer.offers.is_empty() {
+            return because("there is nothing to leave out that takes time");
+        }
+        if self.tolerance <= 0.0 {
+            return because("nothing may change");
+        }
+        if self.kept.len() < 3 {
+            return because("the scene is too short to measure anything");
+        }
+        let halo = family.halo().map_err(|why| End::Because(why.to_owned()))?;
+        let grid = Grid {
+            size: self.kept.size(),
+            side: side(halo),
+        };
+        if grid.tiles() < 2 * LEAST_TILES && self.tiles.is_none() {
+            return because("the sensor is too small to be sampled");
+        }
+        let between = match self.upsample {
+            Some(contrast) => {
+                let between = stage::between(self.kept, contrast);
+                Some(between.ok_or_else(|| End::Because("frames cannot be inserted".to_owned()))?)
+            }
+            None => None,
+        };
+        let look = match self.look.filter(|look| look.grid == grid) {
+            Some(look) => look.clone(),
+            None => Look::new(self.kept, grid, family.is_relative()),
+        };
+        let mut activity = look.seen_from(halo);
+        if family.fires_alone() {
+            for tile in &mut activity {
+                *tile = tile.max(0.0);
+            }
+        }
+        let pilot = Pilot {
+            measure: self,
+            start,
+            frames: Stage::frames(self.kept, between.as_ref()),
+            trial: Trial {
+                family,
+                kept: self.kept,
+                between: between.as_ref(),
+                grid,
+                halo,
+                clock: self.clock,
+            },
+            look,
+            activity,
+        };
+        let count = match self.tiles {
+            Some(count) => count,
+            None => pilot.afford(answer)?,
+        };
+        pilot.choose(count, answer)
+    }
+}
+
+/// Why a pilot ends before it has measured.
+enum End {
+    Because(String),
+    Sensor(SensorError),
+}
+
+impl From<SensorError> for End {
+    fn from(error: SensorError) -> Self {
+        Self::Sensor(error)
+    }
+}
+
+type Step<T> = Result<T, End>;
+
+fn because<T>(why: &str) -> Step<T> {
+    Err(End::Because(why.to_owned()))
+}
+
+/// A pilot that has looked at the scene.
+struct Pilot<'a, F> {
+    measure: &'a Measure<'a>,
+    start: f64,
+    /// With the inserted frames, and without.
+    frames: [usize; 2],
+    trial: Trial<'a, F>,
+    look: Look,
+    activity: Vec<f64>,
+}
+
+/// The models that go on: the full one, and the offers of which nothing is said yet.
+fn going<M: Clone>(full: M, offers: &[Offer<M>]) -> Vec<M> {
+    let going = offers.iter().filter(|offer| offer.why.is_empty());
+    let models = going.map(|offer| offer.model.clone());
+    std::iter::once(full).chain(models).collect()
+}
+
+impl<F: Family> Pilot<'_, F> {
+    fn drawn(&self, count: usize) -> Vec<Drawn> {
+        let Self { look, measure, .. } = self;
+        draw(&self.activity, &look.extremes, count, measure.seed)
+    }
+
+    /// Seconds that a model takes for the whole scene on the tiles of a trial.
+    fn whole_scene(&self, ran: &Ran<F::Model>) -> f64 {
+        let [inserted, own] = self.frames;
+        let sees = self.trial.family.sees_inserted(&ran.model);
+        ran.per_frame() * if sees { inserted } else { own } as f64
+    }
+
+    /// Learns what models cost by running them on a few tiles for a few frames, drops those that
+    /// would save too little, and says how many tiles can be afforded.
+    fn afford(&self, answer: &mut Answer<F::Model>) -> Step<usize> {
+        let Self { trial, measure, .. } = self;
+        let few = self.drawn((TRIED_PIXELS / trial.pixels()).max(LEAST_TILES));
+        if few.is_empty() {
+            return because("nothing ever changes");
+        }
+        let mosaic = trial.mosaic(&few);
+        let models = going(trial.family.full(), &answer.offers);
+        let [inserted, own] = self.frames;
+        let frames = (TRIED_INSERTED * own / inserted.max(1)).clamp(3, TRIED_FRAMES);
+        let tried = trial.run(&models, &mosaic, (frames, UNCLOCKED), |_, _| ())?;
+        let Some((reference, others)) = tried.split_first() else {
+            return because("nothing was run");
+        };
+        if let Some(why) = &reference.given_up {
+            return Err(End::Because(format!("the full model stops: {why}")));
+        }
+        // Work is shared by as many threads as a sensor has parts.
+        let share = |size: Size| {
+            let parts = trial.family.parts(size).min(rayon::current_num_threads());
+            size.pixels() as f64 / parts.max(1) as f64
+        };
+        let larger = share(measure.kept.size()) / share(mosaic.size());
+        let expected = |ran: &Ran<F::Model>| match self.on_the_whole(&ran.model) {
+            Some(seconds) => seconds,
+            None => larger * self.whole_scene(ran),
+        };
+        let whole = expected(reference);
+        answer.expected = Some([whole, whole]);
+        let mut each = self.whole_scene(reference);
+        let going = answer
+            .offers
+            .iter_mut()
+            .filter(|offer| offer.why.is_empty());
+        for (offer, ran) in going.zip(others) {
+            let seconds = expected(ran);
+            offer.seconds = Some([seconds, whole]);
+            let much = || self.changes_much(reference, ran);
+            if let Some(why) = ran.given_up.clone().or_else(much) {
+                offer.why = why;
+            } else if whole - seconds < WORTH * whole {
+                SAVES_LITTLE.clone_into(&mut offer.why);
+            } else {
+                each += self.whole_scene(ran);
+            }
+        }
+        if answer.offers.iter().all(|offer| !offer.why.is_empty()) {
+            return because("nothing to win: what could be left out takes hardly any time");
+        }
+        // A sample costs time now and saves some later: no more than half of what may be saved.
+        let going = answer.offers.iter().filter(|offer| offer.why.is_empty());
+        let saves: f64 = { going.filter_map(|offer| offer.seconds) }
+            .map(|[plain, full]| full - plain)
+            .sum();
+        let left = self.allowed(whole) - ((measure.clock)() - self.start);
+        // Some is left for a last trial of all that may go together. `as` saturates.
+        let tile = each / mosaic.tiles().len() as f64;
+        let affordable = ((0.7 * left).min(saves / 2.0) / tile) as usize;
+        if affordable < LEAST_TILES {
+            return because(
+                "the full model is too quick: a sample that says anything would take longer than it may save",
+            );
+        }
+        Ok(affordable.min(trial.grid.tiles()))
+    }
+
+    /// Seconds that a model takes for the whole scene, from its first frames on the whole sensor;
+    /// none where tiles tell them.
+    fn on_the_whole(&self, model: &F::Model) -> Option<f64> {
+        let Self { trial, measure, .. } = self;
+        let kept = measure.kept;
+        let mut sensor = trial.family.on_the_whole(model, kept.size())?.ok()?;
+        let mut packet = Packet::new(sensor.size(), sensor.channels());
+        let mut scene = kept.scene();
+        let mut seconds = 0.0;
+        for n in 0..TRIED_WHOLE {
+            let frame = scene.next_frame().ok()??;
+            let start = (measure.clock)();
+            sensor.watch(&frame, &mut packet).ok()?;
+            // The first frame is another body.
+            if n > 0 {
+                seconds += (measure.clock)() - start;
+            }
+        }
+        let each = seconds / f64::from(TRIED_WHOLE - 1);
+        Some(each * self.frames[0] as f64)
+    }
+
+    /// Seconds that the pilot may take, of a full model that takes so many.
+    fn allowed(&self, whole: f64) -> f64 {
+        let (part, besides) = self.measure.budget;
+        part * whole + besides
+    }
+
+    /// Runs what goes on on so many tiles, and chooses.
+    fn choose(&self, count: usize, answer: &mut Answer<F::Model>) -> Step<()> {
+        let Self { trial, measure, .. } = self;
+        let drawn = self.drawn(count);
+        let mosaic = trial.mosaic(&drawn);
+        let models = going(trial.family.full(), &answer.offers);
+        let whole = answer.expected.map_or(0.0, |[whole, _]| whole);
+        let late = self.start + 2.0 * self.allowed(whole);
+        let all = (measure.kept.len(), UNCLOCKED);
+        let runs = trial.run(&models, &mosaic, all, |shown, runs| {
+            if measure.tiles.is_none() {
+                self.drop_early(shown, runs, late);
+            }
+        })?;
+        let Some((reference, others)) = runs.split_first() else {
+            return because("nothing was run");
+        };
+        if let Some(why) = &reference.given_up {
+            return Err(End::Because(why.clone()));
+        }
+        // Each candidate and what goes together has a limit, and all are to hold.
+        let judge = Judge {
+            pilot: self,
+            mosaic: &mosaic,
+            probabilities: drawn.iter().map(|one| one.probability).collect(),
+            reference,
+            risk: RISK / models.len() as f64,
+        };
+        let going = answer
+            .offers
+            .iter_mut()
+            .filter(|offer| offer.why.is_empty());
+        for (offer, ran) in going.zip(others) {
+            judge.fill(offer, ran, whole);
+        }
+        let allowed: Vec<&Offer<F::Model>> = { answer.offers.iter() }
+            .filter(|offer| offer.change.is_some_and(|c| c.is_within(measure.tolerance)))
+            .collect();
+        if allowed.is_empty() {
+            return because("no plainer model stays within the tolerance");
+        }
+        // What is allowed by itself need not be together: that is measured too.
+        let apart: Vec<F::Model> = allowed.iter().map(|offer| offer.model.clone()).collect();
+        let together = trial.family.together(&apart).filter(|_| apart.len() > 1);
+        if let Some(together) = together
+            && !apart.contains(&together)
+        {
+            let mut offer = Offer {
+                what: "all of these".to_owned(),
+                model: together.clone(),
+                change: None,
+                seconds: None,
+                left_out: false,
+                why: String::new(),
+            };
+            for ran in trial.run(&[together], &mosaic, all, |_, _| ())? {
+                judge.fill(&mut offer, &ran, whole);
+            }
+            answer.offers.push(offer);
+        }
+        let quickest = { answer.offers.iter_mut() }
+            .filter(|offer| offer.change.is_some_and(|c| c.is_within(measure.tolerance)))
+            .min_by(|a, b| {
+                let seconds = |offer: &Offer<_>| offer.seconds.map_or(f64::INFINITY, |[s, _]| s);
+                seconds(a).total_cmp(&seconds(b))
+            });
+        if let Some(offer) = quickest {
+            offer.left_out = true;
+            answer.choice = offer.model.clone();
+            answer.change = offer.change;
+            answer.expected = offer.seconds.map(|[plain, full]| [full, plain]);
+        }
+        Ok(())
+    }
+
+    /// Gives candidates up that would save too little, or that change far too much; all of them
+    /// when the pilot takes too long.
+    fn drop_early(&self, shown: usize, runs: &mut [Ran<F::Model>], late: f64) {
+        let of = self.measure.kept.len();
+        if (self.measure.clock)() > late {
+            for ran in runs {
+                ran.given_up = Some("the pilot took longer than it may".to_owned());
+            }
+            return;
+        }
+        let Some((reference, others)) = runs.split_first_mut() else {
+            return;
+        };
+        if shown != (of / 8).max(4) && shown != of / 2 {
+            return;
+        }
+        let whole = self.whole_scene(reference);
+        for ran in others.iter_mut().filter(|ran| ran.given_up.is_none()) {
+            if whole - self.whole_scene(ran) < WORTH * whole {
+                ran.given_up = Some(SAVES_LITTLE.to_owned());
+                continue;
+            }
+            if let Some(why) = self.changes_much(reference, ran) {
+                ran.given_up = Some(why);
+            }
+        }
+    }
+
+    /// Whether so much changes already that more of the scene need not be seen.
+    fn changes_much(&self, full: &Ran<F::Model>, plain: &Ran<F::Model>) -> Option<String> {
+        let change = Change::between(&full.packet, &plain.packet, self.measure.within).ok()?;
+        let is_much = change.share > 5.0 * self.measure.tolerance;
+        let told = || {
+            format!(
+                "{:.0} % of the events of a few tiles change",
+                100.0 * change.share
+            )
+        };
+        (is_much && change.missing + change.extra > 50).then(told)
+    }
+}
+
+const SAVES_LITTLE: &str = "it would save too little";
+
+/// What candidates are judged by.
+struct Judge<'a, F: Family> {
+    pilot: &'a Pilot<'a, F>,
+    mosaic: &'a Mosaic,
+    probabilities: Vec<f64>,
+    reference: &'a Ran<F::Model>,
+    risk: f64,
+}
+
+impl<F: Family> Judge<'_, F> {
+    /// Fills in what a run says of an offer, `whole` being the seconds of the full model.
+    fn fill(&self, offer: &mut Offer<F::Model>, ran: &Ran<F::Model>, whole: f64) {
+        let Pilot {
+            measure,
+            trial,
+            look,
+            ..
+        } = self.pilot;
+        if let Some(why) = &ran.given_up {
+            offer.why.clone_from(why);
+            return;
+        }
+        let packets = (&self.reference.packet, &ran.packet);
+        let tiles = change::of_tiles(self.mosaic, &self.probabilities, packets, measure.within);
+        match tiles {
+            Err(error) => offer.why = error.to_string(),
+            Ok(tiles) => {
+                let unseen = trial.family.unseen(&ran.model, look);
+                let change = Estimate::new(&tiles, unseen, self.risk);
+                offer.change = Some(change);
+                offer.why = said(change, measure.tolerance);
+            }
+        }
+        let seconds = self.pilot.on_the_whole(&ran.model).unwrap_or_else(|| {
+            whole * self.pilot.whole_scene(ran) / self.pilot.whole_scene(self.reference)
+        });
+        offer.seconds = Some([seconds, whole]);
+    }
+}
+
+/// What a limit says beside a tolerance.
+fn said(change: Estimate, tolerance: f64) -> String {
+    let Estimate {
+        events,
+        changes,
+        tiles,
+        ..
+    } = change;
+    let measured = format!("{changes} changes in {events} events of {tiles} tiles");
+    match change.limit {
+        None => format!("{measured}: too few events to say anything"),
+        Some(limit) if limit <= tolerance => measured,
+        Some(_) => format!("{measured}: that may be more than is tolerated"),
+    }
+}

@@ -1,0 +1,143 @@
+//! The stage: the light of a kept scene on a mosaic, frame by frame, with the frames that are
+//! inserted between those of the scene.
+
+use crate::{
+    mosaic::{Mosaic, Outside},
+    plane::{Plane, Size},
+    scene::{
+        Frame,
+        kept::{Kept, Pixels},
+        upsample::{Bound, Upsampling, at},
+    },
+};
+
+/// Where the frames between each two frames of a scene lie, from 0 to 1.
+pub type Between = Vec<Vec<f64>>;
+
+/// Where upsampling inserts frames; none where it refuses to.
+#[must_use]
+pub fn between(kept: &Kept, contrast: f64) -> Option<Between> {
+    let bound = Bound::Contrast {
+        contrast,
+        offset: 1.0,
+    };
+    let how = Upsampling {
+        bound,
+        ..Upsampling::default()
+    };
+    let mut before = kept.plane(0)?;
+    let mut all = Vec::new();
+    for n in 1..kept.len() {
+        let now = kept.plane(n)?;
+        all.push(how.shares(&before, &now)?);
+        before = now;
+    }
+    Some(all)
+}
+
+/// A mosaic's light.
+pub struct Stage<'a> {
+    kept: &'a Kept,
+    between: Option<&'a Between>,
+    /// The pixel that each cell shows; `u32::MAX` for the dark.
+    shows: Vec<u32>,
+    size: Size,
+}
+
+/// A frame of a stage.
+pub struct Shown {
+    /// As the models that see inserted frames get it.
+    pub frame: Frame,
+    /// Its number among the scene's own frames, if it is one.
+    pub own: Option<u64>,
+}
+
+impl<'a> Stage<'a> {
+    pub fn new(
+        kept: &'a Kept,
+        between: Option<&'a Between>,
+        mosaic: &Mosaic,
+        outside: Outside,
+    ) -> Self {
+        let size = mosaic.size();
+        let width = mosaic.whole().width;
+        let cells = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (y, x)));
+        let shows = cells.map(|(y, x)| {
+            let (at, own) = mosaic.shows(y, x);
+            match outside {
+                Outside::Dark if !own => u32::MAX,
+                Outside::Dark | Outside::Nearest => (at.y * width + at.x) as u32,
+            }
+        });
+        Self {
+            kept,
+            between,
+            shows: shows.collect(),
+            size,
+        }
+    }
+
+    /// Frames that models see that see the inserted ones, and that others see.
+    pub fn frames(kept: &Kept, between: Option<&Between>) -> [usize; 2] {
+        let inserted = between.map_or(0, |all| all.iter().map(Vec::len).sum());
+        [kept.len() + inserted, kept.len()]
+    }
+
+    fn light(&self, pixels: Pixels<'_>) -> Plane<f64> {
+        let lights: Vec<f64> = match pixels {
+            Pixels::Bytes(bytes) => {
+                let light = |from: &u32| bytes.get(*from as usize).copied().map_or(0.0, f64::from);
+                self.shows.iter().map(light).collect()
+            }
+            Pixels::Numbers(numbers) => {
+                let light = |from: &u32| numbers.get(*from as usize).copied().unwrap_or(0.0);
+                self.shows.iter().map(light).collect()
+            }
+        };
+        let shape = self.size.shape();
+        Plane::from_shape_vec(shape, lights).unwrap_or_else(|_| Plane::zeros(shape))
+    }
+
+    /// Shows the first so many frames of the scene, with those between them.
+    pub fn play<E>(
+        &self,
+        most: usize,
+        mut see: impl FnMut(Shown) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut given = 0;
+        let mut before: Option<(f64, Plane<f64>)> = None;
+        for n in 0..most.min(self.kept.len()) {
+            let Some((index, seconds, pixels)) = self.kept.frame(n) else {
+                break;
+            };
+            let light = self.light(pixels);
+            if let (Some(between), Some((start, old))) = (self.between, &before) {
+                let pair = n.checked_sub(1).and_then(|pair| between.get(pair));
+                for share in pair.into_iter().flatten() {
+                    let light = ndarray::Zip::from(old)
+                        .and(&light)
+                        .map_collect(|a, b| at(*a, *b, *share));
+                    let frame = Frame {
+                        index: given,
+                        seconds: at(*start, seconds, *share),
+                        light,
+                    };
+                    given += 1;
+                    see(Shown { frame, own: None })?;
+                }
+            }
+            if self.between.is_some() {
+                before = Some((seconds, light.clone()));
+            }
+            let frame = Frame {
+                index: given,
+                seconds,
+                light,
+            };
+            given += 1;
+            let own = Some(index);
+            see(Shown { frame, own })?;
+        }
+        Ok(())
+    }
+}

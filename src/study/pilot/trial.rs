@@ -1,0 +1,122 @@
+//! A trial: models run side by side on the tiles of a draw, each with its own clock.
+
+use crate::{
+    event::Packet,
+    mosaic::Mosaic,
+    plane::Size,
+    scene::{Frame, kept::Kept},
+    sensor::{Sensor, SensorError},
+};
+
+use super::{
+    draw::Drawn,
+    family::Family,
+    look::Grid,
+    stage::{Between, Shown, Stage},
+};
+
+/// The scene on tiles, and what runs there.
+pub(super) struct Trial<'a, F> {
+    pub family: &'a F,
+    pub kept: &'a Kept,
+    pub between: Option<&'a Between>,
+    pub grid: Grid,
+    pub halo: usize,
+    pub clock: &'a (dyn Fn() -> f64 + Sync),
+}
+
+/// A model on tiles.
+#[derive(Debug)]
+pub(super) struct Ran<M> {
+    pub model: M,
+    pub packet: Packet,
+    /// Seconds that it took.
+    pub seconds: f64,
+    /// Frames that it saw in them.
+    pub frames: u64,
+    /// Why it was given up, if it was: its packet is then of part of the scene.
+    pub given_up: Option<String>,
+}
+
+impl<M> Ran<M> {
+    /// Seconds for a frame of the mosaic.
+    pub fn per_frame(&self) -> f64 {
+        if self.frames == 0 {
+            0.0
+        } else {
+            self.seconds / self.frames as f64
+        }
+    }
+}
+
+/// Columns of a mosaic, about: enough for wide vectors.
+const COLUMNS: usize = 256;
+
+impl<F: Family> Trial<'_, F> {
+    /// The mosaic of some tiles.
+    pub fn mosaic(&self, drawn: &[Drawn]) -> Mosaic {
+        let corners = drawn.iter().map(|one| self.grid.corner(one.tile)).collect();
+        let Grid { size, side } = self.grid;
+        let across = COLUMNS / (side + 2 * self.halo);
+        Mosaic::new(size, Size::new(side, side), self.halo, corners, across)
+    }
+
+    /// Pixels of a tile with its halo.
+    pub const fn pixels(&self) -> usize {
+        let side = self.grid.side + 2 * self.halo;
+        side * side
+    }
+
+    /// Runs models on a mosaic for the first `frames` frames of the scene. The first `unclocked`
+    /// frames are not timed: they fill caches. After each frame of the scene `check` is told how
+    /// many there were, and may give models up.
+    pub fn run(
+        &self,
+        models: &[F::Model],
+        mosaic: &Mosaic,
+        (frames, unclocked): (usize, u64),
+        mut check: impl FnMut(usize, &mut [Ran<F::Model>]),
+    ) -> Result<Vec<Ran<F::Model>>, SensorError> {
+        let (mut sensors, mut runs) = (Vec::new(), Vec::new());
+        for model in models {
+            let sensor = self.family.on_tiles(model, mosaic)?;
+            runs.push(Ran {
+                model: model.clone(),
+                packet: Packet::new(sensor.size(), sensor.channels()),
+                seconds: 0.0,
+                frames: 0,
+                given_up: None,
+            });
+            sensors.push(sensor);
+        }
+        let stage = Stage::new(self.kept, self.between, mosaic, self.family.outside());
+        let mut shown = 0;
+        stage.play(frames, |Shown { frame, own }| {
+            let timed = frame.index >= unclocked;
+            for (sensor, ran) in sensors.iter_mut().zip(&mut runs) {
+                let sees = own.is_some() || self.family.sees_inserted(&ran.model);
+                if sees && ran.given_up.is_none() {
+                    self.watch(&mut **sensor, ran, &frame, timed);
+                }
+            }
+            if own.is_some() {
+                shown += 1;
+                check(shown, &mut runs);
+            }
+            Ok::<(), SensorError>(())
+        })?;
+        Ok(runs)
+    }
+
+    /// A model that cannot go on is given up: another may.
+    fn watch(&self, sensor: &mut dyn Sensor, ran: &mut Ran<F::Model>, frame: &Frame, timed: bool) {
+        let start = (self.clock)();
+        if let Err(error) = sensor.watch(frame, &mut ran.packet) {
+            ran.given_up = Some(error.to_string());
+        }
+        if timed {
+            ran.seconds += (self.clock)() - start;
+            ran.frames += 1;
+        }
+    }
+}

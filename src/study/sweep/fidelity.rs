@@ -1,0 +1,294 @@
+//! `fidelity = "auto"`: points that a pilot finds alike within the tolerance are computed once.
+//!
+//! The plain model of a float point is its sensor in f64, that of an array point the same program
+//! on exact cells: every study has them, so whatever may stand for them costs nothing more. One
+//! pilot on the tiles of a scene serves all formats of a sensor; it is kept by content in the
+//! folder of results. How the array's work is ordered changes no event, and needs no pilot.
+
+use std::{collections::BTreeMap, path::Path};
+
+use serde_json::json;
+use sha2::{Digest, Sha256};
+
+use super::{
+    build,
+    cached_scene::hex,
+    key::Side,
+    plan::{Entry, Plan},
+    refusal::Refusal,
+    sensor,
+    shared::Shared,
+    study::Settings,
+    table::Row,
+};
+use crate::{
+    array::Arithmetic,
+    limit::MANIFEST_BYTES,
+    number::Format,
+    reference::Description,
+    save::save_durably,
+    sensor::Sensor,
+    study::{
+        design,
+        pilot::{Chips, Choice, Estimate, Family, Floats, Machine, Measure},
+    },
+    unit::Micros,
+};
+
+/// What is left out of a point, and what stands for it.
+pub(super) struct Plain {
+    /// The same for all points that the same sensor stands for.
+    pub key: String,
+    /// What is left out.
+    pub left_out: String,
+    /// What the change hardly exceeds; 0 where no event changes.
+    pub limit: f64,
+    pub sensor: Box<dyn Sensor + Send>,
+}
+
+/// What was measured of one plainer model: about how much changes, and the limit.
+type Limits = BTreeMap<String, f64>;
+
+/// The part of a sensor that a pilot runs: its cost is shared by many points.
+const PART: f64 = 0.15;
+
+/// What may stand for a point; none where it is computed as it is.
+pub(super) fn plain(
+    plan: &Plan,
+    entry: &Entry,
+    shared: &Shared,
+    row: &mut Row,
+) -> Result<Option<Plain>, Refusal> {
+    let settings = &plan.study.settings;
+    let Some(tolerance) = settings.tolerance else {
+        return Ok(None);
+    };
+    match entry.point.side() {
+        Side::Mesh => Ok(None),
+        Side::Reference => float(plan, entry, shared, tolerance),
+        Side::Array => array(plan, entry, shared, tolerance, row),
+    }
+}
+
+/// Words of a key that the points of a study have on a side, each once.
+fn words(plan: &Plan, side: Side, key: &str) -> Vec<String> {
+    let entries = plan
+        .entries
+        .iter()
+        .filter(|entry| entry.point.side() == side);
+    let mut words: Vec<String> = entries
+        .filter_map(|entry| entry.point.word(key).map(str::to_owned))
+        .collect();
+    words.sort_unstable();
+    words.dedup();
+    words
+}
+
+fn float(
+    plan: &Plan,
+    entry: &Entry,
+    shared: &Shared,
+    tolerance: f64,
+) -> Result<Option<Plain>, Refusal> {
+    let point = &entry.point;
+    let name = point.word("format").unwrap_or("f64");
+    let format: Format = name.parse()?;
+    let description = sensor::description(point, &entry.kernel)?;
+    let seed = point.whole("seed").unwrap_or(0);
+    let key = format!("{} {seed} {description:?}", entry.scene.digest);
+    let limit = if format == Format::F64 {
+        0.0
+    } else {
+        let base = Choice::full();
+        let family = Floats {
+            description: &description,
+            seed,
+            base: &base,
+        };
+        let formats = words(plan, Side::Reference, "format");
+        let candidates = { formats.into_iter() }
+            .filter_map(|name| Some((name.clone(), name.parse().ok()?)))
+            .filter(|(_, format)| *format != Format::F64)
+            .map(|(name, format)| {
+                let without = Vec::new();
+                (name, Choice { format, without })
+            });
+        let candidates: Vec<_> = candidates.collect();
+        let limits = pilot(plan, entry, shared, (&key, &family), &candidates)?;
+        match limits.get(name) {
+            Some(limit) if *limit <= tolerance => *limit,
+            _ => return Ok(None),
+        }
+    };
+    Ok(Some(Plain {
+        left_out: left_out(format != Format::F64, name),
+        limit,
+        sensor: of_float(description, entry, seed)?,
+        key,
+    }))
+}
+
+fn of_float(
+    description: Description,
+    entry: &Entry,
+    seed: u64,
+) -> Result<Box<dyn Sensor + Send>, Refusal> {
+    Ok(design::float(
+        description,
+        entry.scene.size,
+        seed,
+        Format::F64,
+    )?)
+}
+
+fn left_out(is_left_out: bool, what: &str) -> String {
+    if is_left_out { what } else { "" }.to_owned()
+}
+
+fn array(
+    plan: &Plan,
+    entry: &Entry,
+    shared: &Shared,
+    tolerance: f64,
+    row: &mut Row,
+) -> Result<Option<Plain>, Refusal> {
+    let settings = &plan.study.settings;
+    let point = &entry.point;
+    let all = point.word("readout") == Some("all");
+    let name = point.word("domain").unwrap_or("exact").to_owned();
+    let seed = point.whole("seed").unwrap_or(0);
+    let arithmetic: Arithmetic = name.parse()?;
+    let made = build::array_of(settings, entry, shared, row)?;
+    // All that changes an event, the schedule left out.
+    let program = format!(
+        "{} {:?} {all} {:?} {:?}",
+        entry.scene.digest, made.compiled.code, made.settings.clip, made.compiled.device
+    );
+    let program = hex(&Sha256::digest(program.as_bytes())[..16]);
+    let mut limit = 0.0;
+    let mut stands = arithmetic.with_seed(seed);
+    let exact = Arithmetic::Number(Format::F64);
+    if all && matches!(arithmetic, Arithmetic::Number(format) if format != Format::F64) {
+        let family = Chips {
+            name: &made.compiled.title,
+            code: &made.compiled.code,
+            device: &made.compiled.device,
+            settings: made.settings,
+            arithmetic: exact,
+        };
+        let domains = words(plan, Side::Array, "domain").into_iter();
+        let candidates = domains.filter_map(|name| match name.parse().ok()? {
+            Arithmetic::Number(format) if format != Format::F64 => {
+                let without = Vec::new();
+                let format = Some(format);
+                Some((name, Machine { format, without }))
+            }
+            Arithmetic::Number(_) | Arithmetic::Silicon { .. } => None,
+        });
+        let candidates: Vec<_> = candidates.collect();
+        let limits = pilot(plan, entry, shared, (&program, &family), &candidates)?;
+        if let Some(found) = limits.get(&name).filter(|found| **found <= tolerance) {
+            (limit, stands) = (*found, exact);
+        }
+    }
+    let mut left = vec![left_out(stands == exact && arithmetic != exact, &name)];
+    left.push(format!(
+        "schedule {}",
+        point.word("schedule").unwrap_or_default()
+    ));
+    left.retain(|word| !word.is_empty());
+    Ok(Some(Plain {
+        key: format!("{program} {stands} {seed}"),
+        left_out: left.join(", "),
+        limit,
+        sensor: made.sensor(stands, entry.scene.size, all)?,
+    }))
+}
+
+/// The limits of candidates against the plain model of a family on a scene: of what is kept, of
+/// this run, or measured now.
+fn pilot<F: Family>(
+    plan: &Plan,
+    entry: &Entry,
+    shared: &Shared,
+    (key, family): (&str, &F),
+    candidates: &[(String, F::Model)],
+) -> Result<Limits, Refusal> {
+    let settings = &plan.study.settings;
+    let within = within(settings, entry.scene.fps);
+    let names: Vec<&str> = candidates.iter().map(|(name, _)| name.as_str()).collect();
+    let question = json!([key, names, within, entry.scene.digest, super::SCHEMA]).to_string();
+    let id = hex(&Sha256::digest(question.as_bytes())[..16]);
+    let made = shared.pilot(&id, || {
+        let kept = shared.pilots().and_then(|folder| read(folder, &id));
+        if let Some(limits) = kept {
+            return Ok(limits);
+        }
+        let limits = measured(entry, family, candidates, within)?;
+        if let Some(folder) = shared.pilots() {
+            write(folder, &id, &limits);
+        }
+        Ok(limits)
+    });
+    match made.get() {
+        Some(Ok(limits)) => Ok(limits.clone()),
+        Some(Err(refusal)) => Err(refusal.clone()),
+        None => Ok(Limits::new()),
+    }
+}
+
+/// The narrowest window in which anything is measured.
+fn within(settings: &Settings, fps: f64) -> Micros {
+    let windows = settings.windows().iter().copied();
+    windows.fold(settings.headline(fps), Micros::min)
+}
+
+fn measured<F: Family>(
+    entry: &Entry,
+    family: &F,
+    candidates: &[(String, F::Model)],
+    within: Micros,
+) -> Result<Limits, Refusal> {
+    let (Some(kept), Ok(halo)) = (entry.scene.kept()?, family.halo()) else {
+        return Ok(Limits::new());
+    };
+    let tile = crate::study::pilot::measure::side(halo) + 2 * halo;
+    // `as` saturates.
+    let tiles = (PART * kept.size().pixels() as f64 / (tile * tile) as f64).ceil() as usize;
+    let measure = Measure {
+        kept: &kept,
+        upsample: None,
+        tolerance: 1.0,
+        within,
+        seed: 0,
+        // What is measured is to be the same everywhere, so no clock decides.
+        clock: &|| 0.0,
+        budget: (0.0, 0.0),
+        tiles: Some(tiles.max(12)),
+        look: None,
+    };
+    let answer = measure.ask(family, candidates)?;
+    let limit = |change: Estimate| {
+        let limit = change.limit.filter(|limit| *limit < 1.0)?;
+        // For each event of the point, not of the plain model.
+        Some(limit / (1.0 - limit))
+    };
+    let offers = answer.offers.into_iter();
+    Ok(offers
+        .filter_map(|offer| Some((offer.what, limit(offer.change?)?)))
+        .collect())
+}
+
+/// What is kept of a pilot; none where nothing is, or it cannot be believed.
+fn read(folder: &Path, id: &str) -> Option<Limits> {
+    let path = folder.join(format!("{id}.json"));
+    let bytes = super::regular::read(&path, MANIFEST_BYTES).ok()?;
+    serde_json::from_slice(&bytes).ok()
+}
+
+/// Keeps a pilot. Where that fails it is only made again.
+fn write(folder: &Path, id: &str, limits: &Limits) {
+    let text = json!(limits).to_string() + "\n";
+    let path = folder.join(format!("{id}.json"));
+    let _ = save_durably(&path, |out| std::io::Write::write_all(out, text.as_bytes()));
+}

@@ -1,0 +1,158 @@
+//! `fidelity = "auto"` in a study, and `exec --fidelity auto`, from outside: what stands for a point
+//! is recorded, holds the tolerance, and is the same on every run.
+
+mod common;
+
+use std::{fs, path::Path};
+
+use serde_json::Value;
+
+const STUDY: &str = r#"
+scene = "pattern:noise?width=96&height=80&frames=16&fps=100&speed=40"
+kernel = "csdvs-3"
+threshold = [12, 24]
+within = "5ms"
+threshold-equivalent = false
+readout = "all"
+sum = "free"
+effort = 0.01
+[[side]]
+side = "reference"
+format = ["f64", "f32", "q16.16", "q8.8", "bf16"]
+memory = "filtered-step"
+[[side]]
+side = "array"
+quantise = "ternary"
+domain = ["exact", "q8.8", "silicon"]
+schedule = ["plain", "tiled"]
+"#;
+
+fn rows(folder: &Path, study: &str, output: &str) -> Vec<Value> {
+    let file = format!("{output}.toml");
+    fs::write(folder.join(&file), study).unwrap();
+    common::good(folder, &["sweep", &file, "--output", output]);
+    let text = fs::read_to_string(folder.join(output).join("results.jsonl")).unwrap();
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+#[test]
+fn plain_models_stand_for_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let full = rows(here, STUDY, "full");
+    let auto = rows(
+        here,
+        &format!("fidelity = \"auto\"\ntolerance = 0.02{STUDY}"),
+        "auto",
+    );
+    assert_eq!(full.len(), auto.len());
+    let (mut stood, mut itself) = (0, 0);
+    for (full, auto) in full.iter().zip(&auto) {
+        assert!(full.get("left_out").is_none());
+        for key in [
+            "format",
+            "domain",
+            "schedule",
+            "threshold_on",
+            "words",
+            "state_memory_bytes",
+        ] {
+            assert_eq!(full[key], auto[key], "{key}");
+        }
+        let name = format!("{} {} {}", auto["format"], auto["domain"], auto["schedule"]);
+        let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
+        let off = (number(full, "events") - number(auto, "events")).abs();
+        assert!(
+            off <= 0.02 * number(full, "events") + 1.0,
+            "{name}: {off} events"
+        );
+        let left_out = auto["left_out"].as_str().unwrap_or_default();
+        if left_out.is_empty() || left_out.starts_with("schedule") {
+            itself += 1;
+            assert_eq!(full["error"], auto["error"], "{name}");
+            assert_eq!(full["events"], auto["events"], "{name}");
+        } else {
+            stood += 1;
+            assert!(number(auto, "left_out_limit") <= 0.02, "{name}");
+            assert!(
+                (number(full, "error") - number(auto, "error")).abs() < 0.02,
+                "{name}"
+            );
+        }
+    }
+    assert!(stood >= 2 && itself >= 4, "{stood} {itself}");
+    // A format of few digits changes much, and is computed as it is.
+    let coarse = auto.iter().filter(|row| row["format"] == "bf16");
+    assert!(coarse.clone().count() == 2);
+    let pilots = || fs::read_dir(here.join("auto/pilots")).unwrap().count();
+    // One for each sensor of the float model, and one for each program.
+    assert!((2..=4).contains(&pilots()), "{}", pilots());
+    let said = common::good(
+        here,
+        &["sweep", "auto.toml", "--output", "auto", "--verify", "100%"],
+    );
+    assert!(said.contains("the same bits"), "{said}");
+    for wrong in [
+        "fidelity = \"some\"\n",
+        "fidelity = \"auto\"\ntolerance = 2\n",
+    ] {
+        fs::write(here.join("wrong.toml"), format!("{wrong}{STUDY}")).unwrap();
+        common::refused(
+            here,
+            &["sweep", "wrong.toml", "--output", "wrong"],
+            &[wrong.split(' ').next().unwrap()],
+        );
+    }
+}
+
+#[test]
+fn an_array_says_what_it_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let program = "//! channels = 1\ninit { get_image(A); neg(C, A); }\nframe { get_image(A); scamp5_in(D, -12); bus(NEWS); bus(B, NEWS, A, C); where(B, D); MOV(R6, FLAG); all(); where(A, C, D); MOV(R5, FLAG); WHERE(R5, R6); neg(C, A); all(); scamp5_scan_events(R5, on, 4000); scamp5_scan_events(R6, off, 4000); }\n";
+    fs::write(here.join("dvs.scamp"), program).unwrap();
+    let image = "pattern:disc?width=64&height=64&frames=12&fps=100&speed=200&low=20&high=220";
+    let run = [
+        "exec",
+        "dvs.scamp",
+        "--image",
+        image,
+        "--frames",
+        "12",
+        "--domain",
+        "silicon",
+    ];
+    let full = common::json(here, &run);
+    let auto = common::json(
+        here,
+        &[&run[..], &["--fidelity", "auto", "--tolerance", "5%"]].concat(),
+    );
+    assert!(full.get("fidelity").is_none());
+    assert_eq!(auto["fidelity"]["tolerance"], 0.05);
+    let events = |json: &Value| json["events"].as_f64().unwrap();
+    assert!((events(&full) - events(&auto)).abs() <= 0.05 * events(&full));
+    assert!(auto["fidelity"]["why"].is_string());
+    let text = common::good(here, &[&run[..], &["--fidelity", "auto"]].concat());
+    assert!(text.contains("plan "), "{text}");
+    common::refused(
+        here,
+        &[&run[..], &["--fidelity", "auto", "--dump", "out"]].concat(),
+        &["--fidelity auto keeps events"],
+    );
+    // Slots that are full lose events for others.
+    let few = program.replace("4000", "3");
+    fs::write(here.join("few.scamp"), few).unwrap();
+    let run = [
+        "exec",
+        "few.scamp",
+        "--image",
+        image,
+        "--frames",
+        "12",
+        "--fidelity",
+        "auto",
+    ];
+    common::refused(here, &run, &["found no slot"]);
+}
