@@ -202,7 +202,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     progress.finish();
     let warnings = Warning::of_scene(&observation, 255.0);
     light::warn(&warnings);
-    let answer = answer?.with(warnings);
+    let answer = answer?.with(&warnings);
     let explain = |what: &String| answer.explain(what, arguments.json);
     let explained = arguments.explain.as_ref().map(explain).transpose()?;
     if let Some(path) = &arguments.output {
@@ -251,14 +251,14 @@ fn ask(
 impl Answer {
     /// Says the warnings of each kernel beside the output, and puts those of the scene before
     /// them.
-    fn with(mut self, of_scene: Vec<Warning>) -> Self {
+    fn with(mut self, of_scene: &[Warning]) -> Self {
         let kernels = match &mut self {
             Self::One(answer) => std::slice::from_mut(&mut answer.0),
             Self::Several(several, _) => &mut several.kernels,
         };
         for all in kernels {
             light::warn(&all.warnings);
-            all.warnings.splice(0..0, of_scene.clone());
+            all.warnings.splice(0..0, of_scene.to_owned());
         }
         self
     }

@@ -200,7 +200,7 @@ pub(super) fn ask_keeping(
         for erasure in &one.erasures {
             guard.warn(Warning::erased(&one.to, *erasure));
         }
-        let chips = one.program.iter().flat_map(|program| &program.chips);
+        let chips = one.program.iter().flat_map(|program| &program.both);
         subjects.extend(chips.map(|chip| format!("{} {}", one.to, chip.domain())));
     }
     let mut floats = vec![design.reference(size, MEMORY, Format::F64)?];
@@ -211,7 +211,7 @@ pub(super) fn ask_keeping(
     }
     for chip in { built.iter_mut() }
         .filter_map(|one| one.program.as_mut().ok())
-        .flat_map(|program| &mut program.chips)
+        .flat_map(|program| &mut program.both)
     {
         sensors.push(chip);
     }
@@ -233,7 +233,7 @@ pub(super) fn ask_keeping(
     let mut judged = Vec::new();
     let ran = { built.iter() }
         .filter_map(|one| one.program.as_ref().ok())
-        .flat_map(|program| program.chips.iter().zip(program.ends));
+        .flat_map(|program| program.both.iter().zip(program.ends));
     for ((packet, subject), (chip, ends)) in chips.iter().zip(subjects).zip(ran) {
         guard.packet(&subject, packet);
         saturation::warn(&mut guard, &subject, &**chip, ends);
@@ -306,7 +306,7 @@ impl Built {
 struct Chips {
     cost: Costs,
     /// In exact arithmetic, and as silicon.
-    chips: [Box<dyn Array + Send>; 2],
+    both: [Box<dyn Array + Send>; 2],
     /// The ends of their registers' range.
     ends: [Option<[f64; 2]>; 2],
 }
@@ -370,7 +370,7 @@ impl Question<'_> {
                 registers: compiled.registers(),
                 prescale_bits: filter.prescale,
             },
-            chips: [chip(exact)?, chip(silicon)?],
+            both: [chip(exact)?, chip(silicon)?],
             ends: [exact, silicon].map(|domain| domain.ends(self.device, &settings())),
         })
     }

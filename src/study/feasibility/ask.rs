@@ -9,7 +9,7 @@ use super::{
     named::FigureSummary,
     power::{Link, Load, Power},
     readout::Busy,
-    runs::MEMORY,
+    runs::{MEMORY, Runs},
     time::{self, Words},
     verdict::Verdict,
 };
@@ -18,7 +18,10 @@ use crate::{
     compare::window,
     event::Packet,
     isa::Evidence,
-    kernel::{Kernel, quantise::Quantiser},
+    kernel::{
+        Kernel,
+        quantise::{Quantised, Quantiser},
+    },
     mesh::{self, Fitting},
     plane::Size,
     rig::guard::Warning,
@@ -71,12 +74,7 @@ pub fn ask(
     let mut scene = open()?;
     let ladder = question.ladder(&floats, &*scene)?;
     let float = ladder.reference().clone();
-    let (mut runs, frames) = question.watch(&design, float, program, &mut *scene, &mut seen)?;
-    runs.warnings.extend({
-        let told = !runs.float.events.is_empty();
-        told.then(|| Warning::window(question.within, ladder.floor()))
-            .flatten()
-    });
+    let (runs, frames) = question.watch(&design, float, program, &mut *scene, &mut seen)?;
     let scene = SceneSummary::new(question.scene, &*scene, frames, &runs.float);
     let streams = runs.streams(question, &design, &ladder, &mut *open()?, &mut seen)?;
     let over_chips = match (program, &runs.silicon) {
@@ -147,14 +145,29 @@ pub fn ask(
         quantisation: table.into_iter().map(|(_, row)| row).collect(),
         mesh: meshes(question.kernel),
         assumptions: Assumption::all(question, &scene),
-        warnings: { quantised.erasures(question.kernel).into_iter() }
-            .map(|erasure| Warning::erased(&to.to_string(), erasure))
-            .chain(std::mem::take(&mut runs.warnings))
-            .collect(),
+        warnings: warnings(question, &to.to_string(), &quantised, &runs, &ladder),
         scene,
     };
     feasibility.verdict = Verdict::new(&feasibility);
     Ok((feasibility, snapshot))
+}
+
+/// What is to be known of the kernel's few values, of the runs and of the window.
+fn warnings(
+    question: &Question<'_>,
+    to: &str,
+    quantised: &Quantised,
+    runs: &Runs,
+    ladder: &Ladder,
+) -> Vec<Warning> {
+    let erased = { quantised.erasures(question.kernel).into_iter() }
+        .map(|erasure| Warning::erased(to, erasure));
+    let has_events = !runs.float.events.is_empty();
+    let window = has_events.then(|| Warning::window(question.within, ladder.floor()));
+    erased
+        .chain(runs.warnings.iter().cloned())
+        .chain(window.flatten())
+        .collect()
 }
 
 /// None where the float sensor has no event.

@@ -1,6 +1,8 @@
 //! The verdict: the questions that architects ask, answered in a line each, the same as a
 //! paragraph, and how its words were chosen.
 
+use std::fmt::Write as _;
+
 use maud::{Markup, html};
 
 use super::{
@@ -293,10 +295,14 @@ fn decides(all: &Feasibility) -> Line {
         Some(limit) => {
             let mut answer = format!("It loses most to: {limit}");
             if let Some((_, step)) = largest {
-                answer += &format!("; of the chip\u{2019}s steps {} changes most", step.name);
+                let _ = write!(
+                    answer,
+                    "; of the chip\u{2019}s steps {} changes most",
+                    step.name
+                );
             }
             if let Some((_, turn)) = turn {
-                answer += &format!("; of what nobody states exactly {}", turn.figure);
+                let _ = write!(answer, "; of what nobody states exactly {}", turn.figure);
             }
             answer
         }
