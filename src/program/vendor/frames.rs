@@ -1,0 +1,152 @@
+//! The loop over the frames: its first turn, and what every later turn does.
+
+use std::sync::Arc;
+
+use super::{
+    look,
+    machine::{Flow, Machine},
+    tree::{Expr, ExprNode, Stmt},
+    value::Value,
+};
+use crate::{config::Fault, program::syntax::Item};
+
+/// Turns after which what still changes is called unknown.
+const TURNS: usize = 24;
+
+impl Machine<'_> {
+    /// Whether a loop is that over the frames.
+    pub(super) fn endless(&mut self, condition: Option<&Expr>, body: &Stmt) -> bool {
+        let constant = condition.is_none_or(|it| matches!(it.node, ExprNode::Whole(value) if value != 0));
+        if constant {
+            return !look::breaks(body) || look::syncs(self, body);
+        }
+        // `while (vs_…())`: as long as the box is on.
+        condition.is_some_and(|it| matches!(it.node, ExprNode::Call(..))) && look::syncs(self, body)
+    }
+
+    pub(super) fn frame_loop(&mut self, body: &Stmt, step: Option<&Expr>) -> Flow {
+        if self.looped {
+            return Flow::End;
+        }
+        // What came before the first frame belongs to it, unless it took frames of its own.
+        let before = std::mem::take(&mut self.items);
+        let mut early = std::mem::take(&mut self.frames);
+        let synced = look::syncs(self, body);
+        let first = self.turn(body, step);
+        let second_from = self.snapshot();
+        let second = self.turn(body, step);
+        // Variables that go on changing are not known; the steady turn must do without them.
+        let mut known = second_from.clone();
+        let mut steady = second.clone();
+        let why: Arc<str> = "a value that changes from frame to frame".into();
+        for _ in 0..TURNS {
+            if self.done() {
+                break;
+            }
+            let after = self.snapshot();
+            let mut changed = false;
+            for (slot, (old, new)) in known.iter_mut().zip(&after).enumerate() {
+                if old != new && !matches!(old, Value::Unknown(_)) {
+                    *old = Value::Unknown(self.named(slot).unwrap_or_else(|| Arc::clone(&why)));
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+            self.slots.truncate(known.len());
+            self.slots.clone_from(&known);
+            steady = self.turn(body, step);
+        }
+        self.looped = true;
+        self.lay(before, &mut early, &first, &steady, synced, body);
+        Flow::End
+    }
+
+    /// The name of a variable that changes, as a reason.
+    fn named(&self, slot: usize) -> Option<Arc<str>> {
+        let scopes = self.scopes.iter().rev();
+        let mut names = scopes.flat_map(|scope| scope.iter());
+        let name = names.find(|(_, it)| **it == slot)?.0;
+        Some(format!("`{name}`, which changes from frame to frame,").into())
+    }
+
+    fn snapshot(&self) -> Vec<Value> {
+        self.slots.clone()
+    }
+
+    /// One turn: what it asks, cut where frames begin.
+    fn turn(&mut self, body: &Stmt, step: Option<&Expr>) -> Vec<Vec<Item>> {
+        self.maybe = None;
+        let flow = self.scoped(body);
+        self.maybe = None;
+        if matches!(flow, Flow::Next | Flow::Continue) {
+            if let Some(step) = step {
+                self.value(step);
+            }
+        }
+        let mut all = std::mem::take(&mut self.frames);
+        all.push(std::mem::take(&mut self.items));
+        all
+    }
+
+    /// Lays the frames out: the first, and the steady one.
+    fn lay(
+        &mut self,
+        before: Vec<Item>,
+        early: &mut Vec<Vec<Item>>,
+        first: &[Vec<Item>],
+        steady: &[Vec<Item>],
+        synced: bool,
+        body: &Stmt,
+    ) {
+        let parts = |all: &[Vec<Item>]| match all {
+            // Before the frame is waited for, and after.
+            [a, b] => (a.clone(), b.clone()),
+            [a, rest @ ..] => (a.clone(), rest.concat()),
+            [] => (Vec::new(), Vec::new()),
+        };
+        if steady.len() > 2 {
+            self.fault(
+                Fault::error(
+                    body.place,
+                    format!("{} frames in one turn of this loop", steady.len() - 1),
+                    "this loop",
+                )
+                .help("a program does the same in every frame: wait for one frame in a turn"),
+            );
+        }
+        let ((a0, b0), (a1, b1)) = (parts(first), parts(steady));
+        let cat = |parts: [&[Item]; 2]| parts.concat();
+        let own = !early.is_empty();
+        let mut start = early.concat();
+        let frame = if synced {
+            cat([&b1, &a1])
+        } else {
+            cat([&a1, &b1])
+        };
+        if own {
+            // It took frames of its own before the loop.
+            start.extend(before);
+            if synced {
+                start.extend(a0);
+            } else {
+                start.extend(cat([&a0, &b0]));
+            }
+        } else {
+            start = before;
+            if synced && !a0.is_empty() && b0.is_empty() {
+                start.extend(a0);
+            } else {
+                start.extend(a0);
+                start.extend(b0);
+                if synced {
+                    start.extend(a1);
+                }
+            }
+        }
+        self.bare = !own && start == frame;
+        self.items = frame;
+        self.frames = vec![start];
+    }
+}
