@@ -82,6 +82,19 @@ pub(super) fn rewritten(
             }
             name
         }
+        // Compilers name the register twice.
+        "div2_inplace" if given.len() == 2 => {
+            if given[0].0 != given[1].0 {
+                machine.error(
+                    place,
+                    "`div2_inplace` halves one register in place".to_owned(),
+                    "these are two",
+                    "write `div2(y, x);`",
+                );
+            }
+            given.truncate(1);
+            name
+        }
         "icw" => {
             machine.error(
                 place,
