@@ -87,6 +87,15 @@ impl Source {
     /// Reads the program and expands it on its chip, some of whose numbers may be others.
     /// Warnings are shown.
     pub fn open(&self, figures: &[(Figure, f64)]) -> miette::Result<Opened> {
+        self.open_with(figures, &[])
+    }
+
+    /// As [`Source::open`], with more constants.
+    pub fn open_with(
+        &self,
+        figures: &[(Figure, f64)],
+        constants: &[(String, f64)],
+    ) -> miette::Result<Opened> {
         let program = self.read()?;
         let chip = self.chip.as_deref();
         let chip = chip.or(program.settings.chip.as_deref());
@@ -94,7 +103,9 @@ impl Source {
         for (figure, value) in figures {
             device = device.what_if(*figure, *value)?;
         }
-        let expansion = program.expand(&device, &self.overrides())?;
+        let mut overrides = self.overrides();
+        overrides.extend(constants.iter().cloned());
+        let expansion = program.expand(&device, &overrides)?;
         if let Some(warnings) = program.warnings(&expansion) {
             complain(&format!("{:?}\n", miette!(warnings)));
         }

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::config::{Fault, Lines, Place, Severity, enough, thin};
 use crate::isa::{
-    Bit, Callable, Cell, Device, Digital, Macro, Source, Value, macros, row,
+    Bit, Callable, Cell, Device, Digital, HostKind, Macro, Source, Value, macros, row,
     signature::{Bound, Mode, Signature},
     text::Statement,
 };
@@ -234,7 +234,13 @@ impl<'d> Lowering<'d> {
         let (results, whole_flag, host) = match callable {
             Callable::Primitive(..) => (effect.writes.iter().copied().collect(), false, false),
             Callable::Macro(it) => (self.results(it, &bound), it.whole_flag, it.host),
-            Callable::Host(_, signature) => (results(signature, &bound), false, true),
+            Callable::Host(kind, signature) => {
+                let mut cells = results(signature, &bound);
+                if kind == HostKind::Draw {
+                    cells.extend(self.drawing.map(Cell::Digital));
+                }
+                (cells, false, true)
+            }
         };
         Ok(Expanded {
             text: statement.to_string(),

@@ -5,6 +5,7 @@ use std::{collections::BTreeMap, rc::Rc, sync::Arc};
 use super::{
     evaluate::base_name,
     host::{self, Role},
+    look,
     machine::{Flow, Machine, term},
     tree::{Expr, ExprNode, Function, Word},
     value::Value,
@@ -20,6 +21,14 @@ const DEPTH: usize = 64;
 impl Machine<'_> {
     pub(super) fn call(&mut self, callee: &Expr, given: &[Expr], place: Place) -> Value {
         self.work(place);
+        if let ([Expr { node: ExprNode::Lambda(function), .. }], true) =
+            (given, self.target(callee, false).is_some())
+        {
+            // A kernel that is stated here: it runs when it is launched.
+            let value = Value::Lambda(Rc::clone(function));
+            self.assign(callee, value.clone());
+            return value;
+        }
         let name = match &callee.node {
             ExprNode::Name(name) => name.clone(),
             ExprNode::Lambda(function) => {
@@ -64,16 +73,24 @@ impl Machine<'_> {
 
     fn called(&mut self, value: Value, given: &[Expr], place: Place) -> Value {
         match value {
+            Value::Lambda(function) if self.is_kernel(&function) => self.launch(&function, place),
             Value::Lambda(function) => self.enter(&function, given, place, false),
-            // A kernel that is stated here: it runs when it is launched.
+            Value::Unknown(why) => Value::Unknown(why),
             _ => {
-                let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-                match values.first() {
-                    Some(Value::Lambda(function)) => Value::Lambda(Rc::clone(function)),
-                    _ => Value::Unknown("what a call gives back".into()),
+                for it in given {
+                    self.value(it);
                 }
+                Value::Unknown("what a call gives back".into())
             }
         }
+    }
+
+    /// Whether a function is the body of a kernel: it asks words, and begins no kernel itself.
+    fn is_kernel(&self, function: &Function) -> bool {
+        self.kernel.is_none()
+            && function.parameters.is_empty()
+            && function.body.iter().any(|it| look::changes(self, it))
+            && !function.body.iter().any(look::begins_kernel)
     }
 
     /// The function of this name that takes so many arguments.
@@ -310,16 +327,16 @@ impl Machine<'_> {
                 self.ask("scamp5_output_image", vec![term], place);
                 self.maybe = maybe;
             }
-            None => self.no_argument(name, register, place),
+            None => self.no_argument(name, register, place, given.first()),
         }
         Value::Whole(0)
     }
 
-    fn no_argument(&mut self, name: &str, value: &Value, place: Place) {
+    fn no_argument(&mut self, name: &str, value: &Value, place: Place, of: Option<&Expr>) {
         match value {
             Value::Unknown(why) => {
                 let message = format!("`{name}` takes a value of which {why} decides");
-                self.unknown(place, message);
+                self.unknown(place, message, of);
             }
             other => {
                 let message = format!("`{name}` does not take {}", other.describe());
@@ -346,6 +363,13 @@ impl Machine<'_> {
                 let function = Rc::clone(function);
                 return self.launch(&function, place);
             }
+            self.error(
+                place,
+                "this kernel is stated nowhere".to_owned(),
+                "what it does is not known",
+                "state it before: `kernel([] { … });`",
+            );
+            return Value::Whole(0);
         }
         if let Some(groups) = self.groups(&values) {
             self.ask_groups(name, groups, place);
@@ -364,7 +388,7 @@ impl Machine<'_> {
             self.in_kernel(&name, place);
         }
         let mut terms = Vec::new();
-        for (value, _, buffer) in &values {
+        for (i, (value, _, buffer)) in values.iter().enumerate() {
             let term = match value {
                 Value::Pointer(slot, path, _) => {
                     let why = format!("what `{name}` reads in {}", self.line(place));
@@ -379,7 +403,7 @@ impl Machine<'_> {
                 Some(term) => terms.push(term),
                 None => {
                     let value = value.clone();
-                    self.no_argument(&name, &value, place);
+                    self.no_argument(&name, &value, place, given.get(i));
                     return Value::Whole(0);
                 }
             }

@@ -102,8 +102,10 @@ impl Machine<'_> {
             _ => {}
         }
         let (a, b) = (self.canonical(a), self.canonical(b));
+        let named = matches!(mark, "==" | "!=" | "&&" | "||")
+            || (matches!(mark, "|" | "+") && a.number().is_none() && b.number().is_none());
         for value in [&a, &b] {
-            if let (Value::Symbol(name), false) = (value, matches!(mark, "|" | "+" | "==" | "!=" | "&&" | "||")) {
+            if let (Value::Symbol(name), false) = (value, named) {
                 self.unstated(&name.clone(), place);
                 return Value::Whole(0);
             }

@@ -168,8 +168,6 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
     let known = kind_of(first) != Kind::Any || matches!(first, "const" | "unsigned" | "void");
     if known || !first.is_empty() {
         if let Some(kind) = it.read_kind() {
-            let pointer = it.before();
-            let _ = pointer;
             if it.take(")") {
                 let value = it.peek(0).is_some_and(|t| {
                     !t.first && (!matches!(t.kind, TokenKind::Mark(_)) || (known && (t.is("(") || t.is("-") || t.is("&"))))
@@ -273,14 +271,12 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         });
     }
     if &*name == "sizeof" && it.take("(") {
-        let (mut depth, start) = (1, it.at);
+        let mut depth = 1;
         while depth > 0 {
             let Some(token) = it.peek(0) else { break };
             depth += i32::from(token.is("(")) - i32::from(token.is(")"));
             it.at += 1;
         }
-        let inner = it.at - start;
-        let _ = inner;
         return Ok(Expr {
             node: ExprNode::Name("sizeof".into()),
             place: place.to(it.before()),

@@ -43,6 +43,25 @@ fn acts(machine: &Machine<'_>, name: &str, given: usize, seen: &mut BTreeSet<Wor
     }
 }
 
+/// The first variable of a value that only the run knows.
+pub(super) fn unknown(machine: &Machine<'_>, it: &Expr) -> Option<Word> {
+    let mut found = None;
+    values(it, &mut |part| {
+        let Part::Expr(Expr {
+            node: ExprNode::Name(name),
+            ..
+        }) = part
+        else {
+            return;
+        };
+        let slot = machine.find(name);
+        if found.is_none() && slot.is_some_and(|slot| matches!(machine.slots[slot], Value::Unknown(_))) {
+            found = Some(name.clone());
+        }
+    });
+    found
+}
+
 /// Whether it can leave the block that it is in.
 pub(super) fn leaves(it: &Stmt) -> bool {
     let mut found = false;
@@ -173,6 +192,13 @@ pub(super) fn breaks(it: &Stmt) -> bool {
             })
         );
     });
+    found
+}
+
+/// Whether a kernel begins in it.
+pub(super) fn begins_kernel(it: &Stmt) -> bool {
+    let mut found = false;
+    calls(it, &mut |name, given| found |= host::role(name, given) == Role::Kernel);
     found
 }
 

@@ -8,7 +8,8 @@ use std::{
 
 use super::{
     files::Files,
-    tree::{Function, Word},
+    look,
+    tree::{Expr, Function, Word},
     value::{Slot, Value},
 };
 use crate::{
@@ -235,7 +236,7 @@ impl<'a> Machine<'a> {
     pub(super) fn ask(&mut self, name: &str, arguments: Vec<Term>, place: Place) {
         if let Some(why) = self.maybe.clone() {
             let message = format!("whether `{name}` runs, {why} decides");
-            self.unknown(place, message);
+            self.unknown(place, message, None);
         }
         self.asked += 1;
         if self.asked > ASKED {
@@ -285,13 +286,13 @@ impl<'a> Machine<'a> {
     }
 
     /// A fault that something depends on what only the run knows.
-    pub(super) fn unknown(&mut self, place: Place, message: String) {
-        self.error(
-            place,
-            message,
-            "only the run knows",
-            "a program is the same words in every frame: give the value with `--const NAME=VALUE`, or take this out",
+    pub(super) fn unknown(&mut self, place: Place, message: String, of: Option<&Expr>) {
+        let name = of.and_then(|it| look::unknown(self, it));
+        let name = name.unwrap_or_else(|| "NAME".into());
+        let help = format!(
+            "a program is the same words in every frame: give the value with `--const {name}=VALUE`, or take this out"
         );
+        self.error(place, message, "only the run knows", &help);
     }
 
     /// A new frame begins.

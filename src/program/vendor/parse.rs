@@ -287,6 +287,13 @@ impl<'a> Parser<'a> {
                 }
                 self.statement_node()
             }
+            _ if self.is_constructor() => {
+                while self.peek(0).is_some() && !self.sees("{") {
+                    self.at += 1;
+                }
+                self.skip_group();
+                Ok(StmtNode::Nothing)
+            }
             "init" | "frame" | "repeat" if self.peek(1).is_some_and(|t| t.is("{")) => {
                 Err(Fault::error(
                     self.place(),
@@ -424,6 +431,32 @@ impl<'a> Parser<'a> {
         }
         self.skip_past(";");
         Ok(StmtNode::Declare(all))
+    }
+
+    /// Whether the function that makes or ends an object of a class is stated here.
+    fn is_constructor(&mut self) -> bool {
+        let start = self.at;
+        let mut names = Vec::new();
+        while !self.word(0).is_empty() {
+            names.push(self.word(0));
+            self.at += 1;
+            if !self.take("::") {
+                break;
+            }
+            if self.take("~") {
+                names.push("~");
+            }
+        }
+        let named = match &names[..] {
+            [.., class, name] => class == name || *class == "~",
+            _ => false,
+        };
+        let found = named && self.sees("(") && {
+            self.skip_group();
+            self.sees("{") || self.sees(":")
+        };
+        self.at = start;
+        found
     }
 
     /// Whether a class is stated here, with its members.
@@ -662,10 +695,9 @@ impl<'a> Parser<'a> {
         if kind_of(of) != Kind::Any || of == "scamp5_kernel" {
             return Ok(given.into_iter().next());
         }
-        let name = ExprNode::Name(of.into());
-        let callee = Box::new(Expr { node: name, place });
-        let _ = (callee, given);
-        Ok(None)
+        // An object of the language's library: its name stands for it.
+        let node = ExprNode::Text(of.into());
+        Ok(Some(Expr { node, place }))
     }
 
     /// A function with its body, or a prototype, if one of them stands here.

@@ -155,24 +155,39 @@ impl Machine<'_> {
         shape(value, &lengths, it.kind)
     }
 
+    /// The value of a condition.
+    fn condition(&mut self, it: &Expr) -> Value {
+        match self.value(it) {
+            Value::Symbol(name) if self.device.value_of(&name).is_none() => {
+                if ["VS_", "vs_", "SCAMP"].iter().any(|begin| name.starts_with(begin)) {
+                    return Value::Unknown(format!("`{name}`").into());
+                }
+                self.unstated(&name, it.place);
+                Value::Whole(0)
+            }
+            value => value,
+        }
+    }
+
     fn branch(&mut self, condition: &Expr, yes: &Stmt, no: Option<&Stmt>) -> Flow {
-        let value = self.value(condition);
+        let value = self.condition(condition);
         match value.truth() {
             Ok(true) => self.scoped(yes),
             Ok(false) => no.map_or(Flow::Next, |no| self.scoped(no)),
             Err(why) => {
                 let parts: Vec<&Stmt> = [Some(yes), no].into_iter().flatten().collect();
-                self.either(condition.place, &parts, &why)
+                self.either(condition, &parts, &why)
             }
         }
     }
 
     /// Branches of which only the run knows which is taken. What they show is shown; what they
     /// compute is forgotten; that they change the array is a fault.
-    fn either(&mut self, place: Place, parts: &[&Stmt], why: &Arc<str>) -> Flow {
+    fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
         let changes = parts.iter().any(|part| look::changes(self, part));
         if changes {
-            self.unknown(place, format!("whether this kernel runs, {why} decides"));
+            let message = format!("whether this kernel runs, {why} decides");
+            self.unknown(on.place, message, Some(on));
         }
         for part in parts {
             look::forget(self, part, why);
@@ -204,7 +219,7 @@ impl Machine<'_> {
             let parts: Vec<&Stmt> = body.iter().collect();
             // A `break` in it ends the switch, and nothing more.
             let maybe = self.maybe.clone();
-            self.either(on.place, &parts, &why);
+            self.either(on, &parts, &why);
             self.maybe = maybe;
             return Flow::Next;
         }
@@ -281,11 +296,11 @@ impl Machine<'_> {
             self.work(it.place);
             let holds = match condition {
                 Some(condition) if !first => {
-                    let value = self.value(condition);
+                    let value = self.condition(condition);
                     match value.truth() {
                         Ok(holds) => holds,
                         Err(why) => {
-                            self.open_ended(it, body, &why);
+                            self.open_ended(it, condition, body, &why);
                             false
                         }
                     }
@@ -325,9 +340,10 @@ impl Machine<'_> {
     }
 
     /// A loop of which only the run knows when it ends.
-    fn open_ended(&mut self, it: &Stmt, body: &Stmt, why: &Arc<str>) {
+    fn open_ended(&mut self, it: &Stmt, condition: &Expr, body: &Stmt, why: &Arc<str>) {
         if look::changes(self, body) {
-            self.unknown(it.place, format!("how often this loop runs, {why} decides"));
+            let message = format!("how often this loop runs, {why} decides");
+            self.unknown(it.place, message, Some(condition));
         }
         look::forget(self, body, why);
         look::show(self, body);
