@@ -50,7 +50,9 @@ impl AtBorder {
     pub fn registers(chip: &dyn Array, ends: [f64; 2]) -> Vec<Self> {
         let [low, high] = ends;
         let near = NEAR * (high - low);
-        Self::where_lies(chip, ends, |value| value <= low + near || value >= high - near)
+        Self::where_lies(chip, ends, |value| {
+            value <= low + near || value >= high - near
+        })
     }
 
     /// The registers of a chip that hold a picture of which at least a twentieth lies beyond these

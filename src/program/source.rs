@@ -170,7 +170,10 @@ impl Program {
         };
         let (mut expansion, mut faults) =
             expand::expand(&syntax, &self.text, &read.constants, device, overrides);
-        let warnings = read.faults.iter().filter(|it| it.severity == Severity::Warning);
+        let warnings = read
+            .faults
+            .iter()
+            .filter(|it| it.severity == Severity::Warning);
         expansion.warnings.extend(warnings.cloned());
         faults.append(&mut read.faults);
         faults.extend(self.faults.iter().cloned());

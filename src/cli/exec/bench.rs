@@ -196,7 +196,8 @@ impl<'a> Bench<'a> {
     /// Refuses files of events where the program reads none out.
     pub fn check_events(&self) -> miette::Result<()> {
         let code = &self.opened.expansion.code;
-        if self.arguments.events.is_none() || reads_events(&code.init) || reads_events(&code.frame) {
+        if self.arguments.events.is_none() || reads_events(&code.init) || reads_events(&code.frame)
+        {
             return Ok(());
         }
         Err(miette!(

@@ -38,7 +38,10 @@ impl Saturation {
         };
         for worst in found {
             let (frame, held) = (self.frame, self.held);
-            let known = self.worst.iter_mut().find(|it| it.worst.register == worst.register);
+            let known = self
+                .worst
+                .iter_mut()
+                .find(|it| it.worst.register == worst.register);
             match known {
                 // Of equal ones the last.
                 Some(it) if it.worst.pixels > worst.pixels => {}

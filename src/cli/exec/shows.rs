@@ -55,7 +55,11 @@ impl<'a> Shows<'a> {
     /// What was written, in words.
     pub fn written(&self) -> Option<String> {
         let folder = self.folder?;
-        Some(format!("{} ({} files)", folder.display(), self.written.len()))
+        Some(format!(
+            "{} ({} files)",
+            folder.display(),
+            self.written.len()
+        ))
     }
 }
 
@@ -65,7 +69,9 @@ fn picture(values: &Readings, chip: &dyn Array) -> Option<image::RgbImage> {
     let at = |columns: usize, length: usize| columns == size.width && length == size.pixels();
     // Rows come from the right.
     let plane = |value: &dyn Fn(usize) -> f64| {
-        Plane::from_shape_fn(size.shape(), |(y, x)| value(y * size.width + size.width - 1 - x))
+        Plane::from_shape_fn(size.shape(), |(y, x)| {
+            value(y * size.width + size.width - 1 - x)
+        })
     };
     match values {
         Readings::Analog { columns, values } if at(*columns, values.len()) => {
@@ -82,6 +88,8 @@ fn picture(values: &Readings, chip: &dyn Array) -> Option<image::RgbImage> {
 
 /// A title as a part of a file's name.
 fn plain(title: &str) -> String {
-    let plain = title.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
+    let plain = title
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
     plain.take(40).collect()
 }

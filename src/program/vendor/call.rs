@@ -21,8 +21,15 @@ const DEPTH: usize = 64;
 impl Machine<'_> {
     pub(super) fn call(&mut self, callee: &Expr, given: &[Expr], place: Place) -> Value {
         self.work(place);
-        if let ([Expr { node: ExprNode::Lambda(function), .. }], true) =
-            (given, self.target(callee, false).is_some())
+        if let (
+            [
+                Expr {
+                    node: ExprNode::Lambda(function),
+                    ..
+                },
+            ],
+            true,
+        ) = (given, self.target(callee, false).is_some())
         {
             // A kernel that is stated here: it runs when it is launched.
             let value = Value::Lambda(Rc::clone(function));
@@ -191,7 +198,8 @@ impl Machine<'_> {
 
     fn number(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        if let Some(Value::Unknown(why)) = values.iter().find(|it| matches!(it, Value::Unknown(_))) {
+        if let Some(Value::Unknown(why)) = values.iter().find(|it| matches!(it, Value::Unknown(_)))
+        {
             return Value::Unknown(Arc::clone(why));
         }
         let numbers: Vec<f64> = values.iter().filter_map(Value::number).collect();
@@ -293,7 +301,9 @@ impl Machine<'_> {
             ("size", Some((_, length))) => Value::Whole(length as i64),
             ("data" | "begin", Some((slot, _))) => Value::Pointer(slot, Vec::new(), name.into()),
             ("push_back", Some((slot, _))) => {
-                if let (Value::List(all), Some(value)) = (&mut self.slots[slot], values.into_iter().next()) {
+                if let (Value::List(all), Some(value)) =
+                    (&mut self.slots[slot], values.into_iter().next())
+                {
                     all.push(value);
                 }
                 Value::Whole(0)
@@ -314,7 +324,10 @@ impl Machine<'_> {
         let place = self.files.own(place);
         if let Some(Value::Text(title)) = values.get(1) {
             let (line, _) = crate::config::line_column(self.text, place.start);
-            self.titles.entry(line).or_default().insert(title.to_string());
+            self.titles
+                .entry(line)
+                .or_default()
+                .insert(title.to_string());
         }
         let Some(register) = values.first() else {
             return Value::Whole(0);

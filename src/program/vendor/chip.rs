@@ -71,7 +71,8 @@ pub(super) fn rewritten(
             for (value, at, _) in &mut given {
                 if let Value::Real(real) = value {
                     if real.fract() != 0.0 {
-                        let message = format!("C++ makes the whole number {} of {real}", real.trunc());
+                        let message =
+                            format!("C++ makes the whole number {} of {real}", real.trunc());
                         machine.fault(
                             Fault::warning(*at, message, "a parameter of 8 bits")
                                 .help("write a whole number"),

@@ -30,7 +30,9 @@ const LEVELS: [&[&str]; 10] = [
 
 impl At<'_> {
     fn take(&mut self, marks: &[&'static str]) -> Option<&'static str> {
-        let mark = *marks.iter().find(|mark| self.tokens.first().is_some_and(|t| t.is(mark)))?;
+        let mark = *marks
+            .iter()
+            .find(|mark| self.tokens.first().is_some_and(|t| t.is(mark)))?;
         self.tokens = &self.tokens[1..];
         Some(mark)
     }

@@ -138,7 +138,9 @@ impl Machine<'_> {
         let scopes = self.scopes.iter().flat_map(|scope| scope.keys());
         let near = suggestion(name, scopes.map(|name| &**name));
         let help = near.unwrap_or_else(|| {
-            format!("state it: `const int {name} = …;`, or put the file that states it beside this one")
+            format!(
+                "state it: `const int {name} = …;`, or put the file that states it beside this one"
+            )
         });
         self.error(
             place,

@@ -91,7 +91,12 @@ fn braces(it: &mut Parser<'_>) -> Parsed<Expr> {
     while !it.take("}") {
         all.push(it.assignment()?);
         if !it.take(",") && !it.sees("}") {
-            return Err(unexpected(it.peek(0), it.place(), "`,` or `}`", "a list is `{a, b, c}`"));
+            return Err(unexpected(
+                it.peek(0),
+                it.place(),
+                "`,` or `}`",
+                "a list is `{a, b, c}`",
+            ));
         }
     }
     Ok(Expr {
@@ -170,7 +175,9 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
         if let Some(kind) = it.read_kind() {
             if it.take(")") {
                 let value = it.peek(0).is_some_and(|t| {
-                    !t.first && (!matches!(t.kind, TokenKind::Mark(_)) || (known && (t.is("(") || t.is("-") || t.is("&"))))
+                    !t.first
+                        && (!matches!(t.kind, TokenKind::Mark(_))
+                            || (known && (t.is("(") || t.is("-") || t.is("&"))))
                 });
                 if value {
                     let of = Box::new(it.deeper(unary)?);

@@ -8,7 +8,10 @@ use super::{
     tree::{Expr, ExprNode, Stmt},
     value::Value,
 };
-use crate::{config::Fault, program::syntax::Item};
+use crate::{
+    config::Fault,
+    program::syntax::{Item, Node},
+};
 
 /// Turns after which what still changes is called unknown.
 const TURNS: usize = 24;
@@ -16,7 +19,8 @@ const TURNS: usize = 24;
 impl Machine<'_> {
     /// Whether a loop is that over the frames.
     pub(super) fn endless(&mut self, condition: Option<&Expr>, body: &Stmt) -> bool {
-        let constant = condition.is_none_or(|it| matches!(it.node, ExprNode::Whole(value) if value != 0));
+        let constant =
+            condition.is_none_or(|it| matches!(it.node, ExprNode::Whole(value) if value != 0));
         if constant {
             return !look::breaks(body) || look::syncs(self, body);
         }
@@ -133,6 +137,9 @@ impl Machine<'_> {
             } else {
                 start.extend(cat([&a0, &b0]));
             }
+        } else if synced && a0.is_empty() && light(&before) && b0 == frame {
+            // What it captures before the loop belongs to a moment of its own.
+            start = before;
         } else {
             start = before;
             if synced && !a0.is_empty() && b0.is_empty() {
@@ -145,8 +152,21 @@ impl Machine<'_> {
                 }
             }
         }
-        self.bare = !own && start == frame;
+        self.bare = start == frame;
         self.items = frame;
         self.frames = vec![start];
     }
+}
+
+/// Whether something captures light, or resets the photodiodes.
+fn light(items: &[Item]) -> bool {
+    items.iter().any(|it| match &it.node {
+        Node::Kernel(body) | Node::Repeat { body, .. } => light(body),
+        Node::Statement(statement) => {
+            let captures = ["get_image", "getpix", "respix", "rpix", "scamp5_get_image"];
+            captures.contains(&statement.name.as_str())
+                || statement.arguments.iter().any(|it| it.to_string() == "PIX")
+        }
+        _ => false,
+    })
 }

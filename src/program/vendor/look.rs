@@ -55,7 +55,9 @@ pub(super) fn unknown(machine: &Machine<'_>, it: &Expr) -> Option<Word> {
             return;
         };
         let slot = machine.find(name);
-        if found.is_none() && slot.is_some_and(|slot| matches!(machine.slots[slot], Value::Unknown(_))) {
+        if found.is_none()
+            && slot.is_some_and(|slot| matches!(machine.slots[slot], Value::Unknown(_)))
+        {
             found = Some(name.clone());
         }
     });
@@ -162,7 +164,9 @@ pub(super) fn show(machine: &mut Machine<'_>, it: &Stmt) {
 pub(super) fn syncs(machine: &Machine<'_>, it: &Stmt) -> bool {
     let mut found = false;
     let mut seen = BTreeSet::new();
-    calls(it, &mut |name, given| found |= begins(machine, name, given, &mut seen));
+    calls(it, &mut |name, given| {
+        found |= begins(machine, name, given, &mut seen)
+    });
     found
 }
 
@@ -175,7 +179,9 @@ fn begins(machine: &Machine<'_>, name: &str, given: usize, seen: &mut BTreeSet<W
     }
     let mut found = false;
     for statement in functions.iter().flat_map(|function| &function.body) {
-        calls(statement, &mut |name, given| found |= begins(machine, name, given, seen));
+        calls(statement, &mut |name, given| {
+            found |= begins(machine, name, given, seen)
+        });
     }
     found
 }
@@ -198,7 +204,9 @@ pub(super) fn breaks(it: &Stmt) -> bool {
 /// Whether a kernel begins in it.
 pub(super) fn begins_kernel(it: &Stmt) -> bool {
     let mut found = false;
-    calls(it, &mut |name, given| found |= host::role(name, given) == Role::Kernel);
+    calls(it, &mut |name, given| {
+        found |= host::role(name, given) == Role::Kernel
+    });
     found
 }
 

@@ -127,9 +127,7 @@ impl<'a> Machine<'a> {
 
     pub(super) fn fault(&mut self, fault: Fault) {
         // A loop would tell it in every turn.
-        let known = |it: &Fault| {
-            it.message == fault.message && it.place.start == fault.place.start
-        };
+        let known = |it: &Fault| it.message == fault.message && it.place.start == fault.place.start;
         if !self.faults.iter().any(known) {
             self.faults.push(fault);
         }
@@ -255,12 +253,15 @@ impl<'a> Machine<'a> {
         let arguments = arguments
             .into_iter()
             .map(|term| Argument::One(Expression { term, place }));
-        self.push(Node::Statement(Statement {
-            name: name.to_owned(),
-            name_place: place,
-            arguments: arguments.collect(),
+        self.push(
+            Node::Statement(Statement {
+                name: name.to_owned(),
+                name_place: place,
+                arguments: arguments.collect(),
+                place,
+            }),
             place,
-        }), place);
+        );
     }
 
     /// Asks something whose arguments stand in braces.
@@ -273,12 +274,15 @@ impl<'a> Machine<'a> {
                 .collect(),
             place,
         });
-        self.push(Node::Statement(Statement {
-            name: name.to_owned(),
-            name_place: place,
-            arguments: groups.collect(),
+        self.push(
+            Node::Statement(Statement {
+                name: name.to_owned(),
+                name_place: place,
+                arguments: groups.collect(),
+                place,
+            }),
             place,
-        }), place);
+        );
     }
 
     pub(super) fn push(&mut self, node: Node, place: Place) {

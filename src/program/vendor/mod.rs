@@ -82,9 +82,28 @@ pub(super) fn is_cpp(file: &str) -> bool {
 /// Whether a text that is no program of the frame language was meant as C++.
 pub(super) fn looks_like_cpp(text: &str) -> bool {
     const BEGINNINGS: [&str; 22] = [
-        "#include", "#define", "#if", "#pragma", "using ", "int ", "void ", "inline ", "static ",
-        "auto ", "for(", "for (", "while(", "while (", "if(", "if (", "const int ", "const areg_t ",
-        "const dreg_t ", "areg_t ", "dreg_t ", "switch",
+        "#include",
+        "#define",
+        "#if",
+        "#pragma",
+        "using ",
+        "int ",
+        "void ",
+        "inline ",
+        "static ",
+        "auto ",
+        "for(",
+        "for (",
+        "while(",
+        "while (",
+        "if(",
+        "if (",
+        "const int ",
+        "const areg_t ",
+        "const dreg_t ",
+        "areg_t ",
+        "dreg_t ",
+        "switch",
     ];
     let mut lines = text.lines().map(str::trim_start);
     lines.any(|line| BEGINNINGS.iter().any(|begin| line.starts_with(begin)))
@@ -127,7 +146,11 @@ pub(super) fn read(
 fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec<Item> {
     state(machine, statements);
     top_level(machine, statements);
-    let main = machine.functions.get("main").and_then(|all| all.first()).cloned();
+    let main = machine
+        .functions
+        .get("main")
+        .and_then(|all| all.first())
+        .cloned();
     if let Some(main) = main {
         machine.enter(&main, &[], main.place, true);
     } else if machine.items.is_empty() && machine.frames.is_empty() {
@@ -146,7 +169,10 @@ fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec
     let mut frames = std::mem::take(&mut machine.frames);
     if machine.looped && !machine.bare {
         let init = frames.pop().unwrap_or_default();
-        return vec![item(Node::Init(init), place), item(Node::Frame(items), place)];
+        return vec![
+            item(Node::Init(init), place),
+            item(Node::Frame(items), place),
+        ];
     }
     if machine.looped {
         return items;
@@ -192,12 +218,19 @@ fn only_function(machine: &mut Machine<'_>) {
     let all: Vec<std::rc::Rc<Function>> = machine.functions.values().flatten().cloned().collect();
     let roots: Vec<_> = all
         .iter()
-        .filter(|it| !all.iter().any(|other| look::calls_function(other, &it.name)))
+        .filter(|it| {
+            !all.iter()
+                .any(|other| look::calls_function(other, &it.name))
+        })
         .filter(|it| it.body.iter().any(|part| look::changes(machine, part)))
         .cloned()
         .collect();
     if let [one] = &roots[..] {
-        if one.parameters.iter().all(|parameter| parameter.default.is_some()) {
+        if one
+            .parameters
+            .iter()
+            .all(|parameter| parameter.default.is_some())
+        {
             machine.enter(one, &[], one.place, true);
             return;
         }

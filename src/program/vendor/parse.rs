@@ -37,14 +37,26 @@ pub(super) type Parsed<T> = Result<T, Fault>;
 
 /// Words of a type that say nothing about its value.
 const QUALIFIERS: [&str; 14] = [
-    "const", "static", "volatile", "inline", "constexpr", "extern", "register", "mutable",
-    "struct", "typename", "virtual", "explicit", "friend", "thread_local",
+    "const",
+    "static",
+    "volatile",
+    "inline",
+    "constexpr",
+    "extern",
+    "register",
+    "mutable",
+    "struct",
+    "typename",
+    "virtual",
+    "explicit",
+    "friend",
+    "thread_local",
 ];
 
 /// Words that begin no declaration.
 const RESERVED: [&str; 14] = [
-    "if", "for", "while", "do", "switch", "case", "default", "break", "continue", "return",
-    "else", "goto", "new", "delete",
+    "if", "for", "while", "do", "switch", "case", "default", "break", "continue", "return", "else",
+    "goto", "new", "delete",
 ];
 
 /// A type, as far as it matters.
@@ -178,9 +190,8 @@ impl<'a> Parser<'a> {
         let open = self.expect("{", "a block is `{ statements }`")?;
         let statements = self.statements(true);
         if !self.take("}") {
-            return Err(
-                Fault::error(open, "this block has no end", "opened here").help("close it with `}`")
-            );
+            return Err(Fault::error(open, "this block has no end", "opened here")
+                .help("close it with `}`"));
         }
         Ok(statements)
     }
@@ -399,7 +410,10 @@ impl<'a> Parser<'a> {
             while !self.take("}") {
                 let place = self.place();
                 let name = self.name("the name of a constant")?;
-                let whole = |value| Expr { node: ExprNode::Whole(value), place };
+                let whole = |value| Expr {
+                    node: ExprNode::Whole(value),
+                    place,
+                };
                 let value = if self.take("=") {
                     self.assignment()?
                 } else {
@@ -425,7 +439,12 @@ impl<'a> Parser<'a> {
                 });
                 if !self.take(",") && !self.sees("}") {
                     let place = self.place();
-                    return Err(unexpected(self.peek(0), place, "`,` or `}`", "write `enum { A, B };`"));
+                    return Err(unexpected(
+                        self.peek(0),
+                        place,
+                        "`,` or `}`",
+                        "write `enum { A, B };`",
+                    ));
                 }
             }
         }
@@ -462,7 +481,9 @@ impl<'a> Parser<'a> {
     /// Whether a class is stated here, with its members.
     fn is_definition(&self) -> bool {
         let rest = self.tokens.get(self.at..).unwrap_or_default();
-        let mark = rest.iter().find(|t| t.is("{") || t.is(";") || t.is("(") || t.is("="));
+        let mark = rest
+            .iter()
+            .find(|t| t.is("{") || t.is(";") || t.is("(") || t.is("="));
         mark.is_some_and(|t| t.is("{"))
     }
 
@@ -628,10 +649,16 @@ impl<'a> Parser<'a> {
         }
         let next = self.peek(0);
         let fits = next.is_none_or(|t| {
-            t.first || ["=", ";", ",", "[", "(", "{", ":"].iter().any(|mark| t.is(mark))
+            t.first
+                || ["=", ";", ",", "[", "(", "{", ":"]
+                    .iter()
+                    .any(|mark| t.is(mark))
         });
         // Two names side by side that are no declaration: something is missing between them.
-        if !fits || (next.is_none_or(|t| t.first && !t.is("{") && !t.is("=") && !t.is("(")) && start + 1 == self.at) {
+        if !fits
+            || (next.is_none_or(|t| t.first && !t.is("{") && !t.is("=") && !t.is("("))
+                && start + 1 == self.at)
+        {
             self.at = start;
             return Ok(None);
         }
@@ -689,7 +716,12 @@ impl<'a> Parser<'a> {
         while !self.take(")") {
             given.push(self.assignment()?);
             if !self.take(",") && !self.sees(")") {
-                return Err(unexpected(self.peek(0), self.place(), "`,` or `)`", "write `type name(value);`"));
+                return Err(unexpected(
+                    self.peek(0),
+                    self.place(),
+                    "`,` or `)`",
+                    "write `type name(value);`",
+                ));
             }
         }
         if kind_of(of) != Kind::Any || of == "scamp5_kernel" {
@@ -738,7 +770,11 @@ impl<'a> Parser<'a> {
         self.at += 1;
         let empty = self.sees(")");
         let typed = self.read_type().is_some();
-        let named = typed && (!self.word(0).is_empty() || kind_of(self.word_before()) != Kind::Any || self.word_before() == "void" || self.tokens[self.at - 1].name().is_none());
+        let named = typed
+            && (!self.word(0).is_empty()
+                || kind_of(self.word_before()) != Kind::Any
+                || self.word_before() == "void"
+                || self.tokens[self.at - 1].name().is_none());
         self.at = start;
         empty || named
     }
@@ -781,7 +817,11 @@ impl<'a> Parser<'a> {
             if !single_void {
                 all.push(Parameter {
                     name,
-                    kind: if it.pointer || array { Kind::Any } else { it.kind },
+                    kind: if it.pointer || array {
+                        Kind::Any
+                    } else {
+                        it.kind
+                    },
                     reference: (it.reference && !it.constant) || it.pointer || array,
                     default,
                 });
@@ -811,8 +851,8 @@ pub(super) fn kind_of(name: &str) -> Kind {
         "uint8_t" => Kind::Bits(8, false),
         "int16_t" | "short" => Kind::Bits(16, true),
         "uint16_t" => Kind::Bits(16, false),
-        "int" | "int32_t" | "long" | "int64_t" | "size_t" | "uint32_t" | "uint64_t" | "unsigned"
-        | "signed" => Kind::Whole,
+        "int" | "int32_t" | "long" | "int64_t" | "size_t" | "uint32_t" | "uint64_t"
+        | "unsigned" | "signed" => Kind::Whole,
         _ => Kind::Any,
     }
 }

@@ -247,7 +247,10 @@ impl Preprocessor<'_> {
             it.variadic = inside.iter().any(|t| t.is("..."));
             let mut names: Vec<Arc<str>> = inside.iter().filter_map(Token::name).cloned().collect();
             if inside.last().is_some_and(|t| t.is("..."))
-                && !inside.len().checked_sub(2).is_some_and(|i| inside[i].name().is_some())
+                && !inside
+                    .len()
+                    .checked_sub(2)
+                    .is_some_and(|i| inside[i].name().is_some())
             {
                 names.push("__VA_ARGS__".into());
             }
@@ -378,7 +381,10 @@ impl Preprocessor<'_> {
             };
             given.push(last.join(&comma));
         }
-        if !it.variadic && given.len() != parameters.len() && !(parameters.is_empty() && given.iter().all(Vec::is_empty)) {
+        if !it.variadic
+            && given.len() != parameters.len()
+            && !(parameters.is_empty() && given.iter().all(Vec::is_empty))
+        {
             self.faults.push(
                 Fault::error(
                     place,
@@ -399,9 +405,9 @@ impl Preprocessor<'_> {
                 paste = true;
                 continue;
             }
-            let index = token.name().and_then(|name| {
-                parameters.iter().position(|parameter| parameter == name)
-            });
+            let index = token
+                .name()
+                .and_then(|name| parameters.iter().position(|parameter| parameter == name));
             let mut inner = match index {
                 None => vec![token.clone()],
                 Some(index) => {

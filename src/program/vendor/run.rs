@@ -116,7 +116,9 @@ impl Machine<'_> {
         self.naming = None;
         let set = match stated {
             // Registers, arrays and texts are not set from outside.
-            None | Some(Value::Whole(_) | Value::Real(_) | Value::Unknown(_)) if it.lengths.is_empty() => {
+            None | Some(Value::Whole(_) | Value::Real(_) | Value::Unknown(_))
+                if it.lengths.is_empty() =>
+            {
                 self.set(&it.name)
             }
             _ => None,
@@ -150,7 +152,11 @@ impl Machine<'_> {
         for length in &it.lengths {
             let value = length.as_ref().map(|length| self.value(length));
             let whole = value.as_ref().and_then(Value::whole);
-            lengths.push(whole.and_then(|n| usize::try_from(n).ok()).filter(|n| *n <= 1 << 20));
+            lengths.push(
+                whole
+                    .and_then(|n| usize::try_from(n).ok())
+                    .filter(|n| *n <= 1 << 20),
+            );
         }
         shape(value, &lengths, it.kind)
     }
@@ -159,7 +165,10 @@ impl Machine<'_> {
     fn condition(&mut self, it: &Expr) -> Value {
         match self.value(it) {
             Value::Symbol(name) if self.device.value_of(&name).is_none() => {
-                if ["VS_", "vs_", "SCAMP"].iter().any(|begin| name.starts_with(begin)) {
+                if ["VS_", "vs_", "SCAMP"]
+                    .iter()
+                    .any(|begin| name.starts_with(begin))
+                {
                     return Value::Unknown(format!("`{name}`").into());
                 }
                 self.unstated(&name, it.place);
@@ -378,9 +387,7 @@ impl Machine<'_> {
 fn shape(value: Value, lengths: &[Option<usize>], kind: super::tree::Kind) -> Value {
     let Some((length, inner)) = lengths.split_first() else {
         return match value {
-            Value::List(all) => {
-                Value::List(all.into_iter().map(|it| it.converted(kind)).collect())
-            }
+            Value::List(all) => Value::List(all.into_iter().map(|it| it.converted(kind)).collect()),
             other => other.converted(kind),
         };
     };

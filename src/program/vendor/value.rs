@@ -95,7 +95,8 @@ impl Value {
             // `0 * x` and `false && x` are not worth knowing better.
             (Unknown(why), _) | (_, Unknown(why)) => Unknown(Arc::clone(why)),
             (Whole(a), Whole(b)) => Whole(
-                constant::apply(mark, *a, *b).ok_or_else(|| format!("{a} {mark} {b} has no value"))?,
+                constant::apply(mark, *a, *b)
+                    .ok_or_else(|| format!("{a} {mark} {b} has no value"))?,
             ),
             (Whole(_) | Real(_), Whole(_) | Real(_)) => {
                 let (a, b) = (left.number().unwrap_or(0.0), right.number().unwrap_or(0.0));

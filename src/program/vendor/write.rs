@@ -82,7 +82,10 @@ pub fn cpp(program: &Program, device: &Device) -> Result<String, WriteError> {
     }
     text.push_str("int main() {\n    vs_init();\n");
     for n in 0..writer.shown {
-        let _ = writeln!(text, "    auto display_{n} = vs_gui_add_display(\"{n}\", 0, {n});");
+        let _ = writeln!(
+            text,
+            "    auto display_{n} = vs_gui_add_display(\"{n}\", 0, {n});"
+        );
     }
     text.push('\n');
     text.push_str(&writer.text);
@@ -132,9 +135,11 @@ impl Writer<'_> {
             match &it.node {
                 Node::Comment(comment) => self.comment(comment),
                 Node::Statement(statement) => {
-                    let skip = self.device.callables(&statement.name).iter().any(|it| {
-                        matches!(it, Callable::Macro(it) if it.body.is_empty())
-                    });
+                    let skip = self
+                        .device
+                        .callables(&statement.name)
+                        .iter()
+                        .any(|it| matches!(it, Callable::Macro(it) if it.body.is_empty()));
                     if skip {
                         continue;
                     }
