@@ -104,10 +104,27 @@ impl Machine<'_> {
     fn overload(&self, name: &str, given: usize) -> Option<Rc<Function>> {
         let all = self.functions.get(name)?;
         let fits = |it: &&Rc<Function>| {
-            let least = it.parameters.iter().filter(|p| p.default.is_none()).count();
+            let parameters = 0..it.parameters.len();
+            let least = parameters
+                .filter(|i| self.default(it, *i).is_none())
+                .count();
             (least..=it.parameters.len()).contains(&given)
         };
         all.iter().rev().find(fits).cloned()
+    }
+
+    /// The default of a parameter, stated with the function or where it is announced.
+    fn default(&self, function: &Function, index: usize) -> Option<Expr> {
+        let own = function.parameters.get(index)?.default.clone();
+        own.or_else(|| {
+            let announced = self.prototypes.get(&function.name)?.iter();
+            let mut alike = announced.filter(|it| {
+                let kinds =
+                    |it: &Function| it.parameters.iter().map(|p| p.kind).collect::<Vec<_>>();
+                kinds(it) == kinds(function)
+            });
+            alike.find_map(|it| it.parameters[index].default.clone())
+        })
     }
 
     /// Runs a function with these arguments. A lambda sees the names around it.
@@ -129,7 +146,7 @@ impl Machine<'_> {
         }
         let mut scope = BTreeMap::new();
         for (i, parameter) in function.parameters.iter().enumerate() {
-            let slot = match (given.get(i), &parameter.default) {
+            let slot = match (given.get(i), self.default(function, i)) {
                 (Some(it), _) => {
                     let place = if parameter.reference {
                         self.target(it, false)
@@ -146,7 +163,7 @@ impl Machine<'_> {
                     }
                 }
                 (None, Some(default)) => {
-                    let value = self.value(&default.clone());
+                    let value = self.value(&default);
                     self.slots.push(value);
                     self.slots.len() - 1
                 }

@@ -229,6 +229,7 @@ impl Machine<'_> {
     pub(super) fn assign(&mut self, to: &Expr, value: Value) {
         if let ExprNode::Name(name) = &to.node {
             match self.find(name) {
+                Some(slot) if self.fixed.contains(&slot) => {}
                 Some(slot) => {
                     // A variable keeps its type.
                     let value = match (&self.slots[slot], value) {

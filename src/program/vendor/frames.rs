@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{
     look,
     machine::{Flow, Machine},
-    tree::{Expr, ExprNode, Stmt},
+    tree::{Expr, ExprNode, Stmt, Word},
     value::Value,
 };
 use crate::{
@@ -36,12 +36,22 @@ impl Machine<'_> {
         let before = std::mem::take(&mut self.items);
         let mut early = std::mem::take(&mut self.frames);
         let synced = look::syncs(self, body);
-        let first = self.turn(body, step);
-        let second_from = self.snapshot();
-        let second = self.turn(body, step);
-        // Variables that go on changing are not known; the steady turn must do without them.
-        let mut known = second_from.clone();
-        let mut steady = second.clone();
+        let start = self.snapshot();
+        let mut first = self.turn(body, step);
+        // Variables that go on changing are not known; the steady turn must do without them, or
+        // with the one value that they were given from outside.
+        let mut known = self.snapshot();
+        if self.fix(&start, &known) {
+            self.slots = start;
+            for slot in self.fixed.clone() {
+                if let Some(value) = self.word(slot).and_then(|name| self.set(&name)) {
+                    self.slots[slot] = value;
+                }
+            }
+            first = self.turn(body, step);
+            known = self.snapshot();
+        }
+        let mut steady = self.turn(body, step);
         let why: Arc<str> = "a value that changes from frame to frame".into();
         for _ in 0..TURNS {
             if self.done() {
@@ -67,11 +77,29 @@ impl Machine<'_> {
         Flow::End
     }
 
-    /// The name of a variable that changes, as a reason.
-    fn named(&self, slot: usize) -> Option<Arc<str>> {
+    /// Takes variables that a turn changes, and that have a value from outside, for fixed; whether
+    /// there are any.
+    fn fix(&mut self, before: &[Value], after: &[Value]) -> bool {
+        for (slot, (before, after)) in before.iter().zip(after).enumerate() {
+            let name = self.word(slot);
+            let set = name.is_some_and(|name| self.overrides.contains_key(&*name));
+            if before != after && set {
+                self.fixed.insert(slot);
+            }
+        }
+        !self.fixed.is_empty()
+    }
+
+    /// The name of a variable.
+    fn word(&self, slot: usize) -> Option<Word> {
         let scopes = self.scopes.iter().rev();
         let mut names = scopes.flat_map(|scope| scope.iter());
-        let name = names.find(|(_, it)| **it == slot)?.0;
+        Some(names.find(|(_, it)| **it == slot)?.0.clone())
+    }
+
+    /// The name of a variable that changes, as a reason.
+    fn named(&self, slot: usize) -> Option<Arc<str>> {
+        let name = self.word(slot)?;
         Some(format!("`{name}`, which changes from frame to frame,").into())
     }
 

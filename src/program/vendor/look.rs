@@ -277,6 +277,7 @@ fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
         | StmtNode::Continue
         | StmtNode::Return(None)
         | StmtNode::Function(_)
+        | StmtNode::Prototype(_)
         | StmtNode::Nothing => {}
     }
 }

@@ -60,7 +60,11 @@ pub(super) struct Machine<'a> {
     /// What can be set from outside, with its value.
     pub constants: BTreeMap<String, f64>,
     pub functions: BTreeMap<Word, Vec<Rc<Function>>>,
+    /// Functions as they are announced, for their default arguments.
+    pub prototypes: BTreeMap<Word, Vec<Rc<Function>>>,
     pub slots: Vec<Value>,
+    /// Variables that change from frame to frame, and were given one value for good.
+    pub fixed: BTreeSet<Slot>,
     /// Scopes of names; those below `base` belong to callers, but for the first, the file's.
     pub scopes: Vec<BTreeMap<Word, Slot>>,
     pub base: usize,
@@ -105,6 +109,8 @@ impl<'a> Machine<'a> {
             faults: Vec::new(),
             constants: BTreeMap::new(),
             functions: BTreeMap::new(),
+            prototypes: BTreeMap::new(),
+            fixed: BTreeSet::new(),
             slots: Vec::new(),
             scopes: vec![BTreeMap::new()],
             base: 0,
@@ -202,6 +208,9 @@ impl<'a> Machine<'a> {
     }
 
     pub(super) fn put(&mut self, slot: Slot, path: &[usize], value: Value) {
+        if self.fixed.contains(&slot) {
+            return;
+        }
         let mut target = &mut self.slots[slot];
         for index in path {
             match target {

@@ -195,6 +195,7 @@ fn state(machine: &mut Machine<'_>, statements: &[Stmt]) {
     for statement in statements {
         match &statement.node {
             StmtNode::Function(function) => machine.state(function),
+            StmtNode::Prototype(function) => machine.announce(function),
             StmtNode::Block(inner) => state(machine, inner),
             _ => {}
         }

@@ -750,7 +750,12 @@ impl<'a> Parser<'a> {
             self.at += 1;
         }
         if self.take(";") {
-            return Ok(Some(StmtNode::Nothing));
+            return Ok(Some(StmtNode::Prototype(Rc::new(Function {
+                name: name.clone(),
+                parameters,
+                body: Vec::new(),
+                place,
+            }))));
         }
         while self.peek(0).is_some() && !self.sees("{") {
             self.at += 1;

@@ -69,6 +69,7 @@ impl Machine<'_> {
                 return self.turns(it, Some(condition), None, body, true);
             }
             StmtNode::Switch(on, body) => return self.switch(on, body),
+            StmtNode::Prototype(function) => self.announce(function),
             StmtNode::Case(_) | StmtNode::Nothing => {}
             StmtNode::Break => return Flow::Break,
             StmtNode::Continue => return Flow::Continue,
@@ -79,6 +80,14 @@ impl Machine<'_> {
             StmtNode::Function(function) => self.state(function),
         }
         Flow::Next
+    }
+
+    /// A function is announced, with its default arguments.
+    pub(super) fn announce(&mut self, function: &std::rc::Rc<super::tree::Function>) {
+        let known = self.prototypes.entry(function.name.clone()).or_default();
+        if !known.contains(function) {
+            known.push(std::rc::Rc::clone(function));
+        }
     }
 
     /// A function is stated.

@@ -80,7 +80,9 @@ pub(super) enum StmtNode {
     Continue,
     Return(Option<Expr>),
     Function(Rc<Function>),
-    /// Nothing that is of use here: prototypes, `using`, classes.
+    /// A function without its body, for its default arguments.
+    Prototype(Rc<Function>),
+    /// Nothing that is of use here: `using`, classes.
     Nothing,
 }
 
