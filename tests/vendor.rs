@@ -180,8 +180,8 @@ fn the_preprocessor() {
         "mov(F, A); neg(A, F);",
     );
     whole(
-        "#define GLUE(a, b) a##b\nmov(A, GLUE(NE, WS));",
-        "mov(A, NEWS);",
+        "#define GLUE(a, b) a##b\nbus(A, GLUE(NE, WS));",
+        "bus(A, NEWS);",
     );
 }
 

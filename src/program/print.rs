@@ -40,7 +40,7 @@ fn items(f: &mut fmt::Formatter<'_>, list: &[Item], level: usize) -> fmt::Result
             Node::Repeat { times, body } => block(f, &format!("repeat {times}"), body, level)?,
             Node::Kernel(body) => {
                 writeln!(f, "scamp5_kernel_begin();")?;
-                items(f, body, level + 1)?;
+                items(f, body, level)?;
                 write!(f, "{:indent$}scamp5_kernel_end();", "", indent = 4 * level)?;
             }
         }

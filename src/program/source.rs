@@ -70,7 +70,10 @@ impl Program {
         if own.faults.is_empty() {
             return own;
         }
-        let frame_language = file.ends_with(".scamp");
+        // A head or a foot is nothing that a simulator's text has.
+        let marks = ["//!", "//="];
+        let has_mark = |line: &str| marks.iter().any(|mark| line.starts_with(mark));
+        let frame_language = file.ends_with(".scamp") || text.lines().any(has_mark);
         if vendor::looks_like_cpp(text) || (!frame_language && vendor::parses(text)) {
             return Self::vendor(file, text, includes);
         }
