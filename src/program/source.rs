@@ -73,7 +73,7 @@ impl Program {
         // A head or a foot is nothing that a simulator's text has.
         let marks = ["//!", "//="];
         let has_mark = |line: &str| marks.iter().any(|mark| line.starts_with(mark));
-        let frame_language = file.ends_with(".scamp") || text.lines().any(has_mark);
+        let frame_language = vendor::ending(file) == "scamp" || text.lines().any(has_mark);
         if vendor::looks_like_cpp(text) || (!frame_language && vendor::parses(text)) {
             return Self::vendor(file, text, includes);
         }

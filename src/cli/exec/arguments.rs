@@ -60,7 +60,7 @@ pub struct Arguments {
     /// Write every register into this folder, as .npy and .png
     #[arg(long, value_parser = Content::Folder)]
     pub(super) dump: Option<Output>,
-    /// Write what the program shows (scamp5_output_image) into this folder: a .png for each line
+    /// Write what the program shows (`scamp5_output_image`) into this folder: a .png for each line
     /// and frame
     #[arg(long, value_name = "FOLDER", value_parser = Content::Folder)]
     pub(super) displays: Option<Output>,

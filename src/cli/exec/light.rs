@@ -23,17 +23,23 @@ pub struct Light {
 
 /// What is to be said of how long the light lasts.
 #[derive(Debug, Default)]
-pub struct Said(Cell<(Option<u64>, Option<(u64, u64)>)>);
+pub struct Said {
+    /// What the program says, where a clip that was asked for is longer.
+    cut: Cell<Option<u64>>,
+    /// Frames that the clip had, and those that were asked for.
+    ended: Cell<Option<(u64, u64)>>,
+}
 
 impl Said {
     /// After a run.
     pub fn set(&self, light: &Lasting) {
-        self.0.set((light.light.cut, light.ended));
+        self.cut.set(light.light.cut);
+        self.ended.set(light.ended);
     }
 
     /// Whole sentences.
     pub fn notes(&self, frames: u64) -> Vec<String> {
-        let (cut, ended) = self.0.get();
+        let (cut, ended) = (self.cut.get(), self.ended.get());
         let cut = cut.filter(|says| *says != frames).map(|says| {
             format!("the program says frames = {says}; the whole clip was run: --frames {says} runs as many")
         });
@@ -151,10 +157,11 @@ impl Scene for Lasting {
         };
         let index = self.given;
         // Of a still picture nobody needs to be told.
-        if let (None, true, 2..) = (&next, self.light.scene.is_some(), index) {
-            if index < self.enough && self.ended.is_none() {
-                self.ended = Some((index, self.enough));
-            }
+        if let (None, true, 2..) = (&next, self.light.scene.is_some(), index)
+            && index < self.enough
+            && self.ended.is_none()
+        {
+            self.ended = Some((index, self.enough));
         }
         let frame = match next {
             Some(frame) => frame,

@@ -80,7 +80,7 @@ impl Machine<'_> {
 
     fn called(&mut self, value: Value, given: &[Expr], place: Place) -> Value {
         match value {
-            Value::Lambda(function) if self.is_kernel(&function) => self.launch(&function, place),
+            Value::Lambda(function) if self.is_kernel(&function) => self.launch(&function),
             Value::Lambda(function) => self.enter(&function, given, place, false),
             Value::Unknown(why) => Value::Unknown(why),
             _ => {
@@ -391,7 +391,7 @@ impl Machine<'_> {
         if name == "scamp5_launch_kernel" {
             if let Some((Value::Lambda(function), ..)) = values.first() {
                 let function = Rc::clone(function);
-                return self.launch(&function, place);
+                return self.launch(&function);
             }
             self.error(
                 place,
@@ -401,18 +401,18 @@ impl Machine<'_> {
             );
             return Value::Whole(0);
         }
-        if let Some(groups) = self.groups(&values) {
+        if let Some(groups) = Self::groups(&values) {
             self.ask_groups(name, groups, place);
             return Value::Whole(0);
         }
         let Some((name, values)) = super::chip::rewritten(self, name, values, place) else {
             return Value::Whole(0);
         };
-        if name == "DNEWS" {
-            if let Some(directions) = super::chip::joined(&values) {
-                super::chip::neighbours(self, &values, &directions, place);
-                return Value::Whole(0);
-            }
+        if name == "DNEWS"
+            && let Some(directions) = super::chip::joined(&values)
+        {
+            super::chip::neighbours(self, &values, &directions, place);
+            return Value::Whole(0);
         }
         if host::role(&name, values.len()) == Role::Read {
             self.in_kernel(&name, place);
@@ -429,13 +429,12 @@ impl Machine<'_> {
                 Value::Text(_) => Some(Term::Name(super::chip::buffer_name(buffer))),
                 other => term(other),
             };
-            match term {
-                Some(term) => terms.push(term),
-                None => {
-                    let value = value.clone();
-                    self.no_argument(&name, &value, place, given.get(i));
-                    return Value::Whole(0);
-                }
+            if let Some(term) = term {
+                terms.push(term);
+            } else {
+                let value = value.clone();
+                self.no_argument(&name, &value, place, given.get(i));
+                return Value::Whole(0);
             }
         }
         self.ask(&name, terms, place);
@@ -443,7 +442,7 @@ impl Machine<'_> {
     }
 
     /// `bus({A, B}, {C})`: arguments in braces.
-    fn groups(&mut self, values: &[(Value, Place, String)]) -> Option<Vec<Vec<Term>>> {
+    fn groups(values: &[(Value, Place, String)]) -> Option<Vec<Vec<Term>>> {
         if values.is_empty() {
             return None;
         }
@@ -454,8 +453,7 @@ impl Machine<'_> {
         lists.collect()
     }
 
-    fn launch(&mut self, function: &Rc<Function>, place: Place) -> Value {
-        let _ = place;
+    fn launch(&mut self, function: &Rc<Function>) -> Value {
         self.begin_kernel(function.place, false);
         let value = self.enter(function, &[], function.place, false);
         self.end_kernel(function.place);

@@ -124,12 +124,12 @@ fn word(name: &str, place: Place) -> Given {
 /// the vendor tells apart by their arguments.
 fn variant(machine: &Machine<'_>, name: &str, _place: Place) -> String {
     let device = machine.device;
-    if device.callables(name).is_empty() {
-        if let Some((base, rest)) = name.rsplit_once('_') {
-            let plain = !rest.is_empty() && rest.chars().all(|c| c.is_ascii_alphanumeric());
-            if plain && !base.starts_with("scamp5") && !device.callables(base).is_empty() {
-                return base.to_owned();
-            }
+    if device.callables(name).is_empty()
+        && let Some((base, rest)) = name.rsplit_once('_')
+    {
+        let plain = !rest.is_empty() && rest.chars().all(|c| c.is_ascii_alphanumeric());
+        if plain && !base.starts_with("scamp5") && !device.callables(base).is_empty() {
+            return base.to_owned();
         }
     }
     name.to_owned()

@@ -219,8 +219,7 @@ impl Machine<'_> {
                 }
                 Some((slot, path))
             }
-            ExprNode::Member(of, _) => self.target(of, reading),
-            ExprNode::Convert(_, of) => self.target(of, reading),
+            ExprNode::Member(of, _) | ExprNode::Convert(_, of) => self.target(of, reading),
             _ => None,
         }
     }
@@ -255,11 +254,11 @@ impl Machine<'_> {
             Some((slot, path)) => self.put(slot, &path, value),
             None => {
                 // An element that is not known: any of them.
-                if let ExprNode::Index(of, _) = &to.node {
-                    if let Some((slot, path)) = self.target(of, true) {
-                        let why: Arc<str> = "which element was written".into();
-                        self.forget(slot, &path, &why);
-                    }
+                if let ExprNode::Index(of, _) = &to.node
+                    && let Some((slot, path)) = self.target(of, true)
+                {
+                    let why: Arc<str> = "which element was written".into();
+                    self.forget(slot, &path, &why);
                 }
             }
         }

@@ -156,10 +156,10 @@ fn unary(it: &mut Parser<'_>) -> Parsed<Expr> {
             });
         }
     }
-    if it.sees("(") {
-        if let Some(converted) = cast(it)? {
-            return Ok(converted);
-        }
+    if it.sees("(")
+        && let Some(converted) = cast(it)?
+    {
+        return Ok(converted);
     }
     let value = primary(it)?;
     postfix(it, value)
@@ -171,21 +171,20 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
     it.at += 1;
     let first = it.word(0);
     let known = kind_of(first) != Kind::Any || matches!(first, "const" | "unsigned" | "void");
-    if known || !first.is_empty() {
-        if let Some(kind) = it.read_kind() {
-            if it.take(")") {
-                let value = it.peek(0).is_some_and(|t| {
-                    !t.first
-                        && (!matches!(t.kind, TokenKind::Mark(_))
-                            || (known && (t.is("(") || t.is("-") || t.is("&"))))
-                });
-                if value {
-                    let of = Box::new(it.deeper(unary)?);
-                    let place = start.to(of.place);
-                    let node = ExprNode::Convert(kind, of);
-                    return Ok(Some(Expr { node, place }));
-                }
-            }
+    if (known || !first.is_empty())
+        && let Some(kind) = it.read_kind()
+        && it.take(")")
+    {
+        let value = it.peek(0).is_some_and(|t| {
+            !t.first
+                && (!matches!(t.kind, TokenKind::Mark(_))
+                    || (known && (t.is("(") || t.is("-") || t.is("&"))))
+        });
+        if value {
+            let of = Box::new(it.deeper(unary)?);
+            let place = start.to(of.place);
+            let node = ExprNode::Convert(kind, of);
+            return Ok(Some(Expr { node, place }));
         }
     }
     it.at = at;
@@ -307,9 +306,10 @@ fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
     while it.peek(0).is_some() && !it.take("]") {
         it.at += 1;
     }
-    let parameters = match it.take("(") {
-        true => it.parameters()?,
-        false => Vec::new(),
+    let parameters = if it.take("(") {
+        it.parameters()?
+    } else {
+        Vec::new()
     };
     while it.peek(0).is_some() && !it.sees("{") {
         if it.sees(";") {

@@ -34,7 +34,7 @@ impl Machine<'_> {
         }
         // What came before the first frame belongs to it, unless it took frames of its own.
         let before = std::mem::take(&mut self.items);
-        let mut early = std::mem::take(&mut self.frames);
+        let early = std::mem::take(&mut self.frames);
         let synced = look::syncs(self, body);
         let start = self.snapshot();
         let mut first = self.turn(body, step);
@@ -73,7 +73,7 @@ impl Machine<'_> {
             steady = self.turn(body, step);
         }
         self.looped = true;
-        self.lay(before, &mut early, &first, &steady, synced, body);
+        self.lay(before, &early, &first, &steady, synced, body);
         Flow::End
     }
 
@@ -112,10 +112,10 @@ impl Machine<'_> {
         self.maybe = None;
         let flow = self.scoped(body);
         self.maybe = None;
-        if matches!(flow, Flow::Next | Flow::Continue) {
-            if let Some(step) = step {
-                self.value(step);
-            }
+        if matches!(flow, Flow::Next | Flow::Continue)
+            && let Some(step) = step
+        {
+            self.value(step);
         }
         let mut all = std::mem::take(&mut self.frames);
         all.push(std::mem::take(&mut self.items));
@@ -126,7 +126,7 @@ impl Machine<'_> {
     fn lay(
         &mut self,
         before: Vec<Item>,
-        early: &mut Vec<Vec<Item>>,
+        early: &[Vec<Item>],
         first: &[Vec<Item>],
         steady: &[Vec<Item>],
         synced: bool,

@@ -36,8 +36,7 @@ fn acts(machine: &Machine<'_>, name: &str, given: usize, seen: &mut BTreeSet<Wor
         return found;
     }
     match host::role(name, given) {
-        Role::Library | Role::Number | Role::Show | Role::Read => false,
-        Role::Kernel => false,
+        Role::Library | Role::Number | Role::Show | Role::Read | Role::Kernel => false,
         Role::Sync => true,
         Role::Chip => machine.find(name).is_none(),
     }
@@ -145,14 +144,12 @@ fn base(it: &Expr) -> Option<Word> {
 pub(super) fn show(machine: &mut Machine<'_>, it: &Stmt) {
     let mut shown = Vec::new();
     walk(it, false, &mut |part| {
-        if let Part::Expr(value) = part {
-            if let ExprNode::Call(callee, given) = &value.node {
-                if let ExprNode::Name(name) = &callee.node {
-                    if host::role(name, given.len()) == Role::Show {
-                        shown.push(value.clone());
-                    }
-                }
-            }
+        if let Part::Expr(value) = part
+            && let ExprNode::Call(callee, given) = &value.node
+            && let ExprNode::Name(name) = &callee.node
+            && host::role(name, given.len()) == Role::Show
+        {
+            shown.push(value.clone());
         }
     });
     for call in shown {
@@ -165,7 +162,7 @@ pub(super) fn syncs(machine: &Machine<'_>, it: &Stmt) -> bool {
     let mut found = false;
     let mut seen = BTreeSet::new();
     calls(it, &mut |name, given| {
-        found |= begins(machine, name, given, &mut seen)
+        found |= begins(machine, name, given, &mut seen);
     });
     found
 }
@@ -180,7 +177,7 @@ fn begins(machine: &Machine<'_>, name: &str, given: usize, seen: &mut BTreeSet<W
     let mut found = false;
     for statement in functions.iter().flat_map(|function| &function.body) {
         calls(statement, &mut |name, given| {
-            found |= begins(machine, name, given, seen)
+            found |= begins(machine, name, given, seen);
         });
     }
     found
@@ -205,7 +202,7 @@ pub(super) fn breaks(it: &Stmt) -> bool {
 pub(super) fn begins_kernel(it: &Stmt) -> bool {
     let mut found = false;
     calls(it, &mut |name, given| {
-        found |= host::role(name, given) == Role::Kernel
+        found |= host::role(name, given) == Role::Kernel;
     });
     found
 }
@@ -217,16 +214,17 @@ enum Part<'a> {
 
 fn calls(it: &Stmt, act: &mut dyn FnMut(&str, usize)) {
     walk(it, false, &mut |part| {
-        if let Part::Expr(value) = part {
-            if let ExprNode::Call(callee, given) = &value.node {
-                if let ExprNode::Name(name) = &callee.node {
-                    act(name, given.len());
-                }
-            }
+        if let Part::Expr(value) = part
+            && let ExprNode::Call(callee, given) = &value.node
+            && let ExprNode::Name(name) = &callee.node
+        {
+            act(name, given.len());
         }
     });
 }
 
+// A line for each part reads better than a loop for each.
+#[allow(clippy::needless_for_each)]
 /// Every statement and value in it; `own` leaves out what loops inside it have for themselves.
 fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
     act(Part::Stmt(it));
@@ -282,6 +280,7 @@ fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
     }
 }
 
+#[allow(clippy::needless_for_each)]
 fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
     act(Part::Expr(it));
     match &it.node {

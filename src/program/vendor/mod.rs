@@ -75,8 +75,13 @@ const ENDINGS: [&str; 8] = ["cpp", "cc", "cxx", "c", "hpp", "hh", "hxx", "h"];
 
 /// Whether a file of this name is C++.
 pub(super) fn is_cpp(file: &str) -> bool {
-    let ending = file.rsplit_once('.').map_or("", |it| it.1);
-    ENDINGS.contains(&ending.to_ascii_lowercase().as_str())
+    ENDINGS.contains(&ending(file).as_str())
+}
+
+/// What a file's name ends in, in small letters.
+pub(super) fn ending(file: &str) -> String {
+    file.rsplit_once('.')
+        .map_or_else(String::new, |it| it.1.to_ascii_lowercase())
 }
 
 /// Whether a text that is no program of the frame language was meant as C++.
@@ -226,15 +231,14 @@ fn only_function(machine: &mut Machine<'_>) {
         .filter(|it| it.body.iter().any(|part| look::changes(machine, part)))
         .cloned()
         .collect();
-    if let [one] = &roots[..] {
-        if one
+    if let [one] = &roots[..]
+        && one
             .parameters
             .iter()
             .all(|parameter| parameter.default.is_some())
-        {
-            machine.enter(one, &[], one.place, true);
-            return;
-        }
+    {
+        machine.enter(one, &[], one.place, true);
+        return;
     }
     let Some(first) = roots.first() else {
         return;

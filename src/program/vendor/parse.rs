@@ -60,6 +60,7 @@ const RESERVED: [&str; 14] = [
 ];
 
 /// A type, as far as it matters.
+#[allow(clippy::struct_excessive_bools)] // What was said, each on its own.
 struct Type {
     kind: Kind,
     constant: bool,
@@ -210,6 +211,7 @@ impl<'a> Parser<'a> {
         Ok(Box::new(self.deeper(Self::statement)?))
     }
 
+    #[allow(clippy::too_many_lines)] // One arm for each kind of statement.
     fn statement_node(&mut self) -> Parsed<StmtNode> {
         if self.sees("{") {
             return Ok(StmtNode::Block(self.block()?));
@@ -257,9 +259,10 @@ impl<'a> Parser<'a> {
             "continue" => self.jump(StmtNode::Continue),
             "return" => {
                 self.at += 1;
-                let value = match self.sees(";") {
-                    true => None,
-                    false => Some(self.expression()?),
+                let value = if self.sees(";") {
+                    None
+                } else {
+                    Some(self.expression()?)
                 };
                 self.end_statement()?;
                 Ok(StmtNode::Return(value))
@@ -313,14 +316,15 @@ impl<'a> Parser<'a> {
                 )
                 .help("in C++ write `while (1) { … }` for the frames, `for` for a repetition"))
             }
-            _ => match self.declaration()? {
-                Some(node) => Ok(node),
-                None => {
+            _ => {
+                if let Some(node) = self.declaration()? {
+                    Ok(node)
+                } else {
                     let value = self.expression()?;
                     self.end_statement()?;
                     Ok(StmtNode::Expr(value))
                 }
-            },
+            }
         }
     }
 
@@ -356,9 +360,10 @@ impl<'a> Parser<'a> {
         self.take_word("constexpr");
         let condition = self.parenthesised()?;
         let yes = self.boxed()?;
-        let no = match self.take_word("else") {
-            true => Some(self.boxed()?),
-            false => None,
+        let no = if self.take_word("else") {
+            Some(self.boxed()?)
+        } else {
+            None
         };
         Ok(StmtNode::If(condition, yes, no))
     }
@@ -370,18 +375,21 @@ impl<'a> Parser<'a> {
         if let Some(node) = self.range_for()? {
             return Ok(node);
         }
-        let start = match self.take(";") {
-            true => None,
-            false => Some(self.boxed()?),
+        let start = if self.take(";") {
+            None
+        } else {
+            Some(self.boxed()?)
         };
-        let condition = match self.sees(";") {
-            true => None,
-            false => Some(self.expression()?),
+        let condition = if self.sees(";") {
+            None
+        } else {
+            Some(self.expression()?)
         };
         self.expect(";", HELP)?;
-        let step = match self.sees(")") {
-            true => None,
-            false => Some(self.expression()?),
+        let step = if self.sees(")") {
+            None
+        } else {
+            Some(self.expression()?)
         };
         self.expect(")", HELP)?;
         Ok(StmtNode::For(start, condition, step, self.boxed()?))
@@ -662,25 +670,24 @@ impl<'a> Parser<'a> {
             self.at = start;
             return Ok(None);
         }
-        if self.sees("(") {
-            if let Some(node) = self.function(&name, name_place)? {
-                return Ok(Some(node));
-            }
+        if self.sees("(")
+            && let Some(node) = self.function(&name, name_place)?
+        {
+            return Ok(Some(node));
         }
         let mut all = Vec::new();
         loop {
             let mut lengths = Vec::new();
             while self.take("[") {
-                let length = match self.sees("]") {
-                    true => None,
-                    false => Some(self.expression()?),
+                let length = if self.sees("]") {
+                    None
+                } else {
+                    Some(self.expression()?)
                 };
                 self.expect("]", "an array is `type name[length];`")?;
                 lengths.push(length);
             }
-            let value = if self.take("=") {
-                Some(self.assignment()?)
-            } else if self.sees("{") {
+            let value = if self.take("=") || self.sees("{") {
                 Some(self.assignment()?)
             } else if self.sees("(") {
                 self.constructed(&first.name)?
@@ -741,7 +748,7 @@ impl<'a> Parser<'a> {
         }
         let (body, prototype) = (self.sees("{") || self.sees(":"), self.sees(";"));
         self.at = start;
-        if !body && !(prototype && self.looks_like_parameters()) {
+        if !(body || prototype && self.looks_like_parameters()) {
             return Ok(None);
         }
         self.at += 1;
@@ -814,9 +821,10 @@ impl<'a> Parser<'a> {
                     self.at += 1;
                 }
             }
-            let default = match self.take("=") {
-                true => Some(self.assignment()?),
-                false => None,
+            let default = if self.take("=") {
+                Some(self.assignment()?)
+            } else {
+                None
             };
             let single_void = &*it.name == "void" && name.is_empty() && !it.pointer;
             if !single_void {

@@ -154,10 +154,8 @@ impl Preprocessor<'_> {
                     group.done |= met;
                 }
             }
-            "endif" => {
-                if groups.pop().is_none() {
-                    self.stray(name, place);
-                }
+            "endif" if groups.pop().is_none() => {
+                self.stray(name, place);
             }
             _ if !on => {}
             "define" => self.define(rest),
@@ -211,15 +209,14 @@ impl Preprocessor<'_> {
         let before = std::mem::take(&mut self.out);
         self.expand(&known, &mut Vec::new(), None);
         let line = std::mem::replace(&mut self.out, before);
-        match super::constant::value(&line) {
-            Some(value) => value != 0,
-            None => {
-                self.faults.push(
-                    Fault::error(place, "this `#if` is no constant", "this line")
-                        .help("`#if` takes whole numbers, names of `#define`, and `defined(NAME)`"),
-                );
-                false
-            }
+        if let Some(value) = super::constant::value(&line) {
+            value != 0
+        } else {
+            self.faults.push(
+                Fault::error(place, "this `#if` is no constant", "this line")
+                    .help("`#if` takes whole numbers, names of `#define`, and `defined(NAME)`"),
+            );
+            false
         }
     }
 
@@ -247,10 +244,10 @@ impl Preprocessor<'_> {
             it.variadic = inside.iter().any(|t| t.is("..."));
             let mut names: Vec<Arc<str>> = inside.iter().filter_map(Token::name).cloned().collect();
             if inside.last().is_some_and(|t| t.is("..."))
-                && !inside
+                && inside
                     .len()
                     .checked_sub(2)
-                    .is_some_and(|i| inside[i].name().is_some())
+                    .is_none_or(|i| inside[i].name().is_none())
             {
                 names.push("__VA_ARGS__".into());
             }
@@ -426,13 +423,13 @@ impl Preprocessor<'_> {
             }
             if paste && !inner.is_empty() {
                 paste = false;
-                if let (Some(last), Some(text)) = (body.last_mut(), spelled(&inner[0])) {
-                    if let Some(before) = spelled(last) {
-                        let (mut glued, _) = tokens(&format!("{before}{text}"), 0);
-                        if let Some(one) = glued.pop() {
-                            last.kind = one.kind;
-                            inner.remove(0);
-                        }
+                if let (Some(last), Some(text)) = (body.last_mut(), spelled(&inner[0]))
+                    && let Some(before) = spelled(last)
+                {
+                    let (mut glued, _) = tokens(&format!("{before}{text}"), 0);
+                    if let Some(one) = glued.pop() {
+                        last.kind = one.kind;
+                        inner.remove(0);
                     }
                 }
             }

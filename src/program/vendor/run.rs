@@ -99,25 +99,24 @@ impl Machine<'_> {
     }
 
     pub(super) fn declare(&mut self, it: &Declared) {
-        if it.lasting {
-            if let Some(slot) = self.lasting.get(&it.place.start) {
-                let slot = *slot;
+        if it.lasting
+            && let Some(slot) = self.lasting.get(&it.place.start)
+        {
+            let slot = *slot;
+            self.bind(&it.name, slot);
+            return;
+        }
+        if it.reference
+            && let Some(value) = &it.value
+            && let Some((slot, path)) = self.target(value, false)
+            && path.is_empty()
+            && self.slots.get(slot).is_some()
+        {
+            // Another name for the same variable, or for the array.
+            let pointed = matches!(self.slots[slot], Value::Pointer(..));
+            if !pointed {
                 self.bind(&it.name, slot);
                 return;
-            }
-        }
-        if it.reference {
-            if let Some(value) = &it.value {
-                if let Some((slot, path)) = self.target(value, false) {
-                    if path.is_empty() && self.slots.get(slot).is_some() {
-                        // Another name for the same variable, or for the array.
-                        let pointed = matches!(self.slots[slot], Value::Pointer(..));
-                        if !pointed {
-                            self.bind(&it.name, slot);
-                            return;
-                        }
-                    }
-                }
             }
         }
         self.naming = Some(it.name.clone());
@@ -244,11 +243,9 @@ impl Machine<'_> {
         let mut start = None;
         for (i, statement) in body.iter().enumerate() {
             match &statement.node {
-                StmtNode::Case(Some(case)) => {
-                    if self.value(case).number() == value.number() {
-                        start = Some(i);
-                        break;
-                    }
+                StmtNode::Case(Some(case)) if self.value(case).number() == value.number() => {
+                    start = Some(i);
+                    break;
                 }
                 StmtNode::Case(None) => start = start.or(Some(i)),
                 _ => {}

@@ -150,11 +150,10 @@ impl Value {
             Self::Whole(value) => format!("the number {value}"),
             Self::Real(value) => format!("the number {value}"),
             Self::Unknown(why) => format!("a value of which {why} decides"),
-            Self::Symbol(name) => format!("`{name}`"),
+            Self::Symbol(name) | Self::Pointer(_, _, name) => format!("`{name}`"),
             Self::Symbols(names) => format!("`{}`", names.join(" | ")),
             Self::Text(_) => "a text".to_owned(),
             Self::List(_) => "an array".to_owned(),
-            Self::Pointer(_, _, name) => format!("`{name}`"),
             Self::Lambda(_) => "a function".to_owned(),
         }
     }

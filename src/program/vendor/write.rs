@@ -242,10 +242,10 @@ impl Writer<'_> {
     }
 
     fn argument(&self, it: &Expression) -> Result<String, WriteError> {
-        if let Term::Name(name) = &it.term {
-            if !self.constants.contains_key(name) || self.device.value_of(name).is_some() {
-                return Ok(name.clone());
-            }
+        if let Term::Name(name) = &it.term
+            && (!self.constants.contains_key(name) || self.device.value_of(name).is_some())
+        {
+            return Ok(name.clone());
         }
         self.number(it).map(|value| value.to_string())
     }
