@@ -74,7 +74,9 @@ impl Program {
         let marks = ["//!", "//="];
         let has_mark = |line: &str| marks.iter().any(|mark| line.starts_with(mark));
         let frame_language = vendor::ending(file) == "scamp" || text.lines().any(has_mark);
-        if vendor::looks_like_cpp(text) || (!frame_language && vendor::parses(text)) {
+        let ends = |it: &Fault| it.message.starts_with("expected `;`");
+        let by_lines = !frame_language && own.faults.iter().all(ends);
+        if vendor::looks_like_cpp(text) || (by_lines && vendor::parses(text)) {
             return Self::vendor(file, text, includes);
         }
         own
