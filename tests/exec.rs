@@ -411,7 +411,78 @@ fn a_strip_has_a_row_for_each_register_and_a_column_for_each_line() {
         assert_eq!(cell(2, 2, y as u32, x as u32), flag, "R5 behind `MOV`");
     }
     let empty = Bench::new("scamp5_load_in(3);");
-    let text = empty.refused(&["--strip", "s.png"]);
+    let text = empty.refused_alone(&["--strip", "s.png", "--dump", "out"]);
     assert!(text.contains("nothing"), "{text}");
     assert!(!empty.path("s.png").exists());
+}
+
+#[test]
+fn a_clip_is_run_whole_and_its_end_is_told() {
+    let text = "//! frames = 2\n\ninit { get_image(C); }\nframe { get_image(D); }";
+    let bench = Bench::new(text);
+    let clip = ndarray::Array3::<f64>::zeros((5, 4, 5));
+    write_npy(bench.path("clip.npy"), &clip).unwrap();
+    let said = |more: &[&str]| {
+        let all = [&["--image", "clip.npy", "--fps", "100", "--json"], more].concat();
+        let output = bench.command(&all).assert().success().get_output().clone();
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (json["frames"].as_u64().unwrap(), json["notes"].to_string())
+    };
+    let (frames, notes) = said(&[]);
+    assert!(
+        frames == 5 && notes.contains("frames = 2") && notes.contains("--frames 2"),
+        "{notes}"
+    );
+    assert_eq!(said(&["--frames", "2"]), (2, "[]".to_owned()));
+    let (frames, notes) = said(&["--frames", "8"]);
+    assert!(
+        frames == 8 && notes.contains("ends after 5 frames") && notes.contains("3 more"),
+        "{notes}"
+    );
+}
+
+#[test]
+fn events_of_a_program_without_a_readout_are_refused() {
+    let bench = Bench::new("mov(B, A);");
+    let text = bench.refused_alone(&["--events", "e.csv"]);
+    assert!(
+        text.contains("reads no events out") && text.contains("scamp5_scan_events"),
+        "{text}"
+    );
+}
+
+#[test]
+fn what_was_written_is_listed_and_saturation_is_told() {
+    let bench = Bench::new("add(B, A, C);\nadd(D, B, A);")
+        .set("A", &ramp().mapv(|v| 4.0 * v))
+        .set("C", &ramp().mapv(|v| 3.0 * v));
+    let sets = ["--set", "A=A.in.npy", "--set", "C=C.in.npy"];
+    let run = |more: &[&str]| {
+        bench
+            .command(&[&sets, more].concat())
+            .assert()
+            .success()
+            .get_output()
+            .clone()
+    };
+    let output = run(&["--dump", "out", "--strip", "s.png"]);
+    let (said, warned) = (line(&output.stdout), line(&output.stderr));
+    assert!(
+        said.contains("wrote s.png") && said.contains("wrote out (42 files)"),
+        "{said}"
+    );
+    assert!(
+        warned
+            .contains("in B after the last frame lie beyond the range of a register, -128 to 127"),
+        "{warned}"
+    );
+    let warned = line(&run(&["--clip", "on"]).stderr);
+    assert!(
+        warned.contains("lie at the end of its range") && !warned.contains("beyond"),
+        "{warned}"
+    );
+    // A number sets a constant of the program.
+    let bench = Bench::new("const t = 3;\nscamp5_in(A, t);");
+    bench.run(&["--set", "t=7", "--image", "pattern:spot?width=4&height=4"]);
+    assert!(bench.analog("A").iter().all(|v| *v == 7.0));
 }

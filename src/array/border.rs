@@ -50,6 +50,20 @@ impl AtBorder {
     pub fn registers(chip: &dyn Array, ends: [f64; 2]) -> Vec<Self> {
         let [low, high] = ends;
         let near = NEAR * (high - low);
+        Self::where_lies(chip, ends, |value| {
+            value <= low + near || value >= high - near
+        })
+    }
+
+    /// The registers of a chip that hold a picture of which at least a twentieth lies beyond these
+    /// ends, in an arithmetic that has none.
+    #[must_use]
+    pub fn beyond(chip: &dyn Array, ends: [f64; 2]) -> Vec<Self> {
+        let [low, high] = ends;
+        Self::where_lies(chip, ends, |value| value < low || value > high)
+    }
+
+    fn where_lies(chip: &dyn Array, ends: [f64; 2], lies: impl Fn(f64) -> bool) -> Vec<Self> {
         let device = chip.device();
         let looked = (0..chip.layout().analog)
             .map(Analog)
@@ -59,8 +73,7 @@ impl AtBorder {
                 if values.iter().all(|value| *value == first) {
                     return None;
                 }
-                let is_at = |value: &&f64| **value <= low + near || **value >= high - near;
-                let pixels = values.iter().filter(is_at).count();
+                let pixels = values.iter().filter(|value| lies(**value)).count();
                 let is_much = pixels as f64 >= SHARE * values.len() as f64;
                 is_much.then(|| Self {
                     register: device.analog_name(register),

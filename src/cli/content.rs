@@ -44,7 +44,7 @@ impl Content {
             Self::Drawing => &["svg", "png"],
             Self::View => &["png", "svg", "gif", "apng"],
             Self::Page => &["html", "htm"],
-            Self::Program => &["scamp"],
+            Self::Program => &["scamp", "cpp", "hpp"],
             Self::Kernel => &["toml"],
             Self::Schema => &["json"],
         }

@@ -10,7 +10,8 @@ use super::{
 };
 use crate::{
     isa::{Device, Figure},
-    program::{Expansion, Overrides, Program},
+    limit::FAULTS,
+    program::{Expansion, Includes, Overrides, Program, included},
     source,
 };
 
@@ -57,12 +58,44 @@ impl Source {
         let file = self.program.display().to_string();
         let help = "give the path of a program, such as programs/dvs/snap.scamp";
         let text = source::text(&self.program, help)?;
-        Ok(Program::read(&file, &text))
+        let mut includes = Includes::new();
+        self.include(&text, &mut includes);
+        Ok(Program::read_with(&file, &text, &includes))
+    }
+
+    /// Reads the files that vendor C++ asks for, and those that they ask for. One that is not
+    /// there is told of by whoever needs it.
+    fn include(&self, text: &str, includes: &mut Includes) {
+        for name in included(text) {
+            if includes.contains_key(&name) || includes.len() > FAULTS {
+                continue;
+            }
+            // Paths are written for Windows as well, and relative to whoever asks: the folder of
+            // the program and the names alone are tried.
+            let path = name.replace('\\', "/");
+            let last = path.rsplit('/').next().unwrap_or(&path);
+            let tried = [path.as_str(), last].map(|path| self.folder().join(path));
+            let found = tried.iter().find(|path| path.is_file());
+            let Some(text) = found.and_then(|path| source::text(path, "").ok()) else {
+                continue;
+            };
+            includes.insert(name, text.as_str().into());
+            self.include(&text, includes);
+        }
     }
 
     /// Reads the program and expands it on its chip, some of whose numbers may be others.
     /// Warnings are shown.
     pub fn open(&self, figures: &[(Figure, f64)]) -> miette::Result<Opened> {
+        self.open_with(figures, &[])
+    }
+
+    /// As [`Source::open`], with more constants.
+    pub fn open_with(
+        &self,
+        figures: &[(Figure, f64)],
+        constants: &[(String, f64)],
+    ) -> miette::Result<Opened> {
         let program = self.read()?;
         let chip = self.chip.as_deref();
         let chip = chip.or(program.settings.chip.as_deref());
@@ -70,7 +103,9 @@ impl Source {
         for (figure, value) in figures {
             device = device.what_if(*figure, *value)?;
         }
-        let expansion = program.expand(&device, &self.overrides())?;
+        let mut overrides = self.overrides();
+        overrides.extend(constants.iter().cloned());
+        let expansion = program.expand(&device, &overrides)?;
         if let Some(warnings) = program.warnings(&expansion) {
             complain(&format!("{:?}\n", miette!(warnings)));
         }

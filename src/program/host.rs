@@ -164,8 +164,9 @@ fn operation(
         },
         HostKind::ScanDigital => Host::ScanDigital {
             source: values.digital(0)?,
-            first_row: values.u16(2)?,
-            last_row: values.u16(3)?,
+            // A picture is of all rows.
+            first_row: values.u16(2).unwrap_or(0),
+            last_row: values.u16(3).unwrap_or(255),
         },
         HostKind::ScanBoundingBox => Host::ScanBoundingBox {
             source: values.digital(0)?,

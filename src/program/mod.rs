@@ -22,6 +22,7 @@ mod reference;
 mod settings;
 mod source;
 pub mod syntax;
+mod vendor;
 mod words;
 
 pub use crate::isa::Cell;
@@ -37,4 +38,5 @@ pub use settings::{
 };
 pub use source::Program;
 pub use syntax::Syntax;
+pub use vendor::{Includes, WriteError, cpp, included};
 pub use words::vendor_text;

@@ -38,6 +38,11 @@ fn items(f: &mut fmt::Formatter<'_>, list: &[Item], level: usize) -> fmt::Result
             Node::Init(body) => block(f, "init", body, level)?,
             Node::Frame(body) => block(f, "frame", body, level)?,
             Node::Repeat { times, body } => block(f, &format!("repeat {times}"), body, level)?,
+            Node::Kernel(body) => {
+                writeln!(f, "scamp5_kernel_begin();")?;
+                items(f, body, level)?;
+                write!(f, "{:indent$}scamp5_kernel_end();", "", indent = 4 * level)?;
+            }
         }
         if let Some(it) = &item.trailing {
             f.write_char(' ')?;

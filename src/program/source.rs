@@ -1,6 +1,6 @@
 //! A program as it is written.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     config::{Fault, Faults, Severity},
@@ -12,6 +12,7 @@ use super::{
     parse,
     settings::{Expectation, Settings},
     syntax::Syntax,
+    vendor::{self, Includes},
 };
 
 /// A program: its text, taken apart.
@@ -27,8 +28,12 @@ pub struct Program {
     pub settings: Settings,
     /// What it is expected to give.
     pub expectation: Expectation,
+    /// Titles of what vendor C++ shows on displays, by the line of the call.
+    pub titles: BTreeMap<u32, String>,
     /// Faults of the text itself.
     faults: Vec<Fault>,
+    /// What vendor C++ asks for by `#include`; `None` for a program in the frame language.
+    includes: Option<Includes>,
 }
 
 impl Program {
@@ -38,7 +43,13 @@ impl Program {
     /// All that is wrong with the text.
     pub fn parse(file: &str, text: &str) -> Result<Self, Faults> {
         let program = Self::read(file, text);
-        Faults::check(file, text, program.faults.clone())?;
+        let mut faults = program.faults.clone();
+        if let Some(includes) = &program.includes {
+            let all = &program.settings.constants;
+            let read = vendor::read(text, includes, all, &Device::scamp5());
+            faults.extend(read.faults);
+        }
+        Faults::check(file, text, faults)?;
         Ok(program)
     }
 
@@ -46,6 +57,75 @@ impl Program {
     /// [`Program::expand`], together with all that is wrong with its statements.
     #[must_use]
     pub fn read(file: &str, text: &str) -> Self {
+        Self::read_with(file, text, &Includes::new())
+    }
+
+    /// As [`Program::read`], with the files that vendor C++ asks for by `#include "…"`.
+    #[must_use]
+    pub fn read_with(file: &str, text: &str, includes: &Includes) -> Self {
+        if vendor::is_cpp(file) {
+            return Self::vendor(file, text, includes);
+        }
+        let own = Self::own(file, text);
+        if own.faults.is_empty() {
+            return own;
+        }
+        // A head or a foot is nothing that a simulator's text has.
+        let marks = ["//!", "//="];
+        let has_mark = |line: &str| marks.iter().any(|mark| line.starts_with(mark));
+        let frame_language = vendor::ending(file) == "scamp" || text.lines().any(has_mark);
+        let ends = |it: &Fault| it.message.starts_with("expected `;`");
+        let by_lines = !frame_language && own.faults.iter().all(ends);
+        if vendor::looks_like_cpp(text) || (by_lines && vendor::parses(text)) {
+            return Self::vendor(file, text, includes);
+        }
+        own
+    }
+
+    /// Reads vendor C++, or text whose statements end with their lines.
+    fn vendor(file: &str, text: &str, includes: &Includes) -> Self {
+        let (mut header, mut header_at, mut footer, mut footer_at) = Default::default();
+        let mut start = 0;
+        for line in text.split_inclusive('\n') {
+            for (mark, lines, at) in [
+                ("//!", &mut header, &mut header_at),
+                ("//=", &mut footer, &mut footer_at),
+            ] {
+                let (lines, at): (&mut Vec<String>, &mut Vec<usize>) = (lines, at);
+                if let Some(rest) = line.strip_prefix(mark) {
+                    lines.push(rest.trim_end().to_owned());
+                    at.push(start + mark.len());
+                }
+            }
+            start += line.len();
+        }
+        let mut faults = Vec::new();
+        let settings = Settings::read(&header, &header_at, &mut faults);
+        let expectation = Expectation::read(&footer, &footer_at, &mut faults);
+        let read = vendor::read(text, includes, &Overrides::new(), &Device::scamp5());
+        // What is wrong is found again when it is expanded, with the constants that are set.
+        let titles = read.titles.into_iter().filter_map(|(line, titles)| {
+            let mut titles = titles.into_iter();
+            Some((line, titles.next().filter(|_| titles.next().is_none())?))
+        });
+        Self {
+            file: file.to_owned(),
+            text: text.into(),
+            syntax: Syntax {
+                header,
+                items: read.items,
+                footer,
+            },
+            settings,
+            expectation,
+            titles: titles.collect(),
+            faults,
+            includes: Some(includes.clone()),
+        }
+    }
+
+    /// Reads a program in the frame language.
+    fn own(file: &str, text: &str) -> Self {
         let parse::Parsed {
             syntax,
             header_at,
@@ -60,8 +140,16 @@ impl Program {
             syntax,
             settings,
             expectation,
+            titles: BTreeMap::new(),
             faults,
+            includes: None,
         }
+    }
+
+    /// Whether it is vendor C++, or text whose statements end with their lines.
+    #[must_use]
+    pub const fn is_vendor(&self) -> bool {
+        self.includes.is_some()
     }
 
     /// Looks up every name on a chip, expands every macro, and checks the result.
@@ -70,8 +158,29 @@ impl Program {
     /// All that is wrong with the program on this chip, warnings included.
     pub fn expand(&self, device: &Device, overrides: &Overrides) -> Result<Expansion, Faults> {
         let settings = &self.settings.constants;
-        let (expansion, mut faults) =
-            expand::expand(&self.syntax, &self.text, settings, device, overrides);
+        let Some(includes) = &self.includes else {
+            let (expansion, mut faults) =
+                expand::expand(&self.syntax, &self.text, settings, device, overrides);
+            faults.extend(self.faults.iter().cloned());
+            Faults::check(&self.file, &self.text, faults)?;
+            return Ok(expansion);
+        };
+        // The settings of its head are constants of the text like those set from outside.
+        let mut all = settings.clone();
+        all.extend(overrides.clone());
+        let mut read = vendor::read(&self.text, includes, &all, device);
+        let syntax = Syntax {
+            items: read.items,
+            ..Syntax::default()
+        };
+        let (mut expansion, mut faults) =
+            expand::expand(&syntax, &self.text, &read.constants, device, overrides);
+        let warnings = read
+            .faults
+            .iter()
+            .filter(|it| it.severity == Severity::Warning);
+        expansion.warnings.extend(warnings.cloned());
+        faults.append(&mut read.faults);
         faults.extend(self.faults.iter().cloned());
         Faults::check(&self.file, &self.text, faults)?;
         Ok(expansion)

@@ -54,6 +54,8 @@ pub enum Node {
         /// What.
         body: Vec<Item>,
     },
+    /// A kernel of vendor C++: stored when it is launched first, from then on only launched.
+    Kernel(Vec<Item>),
 }
 
 /// A comment.

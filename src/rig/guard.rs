@@ -218,6 +218,22 @@ impl Warning {
         )
     }
 
+    /// Values beyond what the chip's registers hold, in an arithmetic that holds them.
+    #[must_use]
+    pub fn beyond(subject: &str, place: &str, (at, all): (u64, u64), ends: [f64; 2]) -> Self {
+        let share = 100.0 * at as f64 / all as f64;
+        let [low, high] = ends;
+        Self::new(
+            About::Saturation,
+            subject,
+            format!(
+                "{at} of {all} values ({share:.0} %) in {place} lie beyond the range of a register, {low} to {high}"
+            ),
+            "this arithmetic holds them, the chip does not",
+            "run with --clip on or --domain silicon to see what is left, or halve before sums",
+        )
+    }
+
     /// Light that lies within 0 and 1, for a sensor that takes 0 to `white`.
     #[must_use]
     pub fn scale(light: &Light, extent: Option<(f64, f64)>, white: f64) -> Option<Self> {

@@ -23,7 +23,7 @@ use crate::{
     isa::{Analog, Device, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
     plane::Plane,
-    program::{Cost, Expansion, Program, Step},
+    program::{Cost, Expansion, Program, Step, cpp},
     rig::guard::Warning,
     save::save,
 };
@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(required_unless_present = "sensor")]
     kernels: Vec<Named>,
     /// Write the program here; else it is printed
-    #[arg(short, long, value_name = "FILE.scamp", value_parser = Content::Program)]
+    #[arg(short, long, value_name = "FILE.scamp|FILE.cpp", value_parser = Content::Program)]
     output: Option<Output>,
     /// The weights that the program has: `exact` takes them as they are, a quantiser (see
     /// `amacrine quantise --help`) brings them to few values; its scale goes into the thresholds
@@ -76,6 +76,10 @@ pub struct Arguments {
         conflicts_with = "filter_only"
     )]
     memory: Remembered,
+    /// How the program is written: in the language of programs/, or as C++ for the vendor's tools,
+    /// which `asm` and `exec` read as well; an output that ends in .cpp is C++
+    #[arg(long = "as", value_enum, default_value_t, value_name = "LANGUAGE")]
+    language: Language,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
@@ -88,6 +92,24 @@ pub struct Arguments {
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
+}
+
+/// How a program is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Language {
+    /// The language of the shipped programs
+    #[default]
+    Scamp,
+    /// C++ for the vendor's tools
+    Cpp,
+}
+
+impl Arguments {
+    fn is_cpp(&self) -> bool {
+        let ending = self.output.as_ref().and_then(|path| path.extension());
+        let ending = ending.and_then(|ending| ending.to_str());
+        self.language == Language::Cpp || ending.is_some_and(|it| matches!(it, "cpp" | "hpp"))
+    }
 }
 
 /// Longer filters are proved by an impulse.
@@ -112,11 +134,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let began = Instant::now();
     let device = Device::find(&arguments.chip)?;
     let asked = Asked::read(arguments)?;
-    let compiled = if arguments.filter_only {
+    let mut compiled = if arguments.filter_only {
         filter_only(arguments, &asked, &device)?
     } else {
         whole(arguments, &asked, &device)?
     };
+    if arguments.is_cpp() {
+        let program = Program::parse("compiled", &compiled.text)?;
+        compiled.text = cpp(&program, &device)?;
+    }
     if let Some(path) = &arguments.output {
         save(path, |w| w.write_all(compiled.text.as_bytes()))?;
     }

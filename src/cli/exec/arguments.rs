@@ -20,8 +20,9 @@ use crate::{array::Arithmetic, event::file::Format, isa::Figure, limit::THREADS}
 pub struct Arguments {
     #[command(flatten)]
     pub(super) source: Source,
-    /// Set a register before the program runs (a .npy of shape (H,W)), or a number of the chip
-    /// (error.noise=0.1); can be given more than once
+    /// Set a register before the program runs (a .npy of shape (H,W)), a number of the chip
+    /// (error.noise=0.1), or a constant or slider of the program (threshold=20); can be given
+    /// more than once
     #[arg(long = "set", value_name = "NAME=FILE.npy|NUMBER", value_parser = assignment)]
     pub(super) sets: Vec<Assignment>,
     /// The light: a picture, a clip, or pattern:NAME?key=value; a still picture is shown again and again
@@ -62,11 +63,15 @@ pub struct Arguments {
     /// Write every register into this folder, as .npy and .png
     #[arg(long, value_parser = Content::Folder)]
     pub(super) dump: Option<Output>,
+    /// Write what the program shows (`scamp5_output_image`) into this folder: a .png for each line
+    /// and frame
+    #[arg(long, value_name = "FOLDER", value_parser = Content::Folder)]
+    pub(super) displays: Option<Output>,
     /// Write what registers hold after each line of the last frame, side by side (.png)
     #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
     pub(super) strip: Option<Output>,
     /// Run so many times, with this seed and those that follow; print mean and spread
-    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug", "displays"])]
     pub(super) repeat: Option<u64>,
     /// Step through the program; commands are read from standard input, `help` lists them
     #[arg(long, conflicts_with_all = ["json", "strip"])]
@@ -89,6 +94,8 @@ pub enum Assignment {
     Register(String, PathBuf),
     /// A number of the chip is another.
     Figure(Figure, f64),
+    /// A constant of the program is another.
+    Constant(String, f64),
 }
 
 /// `name=file` or `section.key=number`, for the command line.
@@ -102,6 +109,9 @@ fn assignment(text: &str) -> Result<Assignment, String> {
         }
     };
     if !name.contains('.') {
+        if let Ok(value) = value.parse() {
+            return Ok(Assignment::Constant(name.to_owned(), value));
+        }
         return Ok(Assignment::Register(name.to_owned(), value.into()));
     }
     figure(name, value).map(|(figure, number)| Assignment::Figure(figure, number))

@@ -11,8 +11,9 @@ use super::{
         registers::Register,
     },
     arguments::{Arguments, Assignment, Switch},
-    light::{Lasting, Light},
+    light::{Lasting, Light, Said},
     moment::Moment,
+    saturation::{Saturated, Saturation},
     set::Set,
     strip,
 };
@@ -23,16 +24,13 @@ use crate::{
     limit::THREADS,
     memory::Need,
     plane::{At, Size},
-    program::{Expansion, Program},
+    program::{Action, Expansion, Host, Program, Step},
     rig::{
         self,
         guard::{Guard, Warning},
     },
     scene::{Observation, Scene},
-    study::{
-        pilot::{Chips, Machine},
-        saturation,
-    },
+    study::pilot::{Chips, Machine},
     unit::Micros,
 };
 
@@ -44,6 +42,8 @@ pub struct Bench<'a> {
     pub(super) size: Size,
     /// What was seen of its light.
     pub observation: Observation,
+    /// What is to be said of how long it lasts.
+    pub said: Said,
     /// Bytes of the frames of its light.
     frames: u128,
     pub arithmetic: Arithmetic,
@@ -59,16 +59,24 @@ impl<'a> Bench<'a> {
             .iter()
             .filter_map(|set| match set {
                 Assignment::Figure(figure, value) => Some((*figure, *value)),
-                Assignment::Register(..) => None,
+                Assignment::Register(..) | Assignment::Constant(..) => None,
             })
             .collect();
-        let opened = arguments.source.open(&figures)?;
+        let constants: Vec<(String, f64)> = arguments
+            .sets
+            .iter()
+            .filter_map(|set| match set {
+                Assignment::Constant(name, value) => Some((name.clone(), *value)),
+                Assignment::Register(..) | Assignment::Figure(..) => None,
+            })
+            .collect();
+        let opened = arguments.source.open_with(&figures, &constants)?;
         let Opened {
             program, device, ..
         } = &opened;
         let registers = arguments.sets.iter().filter_map(|set| match set {
             Assignment::Register(name, path) => Some(Set::read(device, name, path)),
-            Assignment::Figure(..) => None,
+            Assignment::Figure(..) | Assignment::Constant(..) => None,
         });
         let planes = registers.collect::<miette::Result<Vec<_>>>()?;
         let observation = Observation::new();
@@ -77,6 +85,7 @@ impl<'a> Bench<'a> {
         Ok(Self {
             size,
             observation,
+            said: Said::default(),
             frames: light.scene.as_ref().map_or(0, Scene::bytes),
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
@@ -149,6 +158,7 @@ impl<'a> Bench<'a> {
         chip: &dyn Array,
         packet: &Packet,
         frames: u64,
+        saturated: Vec<Saturated>,
     ) -> Vec<Warning> {
         let program = &self.opened.program.file;
         for warning in Warning::of_scene(&self.observation, 255.0) {
@@ -161,9 +171,44 @@ impl<'a> Bench<'a> {
             let kept = packet.events.len() as u64;
             guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));
         }
-        let ends = self.arithmetic.ends(&self.opened.device, &self.settings);
-        saturation::warn(&mut guard, program, chip, ends);
+        for it in saturated {
+            let at = it.worst;
+            let counted = (at.pixels, at.of);
+            let after = if it.frame + 1 == frames {
+                "the last frame".to_owned()
+            } else {
+                format!("frame {}", it.frame)
+            };
+            let place = format!("{} after {after}", at.register);
+            guard.warn(if it.held {
+                Warning::beyond(program, &place, counted, at.ends)
+            } else {
+                Warning::saturation(program, &place, counted, at.ends)
+            });
+        }
         guard.warnings()
+    }
+
+    /// Looks for registers at the end of their range, or, in an arithmetic that has no end, beyond
+    /// that of the chip.
+    pub fn saturation(&self) -> Saturation {
+        let ends = self.arithmetic.ends(&self.opened.device, &self.settings);
+        let chip = [Figure::Lowest, Figure::Highest].map(|it| self.opened.device.value(it));
+        Saturation::new(ends.unwrap_or(chip), ends.is_none())
+    }
+
+    /// Refuses files of events where the program reads none out.
+    pub fn check_events(&self) -> miette::Result<()> {
+        let code = &self.opened.expansion.code;
+        if self.arguments.events.is_none() || reads_events(&code.init) || reads_events(&code.frame)
+        {
+            return Ok(());
+        }
+        Err(miette!(
+            help = "add `scamp5_scan_events(R5, on, 1000);` with the register that holds them, or leave --events out; --dump writes registers",
+            "{} reads no events out: --events would write none",
+            self.opened.program.file
+        ))
     }
 
     /// Shows the light to the chip; what it said, and how many frames it saw. `run` runs each
@@ -206,8 +251,19 @@ impl<'a> Bench<'a> {
             }
             Ok::<_, miette::Report>(flow)
         })?;
+        self.said.set(&light);
         Ok((packet, frames))
     }
+}
+
+fn reads_events(steps: &[Step]) -> bool {
+    steps.iter().any(|step| match &step.action {
+        Action::Word(_) => false,
+        Action::Host(host) => {
+            matches!(host, Host::ScanEvents { .. } | Host::ScanEventsFrom { .. })
+        }
+        Action::Repeat { body, .. } => reads_events(body),
+    })
 }
 
 fn arithmetic(arguments: &Arguments, program: &Program) -> miette::Result<Arithmetic> {

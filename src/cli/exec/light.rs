@@ -1,6 +1,6 @@
 //! What falls on the photodiodes.
 
-use std::path::Path;
+use std::{cell::Cell, path::Path};
 
 use miette::miette;
 
@@ -16,7 +16,39 @@ use crate::{
 pub struct Light {
     pub scene: Option<Box<dyn Scene>>,
     frames: Option<u64>,
+    /// What the program says, where a clip that was asked for is longer.
+    cut: Option<u64>,
     fps: f64,
+}
+
+/// What is to be said of how long the light lasts.
+#[derive(Debug, Default)]
+pub struct Said {
+    /// What the program says, where a clip that was asked for is longer.
+    cut: Cell<Option<u64>>,
+    /// Frames that the clip had, and those that were asked for.
+    ended: Cell<Option<(u64, u64)>>,
+}
+
+impl Said {
+    /// After a run.
+    pub fn set(&self, light: &Lasting) {
+        self.cut.set(light.light.cut);
+        self.ended.set(light.ended);
+    }
+
+    /// Whole sentences.
+    pub fn notes(&self, frames: u64) -> Vec<String> {
+        let (cut, ended) = (self.cut.get(), self.ended.get());
+        let cut = cut.filter(|says| *says != frames).map(|says| {
+            format!("the program says frames = {says}; the whole clip was run: --frames {says} runs as many")
+        });
+        let ended = ended.map(|(had, asked)| {
+            let more = asked - had;
+            format!("the clip ends after {had} frames; its last picture was shown for {more} more")
+        });
+        cut.into_iter().chain(ended).collect()
+    }
 }
 
 impl Light {
@@ -40,7 +72,15 @@ impl Light {
             .map(|spec| arguments.samples.open(Some(spec), asked, observation))
             .transpose()?;
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
-        let frames = arguments.frames.or(program.settings.frames);
+        let own = program.settings.frames;
+        // A clip that was asked for is not cut by what the program says of its own.
+        let clip = arguments.image.is_some()
+            && scene.as_deref().is_some_and(|scene| {
+                !image.is_some_and(|image| image.starts_with("pattern:"))
+                    && scene.frames().is_none_or(|all| all > own.unwrap_or(all))
+            });
+        let cut = own.filter(|_| clip && arguments.frames.is_none());
+        let frames = arguments.frames.or(own.filter(|_| !clip));
         if frames == Some(0) {
             return Err(miette!(
                 help = "the first frame runs `init`, every later one `frame`",
@@ -56,6 +96,7 @@ impl Light {
         Ok(Self {
             scene,
             frames,
+            cut,
             fps: asked.unwrap_or(found),
         })
     }
@@ -65,6 +106,8 @@ impl Light {
 /// for; the dark has the size of the array.
 pub struct Lasting {
     light: Light,
+    /// Frames that the clip had, and those that were asked for.
+    ended: Option<(u64, u64)>,
     size: Size,
     /// Frames in all, where the scene has fewer.
     enough: u64,
@@ -78,6 +121,7 @@ impl Lasting {
     pub fn new(light: Light, size: Size, least: u64) -> Self {
         Self {
             size,
+            ended: None,
             enough: light.frames.unwrap_or(least),
             light,
             given: 0,
@@ -112,6 +156,13 @@ impl Scene for Lasting {
             None => None,
         };
         let index = self.given;
+        // Of a still picture nobody needs to be told.
+        if let (None, true, 2..) = (&next, self.light.scene.is_some(), index)
+            && index < self.enough
+            && self.ended.is_none()
+        {
+            self.ended = Some((index, self.enough));
+        }
         let frame = match next {
             Some(frame) => frame,
             None if index >= self.enough => return Ok(None),

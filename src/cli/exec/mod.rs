@@ -9,7 +9,9 @@ mod moment;
 mod pilot;
 mod reading;
 mod report;
+mod saturation;
 mod set;
+mod shows;
 mod statistics;
 mod strip;
 
@@ -18,8 +20,8 @@ pub use arguments::Arguments;
 use std::ops::ControlFlow;
 
 use self::{
-    arguments::Assignment, bench::Bench, debug::Debugger, report::Report, statistics::Statistics,
-    strip::Strip,
+    arguments::Assignment, bench::Bench, debug::Debugger, report::Report, shows::Shows,
+    statistics::Statistics, strip::Strip,
 };
 use super::files;
 use crate::{picture::write_png, rig::guard::Guard};
@@ -36,6 +38,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut bench = Bench::new(arguments)?;
     bench.check()?;
+    bench.check_events()?;
     let plan = if arguments.fidelity.is_auto() {
         Some(pilot::plan(&bench)?)
     } else {
@@ -59,11 +62,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut chip = bench.chip(arguments.seed)?;
     let mut strip = Strip::default();
     let mut guard = Guard::new();
+    let mut saturation = bench.saturation();
+    let mut shows = Shows::new(&bench.opened, arguments.displays.as_deref());
     let (packet, frames) = if arguments.debug {
         let mut debugger = Debugger::new(&bench.opened);
         let seen = bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
-            debugger.frame(chip, moment, packet)
+            let flow = debugger.frame(chip, moment, packet)?;
+            saturation.frame(chip);
+            shows.frame(chip, moment.index)?;
+            Ok(flow)
         })?;
         debugger.end(&*chip)?;
         seen
@@ -71,19 +79,23 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
             strip.frame(&bench.opened, chip, moment, packet)?;
+            saturation.frame(chip);
+            shows.frame(chip, moment.index)?;
             Ok(ControlFlow::Continue(()))
         })?
     } else {
         bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
             moment.run(chip, packet)?;
+            saturation.frame(chip);
+            shows.frame(chip, moment.index)?;
             Ok(ControlFlow::Continue(()))
         })?
     };
     if plan.is_some() {
         pilot::check(&packet)?;
     }
-    let warnings = bench.warnings(guard, &*chip, &packet, frames);
+    let warnings = bench.warnings(guard, &*chip, &packet, frames, saturation.end());
     super::light::warn(&warnings);
 
     // Before anything is written: it may have nothing to show.
@@ -100,6 +112,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some((path, picture)) = strip {
         write_png(path, &picture)?;
     }
+    let mut written = Vec::new();
+    let files = [&arguments.events, &arguments.strip].into_iter().flatten();
+    written.extend(files.map(|path| path.display().to_string()));
+    if let Some(folder) = &arguments.dump {
+        let count = dump::files(&bench.opened.device, folder).len();
+        written.push(format!("{} ({count} files)", folder.display()));
+    }
+    written.extend(shows.written());
     let report = Report {
         program: &bench.opened.program.file,
         chip: &*chip,
@@ -108,6 +128,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         packet: &packet,
         light: &bench.observation,
         warnings: &warnings,
+        notes: &bench.said.notes(frames),
+        written: &written,
     };
     if arguments.json {
         let mut json = report.json();

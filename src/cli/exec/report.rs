@@ -19,6 +19,10 @@ pub struct Report<'a> {
     pub packet: &'a Packet,
     pub light: &'a Observation,
     pub warnings: &'a [Warning],
+    /// What is to be said beside.
+    pub notes: &'a [String],
+    /// What was written.
+    pub written: &'a [String],
 }
 
 impl Report<'_> {
@@ -78,6 +82,8 @@ impl Report<'_> {
             "readings": readings,
             "light": light::json(self.light),
             "warnings": self.warnings,
+            "notes": self.notes,
+            "written": self.written,
         })
     }
 
@@ -139,6 +145,8 @@ impl Report<'_> {
         for reading in self.chip.readings() {
             lines.push(format!("read     {}", reading::line(reading)));
         }
+        lines.extend(self.notes.iter().map(|note| format!("note     {note}")));
+        lines.extend(self.written.iter().map(|what| format!("wrote    {what}")));
         lines.join("\n") + "\n"
     }
 }

@@ -125,14 +125,27 @@ impl<'d> Lowering<'d> {
             format!("unknown name `{name}`"),
             "no register, direction or constant",
         )
-        .help(near.unwrap_or_else(|| {
-            let registers = self.device.registers();
-            format!(
-                "registers are {} and {}; constants are stated as `const {name} = …;`",
-                registers.analog.join(" "),
-                registers.digital.join(" ")
-            )
-        }))
+        .help(
+            near.or_else(|| self.on_another_chip(name))
+                .unwrap_or_else(|| {
+                    let registers = self.device.registers();
+                    format!(
+                        "registers are {} and {}; constants are stated as `const {name} = …;`",
+                        registers.analog.join(" "),
+                        registers.digital.join(" ")
+                    )
+                }),
+        )
+    }
+
+    /// The shipped chip that knows a name which this one does not.
+    fn on_another_chip(&self, name: &str) -> Option<String> {
+        let chips = Device::shipped().filter(|chip| *chip != self.device.name());
+        let mut having = chips
+            .into_iter()
+            .filter(|chip| Device::find(chip).is_ok_and(|device| device.value_of(name).is_some()));
+        let chip = having.next()?;
+        Some(format!("{chip} has it: `--chip {chip}`"))
     }
 
     pub(super) fn with_defaults(

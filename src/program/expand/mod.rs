@@ -17,7 +17,7 @@ use super::{
 };
 use crate::config::{Fault, Lines, Place, Severity, enough, thin};
 use crate::isa::{
-    Bit, Callable, Cell, Device, Digital, Macro, Source, Value, macros, row,
+    Bit, Callable, Cell, Device, Digital, HostKind, Macro, Source, Value, macros, row,
     signature::{Bound, Mode, Signature},
     text::Statement,
 };
@@ -38,6 +38,7 @@ pub(super) fn expand(
         full: false,
         constants: BTreeMap::new(),
         drawing: None,
+        kernels: BTreeMap::new(),
         faults: Vec::new(),
     };
     lowering.constants(syntax, settings, overrides);
@@ -92,6 +93,8 @@ struct Lowering<'a> {
     constants: BTreeMap<String, Value>,
     /// The register of the last `scamp5_draw_begin`.
     drawing: Option<Digital>,
+    /// Kernels that are stored, by where they begin.
+    kernels: BTreeMap<usize, Vec<Vec<Item>>>,
     faults: Vec<Fault>,
 }
 
@@ -115,7 +118,7 @@ impl<'d> Lowering<'d> {
             let (seen, body, what) = match &item.node {
                 Node::Init(body) => (&mut init, body, "init"),
                 Node::Frame(body) => (&mut frame, body, "frame"),
-                Node::Statement(_) | Node::Repeat { .. } => {
+                Node::Statement(_) | Node::Repeat { .. } | Node::Kernel(_) => {
                     bare.push(item);
                     continue;
                 }
@@ -186,11 +189,32 @@ impl<'d> Lowering<'d> {
                     }
                     entries.push(repeat);
                 }
+                Node::Kernel(body) => {
+                    let mut inner = self.block(body);
+                    if self.launched_before(item.place.start, body) {
+                        for entry in &mut inner {
+                            if let Entry::Statement(statement) = entry {
+                                statement.host = true;
+                            }
+                        }
+                    }
+                    entries.extend(inner);
+                }
                 // The parser has reported these, where they do not belong.
                 Node::Comment(_) | Node::Const { .. } | Node::Init(_) | Node::Frame(_) => {}
             }
         }
         entries
+    }
+
+    /// Whether a kernel that begins here was launched with these words before.
+    fn launched_before(&mut self, start: usize, body: &[Item]) -> bool {
+        let known = self.kernels.entry(start).or_default();
+        let again = known.iter().any(|it| it == body);
+        if !again {
+            known.push(body.to_vec());
+        }
+        again
     }
 
     fn statement(&mut self, statement: &Statement) -> Result<Expanded, Fault> {
@@ -210,7 +234,13 @@ impl<'d> Lowering<'d> {
         let (results, whole_flag, host) = match callable {
             Callable::Primitive(..) => (effect.writes.iter().copied().collect(), false, false),
             Callable::Macro(it) => (self.results(it, &bound), it.whole_flag, it.host),
-            Callable::Host(_, signature) => (results(signature, &bound), false, true),
+            Callable::Host(kind, signature) => {
+                let mut cells = results(signature, &bound);
+                if kind == HostKind::Draw {
+                    cells.extend(self.drawing.map(Cell::Digital));
+                }
+                (cells, false, true)
+            }
         };
         Ok(Expanded {
             text: statement.to_string(),

@@ -1,0 +1,95 @@
+//! `exec --displays`: what the program shows, as pictures.
+
+use std::path::{Path, PathBuf};
+
+use super::super::opened::Opened;
+use crate::{
+    array::{Array, Readings},
+    picture::{panel, write_png},
+    plane::Plane,
+};
+
+/// The pictures of a run.
+pub struct Shows<'a> {
+    opened: &'a Opened,
+    folder: Option<&'a Path>,
+    written: Vec<PathBuf>,
+}
+
+impl<'a> Shows<'a> {
+    pub const fn new(opened: &'a Opened, folder: Option<&'a Path>) -> Self {
+        Self {
+            opened,
+            folder,
+            written: Vec::new(),
+        }
+    }
+
+    /// Writes what the last frame showed: whole registers, as they were read.
+    pub fn frame(&mut self, chip: &dyn Array, index: u64) -> miette::Result<()> {
+        let Some(folder) = self.folder else {
+            return Ok(());
+        };
+        let mut lines: Vec<u32> = Vec::new();
+        for reading in chip.readings() {
+            let Some(picture) = picture(&reading.values, chip) else {
+                continue;
+            };
+            let line = reading.line;
+            let again = lines.iter().filter(|it| **it == line).count();
+            lines.push(line);
+            let again = match again {
+                0 => String::new(),
+                again => format!("-{}", again + 1),
+            };
+            let title = self.opened.program.titles.get(&line);
+            let title = title.map_or_else(String::new, |title| format!("-{}", plain(title)));
+            let name = format!("line-{line}{again}{title}-frame-{index:04}.png");
+            let path = folder.join(name);
+            write_png(&path, &picture)?;
+            self.written.push(path);
+        }
+        Ok(())
+    }
+
+    /// What was written, in words.
+    pub fn written(&self) -> Option<String> {
+        let folder = self.folder?;
+        Some(format!(
+            "{} ({} files)",
+            folder.display(),
+            self.written.len()
+        ))
+    }
+}
+
+/// The picture of a reading of a whole register; none of anything else.
+fn picture(values: &Readings, chip: &dyn Array) -> Option<image::RgbImage> {
+    let size = chip.size();
+    let at = |columns: usize, length: usize| columns == size.width && length == size.pixels();
+    // Rows come from the right.
+    let plane = |value: &dyn Fn(usize) -> f64| {
+        Plane::from_shape_fn(size.shape(), |(y, x)| {
+            value(y * size.width + size.width - 1 - x)
+        })
+    };
+    match values {
+        Readings::Analog { columns, values } if at(*columns, values.len()) => {
+            let plane = plane(&|i| f64::from(values[i]));
+            Some(panel::frame(&plane, 0.0, 255.0))
+        }
+        Readings::Digital { columns, values } if at(*columns, values.len()) => {
+            let plane = plane(&|i| f64::from(u8::from(values[i])));
+            Some(panel::frame(&plane, 0.0, 1.0))
+        }
+        _ => None,
+    }
+}
+
+/// A title as a part of a file's name.
+fn plain(title: &str) -> String {
+    let plain = title
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
+    plain.take(40).collect()
+}

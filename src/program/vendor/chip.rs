@@ -1,0 +1,198 @@
+//! Calls of the vendor's library that are other statements here, and names that mean the same.
+
+use super::{machine::Machine, tree::Word, value::Value};
+use crate::{
+    config::{Fault, Place},
+    isa::text::Term,
+    program::buffer,
+};
+
+/// A value that is given, where it stands, and the name that it begins with.
+pub(super) type Given = (Value, Place, String);
+
+/// The statement that a call is; nothing where it is none.
+pub(super) fn rewritten(
+    machine: &mut Machine<'_>,
+    name: &str,
+    mut given: Vec<Given>,
+    place: Place,
+) -> Option<(String, Vec<Given>)> {
+    let renamed = match name {
+        "scamp5_output_events" => {
+            given.truncate(5);
+            if let Some(display) = given.get_mut(1) {
+                *display = word("on", display.1);
+            }
+            "scamp5_scan_events"
+        }
+        "scamp5_scan_events_cr" => "scamp5_scan_events",
+        "scamp5_scan_events_rc" => {
+            machine.fault(
+                Fault::warning(
+                    place,
+                    "events are read column by column here",
+                    "this asks for row by row",
+                )
+                .help("with slots enough for all events the same ones are read"),
+            );
+            "scamp5_scan_events"
+        }
+        "scamp5_output_boundingbox" => {
+            given.truncate(1);
+            given.push(word("box", place));
+            "scamp5_scan_boundingbox"
+        }
+        "scamp5_load_region" => "scamp5_load_rect",
+        "scamp5_shift" => {
+            // What comes in at the edge, and how often the host refreshes.
+            if given.get(3).is_some_and(|it| it.0.number() == Some(1.0)) {
+                machine.error(
+                    place,
+                    "`scamp5_shift` with ones at the edge".to_owned(),
+                    "zeros come in here",
+                    "shift with zeros, and set the edge by `scamp5_load_rect` and `OR`",
+                );
+            }
+            given.truncate(3);
+            name
+        }
+        "scamp5_draw_line" => {
+            if given.get(4).is_some_and(|it| it.0.number() == Some(1.0)) {
+                machine.fault(
+                    Fault::warning(place, "a line does not wrap around here", "this line")
+                        .help("draw it in parts"),
+                );
+            }
+            given.truncate(4);
+            name
+        }
+        "scamp5_in" | "scamp5_load_in" => {
+            // The parameter is an int8_t.
+            for (value, at, _) in &mut given {
+                if let Value::Real(real) = value {
+                    if real.fract() != 0.0 {
+                        let message =
+                            format!("C++ makes the whole number {} of {real}", real.trunc());
+                        machine.fault(
+                            Fault::warning(*at, message, "a parameter of 8 bits")
+                                .help("write a whole number"),
+                        );
+                    }
+                    *value = Value::Whole(*real as i64);
+                }
+            }
+            name
+        }
+        // Compilers name the register twice.
+        "div2_inplace" if given.len() == 2 => {
+            if given[0].0 != given[1].0 {
+                machine.error(
+                    place,
+                    "`div2_inplace` halves one register in place".to_owned(),
+                    "these are two",
+                    "write `div2(y, x);`",
+                );
+            }
+            given.truncate(1);
+            name
+        }
+        "icw" => {
+            machine.error(
+                place,
+                "`icw` sets single lines of the chip".to_owned(),
+                "what they do together is not known",
+                "write the instruction by its name, such as `DNEWS0(d, s);`",
+            );
+            return None;
+        }
+        name => name,
+    };
+    if matches!(renamed, "scamp5_scan_events") && given.len() > 2 {
+        // C++ counts slots in whole numbers.
+        for (value, ..) in given.iter_mut().skip(2) {
+            *value = value.clone().converted(super::tree::Kind::Whole);
+        }
+    }
+    Some((variant(machine, renamed, place), given))
+}
+
+fn word(name: &str, place: Place) -> Given {
+    (Value::Symbol(name.into()), place, name.to_owned())
+}
+
+/// `bus2_3` and `add_ab` where the chip has `bus2` and `add`: compilers name forms apart that
+/// the vendor tells apart by their arguments.
+fn variant(machine: &Machine<'_>, name: &str, _place: Place) -> String {
+    let device = machine.device;
+    if device.callables(name).is_empty()
+        && let Some((base, rest)) = name.rsplit_once('_')
+    {
+        let plain = !rest.is_empty() && rest.chars().all(|c| c.is_ascii_alphanumeric());
+        if plain && !base.starts_with("scamp5") && !device.callables(base).is_empty() {
+            return base.to_owned();
+        }
+    }
+    name.to_owned()
+}
+
+/// The name of a buffer as this program has it: `on…` and `off…` say which events it takes.
+pub(super) fn buffer_name(name: &str) -> String {
+    let polarity = ["on", "off"].iter().any(|word| {
+        let rest = name.strip_prefix(word);
+        rest.is_some_and(|rest| rest.chars().all(|c| c.is_ascii_digit()))
+    });
+    if polarity && buffer(name).is_some() {
+        return name.to_owned();
+    }
+    if name.to_ascii_lowercase().starts_with("off") {
+        return "off".to_owned();
+    }
+    "on".to_owned()
+}
+
+/// The directions of a `DNEWS` that takes several of them.
+pub(super) fn joined(given: &[Given]) -> Option<Vec<Word>> {
+    match given.get(2).map(|it| &it.0) {
+        Some(Value::Symbols(names)) => Some(names.clone()),
+        _ => None,
+    }
+}
+
+/// `DNEWS` from some directions: the words of the macro, with these registers set.
+pub(super) fn neighbours(
+    machine: &mut Machine<'_>,
+    given: &[Given],
+    directions: &[Word],
+    place: Place,
+) {
+    let name = |name: &str| Term::Name(name.to_owned());
+    let all = ["RS", "RW", "RN", "RE"];
+    let mut enabled = Vec::new();
+    for direction in directions {
+        let register = match &**direction {
+            "south" => "RS",
+            "west" => "RW",
+            "north" => "RN",
+            "east" => "RE",
+            other => {
+                machine.error(
+                    place,
+                    format!("`{other}` is no direction"),
+                    "this call",
+                    "directions are north, east, south, west and alldir",
+                );
+                return;
+            }
+        };
+        if !enabled.contains(&register) {
+            enabled.push(register);
+        }
+    }
+    let boundary = given.get(3).is_some_and(|it| it.0.number() == Some(1.0));
+    machine.ask("CLR", all.iter().map(|it| name(it)).collect(), place);
+    machine.ask("SET", enabled.iter().map(|it| name(it)).collect(), place);
+    let operands = given.iter().take(2);
+    let operands: Option<Vec<Term>> = operands.map(|it| super::machine::term(&it.0)).collect();
+    let word = if boundary { "DNEWS1" } else { "DNEWS0" };
+    machine.ask(word, operands.unwrap_or_default(), place);
+}

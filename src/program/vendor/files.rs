@@ -1,0 +1,93 @@
+//! A file and what it includes, as one space of places: those of the file itself first.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use crate::config::{Fault, Place, line_column};
+
+/// Texts by the names with which `#include "…"` asks for them.
+pub type Includes = BTreeMap<String, Arc<str>>;
+
+/// The texts, one behind the other.
+#[derive(Clone, Debug)]
+pub(super) struct Files {
+    /// Bytes of the file itself.
+    length: usize,
+    included: Vec<Included>,
+    /// The first free byte.
+    end: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Included {
+    name: String,
+    text: Arc<str>,
+    start: usize,
+    /// Where it was asked for.
+    asked: Place,
+}
+
+impl Files {
+    pub(super) const fn new(length: usize) -> Self {
+        Self {
+            length,
+            included: Vec::new(),
+            end: length + 1,
+        }
+    }
+
+    /// Adds a text that is asked for; the byte at which it begins.
+    pub(super) fn add(&mut self, name: &str, text: &Arc<str>, asked: Place) -> usize {
+        let start = self.end;
+        self.end += text.len() + 1;
+        let asked = self.own(asked);
+        self.included.push(Included {
+            name: name.to_owned(),
+            text: Arc::clone(text),
+            start,
+            asked,
+        });
+        start
+    }
+
+    fn of(&self, place: Place) -> Option<&Included> {
+        if place.start <= self.length {
+            return None;
+        }
+        let after = self.included.partition_point(|it| it.start <= place.start);
+        self.included.get(after.checked_sub(1)?)
+    }
+
+    /// A place of the file itself: for what is included, where it is asked for.
+    pub(super) fn own(&self, place: Place) -> Place {
+        self.of(place).map_or(place, |it| it.asked)
+    }
+
+    /// The line of a place in its own file, with the file's name where that is another.
+    pub(super) fn line(&self, text: &str, place: Place) -> String {
+        match self.of(place) {
+            None => format!("line {}", line_column(text, place.start).0),
+            Some(it) => {
+                let line = line_column(&it.text, place.start - it.start).0;
+                format!("{}:{line}", it.name)
+            }
+        }
+    }
+
+    /// A fault with a place of the file itself; one in what is included says where it is.
+    pub(super) fn fault(&self, fault: Fault) -> Fault {
+        let also = fault.also.map(|also| Box::new((self.own(also.0), also.1)));
+        match self.of(fault.place) {
+            None => Fault { also, ..fault },
+            Some(it) => {
+                let (line, column) = line_column(&it.text, fault.place.start - it.start);
+                Fault {
+                    message: format!("{}:{line}:{column}: {}", it.name, fault.message),
+                    place: it.asked,
+                    label: format!("{} is asked for here", it.name),
+                    also,
+                    ..fault
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,401 @@
+//! The micro-controller: its variables, and what it has asked of the array so far.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    rc::Rc,
+    sync::Arc,
+};
+
+use super::{
+    files::Files,
+    look,
+    tree::{Expr, Function, Word},
+    value::{Slot, Value},
+};
+use crate::{
+    config::{Fault, Place, enough},
+    isa::{
+        Device,
+        text::{Argument, Expression, Statement, Term},
+    },
+    program::{
+        Overrides,
+        syntax::{Item, Node},
+    },
+};
+
+/// Statements and calls that are worked on before it is called endless.
+const WORK: usize = 1 << 21;
+
+/// Statements that may be asked of the array.
+const ASKED: usize = crate::limit::EXPANDED_STEPS;
+
+/// How control goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Flow {
+    Next,
+    Break,
+    Continue,
+    Return(Value),
+    /// The frames have been run: nothing comes after them.
+    End,
+}
+
+/// A kernel that is being written.
+pub(super) struct Kernel {
+    /// Where it begins.
+    pub place: Place,
+    /// Whether its words are kept from the first launch.
+    pub fixed: bool,
+    /// How many items there were when it began.
+    pub start: usize,
+}
+
+pub(super) struct Machine<'a> {
+    pub text: &'a str,
+    pub files: &'a Files,
+    pub device: &'a Device,
+    pub overrides: &'a Overrides,
+    pub faults: Vec<Fault>,
+    /// What can be set from outside, with its value.
+    pub constants: BTreeMap<String, f64>,
+    pub functions: BTreeMap<Word, Vec<Rc<Function>>>,
+    /// Functions as they are announced, for their default arguments.
+    pub prototypes: BTreeMap<Word, Vec<Rc<Function>>>,
+    pub slots: Vec<Value>,
+    /// Variables that change from frame to frame, and were given one value for good.
+    pub fixed: BTreeSet<Slot>,
+    /// Scopes of names; those below `base` belong to callers, but for the first, the file's.
+    pub scopes: Vec<BTreeMap<Word, Slot>>,
+    pub base: usize,
+    /// Variables that are made once, by the place of their declaration.
+    pub lasting: BTreeMap<usize, Slot>,
+    /// What was asked of the array since the last frame began.
+    pub items: Vec<Item>,
+    /// What was asked in earlier frames.
+    pub frames: Vec<Vec<Item>>,
+    pub kernel: Option<Kernel>,
+    /// The words that kernels had, by where they begin.
+    pub stored: BTreeMap<usize, Vec<Vec<Item>>>,
+    /// Whether some earlier statement may have ended this block: why.
+    pub maybe: Option<Arc<str>>,
+    pub depth: usize,
+    /// The variable that is being declared.
+    pub naming: Option<Word>,
+    /// What is shown, by its line: the display's title.
+    pub titles: BTreeMap<u32, BTreeSet<String>>,
+    /// Whether the loop over the frames was run.
+    pub looped: bool,
+    /// Whether every frame does the same, the first one too.
+    pub bare: bool,
+    work: usize,
+    asked: usize,
+    /// Whether a limit was met.
+    pub full: bool,
+}
+
+impl<'a> Machine<'a> {
+    pub(super) fn new(
+        text: &'a str,
+        files: &'a Files,
+        device: &'a Device,
+        overrides: &'a Overrides,
+    ) -> Self {
+        Self {
+            text,
+            files,
+            device,
+            overrides,
+            faults: Vec::new(),
+            constants: BTreeMap::new(),
+            functions: BTreeMap::new(),
+            prototypes: BTreeMap::new(),
+            fixed: BTreeSet::new(),
+            slots: Vec::new(),
+            scopes: vec![BTreeMap::new()],
+            base: 0,
+            lasting: BTreeMap::new(),
+            items: Vec::new(),
+            frames: Vec::new(),
+            kernel: None,
+            stored: BTreeMap::new(),
+            maybe: None,
+            depth: 0,
+            naming: None,
+            titles: BTreeMap::new(),
+            looped: false,
+            bare: false,
+            work: 0,
+            asked: 0,
+            full: false,
+        }
+    }
+
+    pub(super) fn fault(&mut self, fault: Fault) {
+        // A loop would tell it in every turn.
+        let known = |it: &Fault| it.message == fault.message && it.place.start == fault.place.start;
+        if !self.faults.iter().any(known) {
+            self.faults.push(fault);
+        }
+    }
+
+    pub(super) fn error(&mut self, place: Place, message: String, label: &str, help: &str) {
+        self.fault(Fault::error(place, message, label).help(help));
+    }
+
+    /// Whether there is no use in going on.
+    pub(super) fn done(&self) -> bool {
+        self.full || enough(&self.faults)
+    }
+
+    /// One more statement or call is worked on.
+    pub(super) fn work(&mut self, place: Place) {
+        self.work += 1;
+        if self.work > WORK && !self.full {
+            self.full = true;
+            self.error(
+                place,
+                format!("more than {WORK} statements run before the program is known"),
+                "here there is no end in sight",
+                "loops need bounds that are known before the run",
+            );
+        }
+    }
+
+    // ---- names ------------------------------------------------------------------------------
+
+    pub(super) fn find(&self, name: &str) -> Option<Slot> {
+        let own = self.scopes.get(self.base..).unwrap_or_default();
+        let found = own.iter().rev().find_map(|scope| scope.get(name));
+        found.or_else(|| self.scopes.first()?.get(name)).copied()
+    }
+
+    pub(super) fn make(&mut self, name: &Word, value: Value) -> Slot {
+        let slot = self.slots.len();
+        self.slots.push(value);
+        self.bind(name, slot);
+        slot
+    }
+
+    pub(super) fn bind(&mut self, name: &Word, slot: Slot) {
+        if let Some(scope) = self.scopes.last_mut() {
+            scope.insert(name.clone(), slot);
+        }
+    }
+
+    /// The value that is set from outside for this name, if it is.
+    pub(super) fn set(&mut self, name: &str) -> Option<Value> {
+        let value = *self.overrides.get(name)?;
+        self.constants.insert(name.to_owned(), value);
+        Some(Value::from_number(value))
+    }
+
+    pub(super) fn at(&self, slot: Slot, path: &[usize]) -> Value {
+        let mut value = &self.slots[slot];
+        for index in path {
+            match value {
+                Value::List(all) => match all.get(*index) {
+                    Some(inner) => value = inner,
+                    None => return Value::Unknown("what lies beyond an array".into()),
+                },
+                Value::Unknown(why) => return Value::Unknown(Arc::clone(why)),
+                // A pointer to one value.
+                _ if *index == 0 => {}
+                _ => return Value::Unknown("what lies beyond a variable".into()),
+            }
+        }
+        value.clone()
+    }
+
+    pub(super) fn put(&mut self, slot: Slot, path: &[usize], value: Value) {
+        if self.fixed.contains(&slot) {
+            return;
+        }
+        let mut target = &mut self.slots[slot];
+        for index in path {
+            match target {
+                Value::List(all) => {
+                    if *index >= all.len() {
+                        return;
+                    }
+                    target = &mut all[*index];
+                }
+                _ => break,
+            }
+        }
+        *target = value;
+    }
+
+    /// Makes a value, and all that is in it, one that only the run knows.
+    pub(super) fn forget(&mut self, slot: Slot, path: &[usize], why: &Arc<str>) {
+        let value = self.at(slot, path);
+        let value = blurred(value, why);
+        self.put(slot, path, value);
+    }
+
+    // ---- the array --------------------------------------------------------------------------
+
+    pub(super) fn line(&self, place: Place) -> String {
+        self.files.line(self.text, place)
+    }
+
+    /// Asks something of the array.
+    pub(super) fn ask(&mut self, name: &str, arguments: Vec<Term>, place: Place) {
+        if let Some(why) = self.maybe.clone() {
+            let message = format!("whether `{name}` runs, {why} decides");
+            self.unknown(place, message, None);
+        }
+        self.asked += 1;
+        if self.asked > ASKED {
+            if !self.full {
+                self.full = true;
+                self.error(
+                    place,
+                    format!("the program becomes more than {ASKED} statements"),
+                    "here there is no room left",
+                    "loop less often, or give loops outside of kernels the same body in every turn",
+                );
+            }
+            return;
+        }
+        let place = self.files.own(place);
+        let arguments = arguments
+            .into_iter()
+            .map(|term| Argument::One(Expression { term, place }));
+        self.push(
+            Node::Statement(Statement {
+                name: name.to_owned(),
+                name_place: place,
+                arguments: arguments.collect(),
+                place,
+            }),
+            place,
+        );
+    }
+
+    /// Asks something whose arguments stand in braces.
+    pub(super) fn ask_groups(&mut self, name: &str, groups: Vec<Vec<Term>>, place: Place) {
+        let place = self.files.own(place);
+        let groups = groups.into_iter().map(|terms| Argument::Group {
+            items: terms
+                .into_iter()
+                .map(|term| Expression { term, place })
+                .collect(),
+            place,
+        });
+        self.push(
+            Node::Statement(Statement {
+                name: name.to_owned(),
+                name_place: place,
+                arguments: groups.collect(),
+                place,
+            }),
+            place,
+        );
+    }
+
+    pub(super) fn push(&mut self, node: Node, place: Place) {
+        self.items.push(item(node, place));
+    }
+
+    /// A fault that something depends on what only the run knows.
+    pub(super) fn unknown(&mut self, place: Place, message: String, of: Option<&Expr>) {
+        let name = of.and_then(|it| look::unknown(self, it));
+        let name = name.unwrap_or_else(|| "NAME".into());
+        let help = format!(
+            "a program is the same words in every frame: give the value with `--const {name}=VALUE`, or take this out"
+        );
+        self.error(place, message, "only the run knows", &help);
+    }
+
+    /// A new frame begins.
+    pub(super) fn sync(&mut self) {
+        let items = std::mem::take(&mut self.items);
+        self.frames.push(items);
+    }
+
+    pub(super) fn begin_kernel(&mut self, place: Place, fixed: bool) {
+        if self.kernel.is_some() {
+            self.error(
+                place,
+                "a kernel inside a kernel".to_owned(),
+                "begins here",
+                "end the first one with `scamp5_kernel_end();`",
+            );
+        }
+        self.kernel = Some(Kernel {
+            place,
+            fixed,
+            start: self.items.len(),
+        });
+    }
+
+    pub(super) fn end_kernel(&mut self, place: Place) {
+        let Some(kernel) = self.kernel.take() else {
+            self.error(
+                place,
+                "this ends no kernel".to_owned(),
+                "none is open",
+                "begin it with `scamp5_kernel_begin();`",
+            );
+            return;
+        };
+        let start = kernel.start.min(self.items.len());
+        let body = self.items.split_off(start);
+        if body.is_empty() {
+            return;
+        }
+        let at = self.files.own(kernel.place);
+        self.push(Node::Kernel(body.clone()), at);
+        let known = self.stored.entry(kernel.place.start).or_default();
+        if known.contains(&body) {
+            return;
+        }
+        let first = known.is_empty();
+        known.push(body);
+        if kernel.fixed && !first {
+            self.fault(
+                Fault::warning(
+                    kernel.place,
+                    "this kernel has other words than at its first launch",
+                    "the chip keeps those of the first",
+                )
+                .help("begin it with `scamp5_dynamic_kernel_begin();`"),
+            );
+        }
+    }
+}
+
+pub(super) const fn item(node: Node, place: Place) -> Item {
+    Item {
+        node,
+        blank_before: false,
+        trailing: None,
+        place,
+    }
+}
+
+fn blurred(value: Value, why: &Arc<str>) -> Value {
+    match value {
+        Value::List(all) => Value::List(all.into_iter().map(|it| blurred(it, why)).collect()),
+        _ => Value::Unknown(Arc::clone(why)),
+    }
+}
+
+/// A value as an argument of a statement; `None` where it is none.
+pub(super) fn term(value: &Value) -> Option<Term> {
+    let place = Place::default();
+    Some(match value {
+        Value::Whole(_) | Value::Real(_) => {
+            let number = value.number()?;
+            if number < 0.0 {
+                let term = Term::Number(-number);
+                Term::Negate(Box::new(Expression { term, place }))
+            } else {
+                Term::Number(number)
+            }
+        }
+        Value::Symbol(name) => Term::Name(name.to_string()),
+        _ => return None,
+    })
+}

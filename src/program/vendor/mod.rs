@@ -1,0 +1,253 @@
+//! Programs as the vendor of the chip has them: C++ with a `main` and a loop over the frames.
+//!
+//! The part of C++ that such programs are made of is *run* here, before the program is: what the
+//! micro-controller knows beforehand, constants, sliders with their defaults, loop counters, is
+//! computed; what it asks of the array becomes the statements of a [`Syntax`](super::Syntax), the
+//! same that a program's own language has. The words mean what they mean there: nothing here knows
+//! what a word does.
+//!
+//! - [`token`] and [`preprocess`]: text to tokens; `#include`, `#define`, `#if`.
+//! - [`parse`], [`expression`]: tokens to the [`tree`].
+//! - [`machine`], [`run`], [`evaluate`], [`call`]: the tree, run. [`value::Value::Unknown`] is what
+//!   only the run of the program knows; nothing that changes the array may depend on it.
+//! - [`frames`]: the loop over the frames, its first turn and its steady one.
+//! - [`host`], [`chip`]: what the vendor's library offers.
+//! - [`write`]: the other way, from a program to C++.
+//!
+//! Text whose statements end with their lines, as an open simulator takes it, is read as well.
+
+mod call;
+mod chip;
+mod constant;
+mod evaluate;
+mod expression;
+mod files;
+mod frames;
+mod host;
+mod look;
+mod machine;
+mod parse;
+mod preprocess;
+mod run;
+mod token;
+mod tree;
+mod value;
+mod write;
+
+pub use files::Includes;
+pub use write::{WriteError, cpp};
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use self::{
+    files::Files,
+    machine::{Machine, item},
+    tree::{Function, Stmt, StmtNode},
+};
+use super::{
+    Overrides,
+    syntax::{Item, Node},
+};
+use crate::{
+    config::{Fault, Place},
+    isa::Device,
+};
+
+/// What a text becomes.
+#[derive(Debug, Default)]
+pub(super) struct Read {
+    pub items: Vec<Item>,
+    /// What can be set from outside, with its value.
+    pub constants: BTreeMap<String, f64>,
+    pub faults: Vec<Fault>,
+    /// Titles of what is shown, by line.
+    pub titles: BTreeMap<u32, BTreeSet<String>>,
+}
+
+/// The files that a text asks for by `#include "…"`, which lie beside it.
+#[must_use]
+pub fn included(text: &str) -> Vec<String> {
+    preprocess::asked(text)
+}
+
+/// Endings of files that are C++.
+const ENDINGS: [&str; 8] = ["cpp", "cc", "cxx", "c", "hpp", "hh", "hxx", "h"];
+
+/// Whether a file of this name is C++.
+pub(super) fn is_cpp(file: &str) -> bool {
+    ENDINGS.contains(&ending(file).as_str())
+}
+
+/// What a file's name ends in, in small letters.
+pub(super) fn ending(file: &str) -> String {
+    file.rsplit_once('.')
+        .map_or_else(String::new, |it| it.1.to_ascii_lowercase())
+}
+
+/// Whether a text that is no program of the frame language was meant as C++.
+pub(super) fn looks_like_cpp(text: &str) -> bool {
+    const BEGINNINGS: [&str; 22] = [
+        "#include",
+        "#define",
+        "#if",
+        "#pragma",
+        "using ",
+        "int ",
+        "void ",
+        "inline ",
+        "static ",
+        "auto ",
+        "for(",
+        "for (",
+        "while(",
+        "while (",
+        "if(",
+        "if (",
+        "const int ",
+        "const areg_t ",
+        "const dreg_t ",
+        "areg_t ",
+        "dreg_t ",
+        "switch",
+    ];
+    let mut lines = text.lines().map(str::trim_start);
+    lines.any(|line| BEGINNINGS.iter().any(|begin| line.starts_with(begin)))
+}
+
+/// Whether a text parses, without running it.
+pub(super) fn parses(text: &str) -> bool {
+    let mut files = Files::new(text.len());
+    let read = preprocess::preprocess(text, &Includes::new(), &Overrides::new(), &mut files);
+    let (_, faults) = parse::parse(&read.tokens, text.len());
+    read.faults.is_empty() && faults.is_empty()
+}
+
+/// Reads a text.
+pub(super) fn read(
+    text: &str,
+    includes: &Includes,
+    overrides: &Overrides,
+    device: &Device,
+) -> Read {
+    let mut files = Files::new(text.len());
+    let first = preprocess::preprocess(text, includes, overrides, &mut files);
+    let (statements, faults) = parse::parse(&first.tokens, text.len());
+    let mut machine = Machine::new(text, &files, device, overrides);
+    machine.constants = first.numbers;
+    machine.faults = first.faults;
+    let broken = !faults.is_empty();
+    machine.faults.extend(faults);
+    let items = run_file(&mut machine, &statements, broken);
+    let faults = machine.faults.drain(..).collect::<Vec<_>>();
+    Read {
+        items,
+        constants: std::mem::take(&mut machine.constants),
+        faults: faults.into_iter().map(|it| files.fault(it)).collect(),
+        titles: std::mem::take(&mut machine.titles),
+    }
+}
+
+/// What a file asks of the array.
+fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec<Item> {
+    state(machine, statements);
+    top_level(machine, statements);
+    let main = machine
+        .functions
+        .get("main")
+        .and_then(|all| all.first())
+        .cloned();
+    if let Some(main) = main {
+        machine.enter(&main, &[], main.place, true);
+    } else if machine.items.is_empty() && machine.frames.is_empty() {
+        only_function(machine);
+    }
+    if let Some(kernel) = machine.kernel.take() {
+        machine.error(
+            kernel.place,
+            "this kernel has no end".to_owned(),
+            "begins here",
+            "end it with `scamp5_kernel_end();`",
+        );
+    }
+    let place = Place::default();
+    let items = std::mem::take(&mut machine.items);
+    let mut frames = std::mem::take(&mut machine.frames);
+    if machine.looped && !machine.bare {
+        let init = frames.pop().unwrap_or_default();
+        return vec![
+            item(Node::Init(init), place),
+            item(Node::Frame(items), place),
+        ];
+    }
+    if machine.looped {
+        return items;
+    }
+    let mut all = frames.concat();
+    all.extend(items);
+    if all.is_empty() && machine.faults.is_empty() && !broken {
+        machine.error(
+            place,
+            "nothing here asks anything of the array".to_owned(),
+            "this file",
+            "a program has statements, or a `main` with a loop over the frames",
+        );
+    }
+    all
+}
+
+/// States every function, so that those below can be called from above.
+fn state(machine: &mut Machine<'_>, statements: &[Stmt]) {
+    for statement in statements {
+        match &statement.node {
+            StmtNode::Function(function) => machine.state(function),
+            StmtNode::Prototype(function) => machine.announce(function),
+            StmtNode::Block(inner) => state(machine, inner),
+            _ => {}
+        }
+    }
+}
+
+/// Runs what stands outside of functions; namespaces share the file's names.
+fn top_level(machine: &mut Machine<'_>, statements: &[Stmt]) {
+    for statement in statements {
+        match &statement.node {
+            StmtNode::Block(inner) => top_level(machine, inner),
+            _ => {
+                machine.statements(std::slice::from_ref(statement));
+            }
+        }
+    }
+}
+
+/// A file of functions without `main`: its only one that no other calls.
+fn only_function(machine: &mut Machine<'_>) {
+    let all: Vec<std::rc::Rc<Function>> = machine.functions.values().flatten().cloned().collect();
+    let roots: Vec<_> = all
+        .iter()
+        .filter(|it| {
+            !all.iter()
+                .any(|other| look::calls_function(other, &it.name))
+        })
+        .filter(|it| it.body.iter().any(|part| look::changes(machine, part)))
+        .cloned()
+        .collect();
+    if let [one] = &roots[..]
+        && one
+            .parameters
+            .iter()
+            .all(|parameter| parameter.default.is_some())
+    {
+        machine.enter(one, &[], one.place, true);
+        return;
+    }
+    let Some(first) = roots.first() else {
+        return;
+    };
+    let names: Vec<String> = roots.iter().map(|it| format!("`{}`", it.name)).collect();
+    machine.error(
+        first.place,
+        format!("no `main` says which of {} runs", names.join(", ")),
+        "the first of them",
+        "write a file that has `#include` of this one and calls what is to run, such as `int main() { f(A); }`",
+    );
+}

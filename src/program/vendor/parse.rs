@@ -1,0 +1,871 @@
+//! From tokens to statements. It recovers after a fault, so that all faults are told.
+
+use std::rc::Rc;
+
+use super::{
+    expression::{self, unexpected},
+    token::{Kind as TokenKind, Token},
+    tree::{Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Word},
+};
+use crate::{
+    config::{Fault, Place, enough},
+    limit::NESTING,
+};
+
+/// Parses all of a text.
+pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
+    let mut parser = Parser {
+        tokens,
+        at: 0,
+        end,
+        depth: 0,
+        faults: Vec::new(),
+    };
+    let statements = parser.statements(false);
+    (statements, parser.faults)
+}
+
+pub(super) struct Parser<'a> {
+    tokens: &'a [Token],
+    pub at: usize,
+    end: usize,
+    depth: usize,
+    faults: Vec<Fault>,
+}
+
+pub(super) type Parsed<T> = Result<T, Fault>;
+
+/// Words of a type that say nothing about its value.
+const QUALIFIERS: [&str; 14] = [
+    "const",
+    "static",
+    "volatile",
+    "inline",
+    "constexpr",
+    "extern",
+    "register",
+    "mutable",
+    "struct",
+    "typename",
+    "virtual",
+    "explicit",
+    "friend",
+    "thread_local",
+];
+
+/// Words that begin no declaration.
+const RESERVED: [&str; 14] = [
+    "if", "for", "while", "do", "switch", "case", "default", "break", "continue", "return", "else",
+    "goto", "new", "delete",
+];
+
+/// A type, as far as it matters.
+#[allow(clippy::struct_excessive_bools)] // What was said, each on its own.
+struct Type {
+    kind: Kind,
+    constant: bool,
+    lasting: bool,
+    pointer: bool,
+    reference: bool,
+    name: Word,
+}
+
+impl<'a> Parser<'a> {
+    pub(super) fn peek(&self, ahead: usize) -> Option<&'a Token> {
+        self.tokens.get(self.at + ahead)
+    }
+
+    pub(super) fn sees(&self, mark: &str) -> bool {
+        self.peek(0).is_some_and(|t| t.is(mark))
+    }
+
+    pub(super) fn word(&self, ahead: usize) -> &'a str {
+        self.peek(ahead).and_then(Token::name).map_or("", |n| n)
+    }
+
+    pub(super) fn take(&mut self, mark: &str) -> bool {
+        let seen = self.sees(mark);
+        self.at += usize::from(seen);
+        seen
+    }
+
+    fn take_word(&mut self, word: &str) -> bool {
+        let seen = self.word(0) == word;
+        self.at += usize::from(seen);
+        seen
+    }
+
+    pub(super) fn place(&self) -> Place {
+        let end = Place::new(self.end, self.end);
+        self.peek(0).map_or(end, |t| t.place)
+    }
+
+    pub(super) fn before(&self) -> Place {
+        let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
+        before.map_or(Place::default(), |t| t.place)
+    }
+
+    pub(super) fn expect(&mut self, mark: &str, help: &str) -> Parsed<Place> {
+        let place = self.place();
+        if self.take(mark) {
+            return Ok(place);
+        }
+        Err(unexpected(self.peek(0), place, &format!("`{mark}`"), help))
+    }
+
+    pub(super) fn name(&mut self, help: &str) -> Parsed<Word> {
+        let name = self.peek(0).and_then(Token::name).cloned();
+        match name {
+            Some(name) => {
+                self.at += 1;
+                Ok(name)
+            }
+            None => Err(unexpected(self.peek(0), self.place(), "a name", help)),
+        }
+    }
+
+    pub(super) fn deeper<T>(&mut self, inner: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
+        // Blocks of kernels inside loops inside functions go deeper than programs do.
+        if self.depth == 4 * NESTING {
+            let place = self.place();
+            return Err(Fault::error(
+                place,
+                format!("more than {} levels inside each other", 4 * NESTING),
+                "too deep",
+            )
+            .help("take it apart"));
+        }
+        self.depth += 1;
+        let result = inner(self);
+        self.depth -= 1;
+        result
+    }
+
+    /// Statements up to the end, or up to the brace that closes a block.
+    pub(super) fn statements(&mut self, block: bool) -> Vec<Stmt> {
+        let mut all = Vec::new();
+        while self.peek(0).is_some() && !enough(&self.faults) {
+            if self.sees("}") {
+                if block {
+                    break;
+                }
+                let place = self.place();
+                self.faults.push(
+                    Fault::error(place, "this `}` closes nothing", "no block is open")
+                        .help("remove it"),
+                );
+                self.at += 1;
+                continue;
+            }
+            let start = self.at;
+            match self.deeper(Self::statement) {
+                Ok(statement) => {
+                    if statement.node != StmtNode::Nothing {
+                        all.push(statement);
+                    }
+                }
+                Err(fault) => {
+                    self.faults.push(fault);
+                    self.recover(start);
+                }
+            }
+        }
+        all
+    }
+
+    /// Behind the next `;` or block.
+    fn recover(&mut self, start: usize) {
+        self.at = self.at.max(start + 1);
+        while let Some(token) = self.peek(0) {
+            if token.is("}") || token.first {
+                return;
+            }
+            self.at += 1;
+            if token.is(";") {
+                return;
+            }
+        }
+    }
+
+    pub(super) fn block(&mut self) -> Parsed<Vec<Stmt>> {
+        let open = self.expect("{", "a block is `{ statements }`")?;
+        let statements = self.statements(true);
+        if !self.take("}") {
+            return Err(Fault::error(open, "this block has no end", "opened here")
+                .help("close it with `}`"));
+        }
+        Ok(statements)
+    }
+
+    /// A statement, or what a file holds outside of functions.
+    fn statement(&mut self) -> Parsed<Stmt> {
+        let start = self.place();
+        let node = self.statement_node()?;
+        Ok(Stmt {
+            node,
+            place: start.to(self.before()),
+        })
+    }
+
+    fn boxed(&mut self) -> Parsed<Box<Stmt>> {
+        Ok(Box::new(self.deeper(Self::statement)?))
+    }
+
+    #[allow(clippy::too_many_lines)] // One arm for each kind of statement.
+    fn statement_node(&mut self) -> Parsed<StmtNode> {
+        if self.sees("{") {
+            return Ok(StmtNode::Block(self.block()?));
+        }
+        if self.take(";") {
+            return Ok(StmtNode::Nothing);
+        }
+        match self.word(0) {
+            "if" => self.if_statement(),
+            "for" => self.for_statement(),
+            "while" => {
+                self.at += 1;
+                let condition = self.parenthesised()?;
+                Ok(StmtNode::While(condition, self.boxed()?))
+            }
+            "do" => {
+                self.at += 1;
+                let body = self.boxed()?;
+                if !self.take_word("while") {
+                    let place = self.place();
+                    let help = "a loop is `do { … } while (…);`";
+                    return Err(unexpected(self.peek(0), place, "`while`", help));
+                }
+                let condition = self.parenthesised()?;
+                self.end_statement()?;
+                Ok(StmtNode::DoWhile(body, condition))
+            }
+            "switch" => {
+                self.at += 1;
+                let on = self.parenthesised()?;
+                Ok(StmtNode::Switch(on, self.block()?))
+            }
+            "case" => {
+                self.at += 1;
+                let value = self.expression()?;
+                self.expect(":", "a case is `case value:`")?;
+                Ok(StmtNode::Case(Some(value)))
+            }
+            "default" => {
+                self.at += 1;
+                self.expect(":", "a case is `default:`")?;
+                Ok(StmtNode::Case(None))
+            }
+            "break" => self.jump(StmtNode::Break),
+            "continue" => self.jump(StmtNode::Continue),
+            "return" => {
+                self.at += 1;
+                let value = if self.sees(";") {
+                    None
+                } else {
+                    Some(self.expression()?)
+                };
+                self.end_statement()?;
+                Ok(StmtNode::Return(value))
+            }
+            "using" | "typedef" => {
+                self.skip_past(";");
+                Ok(StmtNode::Nothing)
+            }
+            "template" => {
+                self.at += 1;
+                self.angles();
+                self.statement_node()
+            }
+            "namespace" => {
+                while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+                    self.at += 1;
+                }
+                if self.take(";") {
+                    return Ok(StmtNode::Nothing);
+                }
+                Ok(StmtNode::Block(self.block()?))
+            }
+            "enum" => self.enumeration(),
+            "class" | "struct" | "union" if self.is_definition() => {
+                while self.peek(0).is_some() && !self.sees("{") {
+                    self.at += 1;
+                }
+                self.skip_group();
+                self.skip_past(";");
+                Ok(StmtNode::Nothing)
+            }
+            "extern" if matches!(self.peek(1).map(|t| &t.kind), Some(TokenKind::Text(_))) => {
+                self.at += 2;
+                if self.sees("{") {
+                    return Ok(StmtNode::Block(self.block()?));
+                }
+                self.statement_node()
+            }
+            _ if self.is_constructor() => {
+                while self.peek(0).is_some() && !self.sees("{") {
+                    self.at += 1;
+                }
+                self.skip_group();
+                Ok(StmtNode::Nothing)
+            }
+            "init" | "frame" | "repeat" if self.peek(1).is_some_and(|t| t.is("{")) => {
+                Err(Fault::error(
+                    self.place(),
+                    format!("`{}` is no C++", self.word(0)),
+                    "this block",
+                )
+                .help("in C++ write `while (1) { … }` for the frames, `for` for a repetition"))
+            }
+            _ => {
+                if let Some(node) = self.declaration()? {
+                    Ok(node)
+                } else {
+                    let value = self.expression()?;
+                    self.end_statement()?;
+                    Ok(StmtNode::Expr(value))
+                }
+            }
+        }
+    }
+
+    fn jump(&mut self, node: StmtNode) -> Parsed<StmtNode> {
+        self.at += 1;
+        self.end_statement()?;
+        Ok(node)
+    }
+
+    /// `;`, or the end of the line in text that has none.
+    fn end_statement(&mut self) -> Parsed<()> {
+        if self.take(";") || self.sees("}") || self.peek(0).is_none_or(|t| t.first) {
+            return Ok(());
+        }
+        let end = self.before().end;
+        Err(Fault::error(
+            Place::new(end, end),
+            "expected `;` here",
+            "a statement ends with `;` or with its line",
+        )
+        .help("a statement is `name(argument, argument);`"))
+    }
+
+    fn parenthesised(&mut self) -> Parsed<Expr> {
+        self.expect("(", "the condition stands in parentheses")?;
+        let value = self.expression()?;
+        self.expect(")", "close the parenthesis")?;
+        Ok(value)
+    }
+
+    fn if_statement(&mut self) -> Parsed<StmtNode> {
+        self.at += 1;
+        self.take_word("constexpr");
+        let condition = self.parenthesised()?;
+        let yes = self.boxed()?;
+        let no = if self.take_word("else") {
+            Some(self.boxed()?)
+        } else {
+            None
+        };
+        Ok(StmtNode::If(condition, yes, no))
+    }
+
+    fn for_statement(&mut self) -> Parsed<StmtNode> {
+        const HELP: &str = "a loop is `for (int i = 0; i < 10; i++) { … }`";
+        self.at += 1;
+        self.expect("(", HELP)?;
+        if let Some(node) = self.range_for()? {
+            return Ok(node);
+        }
+        let start = if self.take(";") {
+            None
+        } else {
+            Some(self.boxed()?)
+        };
+        let condition = if self.sees(";") {
+            None
+        } else {
+            Some(self.expression()?)
+        };
+        self.expect(";", HELP)?;
+        let step = if self.sees(")") {
+            None
+        } else {
+            Some(self.expression()?)
+        };
+        self.expect(")", HELP)?;
+        Ok(StmtNode::For(start, condition, step, self.boxed()?))
+    }
+
+    /// `for (type x : list) …`, if it is that.
+    fn range_for(&mut self) -> Parsed<Option<StmtNode>> {
+        let start = self.at;
+        if self.declared_type().is_some() && self.peek(1).is_some_and(|t| t.is(":")) {
+            let name = self.name("the name of the element")?;
+            self.at += 1;
+            let list = self.expression()?;
+            self.expect(")", "a loop is `for (auto x : list) { … }`")?;
+            return Ok(Some(StmtNode::Each(name, list, self.boxed()?)));
+        }
+        self.at = start;
+        Ok(None)
+    }
+
+    fn enumeration(&mut self) -> Parsed<StmtNode> {
+        while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+            self.at += 1;
+        }
+        let mut all: Vec<Declared> = Vec::new();
+        if self.take("{") {
+            while !self.take("}") {
+                let place = self.place();
+                let name = self.name("the name of a constant")?;
+                let whole = |value| Expr {
+                    node: ExprNode::Whole(value),
+                    place,
+                };
+                let value = if self.take("=") {
+                    self.assignment()?
+                } else {
+                    match all.last() {
+                        None => whole(0),
+                        Some(before) => {
+                            let node = ExprNode::Name(before.name.clone());
+                            let before = Box::new(Expr { node, place });
+                            let node = ExprNode::Binary("+", before, Box::new(whole(1)));
+                            Expr { node, place }
+                        }
+                    }
+                };
+                all.push(Declared {
+                    name,
+                    kind: Kind::Whole,
+                    lengths: Vec::new(),
+                    value: Some(value),
+                    reference: false,
+                    constant: true,
+                    lasting: false,
+                    place,
+                });
+                if !self.take(",") && !self.sees("}") {
+                    let place = self.place();
+                    return Err(unexpected(
+                        self.peek(0),
+                        place,
+                        "`,` or `}`",
+                        "write `enum { A, B };`",
+                    ));
+                }
+            }
+        }
+        self.skip_past(";");
+        Ok(StmtNode::Declare(all))
+    }
+
+    /// Whether the function that makes or ends an object of a class is stated here.
+    fn is_constructor(&mut self) -> bool {
+        let start = self.at;
+        let mut names = Vec::new();
+        while !self.word(0).is_empty() {
+            names.push(self.word(0));
+            self.at += 1;
+            if !self.take("::") {
+                break;
+            }
+            if self.take("~") {
+                names.push("~");
+            }
+        }
+        let named = match &names[..] {
+            [.., class, name] => class == name || *class == "~",
+            _ => false,
+        };
+        let found = named && self.sees("(") && {
+            self.skip_group();
+            self.sees("{") || self.sees(":")
+        };
+        self.at = start;
+        found
+    }
+
+    /// Whether a class is stated here, with its members.
+    fn is_definition(&self) -> bool {
+        let rest = self.tokens.get(self.at..).unwrap_or_default();
+        let mark = rest
+            .iter()
+            .find(|t| t.is("{") || t.is(";") || t.is("(") || t.is("="));
+        mark.is_some_and(|t| t.is("{"))
+    }
+
+    fn skip_past(&mut self, mark: &str) {
+        while let Some(token) = self.peek(0) {
+            if token.is("{") {
+                self.skip_group();
+                continue;
+            }
+            self.at += 1;
+            if token.is(mark) {
+                return;
+            }
+        }
+    }
+
+    /// From an opening mark behind the one that closes it.
+    fn skip_group(&mut self) {
+        let mut depth = 0_usize;
+        while let Some(token) = self.peek(0) {
+            self.at += 1;
+            if token.is("(") || token.is("[") || token.is("{") {
+                depth += 1;
+            } else if token.is(")") || token.is("]") || token.is("}") {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// `<…>`, if it stands here and is closed.
+    pub(super) fn angles(&mut self) -> bool {
+        if !self.sees("<") {
+            return false;
+        }
+        let start = self.at;
+        let mut depth = 0_i32;
+        while let Some(token) = self.peek(0) {
+            self.at += 1;
+            match token.kind {
+                TokenKind::Mark("<") => depth += 1,
+                TokenKind::Mark(">") => depth -= 1,
+                TokenKind::Mark(">>") => depth -= 2,
+                TokenKind::Mark("(" | ")" | "[" | "]" | "," | "::" | "*" | "&")
+                | TokenKind::Name(_)
+                | TokenKind::Whole(_) => {}
+                _ => break,
+            }
+            if depth <= 0 {
+                return true;
+            }
+        }
+        self.at = start;
+        false
+    }
+
+    /// A type with a name behind it, if that stands here; the place is then at the name.
+    fn declared_type(&mut self) -> Option<Type> {
+        let start = self.at;
+        let found = self.read_type().filter(|_| {
+            let name = self.word(0);
+            !name.is_empty() && !RESERVED.contains(&name)
+        });
+        if found.is_none() {
+            self.at = start;
+        }
+        found
+    }
+
+    /// A type, if one stands here.
+    pub(super) fn read_kind(&mut self) -> Option<Kind> {
+        let start = self.at;
+        let found = self.read_type();
+        if found.is_none() {
+            self.at = start;
+        }
+        found.map(|it| it.kind)
+    }
+
+    fn read_type(&mut self) -> Option<Type> {
+        let mut it = Type {
+            kind: Kind::Any,
+            constant: false,
+            lasting: false,
+            pointer: false,
+            reference: false,
+            name: "".into(),
+        };
+        let (mut unsigned, mut named) = (None, false);
+        loop {
+            let word = self.word(0);
+            if QUALIFIERS.contains(&word) {
+                it.constant |= matches!(word, "const" | "constexpr");
+                it.lasting |= word == "static";
+                self.at += 1;
+                continue;
+            }
+            if matches!(word, "unsigned" | "signed") {
+                unsigned = Some(word == "unsigned");
+                it.kind = Kind::Whole;
+                named = true;
+                self.at += 1;
+                continue;
+            }
+            let length = matches!(it.kind, Kind::Whole | Kind::Bits(..));
+            if matches!(word, "int" | "long" | "short" | "char") && (!named || length) {
+                it.kind = match (word, it.kind) {
+                    ("short", _) | ("int", Kind::Bits(16, _)) => Kind::Bits(16, true),
+                    ("char", _) => Kind::Bits(8, true),
+                    _ => Kind::Whole,
+                };
+                named = true;
+                self.at += 1;
+                continue;
+            }
+            if named || word.is_empty() || RESERVED.contains(&word) {
+                break;
+            }
+            it.name = self.peek(0).and_then(Token::name)?.clone();
+            it.kind = kind_of(word);
+            named = true;
+            self.at += 1;
+            self.angles();
+            while self.sees("::") && !self.word(1).is_empty() {
+                self.at += 2;
+                it.kind = kind_of(self.tokens.get(self.at - 1).and_then(Token::name)?);
+                self.angles();
+            }
+        }
+        if let (Some(true), Kind::Bits(bits, _)) = (unsigned, it.kind) {
+            it.kind = Kind::Bits(bits, false);
+        }
+        loop {
+            if self.take("*") {
+                it.pointer = true;
+            } else if self.take("&") || self.take("&&") {
+                it.reference = true;
+            } else if QUALIFIERS.contains(&self.word(0)) {
+                it.constant |= self.word(0) == "const";
+                self.at += 1;
+            } else {
+                break;
+            }
+        }
+        named.then_some(it)
+    }
+
+    /// A declaration, if one stands here.
+    fn declaration(&mut self) -> Parsed<Option<StmtNode>> {
+        let start = self.at;
+        let Some(first) = self.declared_type() else {
+            return Ok(None);
+        };
+        let mut name_place = self.place();
+        let mut name = self.name("the name of what is declared")?;
+        // A function of a class.
+        while self.sees("::") && !self.word(1).is_empty() {
+            self.at += 1;
+            name_place = self.place();
+            name = self.name("a name")?;
+        }
+        let next = self.peek(0);
+        let fits = next.is_none_or(|t| {
+            t.first
+                || ["=", ";", ",", "[", "(", "{", ":"]
+                    .iter()
+                    .any(|mark| t.is(mark))
+        });
+        // Two names side by side that are no declaration: something is missing between them.
+        if !fits
+            || (next.is_none_or(|t| t.first && !t.is("{") && !t.is("=") && !t.is("("))
+                && start + 1 == self.at)
+        {
+            self.at = start;
+            return Ok(None);
+        }
+        if self.sees("(")
+            && let Some(node) = self.function(&name, name_place)?
+        {
+            return Ok(Some(node));
+        }
+        let mut all = Vec::new();
+        loop {
+            let mut lengths = Vec::new();
+            while self.take("[") {
+                let length = if self.sees("]") {
+                    None
+                } else {
+                    Some(self.expression()?)
+                };
+                self.expect("]", "an array is `type name[length];`")?;
+                lengths.push(length);
+            }
+            let value = if self.take("=") || self.sees("{") {
+                Some(self.assignment()?)
+            } else if self.sees("(") {
+                self.constructed(&first.name)?
+            } else {
+                None
+            };
+            all.push(Declared {
+                name,
+                kind: if first.pointer { Kind::Any } else { first.kind },
+                lengths,
+                value,
+                reference: first.reference || first.pointer,
+                constant: first.constant,
+                lasting: first.lasting,
+                place: name_place.to(self.before()),
+            });
+            if !self.take(",") {
+                break;
+            }
+            while self.take("*") || self.take("&") {}
+            name_place = self.place();
+            name = self.name("the name of what is declared")?;
+        }
+        self.end_statement()?;
+        Ok(Some(StmtNode::Declare(all)))
+    }
+
+    /// `name(value)`: a value for numbers, something of its own for objects.
+    fn constructed(&mut self, of: &str) -> Parsed<Option<Expr>> {
+        let place = self.place();
+        self.at += 1;
+        let mut given = Vec::new();
+        while !self.take(")") {
+            given.push(self.assignment()?);
+            if !self.take(",") && !self.sees(")") {
+                return Err(unexpected(
+                    self.peek(0),
+                    self.place(),
+                    "`,` or `)`",
+                    "write `type name(value);`",
+                ));
+            }
+        }
+        if kind_of(of) != Kind::Any || of == "scamp5_kernel" {
+            return Ok(given.into_iter().next());
+        }
+        // An object of the language's library: its name stands for it.
+        let node = ExprNode::Text(of.into());
+        Ok(Some(Expr { node, place }))
+    }
+
+    /// A function with its body, or a prototype, if one of them stands here.
+    fn function(&mut self, name: &Word, place: Place) -> Parsed<Option<StmtNode>> {
+        let start = self.at;
+        self.skip_group();
+        while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
+            self.at += 1;
+        }
+        let (body, prototype) = (self.sees("{") || self.sees(":"), self.sees(";"));
+        self.at = start;
+        if !(body || prototype && self.looks_like_parameters()) {
+            return Ok(None);
+        }
+        self.at += 1;
+        let parameters = self.parameters()?;
+        while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
+            self.at += 1;
+        }
+        if self.take(";") {
+            return Ok(Some(StmtNode::Prototype(Rc::new(Function {
+                name: name.clone(),
+                parameters,
+                body: Vec::new(),
+                place,
+            }))));
+        }
+        while self.peek(0).is_some() && !self.sees("{") {
+            self.at += 1;
+        }
+        let body = self.block()?;
+        Ok(Some(StmtNode::Function(Rc::new(Function {
+            name: name.clone(),
+            parameters,
+            body,
+            place,
+        }))))
+    }
+
+    /// Whether what stands in parentheses here are parameters rather than values.
+    fn looks_like_parameters(&mut self) -> bool {
+        let start = self.at;
+        self.at += 1;
+        let empty = self.sees(")");
+        let typed = self.read_type().is_some();
+        let named = typed
+            && (!self.word(0).is_empty()
+                || kind_of(self.word_before()) != Kind::Any
+                || self.word_before() == "void"
+                || self.tokens[self.at - 1].name().is_none());
+        self.at = start;
+        empty || named
+    }
+
+    fn word_before(&self) -> &str {
+        let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
+        before.and_then(Token::name).map_or("", |n| n)
+    }
+
+    /// Parameters up to `)`.
+    pub(super) fn parameters(&mut self) -> Parsed<Vec<Parameter>> {
+        const HELP: &str = "a function is `type name(type parameter) { … }`";
+        let mut all = Vec::new();
+        while !self.take(")") {
+            if self.take("...") {
+                continue;
+            }
+            let Some(it) = self.read_type() else {
+                return Err(unexpected(self.peek(0), self.place(), "a type", HELP));
+            };
+            let name = match self.peek(0).and_then(Token::name) {
+                Some(name) => {
+                    self.at += 1;
+                    name.clone()
+                }
+                None => "".into(),
+            };
+            let mut array = false;
+            while self.take("[") {
+                array = true;
+                while self.peek(0).is_some() && !self.take("]") {
+                    self.at += 1;
+                }
+            }
+            let default = if self.take("=") {
+                Some(self.assignment()?)
+            } else {
+                None
+            };
+            let single_void = &*it.name == "void" && name.is_empty() && !it.pointer;
+            if !single_void {
+                all.push(Parameter {
+                    name,
+                    kind: if it.pointer || array {
+                        Kind::Any
+                    } else {
+                        it.kind
+                    },
+                    reference: (it.reference && !it.constant) || it.pointer || array,
+                    default,
+                });
+            }
+            if !self.take(",") && !self.sees(")") {
+                return Err(unexpected(self.peek(0), self.place(), "`,` or `)`", HELP));
+            }
+        }
+        Ok(all)
+    }
+
+    pub(super) fn expression(&mut self) -> Parsed<Expr> {
+        self.deeper(expression::comma)
+    }
+
+    pub(super) fn assignment(&mut self) -> Parsed<Expr> {
+        self.deeper(expression::assignment)
+    }
+}
+
+/// What a number of this type becomes.
+pub(super) fn kind_of(name: &str) -> Kind {
+    match name {
+        "bool" => Kind::Flag,
+        "float" | "double" => Kind::Real,
+        "int8_t" | "char" => Kind::Bits(8, true),
+        "uint8_t" => Kind::Bits(8, false),
+        "int16_t" | "short" => Kind::Bits(16, true),
+        "uint16_t" => Kind::Bits(16, false),
+        "int" | "int32_t" | "long" | "int64_t" | "size_t" | "uint32_t" | "uint64_t"
+        | "unsigned" | "signed" => Kind::Whole,
+        _ => Kind::Any,
+    }
+}

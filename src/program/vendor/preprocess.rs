@@ -1,0 +1,515 @@
+//! The preprocessor: `#include`, `#define`, `#if` and its kin.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
+
+use super::{
+    files::{Files, Includes},
+    token::{Kind, Token, tokens},
+};
+use crate::{
+    config::{Fault, Place},
+    program::Overrides,
+};
+
+/// Files inside each other.
+const DEPTH: usize = 16;
+
+/// Tokens that a text may become.
+const TOKENS: usize = 1 << 20;
+
+/// What a text becomes.
+pub(super) struct Preprocessed {
+    pub tokens: Vec<Token>,
+    pub faults: Vec<Fault>,
+    /// Names that stand for one number, as `#define` states them.
+    pub numbers: BTreeMap<String, f64>,
+}
+
+/// The names of files that a text asks for in quotes.
+pub(super) fn asked(text: &str) -> Vec<String> {
+    let lines = text.lines().map(str::trim_start);
+    let included = lines.filter_map(|line| {
+        let line = line.strip_prefix('#')?.trim_start();
+        let line = line.strip_prefix("include")?.trim_start();
+        line.strip_prefix('"')?.split('"').next()
+    });
+    included.map(str::to_owned).collect()
+}
+
+pub(super) fn preprocess(
+    text: &str,
+    includes: &Includes,
+    overrides: &Overrides,
+    files: &mut Files,
+) -> Preprocessed {
+    let mut it = Preprocessor {
+        includes,
+        overrides,
+        files,
+        macros: BTreeMap::new(),
+        once: BTreeSet::new(),
+        out: Vec::new(),
+        faults: Vec::new(),
+        numbers: BTreeMap::new(),
+        full: false,
+    };
+    it.text(text, 0, 0);
+    Preprocessed {
+        tokens: it.out,
+        faults: it.faults,
+        numbers: it.numbers,
+    }
+}
+
+/// `#define name body` or `#define name(parameters) body`.
+#[derive(Clone)]
+struct Macro {
+    parameters: Option<Vec<Arc<str>>>,
+    /// Whether the last parameter takes all that is left.
+    variadic: bool,
+    body: Vec<Token>,
+}
+
+/// A group between `#if` and `#endif`.
+struct Group {
+    /// Whether it is read.
+    on: bool,
+    /// Whether one of its parts was read already.
+    done: bool,
+    place: Place,
+}
+
+struct Preprocessor<'a> {
+    includes: &'a Includes,
+    overrides: &'a Overrides,
+    files: &'a mut Files,
+    macros: BTreeMap<Arc<str>, Macro>,
+    /// Files with `#pragma once` that were read.
+    once: BTreeSet<String>,
+    out: Vec<Token>,
+    faults: Vec<Fault>,
+    numbers: BTreeMap<String, f64>,
+    /// Whether the limit was told.
+    full: bool,
+}
+
+impl Preprocessor<'_> {
+    fn text(&mut self, text: &str, base: usize, depth: usize) {
+        let (all, mut faults) = tokens(text, base);
+        self.faults.append(&mut faults);
+        let mut groups: Vec<Group> = Vec::new();
+        let mut rest = &all[..];
+        while let Some(first) = rest.first() {
+            if first.is("#") && first.first {
+                let end = rest[1..].iter().position(|t| t.first);
+                let (line, after) = rest.split_at(end.map_or(rest.len(), |end| end + 1));
+                rest = after;
+                self.directive(&line[1..], first.place, &mut groups, depth);
+                continue;
+            }
+            // Up to the next directive: a call of a macro may go over lines.
+            let end = rest.iter().position(|t| t.is("#") && t.first);
+            let (lines, after) = rest.split_at(end.unwrap_or(rest.len()));
+            rest = after;
+            if groups.iter().all(|group| group.on) {
+                let mut active = Vec::new();
+                self.expand(lines, &mut active, None);
+            }
+        }
+        for group in groups {
+            self.faults.push(
+                Fault::error(group.place, "this `#if` has no end", "begins here")
+                    .help("close it with `#endif`"),
+            );
+        }
+    }
+
+    fn directive(&mut self, line: &[Token], place: Place, groups: &mut Vec<Group>, depth: usize) {
+        let Some((word, rest)) = line.split_first() else {
+            return;
+        };
+        let name = word.name().map_or("", |name| &**name);
+        let on = groups.iter().all(|group| group.on);
+        match name {
+            "if" | "ifdef" | "ifndef" => {
+                let met = on && self.condition(name, rest, place);
+                groups.push(Group {
+                    on: met,
+                    done: met || !on,
+                    place,
+                });
+            }
+            "elif" | "else" => {
+                let Some(group) = groups.last() else {
+                    self.stray(name, place);
+                    return;
+                };
+                let done = group.done;
+                let met = !done && (name == "else" || self.condition("if", rest, place));
+                if let Some(group) = groups.last_mut() {
+                    group.on = met;
+                    group.done |= met;
+                }
+            }
+            "endif" if groups.pop().is_none() => {
+                self.stray(name, place);
+            }
+            _ if !on => {}
+            "define" => self.define(rest),
+            "undef" => {
+                if let Some(name) = rest.first().and_then(Token::name) {
+                    self.macros.remove(name);
+                }
+            }
+            "include" => self.include(rest, place, depth),
+            "error" => self.faults.push(
+                Fault::error(place, "`#error` stands here", "this line")
+                    .help("define what the text asks for"),
+            ),
+            // `#pragma` and the rest speak to a compiler.
+            _ => {}
+        }
+    }
+
+    fn stray(&mut self, name: &str, place: Place) {
+        self.faults.push(
+            Fault::error(place, format!("`#{name}` without `#if`"), "this line").help("remove it"),
+        );
+    }
+
+    fn condition(&mut self, kind: &str, line: &[Token], place: Place) -> bool {
+        let defined = |name: Option<&Token>| {
+            let name = name.and_then(Token::name);
+            name.is_some_and(|name| self.macros.contains_key(name))
+        };
+        if kind != "if" {
+            return defined(line.first()) == (kind == "ifdef");
+        }
+        // `defined X` and `defined(X)` first: X is not to be expanded.
+        let mut known = Vec::new();
+        let mut rest = line;
+        while let Some((token, after)) = rest.split_first() {
+            rest = after;
+            if token.name().is_some_and(|name| &**name == "defined") {
+                let wrapped = rest.first().is_some_and(|t| t.is("("));
+                let name = rest.get(usize::from(wrapped));
+                let kind = Kind::Whole(i64::from(defined(name)));
+                known.push(Token {
+                    kind,
+                    ..token.clone()
+                });
+                rest = rest.get(if wrapped { 3 } else { 1 }..).unwrap_or_default();
+            } else {
+                known.push(token.clone());
+            }
+        }
+        let before = std::mem::take(&mut self.out);
+        self.expand(&known, &mut Vec::new(), None);
+        let line = std::mem::replace(&mut self.out, before);
+        if let Some(value) = super::constant::value(&line) {
+            value != 0
+        } else {
+            self.faults.push(
+                Fault::error(place, "this `#if` is no constant", "this line")
+                    .help("`#if` takes whole numbers, names of `#define`, and `defined(NAME)`"),
+            );
+            false
+        }
+    }
+
+    fn define(&mut self, line: &[Token]) {
+        let Some((head, mut body)) = line.split_first() else {
+            return;
+        };
+        let Some(name) = head.name() else {
+            self.faults.push(
+                Fault::error(head.place, "`#define` takes a name", "this")
+                    .help("write `#define NAME value`"),
+            );
+            return;
+        };
+        let mut it = Macro {
+            parameters: None,
+            variadic: false,
+            body: Vec::new(),
+        };
+        // A parameter list touches the name.
+        let list = body.first().filter(|t| t.is("("));
+        if list.is_some_and(|t| t.place.start == head.place.end) {
+            let end = body.iter().position(|t| t.is(")")).unwrap_or(0);
+            let inside = body.get(1..end).unwrap_or_default();
+            it.variadic = inside.iter().any(|t| t.is("..."));
+            let mut names: Vec<Arc<str>> = inside.iter().filter_map(Token::name).cloned().collect();
+            if inside.last().is_some_and(|t| t.is("..."))
+                && inside
+                    .len()
+                    .checked_sub(2)
+                    .is_none_or(|i| inside[i].name().is_none())
+            {
+                names.push("__VA_ARGS__".into());
+            }
+            it.parameters = Some(names);
+            body = body.get(end + 1..).unwrap_or_default();
+        }
+        it.body = body.to_vec();
+        if it.parameters.is_none() {
+            if let Some(value) = self.overrides.get(&**name) {
+                let kind = number(*value);
+                let place = head.place;
+                let negative = *value < 0.0;
+                let first = false;
+                it.body = Vec::new();
+                if negative {
+                    let kind = Kind::Mark("-");
+                    it.body.push(Token { kind, place, first });
+                }
+                it.body.push(Token { kind, place, first });
+            }
+            if let Some(value) = stated(&it.body) {
+                self.numbers.insert(name.to_string(), value);
+            }
+        }
+        self.macros.insert(Arc::clone(name), it);
+    }
+
+    fn include(&mut self, line: &[Token], place: Place, depth: usize) {
+        let Some(Kind::Text(name)) = line.first().map(|t| &t.kind) else {
+            // `<…>` is the vendor's or the language's own.
+            return;
+        };
+        let place = place.to(line.last().map_or(place, |t| t.place));
+        let Some(text) = self.includes.get(&**name) else {
+            if !vendor_header(name) {
+                self.faults.push(
+                    Fault::warning(
+                        place,
+                        format!("`{name}` is not there"),
+                        "what it states is not known",
+                    )
+                    .help("put it beside the file, under this name"),
+                );
+            }
+            return;
+        };
+        if depth == DEPTH {
+            self.faults.push(
+                Fault::error(
+                    place,
+                    format!("files inside each other, more than {DEPTH}"),
+                    "this one",
+                )
+                .help("does a file include itself? begin it with `#pragma once`"),
+            );
+            return;
+        }
+        if text.contains("#pragma once") && !self.once.insert(name.to_string()) {
+            return;
+        }
+        let base = self.files.add(name, text, place);
+        let text = Arc::clone(text);
+        self.text(&text, base, depth + 1);
+    }
+
+    /// Appends tokens, macros expanded. `at` is the place of the outermost call.
+    fn expand(&mut self, tokens: &[Token], active: &mut Vec<Arc<str>>, at: Option<Place>) {
+        let mut rest = tokens;
+        while let Some((token, after)) = rest.split_first() {
+            rest = after;
+            let place = at.unwrap_or(token.place);
+            let found = token.name().filter(|name| !active.contains(name));
+            let found = found.and_then(|name| Some((name, self.macros.get(name)?.clone())));
+            let Some((name, it)) = found else {
+                if self.out.len() < TOKENS {
+                    self.out.push(Token {
+                        place,
+                        ..token.clone()
+                    });
+                } else if !self.full {
+                    self.full = true;
+                    self.faults.push(
+                        Fault::error(place, format!("more than {TOKENS} tokens"), "from here on")
+                            .help("macros that call each other grow fast; use a loop"),
+                    );
+                }
+                continue;
+            };
+            let mut body = it.body.clone();
+            if let Some(parameters) = &it.parameters {
+                let Some((given, after)) = arguments(rest) else {
+                    // Without parentheses the name stands for itself.
+                    self.out.push(Token {
+                        place,
+                        ..token.clone()
+                    });
+                    continue;
+                };
+                rest = after;
+                body = self.substitute(&it, parameters, &given, active, place);
+            }
+            if let (Some(first), Some(body)) = (Some(token.first), body.first_mut()) {
+                body.first = first;
+            }
+            active.push(Arc::clone(name));
+            // What the body leaves open, a name of a macro with its parentheses outside, is not
+            // looked for: nobody writes kernels so.
+            self.expand(&body, active, Some(place));
+            active.pop();
+        }
+    }
+
+    fn substitute(
+        &mut self,
+        it: &Macro,
+        parameters: &[Arc<str>],
+        given: &[&[Token]],
+        active: &mut Vec<Arc<str>>,
+        place: Place,
+    ) -> Vec<Token> {
+        let mut given: Vec<Vec<Token>> = given.iter().map(|tokens| tokens.to_vec()).collect();
+        if it.variadic && given.len() > parameters.len() && !parameters.is_empty() {
+            let last = given.split_off(parameters.len() - 1);
+            let comma = Token {
+                kind: Kind::Mark(","),
+                place,
+                first: false,
+            };
+            given.push(last.join(&comma));
+        }
+        if !it.variadic
+            && given.len() != parameters.len()
+            && !(parameters.is_empty() && given.iter().all(Vec::is_empty))
+        {
+            self.faults.push(
+                Fault::error(
+                    place,
+                    format!(
+                        "this macro takes {} arguments, not {}",
+                        parameters.len(),
+                        given.len()
+                    ),
+                    "this call",
+                )
+                .help("see its `#define`"),
+            );
+        }
+        let mut body: Vec<Token> = Vec::new();
+        let mut paste = false;
+        for token in &it.body {
+            if token.is("##") {
+                paste = true;
+                continue;
+            }
+            let index = token
+                .name()
+                .and_then(|name| parameters.iter().position(|parameter| parameter == name));
+            let mut inner = match index {
+                None => vec![token.clone()],
+                Some(index) => {
+                    let raw = given.get(index).cloned().unwrap_or_default();
+                    if paste {
+                        raw
+                    } else {
+                        let before = std::mem::take(&mut self.out);
+                        self.expand(&raw, active, Some(place));
+                        std::mem::replace(&mut self.out, before)
+                    }
+                }
+            };
+            for token in &mut inner {
+                token.first = false;
+            }
+            if paste && !inner.is_empty() {
+                paste = false;
+                if let (Some(last), Some(text)) = (body.last_mut(), spelled(&inner[0]))
+                    && let Some(before) = spelled(last)
+                {
+                    let (mut glued, _) = tokens(&format!("{before}{text}"), 0);
+                    if let Some(one) = glued.pop() {
+                        last.kind = one.kind;
+                        inner.remove(0);
+                    }
+                }
+            }
+            body.extend(inner);
+        }
+        body
+    }
+}
+
+/// The arguments of a call of a macro: what stands between commas, and what comes behind it.
+fn arguments(tokens: &[Token]) -> Option<(Vec<&[Token]>, &[Token])> {
+    if !tokens.first()?.is("(") {
+        return None;
+    }
+    let (mut depth, mut start, mut given) = (0_usize, 1, Vec::new());
+    for (i, token) in tokens.iter().enumerate() {
+        let Kind::Mark(mark) = token.kind else {
+            continue;
+        };
+        match mark {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => {
+                depth = depth.checked_sub(1)?;
+                if depth == 0 {
+                    given.push(&tokens[start..i]);
+                    return Some((given, &tokens[i + 1..]));
+                }
+            }
+            "," if depth == 1 => {
+                given.push(&tokens[start..i]);
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+fn spelled(token: &Token) -> Option<String> {
+    match &token.kind {
+        Kind::Name(name) => Some(name.to_string()),
+        Kind::Whole(value) => Some(value.to_string()),
+        _ => None,
+    }
+}
+
+fn number(value: f64) -> Kind {
+    let value = value.abs();
+    if value.fract() == 0.0 && value < 1e15 {
+        Kind::Whole(value as i64)
+    } else {
+        Kind::Real(value)
+    }
+}
+
+/// The number that a body is, with its sign and parentheses.
+fn stated(body: &[Token]) -> Option<f64> {
+    let mut body = body;
+    while let [open, inner @ .., close] = body {
+        if !(open.is("(") && close.is(")")) {
+            break;
+        }
+        body = inner;
+    }
+    let (sign, body) = match body {
+        [minus, rest @ ..] if minus.is("-") => (-1.0, rest),
+        body => (1.0, body),
+    };
+    match body {
+        [one] => match one.kind {
+            Kind::Whole(value) => Some(sign * value as f64),
+            Kind::Real(value) => Some(sign * value),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Headers of the vendor, whose words are the chip's.
+fn vendor_header(name: &str) -> bool {
+    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    name.starts_with("scamp") || name.starts_with("vs_") || name.starts_with("sim_")
+}

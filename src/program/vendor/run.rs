@@ -1,0 +1,414 @@
+//! Statements, run one after the other.
+
+use std::sync::Arc;
+
+use super::{
+    look,
+    machine::{Flow, Machine, item},
+    tree::{Declared, Expr, Stmt, StmtNode, Word},
+    value::Value,
+};
+use crate::{
+    config::Place,
+    isa::text::{Expression, Term},
+    program::syntax::{Item, Node},
+};
+
+impl Machine<'_> {
+    /// Runs statements in a scope of their own.
+    pub(super) fn block(&mut self, statements: &[Stmt]) -> Flow {
+        self.scopes.push(std::collections::BTreeMap::new());
+        let flow = self.statements(statements);
+        self.scopes.pop();
+        flow
+    }
+
+    pub(super) fn statements(&mut self, statements: &[Stmt]) -> Flow {
+        for statement in statements {
+            if self.done() {
+                return Flow::End;
+            }
+            match self.statement(statement) {
+                Flow::Next => {}
+                other => return other,
+            }
+        }
+        Flow::Next
+    }
+
+    fn statement(&mut self, it: &Stmt) -> Flow {
+        self.work(it.place);
+        match &it.node {
+            StmtNode::Block(inner) => return self.block(inner),
+            StmtNode::Declare(all) => {
+                for declared in all {
+                    self.declare(declared);
+                }
+            }
+            StmtNode::Expr(value) => {
+                self.value(value);
+                if self.looped {
+                    return Flow::End;
+                }
+            }
+            StmtNode::If(condition, yes, no) => return self.branch(condition, yes, no.as_deref()),
+            StmtNode::For(start, condition, step, body) => {
+                self.scopes.push(std::collections::BTreeMap::new());
+                if let Some(start) = start {
+                    self.statement(start);
+                }
+                let flow = self.turns(it, condition.as_ref(), step.as_ref(), body, false);
+                self.scopes.pop();
+                return flow;
+            }
+            StmtNode::Each(name, list, body) => return self.each(name, list, body),
+            StmtNode::While(condition, body) => {
+                return self.turns(it, Some(condition), None, body, false);
+            }
+            StmtNode::DoWhile(body, condition) => {
+                return self.turns(it, Some(condition), None, body, true);
+            }
+            StmtNode::Switch(on, body) => return self.switch(on, body),
+            StmtNode::Prototype(function) => self.announce(function),
+            StmtNode::Case(_) | StmtNode::Nothing => {}
+            StmtNode::Break => return Flow::Break,
+            StmtNode::Continue => return Flow::Continue,
+            StmtNode::Return(value) => {
+                let value = value.as_ref().map_or(Value::Whole(0), |it| self.value(it));
+                return Flow::Return(value);
+            }
+            StmtNode::Function(function) => self.state(function),
+        }
+        Flow::Next
+    }
+
+    /// A function is announced, with its default arguments.
+    pub(super) fn announce(&mut self, function: &std::rc::Rc<super::tree::Function>) {
+        let known = self.prototypes.entry(function.name.clone()).or_default();
+        if !known.contains(function) {
+            known.push(std::rc::Rc::clone(function));
+        }
+    }
+
+    /// A function is stated.
+    pub(super) fn state(&mut self, function: &std::rc::Rc<super::tree::Function>) {
+        let known = self.functions.entry(function.name.clone()).or_default();
+        if !known.contains(function) {
+            known.push(std::rc::Rc::clone(function));
+        }
+    }
+
+    pub(super) fn declare(&mut self, it: &Declared) {
+        if it.lasting
+            && let Some(slot) = self.lasting.get(&it.place.start)
+        {
+            let slot = *slot;
+            self.bind(&it.name, slot);
+            return;
+        }
+        if it.reference
+            && let Some(value) = &it.value
+            && let Some((slot, path)) = self.target(value, false)
+            && path.is_empty()
+            && self.slots.get(slot).is_some()
+        {
+            // Another name for the same variable, or for the array.
+            let pointed = matches!(self.slots[slot], Value::Pointer(..));
+            if !pointed {
+                self.bind(&it.name, slot);
+                return;
+            }
+        }
+        self.naming = Some(it.name.clone());
+        let stated = it.value.as_ref().map(|value| self.value(value));
+        self.naming = None;
+        let set = match stated {
+            // Registers, arrays and texts are not set from outside.
+            None | Some(Value::Whole(_) | Value::Real(_) | Value::Unknown(_))
+                if it.lengths.is_empty() =>
+            {
+                self.set(&it.name)
+            }
+            _ => None,
+        };
+        let value = match (set, stated) {
+            (Some(value), _) | (None, Some(value)) => value,
+            (None, None) if it.lengths.is_empty() => {
+                let name = &it.name;
+                // A variable of the file begins at 0; others hold what was there before.
+                if self.scopes.len() == 1 || it.lasting {
+                    Value::Whole(0)
+                } else {
+                    Value::Unknown(format!("`{name}`, to which nothing was assigned,").into())
+                }
+            }
+            (None, None) => Value::List(Vec::new()),
+        };
+        let value = self.shaped(it, value);
+        if let (true, Some(number)) = (it.constant, value.number()) {
+            self.constants.entry(it.name.to_string()).or_insert(number);
+        }
+        let slot = self.make(&it.name, value);
+        if it.lasting {
+            self.lasting.insert(it.place.start, slot);
+        }
+    }
+
+    /// A value with the lengths and the type of what holds it.
+    fn shaped(&mut self, it: &Declared, value: Value) -> Value {
+        let mut lengths = Vec::new();
+        for length in &it.lengths {
+            let value = length.as_ref().map(|length| self.value(length));
+            let whole = value.as_ref().and_then(Value::whole);
+            lengths.push(
+                whole
+                    .and_then(|n| usize::try_from(n).ok())
+                    .filter(|n| *n <= 1 << 20),
+            );
+        }
+        shape(value, &lengths, it.kind)
+    }
+
+    /// The value of a condition.
+    fn condition(&mut self, it: &Expr) -> Value {
+        match self.value(it) {
+            Value::Symbol(name) if self.device.value_of(&name).is_none() => {
+                if ["VS_", "vs_", "SCAMP"]
+                    .iter()
+                    .any(|begin| name.starts_with(begin))
+                {
+                    return Value::Unknown(format!("`{name}`").into());
+                }
+                self.unstated(&name, it.place);
+                Value::Whole(0)
+            }
+            value => value,
+        }
+    }
+
+    fn branch(&mut self, condition: &Expr, yes: &Stmt, no: Option<&Stmt>) -> Flow {
+        let value = self.condition(condition);
+        match value.truth() {
+            Ok(true) => self.scoped(yes),
+            Ok(false) => no.map_or(Flow::Next, |no| self.scoped(no)),
+            Err(why) => {
+                let parts: Vec<&Stmt> = [Some(yes), no].into_iter().flatten().collect();
+                self.either(condition, &parts, &why)
+            }
+        }
+    }
+
+    /// Branches of which only the run knows which is taken. What they show is shown; what they
+    /// compute is forgotten; that they change the array is a fault.
+    fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
+        let changes = parts.iter().any(|part| look::changes(self, part));
+        if changes {
+            let message = format!("whether this kernel runs, {why} decides");
+            self.unknown(on.place, message, Some(on));
+        }
+        for part in parts {
+            look::forget(self, part, why);
+            if changes {
+                // For the faults that are in it.
+                self.scoped(part);
+            } else {
+                look::show(self, part);
+            }
+            look::forget(self, part, why);
+            if look::leaves(part) {
+                self.maybe = Some(Arc::clone(why));
+            }
+        }
+        Flow::Next
+    }
+
+    pub(super) fn scoped(&mut self, it: &Stmt) -> Flow {
+        match &it.node {
+            StmtNode::Block(inner) => self.block(inner),
+            _ => self.block(std::slice::from_ref(it)),
+        }
+    }
+
+    fn switch(&mut self, on: &Expr, body: &[Stmt]) -> Flow {
+        let value = self.value(on);
+        if let Value::Unknown(why) = &value {
+            let why = Arc::clone(why);
+            let parts: Vec<&Stmt> = body.iter().collect();
+            // A `break` in it ends the switch, and nothing more.
+            let maybe = self.maybe.clone();
+            self.either(on, &parts, &why);
+            self.maybe = maybe;
+            return Flow::Next;
+        }
+        let mut start = None;
+        for (i, statement) in body.iter().enumerate() {
+            match &statement.node {
+                StmtNode::Case(Some(case)) if self.value(case).number() == value.number() => {
+                    start = Some(i);
+                    break;
+                }
+                StmtNode::Case(None) => start = start.or(Some(i)),
+                _ => {}
+            }
+        }
+        // `default` counts only where no case does.
+        let Some(start) = start else {
+            return Flow::Next;
+        };
+        match self.block(&body[start..]) {
+            Flow::Break => Flow::Next,
+            other => other,
+        }
+    }
+
+    fn each(&mut self, name: &Word, list: &Expr, body: &Stmt) -> Flow {
+        let listed = match self.value(list) {
+            Value::Pointer(slot, path, _) => self.at(slot, &path),
+            other => other,
+        };
+        let Value::List(all) = listed else {
+            self.error(
+                list.place,
+                "this is no list of known values".to_owned(),
+                "the loop goes over it",
+                "state the values in the file: `int all[] = {1, 2, 3};`",
+            );
+            return Flow::Next;
+        };
+        for value in all {
+            self.scopes.push(std::collections::BTreeMap::new());
+            self.make(name, value);
+            let flow = self.scoped(body);
+            self.scopes.pop();
+            match flow {
+                Flow::Next | Flow::Continue => {}
+                Flow::Break => break,
+                other => return other,
+            }
+        }
+        Flow::Next
+    }
+
+    /// A loop: the frames where it has no end, else turn by turn.
+    fn turns(
+        &mut self,
+        it: &Stmt,
+        condition: Option<&Expr>,
+        step: Option<&Expr>,
+        body: &Stmt,
+        body_first: bool,
+    ) -> Flow {
+        if self.endless(condition, body) {
+            return self.frame_loop(body, step);
+        }
+        let outer = self.maybe.clone();
+        let mut all: Vec<Vec<Item>> = Vec::new();
+        let before = self.items.len();
+        let frames = self.frames.len();
+        let mut first = body_first;
+        let mut flow = Flow::Next;
+        while !self.done() {
+            self.work(it.place);
+            let holds = match condition {
+                Some(condition) if !first => {
+                    let value = self.condition(condition);
+                    match value.truth() {
+                        Ok(holds) => holds,
+                        Err(why) => {
+                            self.open_ended(it, condition, body, &why);
+                            false
+                        }
+                    }
+                }
+                _ => true,
+            };
+            first = false;
+            if !holds {
+                break;
+            }
+            let start = self.items.len();
+            let one = self.scoped(body);
+            if self.frames.len() == frames && self.kernel.is_none() && start <= self.items.len() {
+                all.push(self.items[start..].to_vec());
+            }
+            match one {
+                Flow::Next | Flow::Continue => {}
+                Flow::Break => break,
+                other => {
+                    flow = other;
+                    break;
+                }
+            }
+            if let Some(step) = step {
+                self.value(step);
+            }
+        }
+        if let Some(why) = self.maybe.clone() {
+            // How often it ran is not known, nor what it left.
+            look::forget(self, body, &why);
+        }
+        self.maybe = outer;
+        if flow == Flow::Next && self.frames.len() == frames {
+            self.folded(before, &all, it.place);
+        }
+        flow
+    }
+
+    /// A loop of which only the run knows when it ends.
+    fn open_ended(&mut self, it: &Stmt, condition: &Expr, body: &Stmt, why: &Arc<str>) {
+        if look::changes(self, body) {
+            let message = format!("how often this loop runs, {why} decides");
+            self.unknown(it.place, message, Some(condition));
+        }
+        look::forget(self, body, why);
+        look::show(self, body);
+        look::forget(self, body, why);
+    }
+
+    /// Turns that asked the same of the array become one `repeat`, which is stored once.
+    fn folded(&mut self, before: usize, all: &[Vec<Item>], place: Place) {
+        let Some((first, rest)) = all.split_first() else {
+            return;
+        };
+        let turns = all.iter().map(Vec::len).sum::<usize>();
+        let whole = self.items.len() == before + turns;
+        if rest.is_empty() || first.is_empty() || self.kernel.is_some() || !whole {
+            return;
+        }
+        if rest.iter().any(|turn| turn != first) {
+            return;
+        }
+        self.items.truncate(before);
+        let place = self.files.own(place);
+        let term = Term::Number(all.len() as f64);
+        let node = Node::Repeat {
+            times: Expression { term, place },
+            body: first.clone(),
+        };
+        self.items.push(item(node, place));
+    }
+}
+
+/// A value in an array of these lengths, whose numbers are of this type.
+fn shape(value: Value, lengths: &[Option<usize>], kind: super::tree::Kind) -> Value {
+    let Some((length, inner)) = lengths.split_first() else {
+        return match value {
+            Value::List(all) => Value::List(all.into_iter().map(|it| it.converted(kind)).collect()),
+            other => other.converted(kind),
+        };
+    };
+    match value {
+        Value::List(mut all) => {
+            let length = length.unwrap_or(all.len());
+            let filler = || match inner {
+                [] => Value::Whole(0),
+                _ => Value::List(Vec::new()),
+            };
+            if all.len() < length {
+                all.resize_with(length, filler);
+            }
+            Value::List(all.into_iter().map(|it| shape(it, inner, kind)).collect())
+        }
+        other => other,
+    }
+}

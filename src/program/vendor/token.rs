@@ -1,0 +1,244 @@
+//! Tokens of C++: names, numbers, text, marks. Comments are passed over.
+
+use std::sync::Arc;
+
+use crate::{
+    config::{Fault, Place},
+    limit::FAULTS,
+};
+
+/// One token.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Token {
+    /// What it is.
+    pub kind: Kind,
+    /// Where it stands.
+    pub place: Place,
+    /// Whether it is the first of its line.
+    pub first: bool,
+}
+
+/// What a token is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Kind {
+    Name(Arc<str>),
+    Whole(i64),
+    Real(f64),
+    /// Text between quotes, without them.
+    Text(Arc<str>),
+    Mark(&'static str),
+}
+
+impl Token {
+    pub(super) fn is(&self, mark: &str) -> bool {
+        matches!(self.kind, Kind::Mark(m) if m == mark)
+    }
+
+    pub(super) fn name(&self) -> Option<&Arc<str>> {
+        match &self.kind {
+            Kind::Name(name) => Some(name),
+            _ => None,
+        }
+    }
+}
+
+/// Longer marks before those that they begin with.
+const MARKS: [&str; 49] = [
+    "<<=", ">>=", "...", "->*", "::", "++", "--", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=",
+    "<<", ">>", "<=", ">=", "==", "!=", "&&", "||", "->", "##", "(", ")", "{", "}", "[", "]", ";",
+    ",", "=", "+", "-", "*", "/", "%", "<", ">", "!", "~", "&", "|", "^", "?", ":", ".",
+];
+
+/// Cuts a text into tokens whose places begin at `base`.
+pub(super) fn tokens(text: &str, base: usize) -> (Vec<Token>, Vec<Fault>) {
+    let mut lexer = Lexer {
+        text,
+        at: 0,
+        first: true,
+    };
+    let (mut tokens, mut faults) = (Vec::new(), Vec::new());
+    while lexer.blanks(&mut faults, base) {
+        let (start, first) = (lexer.at, lexer.first);
+        let kind = lexer.token();
+        lexer.first = false;
+        let place = Place::new(base + start, base + lexer.at);
+        match kind {
+            Ok(kind) => tokens.push(Token { kind, place, first }),
+            Err(message) => {
+                faults.push(
+                    Fault::error(place, message, "here")
+                        .help("vendor C++ is read here: statements, functions, `#define`"),
+                );
+                if faults.len() > FAULTS {
+                    break;
+                }
+            }
+        }
+    }
+    (tokens, faults)
+}
+
+struct Lexer<'a> {
+    text: &'a str,
+    at: usize,
+    /// Whether a line has begun since the last token.
+    first: bool,
+}
+
+impl<'a> Lexer<'a> {
+    fn rest(&self) -> &'a str {
+        &self.text[self.at..]
+    }
+
+    /// Passes over blanks and comments; whether anything is left.
+    fn blanks(&mut self, faults: &mut Vec<Fault>, base: usize) -> bool {
+        loop {
+            let rest = self.rest();
+            if let Some(after) = rest.strip_prefix("\\") {
+                // A line that goes on.
+                if after.starts_with('\n') || after.starts_with("\r\n") {
+                    self.at += rest.find('\n').unwrap_or(0) + 1;
+                    continue;
+                }
+            }
+            if rest.starts_with("//") {
+                self.at += rest.find('\n').unwrap_or(rest.len());
+                continue;
+            }
+            if rest.starts_with("/*") {
+                let Some(end) = rest.find("*/") else {
+                    let place = Place::new(base + self.at, base + self.at + 2);
+                    faults.push(
+                        Fault::error(place, "a comment without an end", "begins here")
+                            .help("close it with `*/`"),
+                    );
+                    self.at = self.text.len();
+                    return false;
+                };
+                self.at += end + 2;
+                continue;
+            }
+            match rest.chars().next() {
+                None => return false,
+                Some('\n') => self.first = true,
+                Some(c) if c.is_whitespace() || c == '\u{feff}' => {}
+                Some(_) => return true,
+            }
+            self.at += rest.chars().next().map_or(0, char::len_utf8);
+        }
+    }
+
+    fn token(&mut self) -> Result<Kind, String> {
+        let rest = self.rest();
+        let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let first = rest.chars().next().unwrap_or(' ');
+        if rest.starts_with("R\"") {
+            return self.raw();
+        }
+        if first.is_ascii_alphabetic() || first == '_' {
+            let end = rest.find(|c| !letter(c)).unwrap_or(rest.len());
+            self.at += end;
+            return Ok(Kind::Name(rest[..end].into()));
+        }
+        let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+        if digit(Some(first)) || (first == '.' && digit(rest.chars().nth(1))) {
+            return self.number();
+        }
+        if first == '"' || first == '\'' {
+            return self.quoted(first);
+        }
+        if first == '#' && !rest.starts_with("##") {
+            self.at += 1;
+            return Ok(Kind::Mark("#"));
+        }
+        if let Some(mark) = MARKS.iter().find(|mark| rest.starts_with(**mark)) {
+            self.at += mark.len();
+            return Ok(Kind::Mark(mark));
+        }
+        self.at += first.len_utf8();
+        Err(format!("`{}` has no meaning here", first.escape_debug()))
+    }
+
+    fn raw(&mut self) -> Result<Kind, String> {
+        let rest = self.rest();
+        let open = rest.find('(').unwrap_or(rest.len());
+        let end = format!("){}\"", rest.get(2..open).unwrap_or_default());
+        let body = rest.get(open + 1..).unwrap_or_default();
+        let Some(length) = body.find(&end) else {
+            self.at = self.text.len();
+            return Err("text in quotes without an end".to_owned());
+        };
+        self.at += open + 1 + length + end.len();
+        Ok(Kind::Text(body[..length].into()))
+    }
+
+    fn quoted(&mut self, quote: char) -> Result<Kind, String> {
+        let rest = self.rest();
+        let mut escaped = false;
+        for (i, c) in rest.char_indices().skip(1) {
+            if c == '\n' {
+                break;
+            }
+            if c == quote && !escaped {
+                self.at += i + 1;
+                let inner = &rest[1..i];
+                if quote == '"' {
+                    return Ok(Kind::Text(inner.into()));
+                }
+                let code = match inner {
+                    "\\n" => '\n',
+                    "\\0" => '\0',
+                    inner => inner.chars().next_back().unwrap_or(' '),
+                };
+                return Ok(Kind::Whole(i64::from(u32::from(code))));
+            }
+            escaped = c == '\\' && !escaped;
+        }
+        self.at += rest.find('\n').unwrap_or(rest.len());
+        Err("text in quotes without an end".to_owned())
+    }
+
+    fn number(&mut self) -> Result<Kind, String> {
+        let rest = self.rest();
+        let mut end = 0;
+        let mut before = ' ';
+        for c in rest.chars() {
+            let sign = (c == '+' || c == '-') && matches!(before, 'e' | 'E') && !hexadecimal(rest);
+            if !(c.is_ascii_alphanumeric() || c == '.' || c == '\'' || sign) {
+                break;
+            }
+            before = c;
+            end += 1;
+        }
+        let whole = &rest[..end];
+        self.at += end;
+        let digits = whole.replace('\'', "").to_ascii_lowercase();
+        let wrong = || format!("`{whole}` is not a number");
+        for (prefix, radix) in [("0x", 16), ("0b", 2)] {
+            if let Some(digits) = digits.strip_prefix(prefix) {
+                let digits = digits.trim_end_matches(['u', 'l']);
+                return i64::from_str_radix(digits, radix)
+                    .map(Kind::Whole)
+                    .map_err(|_| wrong());
+            }
+        }
+        if digits.contains(['.', 'e']) || digits.ends_with('f') {
+            let digits = digits.trim_end_matches(['f', 'l']);
+            let value: f64 = digits.parse().map_err(|_| wrong())?;
+            return Ok(Kind::Real(value));
+        }
+        let digits = digits.trim_end_matches(['u', 'l', 'z']);
+        let radix = if digits.len() > 1 && digits.starts_with('0') {
+            8
+        } else {
+            10
+        };
+        i64::from_str_radix(digits, radix)
+            .map(Kind::Whole)
+            .map_err(|_| wrong())
+    }
+}
+
+fn hexadecimal(text: &str) -> bool {
+    text.starts_with("0x") || text.starts_with("0X")
+}

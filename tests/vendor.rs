@@ -1,0 +1,638 @@
+//! Programs as the vendor has them: every construct of C++ that such programs are made of gives
+//! the words that the frame language gives, what is not understood is named with its line, all at
+//! once, and a program that is written as C++ reads back as the same instructions.
+
+mod common;
+
+use std::{fs, path::Path};
+
+use amacrine::{
+    compile::{CellKind, DriveMemory, Effort, Request, SensorProgram},
+    config::Faults,
+    isa::Device,
+    kernel::Kernel,
+    program::{Action, Code, Expansion, Includes, Overrides, Program, Step, cpp, included, stored},
+};
+use common::{good, json, refused};
+
+fn expand(text: &str, set: &[(&str, f64)]) -> Result<Expansion, Faults> {
+    let overrides: Overrides = set
+        .iter()
+        .map(|(name, v)| ((*name).to_owned(), *v))
+        .collect();
+    Program::read("p.cpp", text).expand(&Device::scamp5(), &overrides)
+}
+
+fn cpp_code(text: &str) -> Code {
+    bare(
+        expand(text, &[])
+            .unwrap_or_else(|faults| panic!("{faults:?}\n{text}"))
+            .code,
+    )
+}
+
+/// Without the lines that they came from.
+fn bare(code: Code) -> Code {
+    fn steps(all: Vec<Step>) -> Vec<Step> {
+        all.into_iter()
+            .map(|step| Step {
+                action: match step.action {
+                    Action::Repeat { times, body } => Action::Repeat {
+                        times,
+                        body: steps(body),
+                    },
+                    other => other,
+                },
+                line: 0,
+            })
+            .collect()
+    }
+    Code {
+        init: steps(code.init),
+        frame: steps(code.frame),
+    }
+}
+
+fn own_code(text: &str) -> Code {
+    let program = Program::parse("p.scamp", text).unwrap();
+    bare(
+        program
+            .expand(&Device::scamp5(), &Overrides::new())
+            .unwrap()
+            .code,
+    )
+}
+
+/// C++ inside of `main` and a loop over the frames, and the statements that it is.
+#[track_caller]
+fn same(inside: &str, own: &str) {
+    let text = format!(
+        "#include <scamp5.hpp>\nusing namespace SCAMP5_PE;\nint main() {{ vs_init();\n\
+         while (1) {{ vs_frame_loop_control();\n{inside}\n}} return 0; }}"
+    );
+    assert_eq!(cpp_code(&text), own_code(own), "{inside}");
+}
+
+/// Whole C++, and the statements that it is.
+#[track_caller]
+fn whole(text: &str, own: &str) {
+    assert_eq!(cpp_code(text), own_code(own), "{text}");
+}
+
+const BEGIN: &str = "scamp5_kernel_begin();";
+const END: &str = "scamp5_kernel_end();";
+
+#[test]
+fn kernels_and_calls_of_the_host() {
+    same(
+        &format!(
+            "{BEGIN} get_image(A, F); where(A); MOV(S0, FLAG); all(); {END} scamp5_in(B, -3);"
+        ),
+        "get_image(A, F); where(A); MOV(R5, FLAG); all(); scamp5_in(B, -3);",
+    );
+    same(
+        "scamp5_dynamic_kernel_begin(); add(A, B, C); scamp5_dynamic_kernel_end();",
+        "add(A, B, C);",
+    );
+    same("bus({A, B}, {C, D});", "bus({A, B}, {C, D});");
+    same(
+        "scamp5_load_region(R5, 1, 2, 3, 4);",
+        "scamp5_load_rect(R5, 1, 2, 3, 4);",
+    );
+    same("scamp5_shift(R5, -2, 1, 0, 4);", "scamp5_shift(R5, -2, 1);");
+    same(
+        "scamp5_diffuse(A, 5, true, false);",
+        "scamp5_diffuse(A, 5, 1, 0);",
+    );
+}
+
+#[test]
+fn constants_and_arithmetic_are_those_of_cpp() {
+    same("int y = 7; scamp5_in(A, y / 2);", "scamp5_in(A, 3);");
+    same("scamp5_in(A, 7.0 / 2 + 0.5);", "scamp5_in(A, 4);");
+    same(
+        "uint8_t b = 250; b += 10; scamp5_in(A, (int)b % 100);",
+        "scamp5_in(A, 60);",
+    );
+    same(
+        "scamp5_load_pattern(R5, 0, 0, 0b1100, 0x1F);",
+        "scamp5_load_pattern(R5, 0, 0, 12, 31);",
+    );
+    same(
+        "scamp5_in(A, (1 << 3) | 1); scamp5_in(B, ~0 & 6);",
+        "scamp5_in(A, 9); scamp5_in(B, 6);",
+    );
+    same(
+        "scamp5_in(A, 3 > 2 ? std::max(4, 5) : 0);",
+        "scamp5_in(A, 5);",
+    );
+    same(
+        "int x = -4; if (abs(x) > 3) scamp5_in(A, abs(x));",
+        "scamp5_in(A, 4);",
+    );
+    same(
+        "enum { A0, B0 = 4, C0 }; scamp5_in(A, C0);",
+        "scamp5_in(A, 5);",
+    );
+    same(
+        "int a[2][3] = {{1, 2, 3}, {4, 5}}; a[1][0]++; scamp5_in(A, a[1][0] + a[1][2]);",
+        "scamp5_in(A, 5);",
+    );
+    same(
+        "int v = 1; int &w = v; w = 6; int *p = &v; *p += 1; scamp5_in(A, v);",
+        "scamp5_in(A, 7);",
+    );
+}
+
+#[test]
+fn registers_have_aliases() {
+    same(
+        "const areg_t P = B; auto Q = S1; mov(A, P); SET(Q);",
+        "mov(A, B); SET(R6);",
+    );
+    same(
+        "if (S5 == R10) { SET(R5); } if (R5 != S0) { SET(R6); }",
+        "SET(R5);",
+    );
+    same(
+        "areg_t all[2] = {A, B}; for (int i = 0; i < 2; i++) mov(all[i], C);",
+        "mov(A, C); mov(B, C);",
+    );
+    whole(
+        "#define IN_REG C\n#define TWICE(x, n) add(x, x, IN_REG); scamp5_in(x, n)\nTWICE(A, 5);",
+        "add(A, A, C); scamp5_in(A, 5);",
+    );
+}
+
+#[test]
+fn the_preprocessor() {
+    whole(
+        "#define LAYERS 2\n#if LAYERS == 1 || defined(NONE)\nneg(A, B);\n#elif LAYERS > 1\nmov(A, B);\n#else\nabs(A, B);\n#endif\n\
+         #ifndef MORE\n#define MORE(x) \\\n  neg(x, B)\n#endif\nMORE(C);\n#undef LAYERS\n#ifdef LAYERS\nabs(A, B);\n#endif",
+        "mov(A, B); neg(C, B);",
+    );
+    whole(
+        "#define west(X, Y) {mov(X, Y, west);}\nwest(A, B);",
+        "movx(A, B, west);",
+    );
+    whole(
+        "#define TRY(X)({\\\n mov(F, X);\\\n neg(X, F);\\\n})\nTRY(A);",
+        "mov(F, A); neg(A, F);",
+    );
+    whole(
+        "#define GLUE(a, b) a##b\nbus(A, GLUE(NE, WS));",
+        "bus(A, NEWS);",
+    );
+}
+
+#[test]
+fn loops_and_branches_on_constants() {
+    // Inside a kernel the words are there again and again, outside it is launched again.
+    same(
+        &format!("{BEGIN} for (int i = 0; i < 3; i++) {{ mov(A, B); }} {END}"),
+        "mov(A, B); mov(A, B); mov(A, B);",
+    );
+    same(
+        &format!("for (int i = 0; i < 3; i++) {{ {BEGIN} mov(A, B); {END} }}"),
+        "repeat 3 { mov(A, B); }",
+    );
+    same(
+        "for (int i = 0; i < 3; i++) scamp5_in(A, i);",
+        "scamp5_in(A, 0); scamp5_in(A, 1); scamp5_in(A, 2);",
+    );
+    same(
+        "int i = 4; while (i--) { if (i == 1) break; if (i % 2) continue; scamp5_in(A, i); }",
+        "scamp5_in(A, 2);",
+    );
+    same(
+        "int i = 0; do { scamp5_in(A, i); i += 2; } while (i < 4);",
+        "scamp5_in(A, 0); scamp5_in(A, 2);",
+    );
+    same(
+        "switch (2) { case 1: neg(A, B); break; case 2: mov(A, B); case 3: abs(A, B); break; default: nop(); }",
+        "mov(A, B); abs(A, B);",
+    );
+    same(
+        "int all[] = {1, 5}; for (auto x : all) scamp5_in(A, x);",
+        "scamp5_in(A, 1); scamp5_in(A, 5);",
+    );
+}
+
+#[test]
+fn functions_are_run_where_they_are_called() {
+    whole(
+        "void f(areg_t y, areg_t x, int by = 2);\n\
+         namespace tools { int twice(int n) { return 2 * n; } }\n\
+         int main() { f(A, B); f(C, D, tools::twice(3)); auto g = [&](dreg_t r) { SET(r); }; g(R5); }\n\
+         void f(areg_t y, areg_t x, int by) { mov(y, x); scamp5_in(x, by); }\n\
+         void f(dreg_t y) { SET(y); }",
+        "mov(A, B); scamp5_in(B, 2); mov(C, D); scamp5_in(D, 6); SET(R5);",
+    );
+    whole(
+        "inline void only() { scamp5_kernel_begin(); south(A, A); scamp5_kernel_end(); }",
+        "movx(A, A, south);",
+    );
+    whole(
+        "scamp5_kernel k;\nint main() { k([]{ mov(A, B); }); scamp5_launch_kernel(k); }",
+        "mov(A, B);",
+    );
+}
+
+#[test]
+fn sliders_are_settings_with_defaults() {
+    let text = "int main() { int t = 12; vs_gui_add_slider(\"t\", 0, 99, t, &t); int on = 0;\n\
+                vs_gui_add_switch(\"on\", on == 1, &on); auto rate = vs_gui_add_slider(\"r\", 0, 9, 4);\n\
+                while (1) { vs_frame_loop_control(); scamp5_in(A, t); if (on) scamp5_in(B, vs_gui_read_slider(rate)); } }";
+    let code = |set: &[(&str, f64)]| bare(expand(text, set).unwrap().code);
+    assert_eq!(code(&[]), own_code("scamp5_in(A, 12);"));
+    assert_eq!(
+        code(&[("t", 20.0), ("on", 1.0), ("rate", 7.0)]),
+        own_code("scamp5_in(A, 20); scamp5_in(B, 7);")
+    );
+    let found = expand(text, &[]).unwrap().constants;
+    assert_eq!((found["t"], found["on"], found["rate"]), (12.0, 0.0, 4.0));
+    assert!(
+        expand(text, &[("s", 1.0)])
+            .unwrap_err()
+            .to_string()
+            .contains("no constant `s`")
+    );
+    // `#define` and constants as well.
+    let text = "#define N 3\nconst int up = N * 2;\nscamp5_in(A, up);";
+    let code = |set: &[(&str, f64)]| bare(expand(text, set).unwrap().code);
+    assert_eq!(code(&[("N", -4.0)]), own_code("scamp5_in(A, -8);"));
+    assert_eq!(code(&[("up", 1.0)]), own_code("scamp5_in(A, 1);"));
+}
+
+#[test]
+fn the_first_frame_and_the_others() {
+    let frames = |text: &str, init: &str, frame: &str| {
+        whole(text, &format!("init {{ {init} }} frame {{ {frame} }}"));
+    };
+    let text = "int main() { bool first = true; CLR(R5); while (1) { vs_frame_loop_control(); get_image(A);\n\
+                if (first) { mov(B, A); first = false; } sub(C, A, B); } }";
+    frames(
+        text,
+        "CLR(R5); get_image(A); mov(B, A); sub(C, A, B);",
+        "get_image(A); sub(C, A, B);",
+    );
+    // What is captured before the loop has a moment of its own.
+    let text = "int main() { get_image(B); while (1) { vs_frame_loop_control(); get_image(A); sub(C, A, B); } }";
+    frames(text, "get_image(B);", "get_image(A); sub(C, A, B);");
+    // Waiting at the end of a turn.
+    let text = "int main() { for (;;) { get_image(A); vs_wait_frame_trigger(); } }";
+    whole(text, "get_image(A);");
+}
+
+#[test]
+fn what_is_shown_and_read() {
+    same(
+        "auto d = vs_gui_add_display(\"x\", 0, 0); scamp5_output_image(A, d);",
+        "scamp5_output_image(A);",
+    );
+    same(
+        "scamp5_output_image(S0, 0);",
+        "scamp5_scan_dreg(R5, mem, 0, 255);",
+    );
+    same(
+        "uint8_t e[200]; scamp5_scan_events(R5, e, 100); for (int i = 0; i < 100; i++) { if (e[2*i] == 0) break; }",
+        "scamp5_scan_events(R5, on, 100);",
+    );
+    same(
+        "uint8_t off1[9]; scamp5_scan_events(R5, off1, 4, 1);",
+        "scamp5_scan_events(R5, off1, 4, 1);",
+    );
+    same(
+        "scamp5_output_events(R5, 0, 10);",
+        "scamp5_scan_events(R5, on, 10);",
+    );
+    same(
+        "uint8_t b[4]; scamp5_output_boundingbox(R5, 0, b); int w = b[2] - b[0]; vs_post_text(\"%d\", w);",
+        "scamp5_scan_boundingbox(R5, mem);",
+    );
+    same(
+        "if (vs_loop_counter_get() % 30 == 0) { scamp5_output_image(A, 0); }",
+        "scamp5_output_image(A);",
+    );
+    same(
+        "int s = scamp5_global_sum_64(A); if (s > 9) { s = 9; vs_led_on(VS_LED_2); }",
+        "scamp5_global_sum_64(A);",
+    );
+}
+
+#[test]
+fn a_kernel_is_stored_once() {
+    let words = |text: &str| {
+        let device = Device::scamp5();
+        let expansion = Program::read("p.cpp", text).expand(&device, &Overrides::new());
+        expansion.map(|it| stored(&it.code.frame, &device).0)
+    };
+    // 1,100 words run, in launches of 110 that are stored once.
+    let body = "mov(A, B); ".repeat(55);
+    let calls = "f(); scamp5_in(C, 1);".repeat(10);
+    let text = format!("void f() {{ {BEGIN} {body} {END} }}\nint main() {{ {calls} }}");
+    assert!(words(&text).unwrap() > 1024);
+    // The same without kernels does not fit.
+    let text = format!("void f() {{ {body} }}\nint main() {{ {calls} }}");
+    assert!(
+        words(&text)
+            .unwrap_err()
+            .to_string()
+            .contains("more than the 1024")
+    );
+    // A kernel that is static keeps the words of its first launch: said.
+    let text =
+        format!("void f(areg_t x) {{ {BEGIN} mov(x, B); {END} }}\nint main() {{ f(A); f(C); }}");
+    let expansion = expand(&text, &[]).unwrap();
+    assert!(
+        expansion
+            .warnings
+            .iter()
+            .any(|it| it.message.contains("other words"))
+    );
+}
+
+#[test]
+fn names_of_kernel_compilers() {
+    whole(
+        "south(A, A); div2_inplace(A, A); west(B, A); neg_inplace(B, B);",
+        "movx(A, A, south); diva(A, E, F); movx(B, A, west); mov(F, B); neg(B, F);",
+    );
+    whole(
+        "div2(C, B); add_twice(C, C, C); sub_inplace(A, B, A);",
+        "div(C, F, B); mov(F, C); add(C, C, F); sub(F, B, A); mov(A, F);",
+    );
+    whole(
+        "bus2_3(D, E, A); add_2(A, B, C);",
+        "bus2(D, E, A); add(A, B, C);",
+    );
+    // In the frame language too.
+    assert_eq!(own_code("north(D, C);"), own_code("movx(D, C, north);"));
+    same(
+        "DNEWS(R5, R6, north | west);",
+        "CLR(RS, RW, RN, RE); SET(RN, RW); DNEWS0(R5, R6);",
+    );
+}
+
+#[test]
+fn text_whose_lines_are_statements() {
+    let text = "// a comment\nget_image(A, D)\nscamp5_in(C, 15)\nsub(D, A, C); // with an end\nwhere(D)\n    MOV(R5, FLAG)\nall()\ndisplay()\n";
+    let program = Program::read("p.txt", text);
+    assert!(program.is_vendor());
+    let code = program
+        .expand(&Device::scamp5(), &Overrides::new())
+        .unwrap()
+        .code;
+    assert_eq!(
+        bare(code),
+        own_code(
+            "get_image(A, D); scamp5_in(C, 15); sub(D, A, C); where(D); MOV(R5, FLAG); all();"
+        )
+    );
+    // A program of the frame language must have its marks.
+    let faults = Program::parse("p.scamp", "mov(A, B)\nmov(C, A);").unwrap_err();
+    assert!(faults.to_string().contains("expected `;`"));
+}
+
+#[test]
+fn everything_that_is_not_understood_is_named_at_once() {
+    let text = "#include \"nowhere.hpp\"\nint main() {\n int n = 0;\n while (1) {\n  vs_frame_loop_control();\n  n++;\n\
+                \x20 icw(1, {SEL4});\n  blurr(A, B);\n  if (n % 2) { mov(B, A); }\n  int s = scamp5_global_sum_fast(A);\n\
+                \x20 if (s > 100) { neg(C, A); }\n  while (scamp5_global_or(R5)) { NOT(R5); }\n  scamp5_shift(A, s, 0);\n\
+                \x20 mov(A, G);\n  scamp5_in(B, some + 1);\n  if (missing) { nop(); }\n  A = 3;\n }\n}\n";
+    let faults = expand(text, &[]).unwrap_err();
+    let told: Vec<(u32, &str, &str)> = faults
+        .faults
+        .iter()
+        .map(|it| {
+            (
+                it.line,
+                it.fault.message.as_str(),
+                it.fault.help.as_deref().unwrap_or_default(),
+            )
+        })
+        .collect();
+    for (line, message, help) in [
+        (1, "`nowhere.hpp` is not there", "beside the file"),
+        (7, "`icw`", "by its name"),
+        (8, "unknown statement `blurr`", "`blur`"),
+        (
+            9,
+            "`n`, which changes from frame to frame, decides",
+            "--const n=VALUE",
+        ),
+        (
+            11,
+            "`scamp5_global_sum_fast` reads in line 10",
+            "--const s=VALUE",
+        ),
+        (12, "how often this loop runs", "--const"),
+        (13, "`scamp5_shift` takes a value", "--const s=VALUE"),
+        (14, "unknown name `G`", "--chip scamp5-wide"),
+        (15, "`some` is not stated", "const int some"),
+        (16, "`missing` is not stated", "const int missing"),
+        (17, "`A` is a register", "scamp5_in(A, value)"),
+    ] {
+        let found = told
+            .iter()
+            .any(|it| it.0 == line && it.1.contains(message) && it.2.contains(help));
+        assert!(found, "{line}: {message}: {help}\n{told:#?}");
+    }
+    // With the values given, the rest is a program.
+    let text = "int main() { int n = 0; while (1) { vs_frame_loop_control(); n++; if (n % 2) { mov(B, A); } } }";
+    assert_eq!(
+        bare(expand(text, &[("n", 1.0)]).unwrap().code),
+        own_code("mov(B, A);")
+    );
+}
+
+#[test]
+fn what_does_not_parse_has_its_place() {
+    for (text, message) in [
+        ("int main() { mov(A, B; }", "expected `,` or `)`, found `;`"),
+        ("int main() { mov(A B); }", "expected `,` or `)`, found `B`"),
+        ("int main() { if (1 { nop(); } }", "expected `)`"),
+        ("int main() { for (int i = 0; i < 3) { } }", "expected `;`"),
+        ("int main() { nop();", "this block has no end"),
+        ("#if 1\nnop();", "this `#if` has no end"),
+        ("#endif\nnop();", "`#endif` without `#if`"),
+        ("scamp5_kernel_begin(); nop();", "this kernel has no end"),
+        ("scamp5_kernel_end(); nop();", "this ends no kernel"),
+        (
+            "void f() { f(); nop(); } int main() { f(); }",
+            "calls inside each other",
+        ),
+        (
+            "int main() { for (int i = 0; i >= 0; i++) { int x = 1; } }",
+            "statements run before",
+        ),
+        ("int x = 5;", "nothing here asks anything"),
+        (
+            "void f(areg_t x) { neg(A, x); } void g(areg_t x) { mov(A, x); }",
+            "no `main` says which",
+        ),
+        ("repeat { nop(); }", "is no C++"),
+        ("scamp5_in(A, 300);", "scamp5_in"),
+        ("/* never", "a comment without an end"),
+    ] {
+        let faults = expand(text, &[]).unwrap_err();
+        let all: Vec<&str> = faults
+            .faults
+            .iter()
+            .map(|it| it.fault.message.as_str())
+            .collect();
+        assert!(all.iter().any(|it| it.contains(message)), "{text}: {all:?}");
+    }
+}
+
+#[test]
+fn included_files_lie_beside_and_say_where_they_are_wrong() {
+    let main = "#include \"a.hpp\"\n#include <b.hpp>\nint main() { f(A); }";
+    assert_eq!(included(main), ["a.hpp"]);
+    let read = |header: &str| {
+        let mut includes = Includes::new();
+        includes.insert("a.hpp".to_owned(), header.into());
+        Program::read_with("p.cpp", main, &includes).expand(&Device::scamp5(), &Overrides::new())
+    };
+    let code = read("#pragma once\nvoid f(areg_t x) {\n mov(x, B);\n}")
+        .unwrap()
+        .code;
+    assert_eq!(bare(code), own_code("mov(A, B);"));
+    let faults = read("#pragma once\nvoid f(areg_t x) {\n mov(x, 3 +);\n}").unwrap_err();
+    assert!(faults.to_string().contains("a.hpp:3:"), "{faults}");
+}
+
+/// Programs that are written as C++ and read back.
+fn back(program: &Program, device: &Device) {
+    let text = cpp(program, device).unwrap();
+    let before = program.expand(device, &Overrides::new()).unwrap().code;
+    let after = Program::read("p.cpp", &text).expand(device, &Overrides::new());
+    let after = after
+        .unwrap_or_else(|faults| panic!("{faults:?}\n{text}"))
+        .code;
+    assert_eq!(bare(before), bare(after), "{text}");
+}
+
+#[test]
+fn every_shipped_program_reads_back_from_cpp() {
+    let device = Device::scamp5();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("programs");
+    let mut seen = 0;
+    for folder in fs::read_dir(root).unwrap() {
+        for file in fs::read_dir(folder.unwrap().path()).unwrap() {
+            let path = file.unwrap().path();
+            let text = fs::read_to_string(&path).unwrap();
+            if path.extension().is_some_and(|it| it == "scamp") {
+                back(
+                    &Program::parse(&path.display().to_string(), &text).unwrap(),
+                    &device,
+                );
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 15, "{seen}");
+}
+
+#[test]
+fn every_bundled_kernel_reads_back_from_cpp() {
+    let device = Device::scamp5();
+    let mut seen = 0;
+    for name in Kernel::builtin_names() {
+        let kernels = [Kernel::builtin(name).unwrap()];
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = Effort { states: 300 };
+        let kinds = [CellKind {
+            kernel: kernels[0].clone(),
+            on: 16.0,
+            off: 16.0,
+        }];
+        let Ok(filter) = request.filter() else {
+            continue;
+        };
+        back(
+            &Program::parse(name, &filter.text(&device, 0)).unwrap(),
+            &device,
+        );
+        if let Ok(sensor) = SensorProgram::new(&kinds, DriveMemory::Analogue, name, &request) {
+            let program = Program::parse(name, &sensor.text).unwrap();
+            // A threshold that is no whole LSB is none that the vendor's function takes.
+            if cpp(&program, &device).is_ok() {
+                back(&program, &device);
+            }
+        }
+        seen += 1;
+    }
+    assert!(seen > 5, "{seen}");
+}
+
+#[test]
+fn files_run_and_show_what_they_show() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/vendor");
+    let out = tempfile::tempdir().unwrap();
+    let shown = out.path().join("shown").display().to_string();
+    let clip = "pattern:disc?width=32&height=24&frames=6";
+    let said = json(
+        &root,
+        &[
+            "exec",
+            "threshold.cpp",
+            "--image",
+            clip,
+            "--frames",
+            "3",
+            "--set",
+            "threshold=20",
+            "--displays",
+            &shown,
+        ],
+    );
+    assert_eq!(said["frames"], 3);
+    let names: Vec<String> = fs::read_dir(&shown)
+        .unwrap()
+        .map(|it| it.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert_eq!(names.len(), 6, "{names:?}");
+    assert!(names.iter().any(|name| name.contains("picture-frame-0002")));
+    assert_eq!(said["written"][0], format!("{shown} (6 files)"));
+    for file in ["blobs.cpp", "generated.cpp", "lines.txt"] {
+        good(&root, &["asm", file]);
+    }
+    assert!(
+        good(
+            &root,
+            &["asm", "threshold.cpp", "--const", "clean=0", "--disasm"]
+        )
+        .lines()
+        .count()
+            < 30
+    );
+}
+
+#[test]
+fn compile_writes_cpp() {
+    let folder = tempfile::tempdir().unwrap();
+    let compile = |more: &[&str]| {
+        let mut all = vec![
+            "compile",
+            "csdvs-3",
+            "--threshold",
+            "16",
+            "--effort",
+            "0.01",
+        ];
+        all.extend(more);
+        good(folder.path(), &all)
+    };
+    compile(&["-o", "p.cpp"]);
+    compile(&["-o", "p.scamp"]);
+    assert!(compile(&["--as", "cpp"]).contains("scamp5_kernel_begin();"));
+    let words = |file: &str| good(folder.path(), &["disasm", file]);
+    assert_eq!(words("p.cpp"), words("p.scamp"));
+    fs::write(
+        folder.path().join("bad.cpp"),
+        "int main() { mov(A, B) neg(A, A); blub(A); }",
+    )
+    .unwrap();
+    refused(folder.path(), &["asm", "bad.cpp"], &["expected `;`"]);
+}
