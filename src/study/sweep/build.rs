@@ -140,7 +140,7 @@ pub(super) fn array_of(
     let made = shared.program(&key, || {
         compiled(settings, &entry.kernel, entry, rounding, on == off)
     });
-    let Programmed {
+    let LevelProgram {
         compiled,
         scale,
         quantisation_error,
@@ -201,7 +201,7 @@ pub(super) fn array_of(
 
 /// The program of a kernel with thresholds of 1.
 #[derive(Debug)]
-pub(super) struct Programmed {
+pub(super) struct LevelProgram {
     compiled: Compiled,
     /// Of the kernel's levels.
     scale: f64,
@@ -217,7 +217,7 @@ fn compiled(
     entry: &Entry,
     seed: u64,
     one_threshold: bool,
-) -> Result<Programmed, Refusal> {
+) -> Result<LevelProgram, Refusal> {
     let point = &entry.point;
     let device = entry
         .chip
@@ -264,7 +264,7 @@ fn compiled(
         title,
         program,
     };
-    Ok(Programmed {
+    Ok(LevelProgram {
         compiled,
         scale,
         quantisation_error,

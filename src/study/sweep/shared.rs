@@ -6,7 +6,7 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-use super::{build::Programmed, refusal::Refusal, table::Row};
+use super::{build::LevelProgram, refusal::Refusal, table::Row};
 use crate::study::equivalent::Ladder;
 
 /// A memo of what several points need.
@@ -36,7 +36,7 @@ fn slot<T: Default>(all: &Mutex<HashMap<String, Arc<T>>>, key: &str) -> Arc<T> {
 pub(super) type Truth = Arc<OnceLock<Result<Ladder, Refusal>>>;
 
 /// A program, or why there is none.
-pub(super) type Made = Arc<OnceLock<Result<Programmed, Refusal>>>;
+pub(super) type Made = Arc<OnceLock<Result<LevelProgram, Refusal>>>;
 
 /// Ladders that are kept: points come task by task.
 const KEPT: usize = 8;
@@ -93,7 +93,7 @@ impl Shared {
     }
 
     /// A program, the scale of its levels, and what they lose.
-    pub fn program(&self, key: &str, make: impl FnOnce() -> Result<Programmed, Refusal>) -> Made {
+    pub fn program(&self, key: &str, make: impl FnOnce() -> Result<LevelProgram, Refusal>) -> Made {
         let slot = {
             let mut all = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some((_, slot)) = all.iter().find(|(known, _)| known == key) {
