@@ -1,6 +1,6 @@
 //! The program on many chips that the public data allow, and what decides.
 //!
-//! Each chip has its numbers drawn from their intervals ([`draw`](super::draw)) and mismatch of
+//! Each chip has its numbers drawn from their intervals (`draw`) and mismatch of
 //! its own. It watches the scene, or a stated stretch of it, and is judged as the chip of the
 //! seed is: against the float sensor, within the same window, by the same ladder of thresholds.
 //! A chip is *feasible* if it keeps at least [`MOSTLY`] and reaches the frame rate of the scene.

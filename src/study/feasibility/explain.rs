@@ -1,7 +1,7 @@
 //! From a number of the answer to its sources.
 //!
 //! A number is made of others by a formula, and in the end of figures of the chip's data, of
-//! counts, and of what was given. [`LINKS`] has the formulas in words; which figures an estimate
+//! counts, and of what was given. `LINKS` has the formulas in words; which figures an estimate
 //! is made of it says itself ([`Estimate::inputs`](super::Estimate::inputs)).
 
 use std::fmt;
