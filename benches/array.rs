@@ -1,13 +1,13 @@
-//! What an instruction word costs on a 256x256 array, the minimum over many repetitions, in
+//! What an instruction word costs on a 256x256 array, the median over many repetitions, in
 //! several schedules and on one or two threads, next to the plain per-pixel loop, the memory
 //! of this machine and the real chip.
 //!
 //! `AMACRINE_BENCH=quick` takes seconds. Further arguments choose rows by their text.
 
-use std::{
-    hint::black_box,
-    time::{Duration, Instant},
-};
+#[path = "common/timed.rs"]
+mod timed;
+
+use std::{hint::black_box, time::Duration};
 
 use amacrine::{
     array::{Arithmetic, Domain, Exact, Fixed, Place, Schedule, Settings, Share, Silicon, Single},
@@ -19,6 +19,8 @@ use amacrine::{
     unit::Micros,
 };
 use multiversion::multiversion;
+
+use crate::timed::Timed;
 
 const SIZE: Size = Size::new(256, 256);
 
@@ -36,7 +38,8 @@ fn main() {
         .skip(1)
         .filter(|argument| !argument.starts_with('-'))
         .collect();
-    println!("256x256, ns per instruction word, minimum of {repetitions}");
+    println!("{}", timed::cpu());
+    println!("256x256, ns per instruction word, median of {repetitions} or more, and spread");
     println!(
         "copy: bytes a word cannot help moving, against those of a copy of planes in a ns, one thread"
     );
@@ -46,8 +49,19 @@ fn main() {
     println!("    more than 100 % where threads share, or stores that nobody reads are left out");
     println!("chip: its 100 ns a word; obvious: a plain loop over pixels, one thread");
     println!(
-        "{:<8} {:<18} {:<6} {:>7} {:>9} {:>6} {:>7} {:>6} {:>6} {:>8} {:>8}",
-        "domain", "words", "order", "threads", "ns", "KiB", "GB/s", "copy", "L1", "chip", "obvious"
+        "{:<8} {:<18} {:<6} {:>7} {:>9} {:>5} {:>6} {:>7} {:>6} {:>6} {:>8} {:>8}",
+        "domain",
+        "words",
+        "order",
+        "threads",
+        "ns",
+        "",
+        "KiB",
+        "GB/s",
+        "copy",
+        "L1",
+        "chip",
+        "obvious"
     );
     for (domain, bytes) in [
         ("q8.8", 2),
@@ -66,7 +80,7 @@ fn main() {
                 if !wanted.iter().all(|part| row.contains(part.as_str())) {
                     continue;
                 }
-                let ns = measured(domain, &words, *schedule, *threads, repetitions);
+                let (ns, spread) = measured(domain, &words, *schedule, *threads, repetitions);
                 let obvious =
                     *obvious.get_or_insert_with(|| obvious_ns(domain, &words, repetitions));
                 let moved: f64 =
@@ -74,7 +88,7 @@ fn main() {
                 let stores: f64 =
                     words.iter().map(|word| stored(word, bytes)).sum::<f64>() / words.len() as f64;
                 println!(
-                    "{row} {threads:>7} {ns:>9.0} {:>6.0} {:>7.1} {:>5.0}% {:>5.0}% {:>7.3}x {:>7.0}x",
+                    "{row} {threads:>7} {ns:>9.0} {spread:>5} {:>6.0} {:>7.1} {:>5.0}% {:>5.0}% {:>7.3}x {:>7.0}x",
                     moved / 1024.0,
                     moved / ns,
                     100.0 * moved / ns / probe,
@@ -229,24 +243,10 @@ fn light(register: u8) -> Plane<f64> {
     })
 }
 
-/// The fewest ns in which `work` is done, divided by `parts`.
-fn minimum(repetitions: usize, parts: usize, work: impl FnMut()) -> f64 {
-    minimum_of(repetitions, Duration::from_millis(50), parts, work)
-}
-
-/// The same, for so long at least.
-fn minimum_of(repetitions: usize, lasting: Duration, parts: usize, mut work: impl FnMut()) -> f64 {
-    let begin = Instant::now();
-    let mut least = f64::INFINITY;
-    for k in 0.. {
-        if k >= repetitions && begin.elapsed() > lasting {
-            break;
-        }
-        let start = Instant::now();
-        work();
-        least = least.min(start.elapsed().as_secs_f64());
-    }
-    least * 1e9 / parts as f64
+/// The ns in which `work` is done, divided by `parts`.
+fn nanoseconds(repetitions: usize, parts: usize, work: impl FnMut()) -> f64 {
+    let time = Timed::new(repetitions, Duration::from_millis(50), work);
+    time.median * 1e9 / parts as f64
 }
 
 fn measured(
@@ -255,7 +255,7 @@ fn measured(
     schedule: Schedule,
     threads: usize,
     repetitions: usize,
-) -> f64 {
+) -> (f64, String) {
     let times = 20;
     let step = |word: &Primitive| Step {
         action: Action::Word(word.clone()),
@@ -286,15 +286,17 @@ fn measured(
     let mut packet = Packet::new(SIZE, 1);
     // An operating system may take that long until threads have cores of their own.
     let lasting = Duration::from_millis(if threads > 1 { 1000 } else { 50 });
-    minimum_of(repetitions, lasting, times as usize * words.len(), || {
+    let time = Timed::new(repetitions, lasting, || {
         chip.run_frame(Micros(0), &mut packet).expect("numbers");
-    })
+    });
+    let words = times as usize * words.len();
+    (time.median * 1e9 / words as f64, time.plus_minus())
 }
 
 /// Bytes read and written in a ns, copying planes of this size, eight in turn as registers are.
 fn copy_bandwidth(bytes: usize, repetitions: usize) -> f64 {
     let mut planes = vec![vec![1u8; bytes]; 8];
-    let ns = minimum(repetitions, 8, || {
+    let ns = nanoseconds(repetitions, 8, || {
         for i in 0..8 {
             let from = std::mem::take(&mut planes[(i + 1) % 8]);
             planes[i].copy_from_slice(black_box(&from));
@@ -309,7 +311,7 @@ fn copy_bandwidth(bytes: usize, repetitions: usize) -> f64 {
 fn store_bandwidth(repetitions: usize) -> f64 {
     let from = vec![1i16; 2048];
     let mut to = vec![0i16; 2048];
-    let ns = minimum(10 * repetitions, 20, || {
+    let ns = nanoseconds(10 * repetitions, 20, || {
         for _ in 0..20 {
             negate(black_box(&from), black_box(&mut to));
         }
@@ -362,7 +364,7 @@ impl<D: Domain> Obvious<D> {
     }
 
     fn ns(mut self, words: &[Primitive], repetitions: usize) -> f64 {
-        minimum(repetitions.div_ceil(20), words.len(), || {
+        nanoseconds(repetitions.div_ceil(20), words.len(), || {
             for word in words {
                 for pixel in 0..SIZE.pixels() {
                     self.word(black_box(word), pixel);

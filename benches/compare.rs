@@ -2,10 +2,13 @@
 //! events.
 //!
 //! `cargo bench --bench compare`, or with `-- --quick` for the million alone. Every figure is
-//! the minimum over repetitions. The packets are of a 346x260 sensor at 20 events a second and
+//! the median over repetitions, with half the distance of its quartiles. The packets are of a 346x260 sensor at 20 events a second and
 //! cell; the judged one is the reference with each event up to 2 ms later and a tenth lost.
 
-use std::time::Instant;
+#[path = "common/timed.rs"]
+mod timed;
+
+use std::time::Duration;
 
 use amacrine::{
     compare::{
@@ -20,12 +23,14 @@ use amacrine::{
     unit::Micros,
 };
 
+use crate::timed::Timed;
+
 const SIZE: Size = Size::new(260, 346);
 
 fn main() {
     let quick = std::env::args().any(|argument| argument == "--quick");
-    println!("{} threads", rayon::current_num_threads());
-    for (events, repetitions) in [(1_000_000, 5), (10_000_000, 2)] {
+    println!("{}", timed::cpu());
+    for (events, repetitions) in [(1_000_000, 9), (10_000_000, 5)] {
         if quick && events > 1_000_000 {
             break;
         }
@@ -83,16 +88,12 @@ struct Bench {
 }
 
 impl Bench {
-    /// Prints the least time that `work` took.
+    /// Prints the time that `work` takes.
     fn line<T>(&self, name: &str, work: impl Fn() -> T) {
-        let seconds = (0..self.repetitions)
-            .map(|_| {
-                let start = Instant::now();
-                std::hint::black_box(work());
-                start.elapsed().as_secs_f64()
-            })
-            .fold(f64::INFINITY, f64::min);
-        println!("{name:<34}{seconds:>9.3} s");
+        let time = Timed::new(self.repetitions, Duration::ZERO, || {
+            std::hint::black_box(work());
+        });
+        println!("{name:<34}{:>9.3} s {:>5}", time.median, time.plus_minus());
     }
 
     fn packets(&self, reference: &Packet, judged: &Packet) {

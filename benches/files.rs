@@ -1,10 +1,13 @@
-//! Events a second of each event format, read and written, the best of many repetitions, next
+//! Events a second of each event format, read and written, the median of many repetitions, next
 //! to a plain copy of the same bytes in memory and to the format's Python reader, where
 //! python3 has one (`tests/interop/requirements.txt`).
 //!
 //! `AMACRINE_BENCH=quick` takes seconds. Further arguments choose formats by their name.
 
-use std::{hint::black_box, path::Path, process::Command, time::Instant};
+#[path = "common/timed.rs"]
+mod timed;
+
+use std::{hint::black_box, path::Path, process::Command, time::Duration};
 
 use amacrine::{
     event::{
@@ -15,19 +18,21 @@ use amacrine::{
     unit::Micros,
 };
 
-/// Seconds of the fastest of several readings of one file, by the line that opens it.
+use crate::timed::Timed;
+
+/// Seconds of the median of several readings of one file, by the line that opens it.
 const PYTHON: &str = r"
 import sys, time
 module, line, path = sys.argv[1:]
 scope = {}
 try:
     exec('import ' + module, scope)
-    best = 1e9
-    for _ in range(3):
+    seconds = []
+    for _ in range(5):
         start = time.perf_counter()
         scope['events'] = eval(line, scope, {'path': path})
-        best = min(best, time.perf_counter() - start)
-    print(best)
+        seconds.append(time.perf_counter() - start)
+    print(sorted(seconds)[2])
 except ImportError:
     pass
 ";
@@ -45,10 +50,13 @@ fn main() {
         .collect();
     let packet = packet(events);
     let folder = tempfile::tempdir().expect("a folder for temporary files");
-    println!("{events} events, 640x480, half of them in runs along a row; the best of {seconds} s");
+    println!("{}", timed::cpu());
+    println!(
+        "{events} events, 640x480, half of them in runs along a row; medians over {seconds} s"
+    );
     println!("million events a second; copy: the file's bytes copied in memory; bytes an event");
     println!(
-        "{:<8} {:>7} {:>8} {:>8} {:>10} {:>8} {:>8}",
+        "{:<8} {:>7} {:>14} {:>14} {:>10} {:>8} {:>8}",
         "format", "bytes", "write", "read", "copy", "python", "ratio"
     );
     for &format in Format::ALL {
@@ -65,39 +73,35 @@ fn main() {
             println!("{format:<8} {error}");
             continue;
         }
-        let write = best(seconds, || write().expect("written before"));
+        let write = timed(seconds, || write().expect("written before"));
         let bytes = std::fs::read(&path).expect("just written");
-        let read = best(seconds, || count(&path, format, events));
+        let read = timed(seconds, || count(&path, format, events));
         let mut target = vec![0_u8; bytes.len()];
-        let copy = best(seconds, || {
+        let copy = timed(seconds, || {
             target.copy_from_slice(black_box(&bytes));
             black_box(&target);
         });
         let rate = |seconds: f64| events as f64 / seconds / 1e6;
+        let spread = |time: Timed| format!("{:.1} {:>5}", rate(time.median), time.plus_minus());
         let python = python(format, &path);
         println!(
-            "{format:<8} {:>7.2} {:>8.1} {:>8.1} {:>10.0} {:>8} {:>8}",
+            "{format:<8} {:>7.2} {:>14} {:>14} {:>10.0} {:>8} {:>8}",
             bytes.len() as f64 / events as f64,
-            rate(write),
-            rate(read),
-            rate(copy),
+            spread(write),
+            spread(read),
+            rate(copy.median),
             python.map_or("-".into(), |seconds| format!("{:.1}", rate(seconds))),
-            python.map_or("-".into(), |seconds| format!("{:.1}x", seconds / read)),
+            python.map_or("-".into(), |seconds| format!(
+                "{:.1}x",
+                seconds / read.median
+            )),
         );
     }
 }
 
-/// Seconds of the fastest of the runs that fit into `seconds`, three at least.
-fn best(seconds: f64, mut run: impl FnMut()) -> f64 {
-    let began = Instant::now();
-    let (mut best, mut runs) = (f64::INFINITY, 0);
-    while runs < 3 || began.elapsed().as_secs_f64() < seconds {
-        let start = Instant::now();
-        run();
-        best = best.min(start.elapsed().as_secs_f64());
-        runs += 1;
-    }
-    best
+/// The time of a call over so many seconds.
+fn timed(seconds: f64, call: impl FnMut()) -> Timed {
+    Timed::new(5, Duration::from_secs_f64(seconds), call)
 }
 
 /// Reads a file as a stream.

@@ -1,10 +1,13 @@
 //! How fast a sheet is solved, on one thread, and how the time grows with the size.
 //!
 //! `cargo bench --bench mesh` (half a minute), or with `-- --quick` (seconds, rougher). Every
-//! figure is the minimum over repetitions. The last columns are the time of a pixel over the
+//! figure is the median over repetitions, with half the distance of its quartiles. The last columns are the time of a pixel over the
 //! logarithm of the row's length: flat if the time grows as N log N and memory keeps up.
 
-use std::{hint::black_box, time::Instant};
+#[path = "common/timed.rs"]
+mod timed;
+
+use std::{hint::black_box, time::Duration};
 
 use amacrine::{
     mesh::{Between, Euler, Float, Flow, Laterals, Mismatch, Network, Sheet, Steady},
@@ -12,29 +15,27 @@ use amacrine::{
     rng::{mix, uniform},
 };
 
+use crate::timed::Timed;
+
 fn scene(size: Size, seed: u64) -> Plane<f64> {
     Plane::from_shape_fn(size.shape(), |(y, x)| {
         uniform(mix(seed ^ mix((y * 65_536 + x) as u64 + 1)))
     })
 }
 
-/// The least time of a call in milliseconds, over about `budget` seconds.
-fn best(budget: f64, mut call: impl FnMut()) -> f64 {
-    let begin = Instant::now();
-    let mut least = f64::INFINITY;
-    let mut calls = 0;
-    while calls < 5 || (begin.elapsed().as_secs_f64() < budget && calls < 2000) {
-        let start = Instant::now();
-        call();
-        least = least.min(start.elapsed().as_secs_f64());
-        calls += 1;
-    }
-    least * 1e3
+/// The time of a call, over about `budget` seconds.
+fn timed(budget: f64, call: impl FnMut()) -> Timed {
+    Timed::new(5, Duration::from_secs_f64(budget), call)
+}
+
+/// Milliseconds and their spread.
+fn ms(time: Timed) -> String {
+    format!("{:.3} {:>5}", time.median * 1e3, time.plus_minus())
 }
 
 struct Row {
-    steady: f64,
-    flow: f64,
+    steady: Timed,
+    flow: Timed,
 }
 
 fn measured<T: Float>(size: Size, budget: f64) -> Row {
@@ -43,11 +44,11 @@ fn measured<T: Float>(size: Size, budget: f64) -> Row {
     let (a, b) = (held(1), held(2));
     let mut steady = Steady::<T>::new(sheet, size).unwrap();
     let mut surround = a.clone();
-    let steady = best(budget, || {
+    let steady = timed(budget, || {
         steady.solve_into(black_box(&a), &mut surround).unwrap();
     });
     let mut flow = Flow::<T>::settled(sheet, 1e-3, &a).unwrap();
-    let flow = best(budget, || {
+    let flow = timed(budget, || {
         flow.advance(black_box(&b), 1e-3, Between::Ramp).unwrap();
     });
     Row { steady, flow }
@@ -56,9 +57,10 @@ fn measured<T: Float>(size: Size, budget: f64) -> Row {
 fn main() {
     let quick = std::env::args().any(|argument| argument == "--quick");
     let budget = if quick { 0.05 } else { 1.0 };
-    println!("one thread; λ 10; milliseconds, the least of many\n");
+    println!("{}", timed::cpu());
+    println!("one thread; λ 10; milliseconds, median and spread\n");
     println!(
-        "{:<11} {:>11} {:>11} {:>11} {:>11} {:>16} {:>16}",
+        "{:<11} {:>16} {:>16} {:>16} {:>16} {:>16} {:>16}",
         "size",
         "steady f64",
         "steady f32",
@@ -80,14 +82,15 @@ fn main() {
     ]);
     for size in sizes {
         let (double, single) = (measured::<f64>(size, budget), measured::<f32>(size, budget));
-        let each = |ms: f64| 1e6 * ms / size.pixels() as f64 / (size.width as f64).log2();
+        let each =
+            |time: Timed| 1e9 * time.median / size.pixels() as f64 / (size.width as f64).log2();
         println!(
-            "{:<11} {:>11.3} {:>11.3} {:>11.3} {:>11.3} {:>16.3} {:>16.3}",
+            "{:<11} {:>16} {:>16} {:>16} {:>16} {:>16.3} {:>16.3}",
             size.to_string(),
-            double.steady,
-            single.steady,
-            double.flow,
-            single.flow,
+            ms(double.steady),
+            ms(single.steady),
+            ms(double.flow),
+            ms(single.flow),
             each(double.steady),
             each(single.steady)
         );
@@ -111,10 +114,13 @@ fn unequal_parts(budget: f64) {
         let network = Network::uniform(Sheet::new(lambda).unwrap(), size).unwrap();
         let network = network.with_mismatch(mismatch, 1);
         let mut steps = 0;
-        let ms = best(budget, || {
+        let time = timed(budget, || {
             steps = network.settle(black_box(&signal)).unwrap().iterations;
         });
-        println!("  λ {lambda:<5} {ms:>9.1} ms, {steps} steps of conjugate gradients");
+        println!(
+            "  λ {lambda:<5} {:>16} ms, {steps} steps of conjugate gradients",
+            ms(time)
+        );
     }
 }
 
@@ -127,14 +133,15 @@ fn euler(budget: f64) {
         let euler = Euler::begin(sheet, tau, &signal).unwrap();
         let later = scene(size, 4);
         let mut steps = 0;
-        let ms = best(budget.min(0.3), || {
+        let time = timed(budget.min(0.3), || {
             let mut euler = euler.clone();
             euler.advance(black_box(&later), 1e-3).unwrap();
             steps = euler.steps();
         });
         println!(
-            "  λ {lambda:<5} τ {:>4} ms {ms:>9.1} ms, {steps} steps",
-            tau * 1e3
+            "  λ {lambda:<5} τ {:>4} ms {:>16} ms, {steps} steps",
+            tau * 1e3,
+            ms(time)
         );
     }
 }

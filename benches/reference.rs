@@ -1,7 +1,7 @@
 //! How fast the float model is, and how far from what the machine could do.
 //!
 //! `cargo bench --bench reference` (a minute or two), or with `-- --quick` (seconds, rougher).
-//! Every figure is the minimum over repetitions. The scene is made beforehand: 17 frames of a
+//! Every figure is the median over repetitions, with half the distance of its quartiles. The scene is made beforehand: 17 frames of a
 //! moving 8-bit texture, watched to and fro; about 0.8 events per cell and pair.
 //!
 //! The plain version, measured in the same run, is the obvious loop over pixels in double
@@ -17,6 +17,8 @@ mod plain;
 mod probe;
 #[path = "reference/scene.rs"]
 mod scene;
+#[path = "common/timed.rs"]
+mod timed;
 #[path = "reference/timing.rs"]
 mod timing;
 
@@ -28,7 +30,7 @@ use amacrine::{
     sensor::Sensor,
 };
 
-use crate::{cost::Cost, probe::Machine, scene::Clip, timing::Timing};
+use crate::{cost::Cost, probe::Machine, scene::Clip, timed::Timed, timing::Timing};
 
 const SIZES: [Size; 4] = [
     Size::new(256, 256),
@@ -65,7 +67,7 @@ struct Line {
     threads: usize,
     pixels: usize,
     events: f64,
-    seconds: f64,
+    time: Timed,
     cost: Cost,
 }
 
@@ -91,7 +93,7 @@ impl Bench {
         let cost = Cost::of(&number, &description, size);
         let mut reference = Reference::with_number(number, description, size, 1)
             .expect("the sensor has a size that can be addressed");
-        let (events, seconds) = self.pools[threads - 1].install(|| {
+        let (events, time) = self.pools[threads - 1].install(|| {
             let mut packet = Packet::new(size, kinds as u8);
             let mut counts = Counts::new(size, kinds);
             let mut grid = VoxelGrid::new(size, kinds);
@@ -121,7 +123,7 @@ impl Bench {
                 next(&mut reference);
             }
             let events = (reference.report().events - before) as f64 / Clip::ROUND as f64;
-            (events, self.timing.seconds(|| next(&mut reference)))
+            (events, self.timing.time(|| next(&mut reference)))
         });
         Line {
             label: number.format().to_string(),
@@ -130,7 +132,7 @@ impl Bench {
             threads,
             pixels: size.pixels(),
             events,
-            seconds,
+            time,
             cost,
         }
     }
@@ -138,18 +140,19 @@ impl Bench {
     fn show(&mut self, line: &Line) {
         let floor = line.cost.floor(line.threads, &mut self.machine);
         println!(
-            "{:<22} {:>2} {:>7} {:>2} {:>9.0} {:>9.1} {:>7.2} {:>7.2} {:>8.2} {:>9.0} {:>5.0} %",
+            "{:<22} {:>2} {:>7} {:>2} {:>9.0} {:>5} {:>9.1} {:>7.2} {:>7.2} {:>8.2} {:>9.0} {:>5.0} %",
             line.label,
             line.kinds,
             line.ask.name(),
             line.threads,
-            1.0 / line.seconds,
-            line.events / line.seconds * 1e-6,
+            1.0 / line.time.median,
+            line.time.plus_minus(),
+            line.events / line.time.median * 1e-6,
             line.events / (line.pixels * line.kinds) as f64,
-            line.seconds * 1e9 / (line.pixels * line.kinds) as f64,
+            line.time.median * 1e9 / (line.pixels * line.kinds) as f64,
             line.cost.bytes as f64 * 1e-6,
             1.0 / floor,
-            100.0 * floor / line.seconds,
+            100.0 * floor / line.time.median,
         );
     }
 }
@@ -157,12 +160,13 @@ impl Bench {
 fn heading(title: &str) {
     println!("\n{title}");
     println!(
-        "{:<22} {:>2} {:>7} {:>2} {:>9} {:>9} {:>7} {:>7} {:>8} {:>9} {:>7}",
+        "{:<22} {:>2} {:>7} {:>2} {:>9} {:>5} {:>9} {:>7} {:>7} {:>8} {:>9} {:>7}",
         "",
         "K",
         "asked",
         "th",
         "pairs/s",
+        "",
         "Mev/s",
         "ev/cell",
         "ns/cell",
@@ -223,6 +227,7 @@ fn main() {
         machine: Machine::new(timing),
         pools: [pool(1), pool(2)],
     };
+    println!("{}", timed::cpu());
     bench.machine.show();
 
     let mut clip = Clip::new(SIZES[0]);
@@ -236,7 +241,7 @@ fn main() {
             let single = bench.line(F32, &plain_sensor, &mut clip, ask, threads);
             let double = bench.line(F64, &plain_sensor, &mut clip, ask, threads);
             if let (Ask::List, 1) = (ask, threads) {
-                main_seconds = single.seconds;
+                main_seconds = single.time.median;
                 assert_eq!(
                     double.events, plain.events,
                     "the plain loop counts otherwise"

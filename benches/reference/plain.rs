@@ -113,6 +113,6 @@ pub fn pace(description: &Description, clip: &mut Clip, timing: Timing) -> Pace 
     }
     Pace {
         events: events as f64 / Clip::ROUND as f64,
-        seconds: timing.seconds(|| plain.watch(clip.advance())),
+        seconds: timing.time(|| plain.watch(clip.advance())).median,
     }
 }

@@ -12,12 +12,12 @@ fn operations(bytes: usize, timing: Timing) -> f64 {
     const ROUNDS: usize = 10_000;
     let (seconds, lanes) = if bytes == 8 {
         let mut sums = [1f64; 48];
-        (timing.seconds(|| double(black_box(&mut sums), ROUNDS)), 48)
+        (timing.time(|| double(black_box(&mut sums), ROUNDS)), 48)
     } else {
         let mut sums = [1f32; 96];
-        (timing.seconds(|| single(black_box(&mut sums), ROUNDS)), 96)
+        (timing.time(|| single(black_box(&mut sums), ROUNDS)), 96)
     };
-    (2 * lanes * ROUNDS) as f64 / seconds
+    (2 * lanes * ROUNDS) as f64 / seconds.median
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
@@ -45,8 +45,8 @@ fn double(sums: &mut [f64; 48], rounds: usize) {
 /// Bytes a second that one thread reads and writes again, over and over the same `bytes`.
 fn bandwidth(bytes: usize, timing: Timing) -> f64 {
     let mut data = vec![1u64; (bytes / 8).max(1)];
-    let seconds = timing.seconds(|| touch(black_box(&mut data)));
-    (2 * 8 * data.len()) as f64 / seconds
+    let seconds = timing.time(|| touch(black_box(&mut data)));
+    (2 * 8 * data.len()) as f64 / seconds.median
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]

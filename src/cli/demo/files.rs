@@ -78,7 +78,7 @@ pub(super) fn write(
         "A clip at {} frames/s, seen by ganglion cells: the float model, and its program on a SCAMP-5 array",
         showing.fps
     );
-    let device = format!("array in {CHOSEN}, with the chip's errors");
+    let device = format!("array in {CHOSEN}, with its errors");
     let show = Show {
         title: &title,
         reference: ("float reference", &reference.packet),
