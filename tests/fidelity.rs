@@ -15,9 +15,9 @@ use amacrine::{
     rng::Hash,
     scene::{Frame, OpenOptions, Scene, held::Held, kept::Kept, open},
     study::pilot::{
-        Change, Choice, Effect, Estimate, Family, Floats, Grid, Look, Plan, PlanError, Question,
-        Unseen, change, draw,
-        plan::{BUDGET, Model, plan},
+        Change, Choice, Effect, Estimate, Family, Floats, Grid, Look, Model, Plan, PlanError,
+        Question, Unseen, change, draw,
+        plan::{BUDGET, plan},
         rule,
     },
     unit::Micros,

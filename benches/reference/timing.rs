@@ -28,7 +28,7 @@ impl Timing {
         // into all of them.
         let calls = (4e-3 / start.elapsed().as_secs_f64()).clamp(1.0, 1e6) as u32;
         let time = Timed::new(self.repetitions, self.enough, || {
-            (0..calls).for_each(|_| call())
+            (0..calls).for_each(|_| call());
         });
         Timed {
             median: time.median / f64::from(calls),

@@ -24,7 +24,11 @@ use self::{
     statistics::Statistics, strip::Strip,
 };
 use super::files;
-use crate::{picture::write_png, rig::guard::Guard};
+use crate::{
+    picture::write_png,
+    rig::guard::Guard,
+    study::pilot::{Answer, Machine},
+};
 
 /// Runs the verb.
 ///
@@ -112,14 +116,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some((path, picture)) = strip {
         write_png(path, &picture)?;
     }
-    let mut written = Vec::new();
-    let files = [&arguments.events, &arguments.strip].into_iter().flatten();
-    written.extend(files.map(|path| path.display().to_string()));
-    if let Some(folder) = &arguments.dump {
-        let count = dump::files(&bench.opened.device, folder).len();
-        written.push(format!("{} ({count} files)", folder.display()));
-    }
-    written.extend(shows.written());
+    let written = written(arguments, &bench, &shows);
     let report = Report {
         program: &bench.opened.program.file,
         chip: &*chip,
@@ -131,15 +128,36 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         notes: &bench.said.notes(frames),
         written: &written,
     };
+    tell(arguments, &report, plan.as_ref())
+}
+
+/// What was written, besides the report.
+fn written(arguments: &Arguments, bench: &Bench<'_>, shows: &Shows<'_>) -> Vec<String> {
+    let files = [&arguments.events, &arguments.strip].into_iter().flatten();
+    let mut written: Vec<String> = files.map(|path| path.display().to_string()).collect();
+    if let Some(folder) = &arguments.dump {
+        let count = dump::files(&bench.opened.device, folder).len();
+        written.push(format!("{} ({count} files)", folder.display()));
+    }
+    written.extend(shows.written());
+    written
+}
+
+/// Prints the report, and the plan behind it.
+fn tell(
+    arguments: &Arguments,
+    report: &Report<'_>,
+    plan: Option<&Answer<Machine>>,
+) -> miette::Result<()> {
     if arguments.json {
         let mut json = report.json();
-        if let Some(plan) = &plan {
+        if let Some(plan) = plan {
             json["fidelity"] = pilot::json(plan, arguments)?;
         }
         super::say(&format!("{json}\n"));
     } else {
         super::say(&report.table());
-        if let Some(plan) = &plan {
+        if let Some(plan) = plan {
             super::say(&pilot::lines(plan, arguments));
         }
         if let Some(path) = &arguments.events {
