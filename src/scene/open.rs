@@ -3,8 +3,8 @@
 use std::{io::Read, path::Path};
 
 use super::{
-    OpenOptions, Scene, SceneError, animation, decoded::Source, folder, light, mp4, npy,
-    pattern::Pattern, rate, still, y4m,
+    animation, decoded::Source, error::SceneError, folder, frame::Scene, light, mp4, npy,
+    options::OpenOptions, pattern::Pattern, rate, still, y4m,
 };
 
 /// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.

@@ -73,6 +73,7 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Answer<Machine>> {
         budget: BUDGET,
         tiles: None,
         look: None,
+        together: true,
     };
     Ok(measure.ask(&family, &family.candidates(&formats))?)
 }

@@ -1,7 +1,7 @@
 //! Which statements a macro consists of, and which macros they may call.
 
 use crate::isa::{
-    Operand,
+    signature::Operand,
     text::{Argument, Expression, Statement, Term},
 };
 

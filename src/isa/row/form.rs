@@ -1,7 +1,12 @@
 //! Conversion between a primitive and its text: by a form of its row.
 
 use crate::isa::{
-    Analog, Bit, Device, Digital, Direction, Primitive, Source, Target, Value, signature::Bound,
+    connection::{Analog, Bit, Digital, Source, Target},
+    device::Device,
+    direction::Direction,
+    primitive::Primitive,
+    signature::Bound,
+    value::Value,
 };
 
 use super::table::Kind;

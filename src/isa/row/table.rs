@@ -1,6 +1,10 @@
 //! The kinds of primitives and of host operations, and their rows.
 
-use super::super::{Evidence, Primitive, Quantity, Signature};
+use super::super::{
+    figure::{Evidence, Quantity},
+    primitive::Primitive,
+    signature::Signature,
+};
 
 /// An enum, the list of its variants and how each is written, from one list.
 macro_rules! listed {

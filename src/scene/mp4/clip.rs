@@ -23,9 +23,11 @@ use crate::{
     limit::SAMPLE_BYTES,
     plane::{Plane, Size},
     scene::{
-        Frame, OpenOptions, Scene, SceneError,
         decoded::Source,
+        error::SceneError,
+        frame::{Frame, Scene},
         light::{self, MemoryLimit},
+        options::OpenOptions,
         rate::Rate,
     },
 };

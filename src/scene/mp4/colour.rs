@@ -1,6 +1,9 @@
 //! What a clip says about range and transfer: the box `colr`, else the VUI of its H.264.
 
-use crate::scene::{Range, Transfer, decoded::Source};
+use crate::scene::{
+    coding::{Range, Transfer},
+    decoded::Source,
+};
 
 /// Range and transfer, as far as they are stated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

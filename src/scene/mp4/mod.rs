@@ -21,7 +21,7 @@ mod track;
 
 use std::path::Path;
 
-use super::{OpenOptions, Scene, SceneError, decoded::Source};
+use super::{decoded::Source, error::SceneError, frame::Scene, options::OpenOptions};
 
 #[cfg(not(feature = "mp4"))]
 pub(super) fn open(

@@ -42,6 +42,8 @@ pub struct Measure<'a> {
     pub tiles: Option<usize>,
     /// A look at the scene in the tiles of the family, where somebody had one already.
     pub look: Option<&'a Look>,
+    /// Whether what is allowed by itself is measured together, too.
+    pub together: bool,
 }
 
 /// The limits of a pilot hold together but for one case in so many.
@@ -323,12 +325,14 @@ impl<F: Family> Pilot<'_, F> {
         let mosaic = trial.mosaic(&drawn);
         let models = going(trial.family.full(), &answer.offers);
         let whole = answer.expected.map_or(0.0, |[whole, _]| whole);
-        let late = self.start + 2.0 * self.allowed(whole);
+        // Who asks for tiles waits for them.
+        let late = match measure.tiles {
+            Some(_) => f64::INFINITY,
+            None => self.start + 2.0 * self.allowed(whole),
+        };
         let all = (measure.kept.len(), UNCLOCKED);
         let runs = trial.run(&models, &mosaic, all, |shown, runs| {
-            if measure.tiles.is_none() {
-                self.drop_early(shown, runs, late);
-            }
+            self.drop_early(shown, runs, late);
         })?;
         let Some((reference, others)) = runs.split_first() else {
             return because("nothing was run");
@@ -359,7 +363,10 @@ impl<F: Family> Pilot<'_, F> {
         }
         // What is allowed by itself need not be together: that is measured too.
         let apart: Vec<F::Model> = allowed.iter().map(|offer| offer.model.clone()).collect();
-        let together = trial.family.together(&apart).filter(|_| apart.len() > 1);
+        let together = trial
+            .family
+            .together(&apart)
+            .filter(|_| measure.together && apart.len() > 1);
         if let Some(together) = together
             && !apart.contains(&together)
         {
@@ -409,11 +416,10 @@ impl<F: Family> Pilot<'_, F> {
         }
         let whole = self.whole_scene(reference);
         for ran in others.iter_mut().filter(|ran| ran.given_up.is_none()) {
-            if whole - self.whole_scene(ran) < WORTH * whole {
+            let saves_little = whole - self.whole_scene(ran) < WORTH * whole;
+            if saves_little && self.measure.tiles.is_none() {
                 ran.given_up = Some(SAVES_LITTLE.to_owned());
-                continue;
-            }
-            if let Some(why) = self.changes_much(reference, ran) {
+            } else if let Some(why) = self.changes_much(reference, ran) {
                 ran.given_up = Some(why);
             }
         }

@@ -230,6 +230,7 @@ pub fn plan(
         budget: (question.budget.0, question.budget.1 - (clock() - start)),
         tiles: question.tiles,
         look: Some(&look),
+        together: true,
     };
     let family = Floats {
         description,
