@@ -62,32 +62,32 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "a program, exact",
-        "exec ROOT/programs/rgc/centre_surround.scamp --image clip.npy --fps 40 --events e.csv --dump d",
+        "exec ROOT/programs/rgc/centre_surround.scamp --image clip.npy --fps 40 --frames 8 --events e.csv --dump d",
         &["e.csv", "d/A.npy", "d/B.npy", "d/R5.npy"],
     ),
     (
         "a program, f32",
-        "exec ROOT/programs/convolve/gaussian.scamp --image clip.npy --fps 40 --domain f32 --dump d",
+        "exec ROOT/programs/convolve/gaussian.scamp --image clip.npy --fps 40 --frames 1 --domain f32 --dump d",
         &["d/A.npy", "d/B.npy", "d/C.npy"],
     ),
     (
         "a program, f16",
-        "exec ROOT/programs/convolve/sobel.scamp --image clip.npy --fps 40 --domain f16 --dump d",
+        "exec ROOT/programs/convolve/sobel.scamp --image clip.npy --fps 40 --frames 1 --domain f16 --dump d",
         &["d/A.npy", "d/B.npy", "d/C.npy"],
     ),
     (
         "a program, q8.8, by tiles",
-        "exec ROOT/programs/rgc/centre_surround.scamp --image clip.npy --fps 40 --domain q8.8 --schedule tiled --events e.csv --dump d",
+        "exec ROOT/programs/rgc/centre_surround.scamp --image clip.npy --fps 40 --frames 8 --domain q8.8 --schedule tiled --events e.csv --dump d",
         &["e.csv", "d/A.npy", "d/B.npy"],
     ),
     (
         "a program, silicon",
-        "exec ROOT/programs/rgc/centre_surround.scamp --image clip.npy --fps 40 --domain silicon --seed 5 --events e.csv --dump d",
+        "exec ROOT/programs/rgc/centre_surround.scamp --image clip.npy --fps 40 --frames 8 --domain silicon --seed 5 --events e.csv --dump d",
         &["e.csv", "d/A.npy", "d/B.npy", "d/R5.npy"],
     ),
     (
         "a diffusion, silicon",
-        "exec ROOT/programs/convolve/diffusion.scamp --image clip.npy --fps 40 --domain silicon --dump d",
+        "exec ROOT/programs/convolve/diffusion.scamp --image clip.npy --fps 40 --frames 1 --domain silicon --dump d",
         &["d/A.npy", "d/B.npy"],
     ),
     (
