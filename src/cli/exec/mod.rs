@@ -44,9 +44,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     } else {
         None
     };
-    if let Some(plan) = &plan {
-        bench.machine = Some(plan.choice.clone());
-    }
+    bench.machine = match &plan {
+        Some(plan) => Some(plan.choice.clone()),
+        None => arguments.without.machine(bench.arithmetic)?,
+    };
     if let Some(folder) = &arguments.dump {
         files::writes(dump::files(&bench.opened.device, folder))?;
     }
