@@ -46,15 +46,18 @@ const MARGIN: f64 = 24.0;
 const LEFT: f64 = 78.0;
 const PLOT: f64 = 560.0;
 const HEIGHT: f64 = 380.0;
-/// Room for the names at the right.
-const NAMES: f64 = 470.0;
+/// Room at the right for a name without letters, and for each of them.
+const NAMES: f64 = 270.0;
+const LETTER: f64 = 8.0;
 
 const FRONT: Ink = ink::ON;
 const KNEE: Ink = ink::OFF;
 const BEATEN: Ink = ink::BARS;
 
-/// The least share that has a place of its own, in per cent; what is below lies on the axis.
-const LEAST_PERCENT: f64 = 1e-3;
+/// The least share that has a place of its own, as a power of ten in per cent. What is below it is
+/// drawn at 0, half a decade below.
+const LEAST: f64 = -3.0;
+const ZERO: f64 = LEAST - 0.5;
 
 /// The chart: seconds to the right, changed events up, both as logarithms.
 #[must_use]
@@ -70,7 +73,9 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
     let rows = show.dots.len() as f64 + 3.0;
     let bottom = (area.bottom() + 3.0 * line).max(rows.mul_add(line, top));
     let bottom = bottom + (show.knee.len() as f64 + 1.0) * line;
-    let mut page = Drawing::new(area.right() + NAMES, bottom + MARGIN);
+    let longest = show.dots.iter().map(|dot| dot.name.chars().count()).max();
+    let names = LETTER.mul_add(longest.unwrap_or(0).max(20) as f64, NAMES);
+    let mut page = Drawing::new(area.right() + names, bottom + MARGIN);
     let mut y = MARGIN;
     write(&mut page, (MARGIN, y), Weight::Heading, ink::TEXT, show.title);
     for caption in show.captions {
@@ -80,6 +85,10 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
     legend(&mut page, y + 1.5 * line);
     let plot = Plot::new(area, &show.dots);
     axes(&mut page, area, plot.across, plot.up);
+    let zero = plot.y(0.0);
+    page.line((area.x, zero), (area.right(), zero), 1.0, ink::GRID);
+    let place = (area.x - 8.0, zero - line / 2.0 + 1.0);
+    page.text(place, Anchor::End, Weight::Plain, ink::CAPTION, "0");
     plot.front(&mut page, &show.dots);
     // The front lies over the rest.
     let numbered = || (1..).zip(&show.dots);
@@ -112,7 +121,8 @@ fn log10(value: f64) -> f64 {
 
 /// Per cent as they are placed: with a floor, on which lies what changes nothing.
 fn percent(share: f64) -> f64 {
-    log10((100.0 * share).max(LEAST_PERCENT))
+    let percent = log10((100.0 * share).max(1e-9));
+    if percent < LEAST { ZERO } else { percent }
 }
 
 impl Plot {
@@ -138,7 +148,7 @@ impl Plot {
             },
             up: Axis {
                 label: "events that change, %",
-                from: log10(LEAST_PERCENT) - 0.25,
+                from: ZERO - 0.2,
                 to: most.max(0.0) + 0.2,
                 scale: Scale::Powers,
             },

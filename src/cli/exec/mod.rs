@@ -125,6 +125,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         program: &bench.opened.program.file,
         chip: &*chip,
         arithmetic: bench.arithmetic,
+        without: arguments.without.told(),
         frames,
         packet: &packet,
         light: &bench.observation,

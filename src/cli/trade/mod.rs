@@ -77,6 +77,9 @@ pub struct Arguments {
     /// The part of the sensor that is run, such as 10%
     #[arg(long, default_value = "5%", value_name = "PERCENT", value_parser = part)]
     sample: f64,
+    /// How many runs of a model share what it took to know its error
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    runs: u32,
     /// Run every model on the whole scene, too, and take its times and changes
     #[arg(long)]
     verify: bool,
@@ -195,6 +198,7 @@ impl Arguments {
             alternative,
             free,
             verify: self.verify,
+            runs: self.runs,
             begin: &|_| progress.tick(),
         };
         let trade: Trade<F::Model> = trade(family, &ask)?;

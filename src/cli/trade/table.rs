@@ -46,7 +46,13 @@ impl<M> Told<'_, M> {
             (None, false) => "run: seconds, stretched from these tiles to the whole scene; --verify measures them".to_owned(),
         });
         if trade.tiles.is_some() {
-            lines.push("plan: seconds that it took to know the error on the tiles; sum: both, what the front is drawn by".to_owned());
+            let shared = match self.arguments.runs {
+                1 => "--runs N shares them among N runs".to_owned(),
+                runs => format!("shared by {runs} runs"),
+            };
+            lines.push(format!(
+                "plan: seconds that it took to know the error on the tiles, {shared}; sum: both, what the front is drawn by"
+            ));
         }
         if trade.without_slot > 0 {
             let more = if trade.no_tiles.is_none() && !self.arguments.verify {
@@ -197,6 +203,7 @@ impl<M> Told<'_, M> {
             "frames": self.scened.kept.len(),
             "within_us": self.arguments.within.0,
             "reading_seconds": self.scened.reading,
+            "runs": self.arguments.runs,
             "times": if trade.no_tiles.is_some() || self.arguments.verify { "whole" } else { "tiles" },
             "tiles": trade.tiles,
             "no_tiles": trade.no_tiles,

@@ -72,18 +72,22 @@ impl Axis<'_> {
             .collect()
     }
 
-    /// 1, 2 and 5 of each decade, or 1 alone where that is enough.
+    /// Some digits of each decade, as many as there is room for.
     fn powers(self, most: usize) -> Vec<(f64, String)> {
-        let digits: &[f64] = if (self.to - self.from) * 3.0 > most as f64 {
+        let decades = self.to - self.from;
+        let digits: &[f64] = if decades * 3.0 > most as f64 {
             &[1.0]
-        } else {
+        } else if decades * 5.0 > most as f64 {
             &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0, 1.5, 2.0, 3.0, 4.0, 6.0]
         };
         let decades = self.from.floor() as i32..=self.to.ceil() as i32;
         let all = decades.flat_map(|decade| {
             let ten = elementary::pow(10_f64, f64::from(decade));
-            let decimals = usize::try_from(-decade).unwrap_or(0);
             digits.iter().map(move |digit| {
+                let fraction = i32::from(digit.fract() > 0.0);
+                let decimals = usize::try_from(fraction - decade).unwrap_or(0);
                 let value = f64::from(decade) + elementary::log10(*digit);
                 (value, format!("{:.decimals$}", digit * ten))
             })
@@ -185,6 +189,10 @@ mod tests {
         assert_eq!(
             texts(2.0, 6.3, 9, Scale::Decades),
             ["100 us", "1 ms", "10 ms", "100 ms", "1 s"]
+        );
+        assert_eq!(
+            texts(-0.4, 0.4, 6, Scale::Powers),
+            ["0.4", "0.6", "1", "1.5", "2"]
         );
         assert_eq!(
             texts(-1.2, 0.4, 6, Scale::Powers),

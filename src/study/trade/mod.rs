@@ -84,7 +84,7 @@ impl<M> Point<M> {
         }
     }
 
-    /// Seconds that it took to know that.
+    /// Seconds that it took to know that, of each run that shares them.
     #[must_use]
     pub fn planning(&self) -> f64 {
         self.sampled.and_then(|known| known.planning).unwrap_or(0.0)
@@ -129,6 +129,8 @@ pub struct Ask<'a, M> {
     pub free: &'a dyn Fn(&M, &Look) -> Option<&'static str>,
     /// Whether everything is run on the whole scene, too.
     pub verify: bool,
+    /// How many runs share the planning.
+    pub runs: u32,
     /// Called before each model is run whole, and before the tiles.
     pub begin: &'a dyn Fn(&str),
 }
@@ -187,7 +189,10 @@ where
                     }
                     point.free = (ask.free)(&point.model, begun.look());
                     match known.next() {
-                        Some(Ok(known)) => point.sampled = Some(known),
+                        Some(Ok(mut known)) => {
+                            known.planning = known.planning.map(|s| s / f64::from(ask.runs));
+                            point.sampled = Some(known);
+                        }
                         Some(Err(why)) => point.why = Some(why),
                         None => {}
                     }
