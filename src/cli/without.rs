@@ -44,11 +44,21 @@ fn named<T: Copy>(
 }
 
 fn effect(text: &str) -> Result<Effect, String> {
-    named(text, "effect of a sensor", Effect::of_sensors(), Effect::key)
+    named(
+        text,
+        "effect of a sensor",
+        Effect::of_sensors(),
+        Effect::key,
+    )
 }
 
 fn term(text: &str) -> Result<Term, String> {
-    named(text, "error of analogue cells", Term::ALL.into_iter(), Term::key)
+    named(
+        text,
+        "error of analogue cells",
+        Term::ALL.into_iter(),
+        Term::key,
+    )
 }
 
 impl Effects {
@@ -56,7 +66,11 @@ impl Effects {
     ///
     /// # Errors
     /// When the sensor does not have one of them.
-    pub fn leave_out(&self, sensor: &str, description: &Description) -> miette::Result<Description> {
+    pub fn leave_out(
+        &self,
+        sensor: &str,
+        description: &Description,
+    ) -> miette::Result<Description> {
         let has = |effect: &Effect| effect.is_in(description, false);
         if let Some(absent) = self.without.iter().find(|effect| !has(effect)) {
             let there: Vec<_> = Effect::of_sensors().filter(has).map(Effect::key).collect();
@@ -65,10 +79,15 @@ impl Effects {
             } else {
                 format!("it has {}", there.join(", "))
             };
-            return Err(miette!(help = help, "{sensor} has no {absent} to leave out"));
+            return Err(miette!(
+                help = help,
+                "{sensor} has no {absent} to leave out"
+            ));
         }
         let choice = self.without.iter().copied();
-        Ok(choice.fold(Choice::full(), Choice::and_without).plainer(description))
+        Ok(choice
+            .fold(Choice::full(), Choice::and_without)
+            .plainer(description))
     }
 
     /// What is left out, after the number format: `, without jitter`.

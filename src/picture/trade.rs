@@ -74,10 +74,16 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
     let bottom = (area.bottom() + 3.0 * line).max(rows.mul_add(line, top));
     let bottom = bottom + (show.knee.len() as f64 + 1.0) * line;
     let longest = show.dots.iter().map(|dot| dot.name.chars().count()).max();
-    let names = LETTER.mul_add(longest.unwrap_or(0).max(20) as f64, NAMES);
-    let mut page = Drawing::new(area.right() + names, bottom + MARGIN);
+    let room = LETTER.mul_add(longest.unwrap_or(0).max(20) as f64, NAMES);
+    let mut page = Drawing::new(area.right() + room, bottom + MARGIN);
     let mut y = MARGIN;
-    write(&mut page, (MARGIN, y), Weight::Heading, ink::TEXT, show.title);
+    write(
+        &mut page,
+        (MARGIN, y),
+        Weight::Heading,
+        ink::TEXT,
+        show.title,
+    );
     for caption in show.captions {
         y += line;
         write(&mut page, (MARGIN, y), Weight::Plain, ink::CAPTION, caption);
@@ -101,7 +107,11 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
     names(&mut page, area, &show.dots);
     let mut y = bottom - (show.knee.len() as f64 + 1.0) * line + line;
     for (n, text) in show.knee.iter().enumerate() {
-        let weight = if n == 0 { Weight::Heading } else { Weight::Plain };
+        let weight = if n == 0 {
+            Weight::Heading
+        } else {
+            Weight::Plain
+        };
         write(&mut page, (MARGIN, y), weight, ink::TEXT, text);
         y += line;
     }
@@ -187,7 +197,11 @@ impl Plot {
         page.line((x, self.y(dot.share)), (x, y), 1.5, ink);
         square(page, (x, y), half, ink);
         let place = (x + 6.0, y - f64::from(LINE) + 2.0);
-        let text = if dot.on_front { ink::TEXT } else { ink::CAPTION };
+        let text = if dot.on_front {
+            ink::TEXT
+        } else {
+            ink::CAPTION
+        };
         write(page, place, Weight::Plain, text, &number.to_string());
     }
 }
@@ -220,7 +234,13 @@ fn names(page: &mut Drawing, area: Area, dots: &[TradeDot]) {
     let line = f64::from(LINE);
     let left = area.right() + MARGIN;
     let heading = "    seconds  at most  model";
-    write(page, (left, area.y - line), Weight::Heading, ink::TEXT, heading);
+    write(
+        page,
+        (left, area.y - line),
+        Weight::Heading,
+        ink::TEXT,
+        heading,
+    );
     for (number, dot) in (1..).zip(dots) {
         let y = area.y + f64::from(number - 1) * line;
         square(page, (left + 4.0, y + line / 2.0), 4.0, colour(dot));
@@ -230,8 +250,16 @@ fn names(page: &mut Drawing, area: Area, dots: &[TradeDot]) {
             share(dot.limit),
             dot.name
         );
-        let ink = if dot.on_front { ink::TEXT } else { ink::CAPTION };
-        let weight = if dot.is_knee { Weight::Heading } else { Weight::Plain };
+        let ink = if dot.on_front {
+            ink::TEXT
+        } else {
+            ink::CAPTION
+        };
+        let weight = if dot.is_knee {
+            Weight::Heading
+        } else {
+            Weight::Plain
+        };
         write(page, (left + 14.0, y), weight, ink, &text);
     }
 }
@@ -297,10 +325,22 @@ mod tests {
         };
         let drawing = trade(&show);
         let texts: Vec<&str> = drawing.texts().collect();
-        for text in ["a scene", "the knee", "amacrine run", "0.01", "0.1", "1", "10"] {
+        for text in [
+            "a scene",
+            "the knee",
+            "amacrine run",
+            "0.01",
+            "0.1",
+            "1",
+            "10",
+        ] {
             assert!(texts.contains(&text), "{text} in {texts:?}");
         }
-        assert!(texts.iter().any(|text| text.contains("0.500  1.000 %  f32")));
+        assert!(
+            texts
+                .iter()
+                .any(|text| text.contains("0.500  1.000 %  f32"))
+        );
         let picture = raster(&drawing, 1);
         let area = Area {
             x: LEFT,

@@ -92,10 +92,11 @@ pub struct Arguments {
 }
 
 fn domain(text: &str) -> Result<Arithmetic, String> {
-    text.parse().map_err(|error: crate::array::ArithmeticError| {
-        let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
-        format!("{error}: {}", help.unwrap_or_default())
-    })
+    text.parse()
+        .map_err(|error: crate::array::ArithmeticError| {
+            let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
+            format!("{error}: {}", help.unwrap_or_default())
+        })
 }
 
 /// A part of the sensor above 0.

@@ -55,7 +55,10 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     };
     let formats: Vec<Format> = match &arguments.formats {
         Some(formats) => formats.clone(),
-        None => FORMATS.iter().filter_map(|name| name.parse().ok()).collect(),
+        None => FORMATS
+            .iter()
+            .filter_map(|name| name.parse().ok())
+            .collect(),
     };
     let alternative = |setup: &Setup| family.alternative(setup);
     let free = |setup: &Setup, _: &_| family.free(setup);

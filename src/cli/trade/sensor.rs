@@ -27,7 +27,10 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
     };
     let formats = match &arguments.formats {
         Some(formats) => formats.clone(),
-        None => FORMATS.iter().filter_map(|name| name.parse().ok()).collect(),
+        None => FORMATS
+            .iter()
+            .filter_map(|name| name.parse().ok())
+            .collect(),
     };
     let inserts = arguments.upsample.is_some();
     let effects = Effect::ALL.into_iter();

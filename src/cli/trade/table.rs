@@ -175,7 +175,11 @@ impl<M> Told<'_, M> {
             return format!("{}: {}, and nothing changes", point.name, seconds(all));
         }
         let times = all / run(point).max(1e-9);
-        let how = if point.whole.is_some() { "of the events change" } else { "of the events change at most" };
+        let how = if point.whole.is_some() {
+            "of the events change"
+        } else {
+            "of the events change at most"
+        };
         format!(
             "{}: {} in place of {}, {times:.1} times as fast; {} {how}",
             point.name,
@@ -215,7 +219,10 @@ impl<M> Told<'_, M> {
     }
 
     pub fn drawing(&self, trade: &Trade<M>) -> Drawing {
-        let title = format!("{} on {}: what may be left out, and what that saves", self.of, self.arguments.scene);
+        let title = format!(
+            "{} on {}: what may be left out, and what that saves",
+            self.of, self.arguments.scene
+        );
         let mut captions = vec![format!("the full model is {}", self.full)];
         captions.extend(self.ground(trade));
         let dots = trade.points.iter().filter_map(|point| {
@@ -224,7 +231,11 @@ impl<M> Told<'_, M> {
                 name: point.name.clone(),
                 run: known.seconds,
                 planning: point.planning(),
-                share: if point.free.is_some() { 0.0 } else { known.change.share },
+                share: if point.free.is_some() {
+                    0.0
+                } else {
+                    known.change.share
+                },
                 limit: point.error()?,
                 on_front: point.on_front,
                 is_knee: point.is_knee,

@@ -320,14 +320,18 @@ impl<F: Family> Begun<'_, F> {
         let clock = self.survey.clock;
         let [all, own] = self.frames.map(|frames| frames as f64);
         let start = clock();
-        let planes: Vec<_> = (0..2.min(kept.len())).filter_map(|n| kept.plane(n)).collect();
+        let planes: Vec<_> = (0..2.min(kept.len()))
+            .filter_map(|n| kept.plane(n))
+            .collect();
         let each = (clock() - start) / planes.len().max(1) as f64;
         let mut inserted = 0.0;
         if let [a, b] = &planes[..]
             && all > own
         {
             let start = clock();
-            let between = ndarray::Zip::from(a).and(b).map_collect(|a, b| at(*a, *b, 0.5));
+            let between = ndarray::Zip::from(a)
+                .and(b)
+                .map_collect(|a, b| at(*a, *b, 0.5));
             std::hint::black_box(between);
             inserted = (clock() - start) * (all - own);
         }

@@ -10,6 +10,7 @@
 //!
 //! `docs/sweeps.md` has a worked example, every key and every column.
 
+pub mod ask;
 mod build;
 mod cached_scene;
 pub mod damage;
@@ -48,6 +49,7 @@ pub mod table;
 pub mod value;
 pub mod verify;
 
+pub use ask::Asked;
 pub use damage::Damage;
 pub use error::StoreError;
 pub use limits::{Clock, Limits};

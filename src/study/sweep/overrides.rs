@@ -52,7 +52,10 @@ impl FromStr for Override {
         let (key, value) = text.split_once('=').ok_or_else(wrong)?;
         let key: Vec<String> = key.split('.').map(|part| part.trim().to_owned()).collect();
         let word = |part: &String| {
-            !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
+            !part.is_empty()
+                && part
+                    .chars()
+                    .all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
         };
         if !key.iter().all(word) || value.trim().is_empty() {
             return Err(wrong());
@@ -208,7 +211,10 @@ impl Override {
             Some(node) if rest.is_empty() => Ok(vec![(node.place(), self.value.clone())]),
             Some(node) if node.as_table().is_some() => {
                 let place = node.place();
-                if !text.get(place.start..).is_some_and(|text| text.starts_with('{')) {
+                if !text
+                    .get(place.start..)
+                    .is_some_and(|text| text.starts_with('{'))
+                {
                     return Err(self.fault(
                         format!("`{first}` is not written as {{ … }} in the study"),
                         format!("set all of it: {first}='{}'", nested(rest)),
@@ -225,7 +231,10 @@ impl Override {
                 Ok(vec![(Place::new(place.start + 1, place.start + 1), new)])
             }
             Some(node) => Err(self.fault(
-                format!("`{first}` is {} in the study, and has no keys", node.found()),
+                format!(
+                    "`{first}` is {} in the study, and has no keys",
+                    node.found()
+                ),
                 format!("set all of it: {first}='{}'", nested(rest)),
             )),
             None => {
@@ -275,19 +284,29 @@ mod tests {
 
     #[test]
     fn what_is_set_is_as_if_it_were_written() {
-        same(&["format=f16,q8.8"], &STUDY.replace("\"f64\",\n  \"f32\"", "\"f16\", \"q8.8\""));
+        same(
+            &["format=f16,q8.8"],
+            &STUDY.replace("\"f64\",\n  \"f32\"", "\"f16\", \"q8.8\""),
+        );
         same(&["threshold=8"], &STUDY.replace("[16, 32]", "8"));
         same(
             &["threshold={from=8,to=64,steps=3}"],
             &STUDY.replace("[16, 32]", "{ from = 8, to = 64, steps = 3 }"),
         );
-        same(&["reference.refractory.us=7"], &STUDY.replace("us = 5", "us = 7"));
+        same(
+            &["reference.refractory.us=7"],
+            &STUDY.replace("us = 5", "us = 7"),
+        );
         same(
             &["refractory.rule=authors"],
             &STUDY.replace("{ us = 5 }", "{ us = 5, rule = \"authors\" }"),
         );
         same(
-            &["array.domain=exact,silicon", "array.threshold=9", "frames=5"],
+            &[
+                "array.domain=exact,silicon",
+                "array.threshold=9",
+                "frames=5",
+            ],
             &format!("frames = 5\n{STUDY}domain = [\"exact\", \"silicon\"]\nthreshold = 9\n"),
         );
         same(
@@ -301,7 +320,10 @@ mod tests {
         let value = |text: &str| text.parse::<Override>().unwrap().value;
         assert_eq!(value("a=f32,q8.8"), "[\"f32\", \"q8.8\"]");
         assert_eq!(value("a=1,2.5"), "[1, 2.5]");
-        assert_eq!(value("a={ us = 0 },{us=1, rule=\"x,y\"}"), "[{ us = 0 }, {us=1, rule=\"x,y\"}]");
+        assert_eq!(
+            value("a={ us = 0 },{us=1, rule=\"x,y\"}"),
+            "[{ us = 0 }, {us=1, rule=\"x,y\"}]"
+        );
         assert_eq!(value("a=pattern:disc?x=1"), "\"pattern:disc?x=1\"");
         assert_eq!(value("a=\"1\""), "\"1\"");
         assert_eq!(value("a=1\nb = 2"), "\"1\\nb = 2\"");

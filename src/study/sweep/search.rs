@@ -101,7 +101,10 @@ impl Run<'_> {
             };
             let (ranked, rung) = self.try_rung(&rung, search, store, done)?;
             did.rungs.push(rung);
-            left = ranked.into_iter().filter_map(|i| left.get(i).copied()).collect();
+            left = ranked
+                .into_iter()
+                .filter_map(|i| left.get(i).copied())
+                .collect();
         }
         left.truncate(finish);
         did.rungs.push(Rung {
@@ -127,7 +130,9 @@ impl Run<'_> {
         let columns = ["error", search.cost];
         let known = |entry: &Entry| fidelity::read(&folder, &entry.id);
         let entries = cut.plan.entries.iter().enumerate();
-        let work: Vec<_> = entries.filter(|(_, entry)| known(entry).is_none()).collect();
+        let work: Vec<_> = entries
+            .filter(|(_, entry)| known(entry).is_none())
+            .collect();
         let tried = work.len();
         let run = Run {
             plan: &cut.plan,
@@ -184,7 +189,9 @@ impl Cut {
             // Slots are the whole array's.
             let whole = entry.point.word("readout") == Some("chip");
             let digest = &entry.scene.digest;
-            let found = scenes.iter().find(|(known, all, _)| known == digest && *all == whole);
+            let found = scenes
+                .iter()
+                .find(|(known, all, _)| known == digest && *all == whole);
             let cut = if let Some((_, _, cut)) = found {
                 cut.clone()
             } else {
@@ -237,7 +244,9 @@ fn cut(
 ) -> Result<Option<(Arc<CachedScene>, f64)>, SceneError> {
     let each = if whole { part } else { part.sqrt() };
     let all = scene.frames;
-    let frames = ((each * all as f64).ceil() as u64).max(LEAST_FRAMES).min(all);
+    let frames = ((each * all as f64).ceil() as u64)
+        .max(LEAST_FRAMES)
+        .min(all);
     let space = if whole {
         1.0
     } else {

@@ -6,8 +6,8 @@ use super::{
     point::Point,
     read::SEE,
     report::COSTS,
-    search::Search,
     sample::{Method, Sample},
+    search::Search,
 };
 pub use crate::compare::metric::IN_STUDIES as METRICS;
 use crate::{
@@ -442,7 +442,10 @@ fn sample_of(settings: &Section<'_>) -> Read<Option<Sample>> {
                 .unwrap_or(COSTS[0]),
             seed,
         });
-    } else if let Some(key) = ["finish", "cost"].iter().find(|key| sample.get(key).is_some()) {
+    } else if let Some(key) = ["finish", "cost"]
+        .iter()
+        .find(|key| sample.get(key).is_some())
+    {
         let what = format!("`sample.{key}` is of a search, and nothing is searched for");
         let fault = Fault::error(sample.place_of(key), what, "changes nothing");
         return Err(fault.help("leave it out, or set method = \"search\""));

@@ -87,7 +87,9 @@ mod tests {
     fn the_hypervolume_is_the_area_that_is_dominated() {
         for seed in 0..20 {
             let digit = |i: u64| (Hash::new(seed).with(i).uniform() * 12.0).floor();
-            let points: Vec<Cost> = (0..8).map(|i| cost(digit(2 * i), digit(2 * i + 1))).collect();
+            let points: Vec<Cost> = (0..8)
+                .map(|i| cost(digit(2 * i), digit(2 * i + 1)))
+                .collect();
             let mut cells = 0;
             for x in 0..10 {
                 for y in 0..10 {

@@ -199,7 +199,9 @@ where
                 }
                 trade.add_together(family, ask);
             }
-            trade.points.retain(|point| point.sampled.is_some() || point.why.is_some());
+            trade
+                .points
+                .retain(|point| point.sampled.is_some() || point.why.is_some());
             if ask.verify {
                 trade.run_whole(&Whole::new(survey, family)?, ask)?;
             }
@@ -290,7 +292,10 @@ impl<M> Trade<M> {
             .and_then(Point::seconds)
             .unwrap_or(1.0)
             .max(1e-9);
-        let least = costs.iter().map(|cost| cost.x).fold(f64::INFINITY, f64::min);
+        let least = costs
+            .iter()
+            .map(|cost| cost.x)
+            .fold(f64::INFINITY, f64::min);
         let away = |cost: &Cost| ((cost.x - least) / all).hypot(cost.y);
         let mut knee: Option<(usize, f64)> = None;
         for ((i, cost), by) in placed.iter().zip(dominators(&costs)) {
@@ -318,7 +323,13 @@ mod tests {
         let (tiles, events, changes) = (10, 1000, 0);
         let share = limit.unwrap_or(0.0) / 2.0;
         Known {
-            change: Estimate { share, limit, tiles, events, changes },
+            change: Estimate {
+                share,
+                limit,
+                tiles,
+                events,
+                changes,
+            },
             f1: 1.0 - share,
             kept: 1.0 - share,
             seconds,
@@ -363,7 +374,10 @@ mod tests {
     #[test]
     fn planning_is_part_of_the_price() {
         let with = |planning| {
-            let trade = judged(&[(FULL, 1.0, Some(0.0), 0.0), ("f32", 0.8, Some(0.0), planning)]);
+            let trade = judged(&[
+                (FULL, 1.0, Some(0.0), 0.0),
+                ("f32", 0.8, Some(0.0), planning),
+            ]);
             trade.knee().unwrap().name.clone()
         };
         assert_eq!([with(0.1), with(0.3)], ["f32", FULL]);
