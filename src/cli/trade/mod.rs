@@ -137,7 +137,11 @@ impl Arguments {
             .samples
             .open(Some(&self.scene), self.fps, &observation)?;
         let mut scene = First::new(scene, self.frames.unwrap_or(u64::MAX));
-        let most = usize::try_from(budget::budget().bytes / 4).unwrap_or(KEPT);
+        let pixels = scene.frames().unwrap_or(0) as u128 * scene.size().pixels() as u128;
+        let need = budget::of_scene(&scene).and("the scene, at least a byte a pixel", pixels);
+        let what = format!("a trade on {}", scene.size());
+        budget::check(&need, &what, "take a shorter or smaller scene")?;
+        let most = usize::try_from(need.left(budget::budget())).unwrap_or(KEPT);
         let Some(kept) = Kept::new(&mut scene, most.min(KEPT))? else {
             return Err(miette!(
                 help = "take a shorter or smaller scene, such as the first seconds of this one",
