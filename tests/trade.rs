@@ -141,7 +141,7 @@ fn a_sensor_s_trade_has_its_front_and_commands_that_run() {
     }
     let text = good(
         at,
-        &[&ask[..6], &["--runs", "1000", "--formats", "f32"]].concat(),
+        &[&ask[..7], &["--runs", "1000", "--formats", "f32"]].concat(),
     );
     for words in [
         "the full model",
@@ -252,7 +252,7 @@ fn wrong_questions_are_refused() {
             &["--sensor", &sensor, "--program", "dvs.scamp"],
             &["cannot be used with"],
         ),
-        (&["--sensor", &sensor, "--domain", "exact"], &["--domain"]),
+        (&["--sensor", &sensor, "--domain", "exact"], &["--program"]),
         (
             &["--sensor", &sensor, "--sample", "0%"],
             &["no part of a sensor"],

@@ -233,7 +233,12 @@ fn value_of(key: &Key, json: &Json) -> Result<Value, PointError> {
         )
     })?;
     let read = Document::value(&text).and_then(|document| read::value(key, document.root()));
-    read.map_err(|fault| wrong(fault.message, fault.help.unwrap_or_default()))
+    read.map_err(|fault| {
+        wrong(
+            fault.message,
+            fault.help.unwrap_or_else(|| read::SEE.to_owned()),
+        )
+    })
 }
 
 /// JSON as TOML, where that is a value.

@@ -290,8 +290,6 @@ impl Study {
         if overrides.is_empty() {
             return Self::parse(file, text);
         }
-        // What is wrong without them is told as it stands.
-        Self::parse(file, text)?;
         let text = overridden(file, text, overrides)?;
         let set: Vec<_> = overrides.iter().map(ToString::to_string).collect();
         let shown = format!("{file} with {}", set.join(" "));
