@@ -327,6 +327,7 @@ fn what_is_beyond_the_budget_is_refused_before_the_work() {
             &strip,
         ],
         &["plan", "--scene", scene, "--sensor", &dvs],
+        &["trade", "--scene", scene, "--sensor", &dvs],
         &[
             "mesh", "step", "--lambda", "3", "--tau", "1ms", "--scene", scene, "-o", &out,
         ],

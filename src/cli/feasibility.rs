@@ -31,6 +31,7 @@ use super::{
     light::{self, Shown},
     progress::Progress,
     quantiser::Total,
+    quoted::quoted,
     readout::Choice,
     waterfall,
     window::Window,
@@ -394,16 +395,6 @@ impl Arguments {
 fn list(words: &[impl ToString]) -> String {
     let words: Vec<_> = words.iter().map(ToString::to_string).collect();
     words.join(",")
-}
-
-/// A word of a shell's command line.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=@%+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
 }
 
 /// What all kernels together take, a line for each of them, and each on its own.

@@ -28,6 +28,7 @@ mod print;
 mod progress;
 pub mod quantise;
 mod quantiser;
+mod quoted;
 mod readout;
 mod recording;
 mod registers;
@@ -38,8 +39,10 @@ pub mod show;
 mod signals;
 pub mod sweep;
 mod timed;
+pub mod trade;
 pub mod waterfall;
 mod window;
+mod without;
 
 use std::process::ExitCode;
 
@@ -104,8 +107,10 @@ verbs! {
     Convert => convert,
     /// What a packet (the events of a sensor over a scene) costs on a link, and what a readout makes of it
     Packets => packets,
-    /// What a model may leave out of a scene, with the bound that allows it
+    /// What a model may leave out of a scene, with the limit that allows it
     Plan => plan,
+    /// Error against seconds: every plainer model of a sensor in a scene, the front, its knee
+    Trade => trade,
     /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
     Show => show,
     /// Many points of a study, on all cores, resumable: results as CSV and JSON lines

@@ -36,7 +36,7 @@ pub struct Opened {
 }
 
 /// `name=value`, for the command line.
-fn constant(text: &str) -> Result<(String, f64), String> {
+pub(super) fn constant(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
@@ -48,6 +48,15 @@ fn constant(text: &str) -> Result<(String, f64), String> {
 }
 
 impl Source {
+    /// A program on a chip, with constants.
+    pub const fn new(program: Input, chip: Option<Named>, constants: Vec<(String, f64)>) -> Self {
+        Self {
+            program,
+            chip,
+            constants,
+        }
+    }
+
     /// The folder that the program's own paths are relative to.
     pub fn folder(&self) -> &Path {
         self.program.parent().unwrap_or(Path::new(""))

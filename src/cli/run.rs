@@ -34,6 +34,7 @@ use super::{
     light::{self, Samples},
     progress::Progress,
     readout,
+    without::Effects,
 };
 
 /// What `run` is asked to do.
@@ -67,6 +68,8 @@ pub struct Arguments {
     readout: readout::Choice,
     #[command(flatten)]
     fidelity: Fidelity,
+    #[command(flatten)]
+    without: Effects,
     /// Write signed event counts, int32 (P,K,H,W)
     #[arg(long, value_name = "C.npy", value_parser = Content::Array)]
     counts: Option<Output>,
@@ -109,6 +112,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let samples = &arguments.samples;
     let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
     if !arguments.fidelity.is_auto() {
+        let shown = arguments.sensor.display().to_string();
+        let description = arguments.without.leave_out(&shown, &description)?;
         return watched(arguments, &description, None, (open()?, &observation));
     }
     let (plan, scene) = arguments.planned(&description, open)?;
@@ -482,7 +487,7 @@ impl Watched {
         };
         let mut lines = vec![
             format!(
-                "sensor   {} ({} {}, {})",
+                "sensor   {} ({} {}, {}{})",
                 description.name,
                 kinds.len(),
                 if kinds.len() == 1 {
@@ -490,7 +495,8 @@ impl Watched {
                 } else {
                     "channels"
                 },
-                arguments.format
+                arguments.format,
+                arguments.without.told()
             ),
             format!(
                 "scene    {}, {}, {} frames in {:.6} s, {} frames/s{assumed}",

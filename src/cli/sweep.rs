@@ -2,6 +2,7 @@
 
 use std::{
     fmt::Write as _,
+    io::{self, BufRead as _, Read as _},
     path::{Path, PathBuf},
     sync::OnceLock,
     thread,
@@ -19,25 +20,31 @@ use super::{
     progress::Progress,
 };
 use crate::study::sweep::{
-    Limits, Plan, Run, Shard, Store, Study,
+    Asked, Limits, Override, Plan, Run, Shard, Store, Study,
+    ask::{self, PointError},
     damage::listed,
     run::Did,
     schema,
+    search::Searched,
     store::Tables,
     verify::{Share, Verified},
 };
-use crate::{memory::Need, source};
+use crate::{limit::POINT_BYTES, memory::Need, source};
 
 /// What `sweep` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine sweep studies/formats.toml --output out/formats\n  amacrine sweep studies/formats.toml --output out/shard-0 --shard 0/4\n  amacrine sweep studies/formats.toml --output out/formats --verify 5%\n\nA folder that exists is gone on with: what is finished is not computed again. What is damaged is named, set aside and computed again. docs/sweeps.md lists every key and every column."
+    after_help = "Examples:\n  amacrine sweep studies/formats.toml --output out/formats\n  amacrine sweep studies/formats.toml --output out/shard-0 --shard 0/4\n  amacrine sweep studies/formats.toml --output out/formats --verify 5%\n  amacrine sweep studies/formats.toml format=f32,q8.8 array.domain=silicon --output out/other\n  amacrine sweep studies/formats.toml --space\n  amacrine sweep studies/formats.toml --point '{\"side\": \"reference\", \"format\": \"q8.8\"}'\n\nA folder that exists is gone on with: what is finished is not computed again. What is damaged is named, set aside and computed again. docs/sweeps.md lists every key and every column."
 )]
 pub struct Arguments {
     /// The study file
     #[arg(required_unless_present = "schema")]
     study: Option<Input>,
-    /// The folder of results; the study's name without its ending when left out
+    /// Keys of the study set here, such as format=f32,q8.8, sample.points=64 or array.domain=exact
+    #[arg(value_name = "KEY=VALUE", value_parser = set)]
+    sets: Vec<Override>,
+    /// The folder of results; the study's name without its ending when left out, and what was set
+    /// as a hash
     #[arg(long, value_name = "DIR", value_parser = Content::Folder)]
     output: Option<Output>,
     /// Compute only the points whose number leaves i when divided by n
@@ -59,12 +66,38 @@ pub struct Arguments {
     /// Also write results.parquet
     #[arg(long)]
     parquet: bool,
+    /// Print the space of the study as JSON, for a search of another tool, and do nothing else
+    #[arg(long, conflicts_with_all = ["output", "shard", "verify", "parquet"])]
+    space: bool,
+    /// Compute this point of the space and print its row as a JSON line; can be given more than
+    /// once, and no folder is written
+    #[arg(long = "point", value_name = "JSON", conflicts_with_all = ["output", "shard", "verify", "parquet", "space"])]
+    points: Vec<PointText>,
+    /// The same for each line of standard input, answered as it comes
+    #[arg(long, conflicts_with_all = ["output", "shard", "verify", "parquet", "space", "points"])]
+    tell: bool,
     /// Print the JSON Schema of study files, and do nothing else
     #[arg(long)]
     schema: bool,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
+}
+
+/// A point of a study, as JSON.
+#[derive(Clone, Debug)]
+struct PointText(String);
+
+impl From<String> for PointText {
+    fn from(text: String) -> Self {
+        Self(text)
+    }
+}
+
+/// A key that is set, for the command line.
+fn set(text: &str) -> Result<Override, String> {
+    let help = "give key=value or key=a,b, such as format=f32,q8.8, sample.points=64 or array.domain=exact";
+    text.parse().map_err(|error| format!("{error}: {help}"))
 }
 
 /// A shard, for the command line, which shows no help beside a message.
@@ -110,8 +143,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     check_parquet(arguments.parquet)?;
     let shown = path.display().to_string();
     let text = source::text(path, "give a study file; studies/ has some to start from")?;
-    let study = Study::parse(&shown, &text)?;
+    let study = Study::parse_with(&shown, &text, &arguments.sets)?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    if arguments.space {
+        super::say(&format!("{}\n", ask::space(&study)));
+        return Ok(());
+    }
+    if arguments.tell || !arguments.points.is_empty() {
+        return tell(arguments, &study, folder);
+    }
+    let search = study.sample.is_some_and(|sample| sample.search.is_some());
+    if search && arguments.shard.is_some() {
+        return Err(miette!(
+            help = "leave --shard out, or sweep the whole grid on several machines",
+            "--shard of a search, whose points are chosen by comparing all of them"
+        ));
+    }
     let plan = Plan::new(study, folder)?;
     light::warn(&plan.warnings());
     let jobs = match arguments.jobs {
@@ -123,7 +170,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let share = scenes.left(budget::budget()) / jobs as u64;
     let output = match &arguments.output {
         Some(output) => output.to_path_buf(),
-        None => PathBuf::from(path.file_stem().unwrap_or(path.as_os_str())),
+        None => {
+            let stem = path.file_stem().unwrap_or(path.as_os_str());
+            let mut name = stem.to_owned();
+            if !arguments.sets.is_empty() {
+                // Another study than the file's alone.
+                name.push(format!("-{:.8}", plan.manifest().study));
+            }
+            PathBuf::from(name)
+        }
     };
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
@@ -164,6 +219,61 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     } else {
         said.table()
     });
+    Ok(())
+}
+
+/// Answers points with their rows, one JSON object a line.
+fn tell(arguments: &Arguments, study: &Study, folder: &Path) -> miette::Result<()> {
+    let mut asked = Asked::new(study, folder);
+    let start = Instant::now();
+    let clock = || start.elapsed().as_secs_f64();
+    let limits = Limits {
+        clock: &clock,
+        seconds: arguments.max_seconds_per_point,
+        bytes: Some(Need::new().left(budget::budget())),
+    };
+    for PointText(text) in &arguments.points {
+        let row = asked.tell(text, limits)?;
+        super::say(&format!("{}\n", json!(row)));
+    }
+    if arguments.tell {
+        let mut lines = io::stdin().lock();
+        let mut line = Vec::new();
+        loop {
+            line.clear();
+            let most = POINT_BYTES + 1;
+            let read = (&mut lines).take(most).read_until(b'\n', &mut line);
+            match read {
+                Err(error) => {
+                    return Err(miette!(
+                        help = "give points as lines of JSON",
+                        "standard input cannot be read: {error}"
+                    ));
+                }
+                Ok(0) => break,
+                Ok(read) if read as u64 == most => {
+                    return Err(miette!(
+                        help = "give points as lines of JSON",
+                        "a line of standard input is longer than {POINT_BYTES} bytes"
+                    ));
+                }
+                Ok(_) => {}
+            }
+            let text = String::from_utf8_lossy(&line);
+            if text.trim().is_empty() {
+                continue;
+            }
+            // Who asks can go on after a point that is none.
+            let said = match asked.tell(&text, limits) {
+                Ok(row) => json!(row),
+                Err(PointError { what, help }) => {
+                    json!({"outcome": "wrong", "reason": what, "help": help})
+                }
+            };
+            super::say(&format!("{said}\n"));
+        }
+    }
+    light::warn(&asked.warnings());
     Ok(())
 }
 
@@ -225,6 +335,38 @@ fn say_verified(verified: &Verified, output: &Path, arguments: &Arguments) -> mi
     ))
 }
 
+/// What a search saw, rung by rung.
+fn searched(search: &Searched, all: usize) -> String {
+    let mut text = String::new();
+    for (number, rung) in (1..).zip(&search.rungs) {
+        let whole = number == search.rungs.len();
+        let _ = writeln!(
+            text,
+            "rung {number}   {} points on {}: {:.0} point-frames{}",
+            rung.points,
+            if whole {
+                "the whole scene"
+            } else {
+                "a part of the scene"
+            },
+            rung.point_frames,
+            if whole {
+                String::new()
+            } else {
+                format!(", {} were known", rung.points - rung.tried)
+            }
+        );
+    }
+    let _ = writeln!(
+        text,
+        "search   {:.0} point-frames, {:.1} % of the {:.0} of all {all} points (what points are measured against not counted)",
+        search.point_frames,
+        100.0 * search.point_frames / search.of.max(1.0),
+        search.of
+    );
+    text
+}
+
 struct Said<'a> {
     plan: &'a Plan,
     output: &'a Path,
@@ -250,6 +392,7 @@ impl Said<'_> {
             "damaged": self.did.damaged,
             "missing": self.tables.missing.len(),
             "computed_by": self.tables.computed_by,
+            "search": self.did.search,
             "jobs": self.jobs,
             "seconds": self.seconds,
         });
@@ -303,8 +446,11 @@ impl Said<'_> {
                 )
             );
         }
+        if let Some(search) = &self.did.search {
+            text += &searched(search, all);
+        }
         let missing = self.tables.missing.len();
-        if missing > 0 {
+        if missing > 0 && self.did.search.is_none() {
             let _ = writeln!(
                 text,
                 "missing  {missing} of {all}: the other shards, or run again"

@@ -9,4 +9,5 @@ pub mod quantisation;
 pub mod report;
 pub mod saturation;
 pub mod sweep;
+pub mod trade;
 pub mod waterfall;

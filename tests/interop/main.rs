@@ -231,3 +231,38 @@ fn we_read_what_they_write() {
     }
     assert_eq!(read, 14, "files of others");
 }
+
+/// The example of ask and tell runs with Optuna, and its front is one of rows of a sweep.
+#[cfg(feature = "cli")]
+#[test]
+#[ignore = "needs Python with the packages of tests/interop/requirements.txt; run by name in .ci/run"]
+fn optuna_searches_a_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = "scene = \"pattern:noise?width=48&height=40&frames=8&fps=100&speed=40\"\nkernel = \"csdvs-3\"\nthreshold = { from = 8, to = 32 }\nthreshold-equivalent = false\n[[side]]\nside = \"reference\"\nformat = [\"f64\", \"f32\", \"q8.8\"]\nrefractory = [{ us = 0 }, { us = 2000 }]\n";
+    let study = format!("sample = {{ method = \"sobol\", points = 4 }}\n{study}");
+    fs::write(folder.path().join("study.toml"), study).unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/optuna/search.py");
+    let said = Command::new("python3")
+        .arg(script)
+        .args(["study.toml", "--trials", "12", "--program"])
+        .arg(assert_cmd::cargo::cargo_bin("amacrine"))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&said.stderr);
+    assert!(said.status.success(), "{errors}");
+    let text = String::from_utf8(said.stdout).unwrap();
+    let front: Vec<[f64; 2]> = { text.lines().skip(1) }
+        .map(|line| {
+            let mut numbers = line.split_whitespace().map(|word| word.parse().unwrap());
+            [numbers.next().unwrap(), numbers.next().unwrap()]
+        })
+        .collect();
+    assert!(!front.is_empty(), "{text}");
+    for pair in front.windows(2) {
+        assert!(
+            pair[0][0] <= pair[1][0] && pair[0][1] >= pair[1][1],
+            "{text}"
+        );
+    }
+}

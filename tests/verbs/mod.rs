@@ -101,6 +101,11 @@ pub const CASES: &[Case] = &[
         "p.npy",
     ),
     case("plan --scene ../in/clip.npy --sensor ../in/sensor.toml", ""),
+    // Its picture has times in it.
+    case(
+        "trade --scene ../in/clip.npy --sensor ../in/sensor.toml",
+        "",
+    ),
     case("show ../in/events.npy -o s.svg --view rate", "s.svg"),
     case(
         "show ../in/events.npy -o s.gif --view frame --window 50us",

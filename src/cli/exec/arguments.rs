@@ -9,6 +9,7 @@ use super::super::{
     files::{Named, Output},
     light::Samples,
     opened::Source,
+    without::Terms,
 };
 use crate::{array::Arithmetic, event::file::Format, isa::Figure, limit::THREADS};
 
@@ -55,6 +56,8 @@ pub struct Arguments {
     pub(super) schedule: Option<String>,
     #[command(flatten)]
     pub(super) fidelity: Fidelity,
+    #[command(flatten)]
+    pub(super) without: Terms,
     /// On how many threads at most
     #[arg(long, value_parser = threads)]
     pub(super) threads: Option<usize>,

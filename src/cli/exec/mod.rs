@@ -48,9 +48,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     } else {
         None
     };
-    if let Some(plan) = &plan {
-        bench.machine = Some(plan.choice.clone());
-    }
+    bench.machine = match &plan {
+        Some(plan) => Some(plan.choice.clone()),
+        None => arguments.without.machine(bench.arithmetic)?,
+    };
     if let Some(folder) = &arguments.dump {
         files::writes(dump::files(&bench.opened.device, folder))?;
     }
@@ -121,6 +122,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         program: &bench.opened.program.file,
         chip: &*chip,
         arithmetic: bench.arithmetic,
+        without: arguments.without.told(),
         frames,
         packet: &packet,
         light: &bench.observation,

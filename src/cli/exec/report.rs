@@ -15,6 +15,8 @@ pub struct Report<'a> {
     pub program: &'a str,
     pub chip: &'a dyn Array,
     pub arithmetic: Arithmetic,
+    /// What analogue cells do without, after the arithmetic.
+    pub without: String,
     pub frames: u64,
     pub packet: &'a Packet,
     pub light: &'a Observation,
@@ -100,11 +102,12 @@ impl Report<'_> {
         let (on, off) = self.on_and_off();
         let mut lines = vec![
             format!(
-                "program  {} on {}, {}, {}",
+                "program  {} on {}, {}, {}{}",
                 self.program,
                 self.chip.device().name(),
                 self.packet.size,
-                self.arithmetic
+                self.arithmetic,
+                self.without
             ),
             format!("frames   {}", self.frames),
             format!(

@@ -28,6 +28,8 @@ pub enum Scale {
     Mirrored,
     /// Microseconds, of which the values are the logarithms to base 10.
     Decades,
+    /// Numbers, of which the values are the logarithms to base 10.
+    Powers,
 }
 
 impl Axis<'_> {
@@ -45,6 +47,9 @@ impl Axis<'_> {
         if !(self.to > self.from && self.from.is_finite() && self.to.is_finite()) {
             return Vec::new();
         }
+        if self.scale == Scale::Powers {
+            return self.powers(most);
+        }
         let mut step = step((self.to - self.from) / most.max(1) as f64);
         if self.scale == Scale::Decades {
             step = step.max(1.0).round();
@@ -60,10 +65,34 @@ impl Axis<'_> {
                 let text = match self.scale {
                     Scale::Plain => format!("{value:.decimals$}"),
                     Scale::Mirrored => format!("{:.decimals$}", value.abs()),
-                    Scale::Decades => decade(value),
+                    Scale::Decades | Scale::Powers => decade(value),
                 };
                 (value, text)
             })
+            .collect()
+    }
+
+    /// Some digits of each decade, as many as there is room for.
+    fn powers(self, most: usize) -> Vec<(f64, String)> {
+        let decades = self.to - self.from;
+        let digits: &[f64] = if decades * 3.0 > most as f64 {
+            &[1.0]
+        } else if decades * 5.0 > most as f64 {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0, 1.5, 2.0, 3.0, 4.0, 6.0]
+        };
+        let decades = self.from.floor() as i32..=self.to.ceil() as i32;
+        let all = decades.flat_map(|decade| {
+            let ten = elementary::pow(10_f64, f64::from(decade));
+            digits.iter().map(move |digit| {
+                let fraction = i32::from(digit.fract() > 0.0);
+                let decimals = usize::try_from(fraction - decade).unwrap_or(0);
+                let value = f64::from(decade) + elementary::log10(*digit);
+                (value, format!("{:.decimals$}", digit * ten))
+            })
+        });
+        all.filter(|(value, _)| (self.from..=self.to).contains(value))
             .collect()
     }
 }
@@ -160,6 +189,18 @@ mod tests {
         assert_eq!(
             texts(2.0, 6.3, 9, Scale::Decades),
             ["100 us", "1 ms", "10 ms", "100 ms", "1 s"]
+        );
+        assert_eq!(
+            texts(-0.4, 0.4, 6, Scale::Powers),
+            ["0.4", "0.6", "1", "1.5", "2"]
+        );
+        assert_eq!(
+            texts(-1.2, 0.4, 6, Scale::Powers),
+            ["0.1", "0.2", "0.5", "1", "2"]
+        );
+        assert_eq!(
+            texts(-2.0, 2.1, 6, Scale::Powers),
+            ["0.01", "0.1", "1", "10", "100"]
         );
     }
 

@@ -211,16 +211,20 @@ impl Family for Chips<'_> {
         (size.height / 16).max(1)
     }
 
+    fn whole(&self, model: &Machine, size: Size) -> Result<Box<dyn Sensor + Send>, SensorError> {
+        let chip = self.chip(model, size, (At { y: 0, x: 0 }, size.width));
+        match chip {
+            Ok(chip) => Ok(Box::new(chip)),
+            Err(why) => Err(stopped(self.name, &why)),
+        }
+    }
+
     fn on_the_whole(
         &self,
         model: &Machine,
         size: Size,
     ) -> Option<Result<Box<dyn Sensor + Send>, SensorError>> {
-        let chip = self.chip(model, size, (At { y: 0, x: 0 }, size.width));
-        Some(match chip {
-            Ok(chip) => Ok(Box::new(chip) as Box<dyn Sensor + Send>),
-            Err(why) => Err(stopped(self.name, &why)),
-        })
+        Some(self.whole(model, size))
     }
 }
 

@@ -54,6 +54,29 @@ impl Effect {
         }
     }
 
+    /// How it is written on a command line.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Surroundings => "surroundings",
+            Self::InsertedFrames => "inserted-frames",
+            Self::DeadTime => "dead-time",
+            Self::Strays => "strays",
+            Self::Jitter => "jitter",
+            Self::Bandwidth => "bandwidth",
+            Self::Leak => "leak",
+            Self::Mismatch => "mismatch",
+        }
+    }
+
+    /// Those of the sensor alone, which any run can do without.
+    pub fn of_sensors() -> impl Iterator<Item = Self> + Clone {
+        let others = [Self::Surroundings, Self::InsertedFrames];
+        Self::ALL
+            .into_iter()
+            .filter(move |effect| !others.contains(effect))
+    }
+
     /// Whether a sensor has it; `inserts`: whether frames are inserted for it.
     #[must_use]
     pub fn is_in(self, description: &Description, inserts: bool) -> bool {

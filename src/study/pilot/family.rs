@@ -57,6 +57,13 @@ pub trait Family: Sync {
     /// What several models leave out, together; none where that is no model.
     fn together(&self, models: &[Self::Model]) -> Option<Self::Model>;
 
+    /// A model on the whole sensor.
+    ///
+    /// # Errors
+    /// When it cannot be made.
+    fn whole(&self, model: &Self::Model, size: Size)
+    -> Result<Box<dyn Sensor + Send>, SensorError>;
+
     /// A model on the whole sensor, where that is to tell what it costs: a few frames of it, since
     /// tiles cost more than their share. None where they do not.
     fn on_the_whole(

@@ -8,6 +8,7 @@ use crate::{
     plane::Size,
     reference::{Border, Description, MemoryRule, Reference, bands_of},
     sensor::{Sensor, SensorError},
+    study::design,
 };
 
 use super::{
@@ -124,6 +125,15 @@ impl Family for Floats<'_> {
         }
         let description = model.plainer(self.description);
         model.format.visit(Make(description, mosaic, self.seed))
+    }
+
+    fn whole(&self, model: &Choice, size: Size) -> Result<Box<dyn Sensor + Send>, SensorError> {
+        design::float(
+            model.plainer(self.description),
+            size,
+            self.seed,
+            model.format,
+        )
     }
 
     /// What rounding changes in one cell says nothing of the next, and each cell's mismatch and

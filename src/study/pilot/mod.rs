@@ -27,6 +27,7 @@ pub mod plan;
 mod program_halo;
 pub mod rule;
 mod stage;
+pub mod survey;
 pub mod term;
 mod trial;
 
@@ -41,4 +42,5 @@ pub use look::{Grid, Look};
 pub use measure::Measure;
 pub use model::Model;
 pub use plan::{Plan, PlanError, Question};
+pub use survey::{Known, Sampled, Survey};
 pub use term::Term;

@@ -50,6 +50,19 @@ impl Term {
         }
     }
 
+    /// How it is written on a command line.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Converter => "converter",
+            Self::Saturation => "saturation",
+            Self::Transfer => "transfer",
+            Self::Mismatch => "mismatch",
+            Self::Noise => "noise",
+            Self::Decay => "decay",
+        }
+    }
+
     /// What it is called.
     #[must_use]
     pub const fn name(self) -> &'static str {

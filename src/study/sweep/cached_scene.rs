@@ -1,11 +1,16 @@
 //! Scenes that many points watch: read once, kept in memory while they are small enough.
 
-use std::{fmt::Write as _, ops::ControlFlow, path::Path, sync::Arc};
+use std::{
+    fmt::Write as _,
+    ops::{ControlFlow, Range},
+    path::Path,
+    sync::Arc,
+};
 
 use sha2::{Digest, Sha256};
 
 use crate::{
-    plane::Size,
+    plane::{Plane, Size},
     rig::{self, guard::Warning},
     scene::{
         Coding, Frame, Observation, Observed, OpenOptions, SceneError, bundled_with, held::Held,
@@ -110,6 +115,47 @@ impl CachedScene {
         Kept::new(&mut Held::new(frames, self.size, self.fps), HELD)
     }
 
+    /// Some frames, and of the array the window in which most changes in them.
+    pub fn cut(&self, part: &Part) -> Result<Self, SceneError> {
+        let (height, width) = part.size;
+        let mut frames: Vec<Frame> = Vec::new();
+        let mut number = 0;
+        self.play(|frame| {
+            if part.frames.contains(&number) {
+                frames.push(frame.clone());
+            }
+            number += 1;
+            Ok::<(), SceneError>(())
+        })?;
+        let mut moved = Plane::zeros(self.size.shape());
+        for pair in frames.windows(2) {
+            if let [a, b] = pair {
+                ndarray::Zip::from(&mut moved)
+                    .and(&a.light)
+                    .and(&b.light)
+                    .for_each(|sum, a, b| *sum += (b - a).abs());
+            }
+        }
+        let (top, left) = busiest(&moved, height, width);
+        let mut digest = Sha256::new();
+        digest.update(&self.digest);
+        digest.update(format!("{part:?} {top} {left}"));
+        for frame in &mut frames {
+            let rows = ndarray::s![top..top + height, left..left + width];
+            frame.light = frame.light.slice(rows).to_owned();
+        }
+        Ok(Self {
+            wanted: self.wanted.clone(),
+            spec: self.spec.clone(),
+            size: Size::new(height, width),
+            frames: frames.len() as u64,
+            fps: self.fps,
+            digest: hex(&digest.finalize()),
+            observation: Observation::new(),
+            held: Some(Arc::new(frames)),
+        })
+    }
+
     /// Shows every frame.
     pub fn play<E: From<SceneError>>(
         &self,
@@ -121,6 +167,37 @@ impl CachedScene {
         let see = &mut |frame: Frame| see(&frame);
         play(&self.spec, &self.wanted, &self.observation, see).map(|_| ())
     }
+}
+
+/// Some frames of a scene, and the rows and columns of a window.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub frames: Range<u64>,
+    pub size: (usize, usize),
+}
+
+/// Steps in which a window is moved, as a part of its side.
+const STEPS: usize = 4;
+
+/// The upper left corner of the window with the largest sum, from even places on.
+fn busiest(plane: &Plane<f64>, height: usize, width: usize) -> (usize, usize) {
+    let (rows, columns) = plane.dim();
+    let places = |side: usize, length: usize| {
+        let step = (side / STEPS).next_multiple_of(2).max(2);
+        let last = (length - side) & !1;
+        (0..last).step_by(step).chain([last])
+    };
+    let mut best = (f64::NEG_INFINITY, (0, 0));
+    for top in places(height, rows) {
+        for left in places(width, columns) {
+            let window = ndarray::s![top..top + height, left..left + width];
+            let sum = plane.slice(window).sum();
+            if sum > best.0 {
+                best = (sum, (top, left));
+            }
+        }
+    }
+    best.1
 }
 
 /// Files are beside the study.

@@ -47,7 +47,7 @@ pub(super) struct Plain {
 }
 
 /// What was measured of one plainer model: about how much changes, and the limit.
-type Limits = BTreeMap<String, f64>;
+pub(super) type Limits = BTreeMap<String, f64>;
 
 /// The part of a sensor that a pilot runs: its cost is shared by many points.
 const PART: f64 = 0.15;
@@ -315,14 +315,14 @@ fn measured<F: Family>(
 }
 
 /// What is kept of a pilot; none where nothing is, or it cannot be believed.
-fn read(folder: &Path, id: &str) -> Option<Limits> {
+pub(super) fn read(folder: &Path, id: &str) -> Option<Limits> {
     let path = folder.join(format!("{id}.json"));
     let bytes = super::regular::read(&path, MANIFEST_BYTES).ok()?;
     serde_json::from_slice(&bytes).ok()
 }
 
 /// Keeps a pilot. Where that fails it is only made again.
-fn write(folder: &Path, id: &str, limits: &Limits) {
+pub(super) fn write(folder: &Path, id: &str, limits: &Limits) {
     let text = json!(limits).to_string() + "\n";
     let path = folder.join(format!("{id}.json"));
     let _ = save_durably(&path, |out| std::io::Write::write_all(out, text.as_bytes()));

@@ -10,6 +10,7 @@
 //!
 //! `docs/sweeps.md` has a worked example, every key and every column.
 
+pub mod ask;
 mod build;
 mod cached_scene;
 pub mod damage;
@@ -22,6 +23,7 @@ pub mod limits;
 pub mod manifest;
 mod measure;
 pub mod merge;
+pub mod overrides;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub mod plan;
@@ -36,20 +38,24 @@ pub mod run;
 pub mod sample;
 pub mod schema;
 mod seal;
+pub mod search;
 mod sensor;
 mod shared;
 mod sides;
 pub mod store;
 pub mod study;
+pub mod survivors;
 pub mod table;
 pub mod value;
 pub mod verify;
 
+pub use ask::Asked;
 pub use damage::Damage;
 pub use error::StoreError;
 pub use limits::{Clock, Limits};
 pub use manifest::Manifest;
 pub use merge::merge;
+pub use overrides::Override;
 pub use plan::Plan;
 pub use provenance::{NUMERICS, Provenance, SCHEMA};
 pub use report::Report;

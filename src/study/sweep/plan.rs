@@ -62,7 +62,7 @@ pub struct Entry {
 }
 
 /// What was opened, by name.
-struct Opened<'a> {
+pub(super) struct Opened<'a> {
     study: &'a Study,
     folder: &'a Path,
     scenes: Vec<(Wanted, Arc<CachedScene>)>,
@@ -94,13 +94,7 @@ impl Plan {
         let points = study.points()?;
         let named = points.len() as u64;
         check(&study, &points)?;
-        let mut opened = Opened {
-            study: &study,
-            folder,
-            scenes: Vec::new(),
-            kernels: BTreeMap::new(),
-            chips: BTreeMap::new(),
-        };
+        let mut opened = Opened::new(&study, folder);
         let mut entries = Vec::new();
         let mut known = HashSet::new();
         for point in points {
@@ -191,7 +185,30 @@ fn coding(point: &Point) -> Coding {
     }
 }
 
-impl Opened<'_> {
+impl<'a> Opened<'a> {
+    /// Nothing yet; files are looked for in `folder`.
+    pub(super) const fn new(study: &'a Study, folder: &'a Path) -> Self {
+        Self {
+            study,
+            folder,
+            scenes: Vec::new(),
+            kernels: BTreeMap::new(),
+            chips: BTreeMap::new(),
+        }
+    }
+
+    /// What the scenes warn of, by the name of each.
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        let scenes = self.scenes.iter();
+        scenes.flat_map(|(_, scene)| scene.warnings()).collect()
+    }
+
+    /// A point that contradicts nothing, ready to be computed.
+    pub(super) fn checked_entry(&mut self, point: Point) -> Result<Entry, Faults> {
+        check(self.study, std::slice::from_ref(&point))?;
+        self.entry(point)
+    }
+
     fn entry(&mut self, point: Point) -> Result<Entry, Faults> {
         let settings = &self.study.settings;
         let scene = self.scene(&point)?;

@@ -30,7 +30,7 @@ pub(super) fn values(key: &Key, node: Node<'_>) -> Read<Values> {
 }
 
 /// One value.
-fn value(key: &Key, node: Node<'_>) -> Read<Value> {
+pub(super) fn value(key: &Key, node: Node<'_>) -> Read<Value> {
     key.kind.value_kind().check(node, key.name, SEE)?;
     let word = node.as_text().unwrap_or_default();
     match key.kind {

@@ -18,6 +18,7 @@ use super::{
     plan::{Entry, Plan},
     provenance::Provenance,
     record::{Record, is_failed},
+    search::Searched,
     shared::Shared,
     store::Store,
     table::{self, Row},
@@ -79,7 +80,7 @@ pub struct Run<'a> {
 }
 
 /// What a run did.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Did {
     /// Points that were computed now, those that failed among them.
     pub computed: usize,
@@ -89,6 +90,8 @@ pub struct Did {
     pub failed: Vec<Failed>,
     /// Files of points that were damaged, and set aside.
     pub damaged: Vec<Damage>,
+    /// What a search did.
+    pub search: Option<Searched>,
 }
 
 /// A point that failed.
@@ -128,7 +131,15 @@ impl Run<'_> {
         let held = store.held()?;
         store.set_aside(&held.damaged)?;
         let is_there = |entry: &Entry| held.records.get(&entry.id).is_some_and(Record::is_final);
-        let mine = self.mine();
+        let mut mine = self.mine();
+        let search = self.plan.study.sample.and_then(|sample| sample.search);
+        let searched = match search {
+            Some(search) => Some(self.search(search, store, &done)?),
+            None => None,
+        };
+        if let Some((chosen, _)) = &searched {
+            mine.retain(|(point, _)| chosen.contains(point));
+        }
         let all = mine.len();
         let work: Vec<_> = mine
             .into_iter()
@@ -139,6 +150,7 @@ impl Run<'_> {
             found: all - work.len(),
             damaged: held.damaged,
             failed: Vec::new(),
+            search: searched.map(|(_, did)| did),
         };
         begin(work.len() as u64);
         let failed = Mutex::new(Vec::new());

@@ -4,7 +4,11 @@
 //! value of a list by equal shares, and a place on a range. Sobol's points fill all dimensions
 //! evenly: of the first 2^k, each of 2^k equal parts of any axis has exactly one.
 
-use super::{grid::Axes, grid::MOST_POINTS, point::Point};
+use super::{
+    grid::{self, Axes, MOST_POINTS},
+    point::Point,
+    search::Search,
+};
 use crate::rng::{GOLDEN, Hash};
 
 /// How points are drawn.
@@ -14,6 +18,8 @@ pub enum Method {
     Random,
     /// Sobol's sequence, scrambled as Owen does, by Burley's hash (JCGT 9(4), 2020).
     Sobol,
+    /// The grid, or Sobol's points where it has more or has no end; some of them are computed.
+    Search,
 }
 
 impl Method {
@@ -22,6 +28,7 @@ impl Method {
     pub const fn most(self) -> u64 {
         match self {
             Self::Random => MOST_POINTS,
+            Self::Search => 1 << 16,
             // As far as the sequence goes.
             Self::Sobol => 1 << 16,
         }
@@ -29,7 +36,7 @@ impl Method {
 }
 
 /// Points in place of the whole grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// How.
     pub method: Method,
@@ -37,6 +44,8 @@ pub struct Sample {
     pub points: u64,
     /// Which.
     pub seed: u64,
+    /// How a search goes on.
+    pub search: Option<Search>,
 }
 
 impl Sample {
@@ -49,7 +58,7 @@ impl Sample {
                 let key = Hash::raw(self.seed).with_mixed(spread(dimension as u64));
                 key.with_mixed(spread(point)).uniform()
             }
-            Method::Sobol => {
+            Method::Sobol | Method::Search => {
                 let seed = Hash::new(self.seed).bits() as u32;
                 f64::from(sobol_burley::sample(point as u32, dimension as u32, seed))
             }
@@ -59,6 +68,16 @@ impl Sample {
     /// The points, in the order in which they are drawn.
     #[must_use]
     pub fn points(&self, sides: &[Axes]) -> Vec<Point> {
+        let ranges = { sides.iter() }
+            .flat_map(|axes| &axes.axes)
+            .any(|axis| axis.count().is_none());
+        if self.method == Method::Search
+            && !ranges
+            && let Ok(grid) = grid::points(sides)
+            && grid.len() as u64 <= self.points
+        {
+            return grid;
+        }
         let draw = |point: u64| {
             let side = (self.part(point, 0) * sides.len() as f64) as usize;
             let axes = sides.get(side.min(sides.len().checked_sub(1)?))?;
@@ -86,6 +105,7 @@ mod tests {
                 method: Method::Sobol,
                 points: 256,
                 seed,
+                search: None,
             };
             for dimension in 0..24 {
                 let mut hits = [0; 256];
@@ -109,6 +129,7 @@ mod tests {
             method: Method::Random,
             points: 4096,
             seed,
+            search: None,
         };
         for dimension in 0..4 {
             let mean: f64 = (0..4096).map(|i| sample(1).part(i, dimension)).sum::<f64>() / 4096.0;

@@ -2,9 +2,12 @@
 
 use super::{
     grid::{self, Axes},
+    overrides::{Override, overridden},
     point::Point,
     read::SEE,
+    report::COSTS,
     sample::{Method, Sample},
+    search::Search,
 };
 pub use crate::compare::metric::IN_STUDIES as METRICS;
 use crate::{
@@ -149,8 +152,8 @@ const fn several(of: &'static Kind) -> Kind {
 const SAMPLE: Table = Table::new(&[
     config::Key::required(
         "method",
-        Kind::Choice(&["random", "sobol"]),
-        "how points are drawn",
+        Kind::Choice(&["random", "sobol", "search"]),
+        "how points are drawn; `search` tries them on parts of the scene and computes the best",
     )
     .example("method = \"sobol\""),
     config::Key::required(
@@ -170,6 +173,18 @@ const SAMPLE: Table = Table::new(&[
         },
         "0",
         "chooses the points",
+    ),
+    config::Key::with_default(
+        "finish",
+        Kind::Number(Range::between(0.001, 1.0)),
+        "0.05",
+        "of a search: the share of the points that are computed on the whole scene",
+    ),
+    config::Key::with_default(
+        "cost",
+        Kind::Choice(&COSTS),
+        "\"seconds_per_frame\"",
+        "of a search: what error is weighed against, as `--cost` of `amacrine report`",
     ),
 ]);
 
@@ -242,7 +257,7 @@ pub const SETTINGS: [config::Key; 12] = [
     config::Key::optional(
         "sample",
         Kind::Table(&SAMPLE),
-        "draw points instead of taking the whole grid: `{ method = \"sobol\", points = 256, seed = 0 }` or `method = \"random\"`",
+        "draw points instead of taking the whole grid: `{ method = \"sobol\", points = 256, seed = 0 }` or `method = \"random\"`; `method = \"search\"` computes the best of them",
     ),
 ];
 
@@ -264,6 +279,25 @@ impl Study {
         study.ok_or_else(|| {
             // Nothing is missing without a fault.
             Faults::one(file, text, no_side())
+        })
+    }
+
+    /// Reads the text with keys set from outside.
+    ///
+    /// # Errors
+    /// Everything that is wrong, each with its place in the text with the keys in it.
+    pub fn parse_with(file: &str, text: &str, overrides: &[Override]) -> Result<Self, Faults> {
+        if overrides.is_empty() {
+            return Self::parse(file, text);
+        }
+        let text = overridden(file, text, overrides)?;
+        let set: Vec<_> = overrides.iter().map(ToString::to_string).collect();
+        let shown = format!("{file} with {}", set.join(" "));
+        let title = Self::parse(file, &text).map(|study| study.title);
+        let study = Self::parse(&shown, &text)?;
+        Ok(Self {
+            title: title.unwrap_or_default(),
+            ..study
         })
     }
 
@@ -385,7 +419,8 @@ fn sample_of(settings: &Section<'_>) -> Read<Option<Sample>> {
     let Some(sample) = settings.table("sample") else {
         return Ok(None);
     };
-    let method = sample.word("method", &[Method::Random, Method::Sobol])?;
+    let ways = [Method::Random, Method::Sobol, Method::Search];
+    let method = sample.word("method", &ways)?;
     let method = method.unwrap_or(Method::Random);
     let points = sample.whole("points")?;
     let most = method.most();
@@ -395,10 +430,29 @@ fn sample_of(settings: &Section<'_>) -> Read<Option<Sample>> {
         return Err(Fault::error(place, what, "here").help(format!("give from 1 to {most} points")));
     }
     let seed = sample.whole("seed")?;
+    let mut search = None;
+    if method == Method::Search {
+        let cost = sample.text("cost")?;
+        search = Some(Search {
+            finish: sample.number("finish")?,
+            cost: { COSTS.into_iter() }
+                .find(|known| *known == cost)
+                .unwrap_or(COSTS[0]),
+            seed,
+        });
+    } else if let Some(key) = ["finish", "cost"]
+        .iter()
+        .find(|key| sample.get(key).is_some())
+    {
+        let what = format!("`sample.{key}` is of a search, and nothing is searched for");
+        let fault = Fault::error(sample.place_of(key), what, "changes nothing");
+        return Err(fault.help("leave it out, or set method = \"search\""));
+    }
     Ok(Some(Sample {
         method,
         points,
         seed,
+        search,
     }))
 }
 

@@ -1,0 +1,229 @@
+//! `amacrine trade`: error against seconds, for every plainer model of a sensor or a program in a
+//! scene.
+
+mod program;
+mod sensor;
+mod table;
+
+use std::{fmt, time::Instant};
+
+use miette::miette;
+
+use self::table::Told;
+use super::{
+    budget,
+    content::Content,
+    files::{Input, Named, Output},
+    light::{self, Samples},
+    progress::Progress,
+};
+use crate::{
+    array::Arithmetic,
+    memory::Need,
+    number::Format,
+    scene::{Observation, Scene, kept::Kept, part::First},
+    study::{
+        pilot::{Family, Look, Survey, plan::KEPT},
+        trade::{Ask, Trade, trade},
+    },
+    unit::Micros,
+};
+
+/// What `trade` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    group = clap::ArgGroup::new("what").required(true).args(["sensor", "program"]),
+    after_help = "Examples:\n  amacrine trade --scene clips/vtest_256x256.apng --sensor sensors/rgc.toml -o trade.svg\n  amacrine trade --scene clips/vtest_256x256.apng --program programs/dvs/snap.scamp -o trade.svg\n  amacrine trade --scene clips/vtest_256x256.apng --sensor sensors/csdvs.toml --upsample 0.2 --verify\n\nEach model runs on the same sample of tiles beside the full one. docs/fidelity.md says what the\nlimit of a change means, and what a sample cannot see."
+)]
+pub struct Arguments {
+    /// The scene, as for `amacrine run`
+    #[arg(long)]
+    scene: Named,
+    /// The sensor file; the full model has all its effects, in f64
+    #[arg(long)]
+    sensor: Option<Input>,
+    /// The program; the full model is --domain
+    #[arg(long)]
+    program: Option<Input>,
+    /// A shipped chip by name, or the folder of another; else the one of the program's settings
+    #[arg(long, requires = "program")]
+    chip: Option<Named>,
+    /// Set a constant of the program; can be given more than once
+    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::opened::constant, requires = "program")]
+    constants: Vec<(String, f64)>,
+    #[arg(long, requires = "program", value_parser = domain, help = format!("The arithmetic of the full model: {} [default: silicon]", Arithmetic::names()))]
+    domain: Option<Arithmetic>,
+    /// How many frames of the scene the program sees; all when left out
+    #[arg(long, requires = "program", value_parser = clap::value_parser!(u64).range(3..))]
+    frames: Option<u64>,
+    /// Frames per second, instead of what the scene says
+    #[arg(long)]
+    fps: Option<f64>,
+    #[command(flatten)]
+    samples: Samples,
+    /// Insert frames, as for `amacrine run`
+    #[arg(long, value_name = "CONTRAST", conflicts_with = "program")]
+    upsample: Option<f64>,
+    /// Chooses mismatch and noise, and the tiles
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Number formats in place of the full model's [default: f32,f16,bf16,q16.16,q8.8 of a sensor,
+    /// exact,f32,f16,q8.8 of a program]
+    #[arg(long, value_delimiter = ',', value_name = "FORMATS")]
+    formats: Option<Vec<Format>>,
+    /// An event that is moved by more than this is changed
+    #[arg(long, default_value = "100us", value_name = "TIME")]
+    within: Micros,
+    /// The part of the sensor that is run, such as 10%
+    #[arg(long, default_value = "5%", value_name = "PERCENT", value_parser = part)]
+    sample: f64,
+    /// How many runs of a model share what it took to know its error
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    runs: u32,
+    /// Run every model on the whole scene, too, and take its times and changes
+    #[arg(long)]
+    verify: bool,
+    /// Draw error against seconds; .svg or .png
+    #[arg(short, long, value_name = "FILE", value_parser = Content::Drawing)]
+    output: Option<Output>,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+fn domain(text: &str) -> Result<Arithmetic, String> {
+    text.parse()
+        .map_err(|error: crate::array::ArithmeticError| {
+            let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
+            format!("{error}: {}", help.unwrap_or_default())
+        })
+}
+
+/// A part of the sensor above 0.
+fn part(text: &str) -> Result<f64, String> {
+    match super::fidelity::percent(text) {
+        Ok(part) if part > 0.0 => Ok(part),
+        _ => Err(format!(
+            "`{text}` is no part of a sensor: give percent, above 0 and up to 100, such as 5%"
+        )),
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the scene, the sensor file or the program is not what it should be, or the picture cannot
+/// be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    match (&arguments.sensor, &arguments.program) {
+        (Some(sensor), _) => sensor::run(arguments, sensor),
+        (None, Some(program)) => program::run(arguments, program),
+        (None, None) => Ok(()),
+    }
+}
+
+/// The scene, in memory, and how long it took to read.
+struct Scened {
+    kept: Kept,
+    observation: Observation,
+    reading: f64,
+}
+
+impl Arguments {
+    fn scene(&self) -> miette::Result<Scened> {
+        let observation = Observation::new();
+        let start = Instant::now();
+        let scene = self
+            .samples
+            .open(Some(&self.scene), self.fps, &observation)?;
+        let mut scene = First::new(scene, self.frames.unwrap_or(u64::MAX));
+        let pixels = scene.frames().unwrap_or(0) as u128 * scene.size().pixels() as u128;
+        let need = budget::of_scene(&scene).and("the scene, at least a byte a pixel", pixels);
+        let what = format!("a trade on {}", scene.size());
+        budget::check(&need, &what, "take a shorter or smaller scene")?;
+        let most = usize::try_from(need.left(budget::budget())).unwrap_or(KEPT);
+        let Some(kept) = Kept::new(&mut scene, most.min(KEPT))? else {
+            return Err(miette!(
+                help = "take a shorter or smaller scene, such as the first seconds of this one",
+                "{} is too long to be kept in memory, and every model looks at all of it",
+                self.scene
+            ));
+        };
+        let reading = start.elapsed().as_secs_f64();
+        if kept.len() < 3 {
+            return Err(miette!(
+                help = "give a scene of at least three frames",
+                "{} has {} frames: nothing can be measured",
+                self.scene,
+                kept.len()
+            ));
+        }
+        Ok(Scened {
+            kept,
+            observation,
+            reading,
+        })
+    }
+
+    /// Refuses what there is no room for: the scene, the models on it, and events.
+    fn check(&self, kept: &Kept, sensor: u128) -> miette::Result<()> {
+        let need = Need::new()
+            .and("frames of the scene", kept.scene().bytes())
+            .and("two models", 2 * sensor);
+        let what = format!("a trade on {}", kept.size());
+        budget::check(&need, &what, "take a smaller scene")
+    }
+
+    /// Measures, tells, draws.
+    fn trade<F>(
+        &self,
+        family: &F,
+        scened: &Scened,
+        models: Vec<F::Model>,
+        (alternative, free): Rules<'_, F::Model>,
+        told: &Told<'_, F::Model>,
+    ) -> miette::Result<()>
+    where
+        F: Family,
+        F::Model: fmt::Display,
+    {
+        let start = Instant::now();
+        let clock = || start.elapsed().as_secs_f64();
+        let progress = Progress::new("models", None);
+        let ask = Ask {
+            survey: Survey {
+                kept: &scened.kept,
+                upsample: self.upsample,
+                within: self.within,
+                seed: self.seed,
+                clock: &clock,
+                sample: self.sample,
+            },
+            models,
+            alternative,
+            free,
+            verify: self.verify,
+            runs: self.runs,
+            begin: &|_| progress.tick(),
+        };
+        let trade: Trade<F::Model> = trade(family, &ask)?;
+        progress.finish();
+        if let Some(path) = &self.output {
+            path.draw(&told.drawing(&trade))?;
+        }
+        if self.json {
+            let mut json = told.json(&trade)?;
+            json["light"] = light::json(&scened.observation);
+            super::say(&format!("{json}\n"));
+        } else {
+            super::say(&(told.text(&trade) + &light::line(&scened.observation)));
+        }
+        Ok(())
+    }
+}
+
+/// Which models are alternatives, and which are free.
+type Rules<'a, M> = (
+    &'a dyn Fn(&M) -> bool,
+    &'a dyn Fn(&M, &Look) -> Option<&'static str>,
+);

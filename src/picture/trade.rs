@@ -1,0 +1,362 @@
+//! Error against seconds: every model a dot, with what it took to know it, and the front.
+
+use super::{
+    chart::{
+        Anchor, Area, Drawing, Point,
+        axes::{Axis, Scale, axes},
+    },
+    ink::{self, Ink},
+    text::{LINE, Weight},
+};
+use crate::elementary;
+
+/// A model, a dot of the chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TradeDot {
+    /// What it is called.
+    pub name: String,
+    /// Seconds of a run.
+    pub run: f64,
+    /// Seconds that it took to know its error.
+    pub planning: f64,
+    /// The share of changed events, about.
+    pub share: f64,
+    /// What the share hardly exceeds.
+    pub limit: f64,
+    /// Whether nothing beats it.
+    pub on_front: bool,
+    /// Whether it is the knee.
+    pub is_knee: bool,
+}
+
+/// What a trade is shown by.
+#[derive(Clone, Debug)]
+pub struct TradeShow<'a> {
+    /// The line on top.
+    pub title: &'a str,
+    /// Lines below it.
+    pub captions: &'a [String],
+    /// The dots, in the order of their seconds with planning.
+    pub dots: Vec<TradeDot>,
+    /// The command of the knee, in lines; below the chart.
+    pub knee: &'a [String],
+}
+
+const MARGIN: f64 = 24.0;
+const LEFT: f64 = 78.0;
+const PLOT: f64 = 560.0;
+const HEIGHT: f64 = 380.0;
+/// Room at the right for a name without letters, and for each of them.
+const NAMES: f64 = 270.0;
+const LETTER: f64 = 8.0;
+
+const FRONT: Ink = ink::ON;
+const KNEE: Ink = ink::OFF;
+const BEATEN: Ink = ink::BARS;
+
+/// The least share that has a place of its own, as a power of ten in per cent. What is below it is
+/// drawn at 0, half a decade below.
+const LEAST: f64 = -3.0;
+const ZERO: f64 = LEAST - 0.5;
+
+/// The chart: seconds to the right, changed events up, both as logarithms.
+#[must_use]
+pub fn trade(show: &TradeShow<'_>) -> Drawing {
+    let line = f64::from(LINE);
+    let top = MARGIN + (show.captions.len() as f64 + 4.0) * line;
+    let area = Area {
+        x: LEFT,
+        y: top,
+        width: PLOT,
+        height: HEIGHT,
+    };
+    let rows = show.dots.len() as f64 + 3.0;
+    let bottom = (area.bottom() + 3.0 * line).max(rows.mul_add(line, top));
+    let bottom = bottom + (show.knee.len() as f64 + 1.0) * line;
+    let longest = show.dots.iter().map(|dot| dot.name.chars().count()).max();
+    let room = LETTER.mul_add(longest.unwrap_or(0).max(20) as f64, NAMES);
+    let mut page = Drawing::new(area.right() + room, bottom + MARGIN);
+    let mut y = MARGIN;
+    write(
+        &mut page,
+        (MARGIN, y),
+        Weight::Heading,
+        ink::TEXT,
+        show.title,
+    );
+    for caption in show.captions {
+        y += line;
+        write(&mut page, (MARGIN, y), Weight::Plain, ink::CAPTION, caption);
+    }
+    legend(&mut page, y + 1.5 * line);
+    let plot = Plot::new(area, &show.dots);
+    axes(&mut page, area, plot.across, plot.up);
+    let zero = plot.y(0.0);
+    page.line((area.x, zero), (area.right(), zero), 1.0, ink::GRID);
+    let place = (area.x - 8.0, zero - line / 2.0 + 1.0);
+    page.text(place, Anchor::End, Weight::Plain, ink::CAPTION, "0");
+    plot.front(&mut page, &show.dots);
+    // The front lies over the rest.
+    let numbered = || (1..).zip(&show.dots);
+    for (number, dot) in numbered().filter(|(_, dot)| !dot.on_front) {
+        plot.dot(&mut page, number, dot);
+    }
+    for (number, dot) in numbered().filter(|(_, dot)| dot.on_front) {
+        plot.dot(&mut page, number, dot);
+    }
+    names(&mut page, area, &show.dots);
+    let mut y = bottom - (show.knee.len() as f64 + 1.0) * line + line;
+    for (n, text) in show.knee.iter().enumerate() {
+        let weight = if n == 0 {
+            Weight::Heading
+        } else {
+            Weight::Plain
+        };
+        write(&mut page, (MARGIN, y), weight, ink::TEXT, text);
+        y += line;
+    }
+    page
+}
+
+/// Where the dots lie.
+struct Plot {
+    area: Area,
+    across: Axis<'static>,
+    up: Axis<'static>,
+}
+
+fn log10(value: f64) -> f64 {
+    elementary::log10(value)
+}
+
+/// Per cent as they are placed: with a floor, on which lies what changes nothing.
+fn percent(share: f64) -> f64 {
+    let percent = log10((100.0 * share).max(1e-9));
+    if percent < LEAST { ZERO } else { percent }
+}
+
+impl Plot {
+    fn new(area: Area, dots: &[TradeDot]) -> Self {
+        let ends = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                (low.min(value), high.max(value))
+            })
+        };
+        let mut seconds = { dots.iter() }.flat_map(|dot| [dot.run, dot.run + dot.planning]);
+        let (low, high) = ends(&mut seconds);
+        let (low, high) = (log10(low.max(1e-9)), log10(high.max(1e-9)));
+        let margin = (0.08 * (high - low)).max(0.06);
+        let mut shares = { dots.iter() }.map(|dot| percent(dot.limit));
+        let (_, most) = ends(&mut shares);
+        Self {
+            area,
+            across: Axis {
+                label: "seconds: a run, and before it what it takes to know its error",
+                from: low - margin,
+                to: high + margin,
+                scale: Scale::Powers,
+            },
+            up: Axis {
+                label: "events that change, %",
+                from: ZERO - 0.2,
+                to: most.max(0.0) + 0.2,
+                scale: Scale::Powers,
+            },
+        }
+    }
+
+    fn x(&self, seconds: f64) -> f64 {
+        self.area.x + self.across.part(log10(seconds.max(1e-9))) * self.area.width
+    }
+
+    fn y(&self, share: f64) -> f64 {
+        self.area.bottom() - self.up.part(percent(share)) * self.area.height
+    }
+
+    /// Nothing better than these steps was found.
+    fn front(&self, page: &mut Drawing, dots: &[TradeDot]) {
+        let front: Vec<Point> = { dots.iter() }
+            .filter(|dot| dot.on_front)
+            .map(|dot| (self.x(dot.run + dot.planning), self.y(dot.limit)))
+            .collect();
+        for pair in front.windows(2) {
+            if let [from, to] = pair {
+                let corner = (to.0, from.1);
+                page.line(*from, corner, 1.5, ink::MATCHED);
+                page.line(corner, *to, 1.5, ink::MATCHED);
+            }
+        }
+    }
+
+    fn dot(&self, page: &mut Drawing, number: usize, dot: &TradeDot) {
+        let ink = colour(dot);
+        let half = if dot.on_front { 5.0 } else { 3.0 };
+        let (x, y) = (self.x(dot.run + dot.planning), self.y(dot.limit));
+        // What it took to know, and from the estimate to its limit.
+        page.line((self.x(dot.run), y), (x, y), 1.5, ink);
+        page.line((x, self.y(dot.share)), (x, y), 1.5, ink);
+        square(page, (x, y), half, ink);
+        let place = (x + 6.0, y - f64::from(LINE) + 2.0);
+        let text = if dot.on_front {
+            ink::TEXT
+        } else {
+            ink::CAPTION
+        };
+        write(page, place, Weight::Plain, text, &number.to_string());
+    }
+}
+
+const fn colour(dot: &TradeDot) -> Ink {
+    if dot.is_knee {
+        KNEE
+    } else if dot.on_front {
+        FRONT
+    } else {
+        BEATEN
+    }
+}
+
+fn legend(page: &mut Drawing, y: f64) {
+    let mut x = MARGIN;
+    for (ink, text) in [
+        (FRONT, "on the front: nothing is quicker and changes less"),
+        (KNEE, "its knee"),
+        (BEATEN, "beaten"),
+    ] {
+        square(page, (x + 4.0, y + 10.0), 4.0, ink);
+        write(page, (x + 16.0, y), Weight::Plain, ink::TEXT, text);
+        x += 40.0 + 9.0 * text.len() as f64;
+    }
+}
+
+/// Every model with its number: seconds with planning, and the limit.
+fn names(page: &mut Drawing, area: Area, dots: &[TradeDot]) {
+    let line = f64::from(LINE);
+    let left = area.right() + MARGIN;
+    let heading = "    seconds  at most  model";
+    write(
+        page,
+        (left, area.y - line),
+        Weight::Heading,
+        ink::TEXT,
+        heading,
+    );
+    for (number, dot) in (1..).zip(dots) {
+        let y = area.y + f64::from(number - 1) * line;
+        square(page, (left + 4.0, y + line / 2.0), 4.0, colour(dot));
+        let text = format!(
+            "{number:>2} {:>8} {:>8}  {}",
+            seconds(dot.run + dot.planning),
+            share(dot.limit),
+            dot.name
+        );
+        let ink = if dot.on_front {
+            ink::TEXT
+        } else {
+            ink::CAPTION
+        };
+        let weight = if dot.is_knee {
+            Weight::Heading
+        } else {
+            Weight::Plain
+        };
+        write(page, (left + 14.0, y), weight, ink, &text);
+    }
+}
+
+fn seconds(seconds: f64) -> String {
+    let decimals = if seconds < 10.0 { 3 } else { 1 };
+    format!("{seconds:.decimals$}")
+}
+
+fn share(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent == 0.0 {
+        "0 %".to_owned()
+    } else if percent < 0.001 {
+        "<0.001 %".to_owned()
+    } else if percent < 10.0 {
+        format!("{percent:.3} %")
+    } else {
+        format!("{percent:.0} %")
+    }
+}
+
+fn write(page: &mut Drawing, at: Point, weight: Weight, ink: Ink, text: &str) {
+    page.text(at, Anchor::Start, weight, ink, text);
+}
+
+fn square(page: &mut Drawing, (x, y): Point, half: f64, ink: Ink) {
+    let area = Area {
+        x: x - half,
+        y: y - half,
+        width: 2.0 * half,
+        height: 2.0 * half,
+    };
+    page.fill(area, ink);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::raster;
+
+    #[test]
+    fn dots_lie_where_their_values_are() {
+        let dot = |name: &str, run, planning, limit, on_front| TradeDot {
+            name: name.to_owned(),
+            run,
+            planning,
+            share: limit,
+            limit,
+            on_front,
+            is_knee: name == "f32",
+        };
+        let dots = vec![
+            dot("f32", 0.4, 0.1, 0.01, true),
+            dot("all", 5.0, 0.0, 0.0, true),
+            dot("slow", 50.0, 0.0, 0.1, false),
+        ];
+        let show = TradeShow {
+            title: "a scene",
+            captions: &["two of ten tiles".to_owned()],
+            dots: dots.clone(),
+            knee: &["the knee".to_owned(), "amacrine run".to_owned()],
+        };
+        let drawing = trade(&show);
+        let texts: Vec<&str> = drawing.texts().collect();
+        for text in [
+            "a scene",
+            "the knee",
+            "amacrine run",
+            "0.01",
+            "0.1",
+            "1",
+            "10",
+        ] {
+            assert!(texts.contains(&text), "{text} in {texts:?}");
+        }
+        assert!(
+            texts
+                .iter()
+                .any(|text| text.contains("0.500  1.000 %  f32"))
+        );
+        let picture = raster(&drawing, 1);
+        let area = Area {
+            x: LEFT,
+            y: MARGIN + 5.0 * f64::from(LINE),
+            width: PLOT,
+            height: HEIGHT,
+        };
+        let plot = Plot::new(area, &dots);
+        let at = |seconds, share| {
+            let (x, y) = (plot.x(seconds), plot.y(share));
+            *picture.get_pixel(x as u32, y as u32)
+        };
+        assert_eq!(at(0.5, 0.01), KNEE);
+        assert_eq!(at(0.45, 0.01), KNEE, "a bar of planning");
+        assert_eq!(at(5.0, 0.0), FRONT);
+        assert_eq!(at(50.0, 0.1), BEATEN);
+        assert_eq!(at(0.6, 0.05), ink::PAGE);
+    }
+}

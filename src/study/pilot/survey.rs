@@ -1,0 +1,488 @@
+//! The survey: every model on the same tiles, none given up, and what each changes and costs.
+//!
+//! A pilot drops what does not pay as early as it can; who wants to choose sees all of it. Tiles,
+//! estimates and limits are the pilot's. Times are those of the tiles, stretched to the whole
+//! sensor and the whole scene; of what is timed on the whole sensor, a few frames. A model that has
+//! no tiles can only be run whole, and a second survey runs everything whole to verify.
+
+use crate::{
+    compare::{Cell, Pair, Times, baseline, matching, window},
+    event::Packet,
+    mosaic::Mosaic,
+    plane::Size,
+    scene::{
+        Scene as _,
+        kept::Kept,
+        upsample::{self, at},
+    },
+    sensor::{Sensor, SensorError},
+    unit::Micros,
+};
+
+use super::{
+    change,
+    draw::draw,
+    estimate::{Estimate, Tile, Unseen},
+    family::Family,
+    look::{Grid, Look},
+    measure::side,
+    plan::PlanError,
+    stage::{self, Between, Stage},
+    trial::{Ran, Trial},
+};
+
+/// How a survey is made.
+#[derive(Clone, Copy)]
+pub struct Survey<'a> {
+    /// The scene.
+    pub kept: &'a Kept,
+    /// The contrast that frames are inserted for, in ln units.
+    pub upsample: Option<f64>,
+    /// An event that is moved by more is changed.
+    pub within: Micros,
+    /// Draws the tiles.
+    pub seed: u64,
+    /// Seconds since any moment.
+    pub clock: &'a (dyn Fn() -> f64 + Sync),
+    /// The part of the sensor that is run, 0 to 1.
+    pub sample: f64,
+}
+
+/// What is known of a model.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Known {
+    /// What it changes.
+    pub change: Estimate,
+    /// F1 of its events and the full model's within the same window.
+    pub f1: f64,
+    /// What of F1 is more than accident, within 100 ms or the time from frame to frame.
+    pub kept: f64,
+    /// Seconds that it takes for the whole scene, the making of its light included.
+    pub seconds: f64,
+    /// Seconds that it took to know this; none where it was run whole.
+    pub planning: Option<f64>,
+}
+
+/// The tiles that are run, and how many there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Sampled {
+    /// Tiles that are run.
+    pub tiles: usize,
+    /// Of so many.
+    pub of: usize,
+}
+
+/// The fewest tiles that stand for anything.
+const LEAST_TILES: usize = 12;
+
+/// Frames that are not timed: they fill caches.
+const UNCLOCKED: u64 = 2;
+
+/// Frames that are timed on the whole sensor, where tiles do not tell.
+const TIMED: usize = 4;
+
+/// All limits of a survey hold together but for one case in so many.
+const RISK: f64 = 0.05;
+
+/// Redraws that a floor is the mean of.
+const REDRAWS: u64 = 3;
+
+/// A survey whose full model has been run.
+pub struct Begun<'a, F: Family> {
+    survey: Survey<'a>,
+    trial: Trial<'a, F>,
+    look: Look,
+    /// Own frames of the scene and, before them, all that a model may see.
+    frames: [usize; 2],
+    mosaic: Mosaic,
+    probabilities: Vec<f64>,
+    full: Ran<F::Model>,
+    floor: f64,
+    /// Seconds for the look and the full model.
+    spent: f64,
+    /// Seconds that the light takes: with the inserted frames, and without.
+    light: [f64; 2],
+    full_seconds: f64,
+    /// Events of the full model that found no slot, in the frames that were timed.
+    dropped: u64,
+    /// How many limits are to hold together.
+    models: usize,
+}
+
+/// Where frames are inserted.
+///
+/// # Errors
+/// When upsampling refuses to.
+pub fn inserted(kept: &Kept, upsample: Option<f64>) -> Result<Option<Between>, String> {
+    let Some(contrast) = upsample else {
+        return Ok(None);
+    };
+    let between = stage::between(kept, contrast);
+    between
+        .map(Some)
+        .ok_or_else(|| "frames cannot be inserted: the light changes too much".to_owned())
+}
+
+impl<'a> Survey<'a> {
+    /// Looks, draws, and runs the full model on the tiles. `models`: how many limits are to hold
+    /// together.
+    ///
+    /// # Errors
+    /// Why there are no tiles, or when the full model cannot go on.
+    pub fn begin<F: Family>(
+        self,
+        family: &'a F,
+        between: Option<&'a Between>,
+        models: usize,
+    ) -> Result<Begun<'a, F>, String> {
+        let start = (self.clock)();
+        let kept = self.kept;
+        let halo = family.halo().map_err(str::to_owned)?;
+        let grid = Grid {
+            size: kept.size(),
+            side: side(halo),
+        };
+        if grid.tiles() < 2 * LEAST_TILES {
+            return Err("the sensor is too small to be sampled".to_owned());
+        }
+        let look = Look::new(kept, grid, family.is_relative());
+        let mut activity = look.seen_from(halo);
+        if family.fires_alone() {
+            for tile in &mut activity {
+                *tile = tile.max(0.0);
+            }
+        }
+        // `as` saturates.
+        let count = (self.sample * grid.tiles() as f64).ceil() as usize;
+        let drawn = draw(
+            &activity,
+            &look.extremes,
+            count.clamp(LEAST_TILES, grid.tiles()),
+            self.seed,
+        );
+        if drawn.is_empty() {
+            return Err("nothing ever changes".to_owned());
+        }
+        let trial = Trial {
+            family,
+            kept,
+            between,
+            grid,
+            halo,
+            clock: self.clock,
+        };
+        let mosaic = trial.mosaic(&drawn);
+        let full = family.full();
+        let all = (kept.len(), UNCLOCKED);
+        let ran = trial.run(&[full], &mosaic, all, |_, _| ());
+        let ran = ran.map_err(|error| error.to_string())?;
+        let full = ran.into_iter().next().ok_or("nothing was run")?;
+        if let Some(why) = &full.given_up {
+            return Err(format!("the full model stops: {why}"));
+        }
+        let mut begun = Begun {
+            survey: self,
+            frames: Stage::frames(kept, between),
+            light: [0.0; 2],
+            floor: 0.0,
+            full_seconds: 0.0,
+            probabilities: drawn.iter().map(|one| one.probability).collect(),
+            spent: 0.0,
+            trial,
+            look,
+            mosaic,
+            full,
+            dropped: 0,
+            models,
+        };
+        (begun.full_seconds, begun.dropped) = begun.whole_sensor(&begun.full);
+        begun.spent = (self.clock)() - start;
+        begun.light = begun.light();
+        begun.floor = begun.floor()?;
+        Ok(begun)
+    }
+}
+
+impl<F: Family> Begun<'_, F> {
+    /// The tiles that are run.
+    #[must_use]
+    pub fn sampled(&self) -> Sampled {
+        Sampled {
+            tiles: self.probabilities.len(),
+            of: self.trial.grid.tiles(),
+        }
+    }
+
+    /// Events of the full model that found no slot of its readout in the frames that were timed:
+    /// if there are any, tiles do not stand for the sensor.
+    #[must_use]
+    pub const fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// What was seen of the light.
+    #[must_use]
+    pub const fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// The full model beside itself.
+    #[must_use]
+    pub fn full(&self) -> Known {
+        let events = self.full.packet.events.len() as u64;
+        Known {
+            change: Estimate {
+                share: 0.0,
+                limit: Some(0.0),
+                tiles: self.probabilities.len() as u64,
+                events,
+                changes: 0,
+            },
+            f1: 1.0,
+            kept: 1.0,
+            seconds: self.full_seconds + self.light_of(&self.full.model),
+            // Nothing need be known to run it.
+            planning: Some(0.0),
+        }
+    }
+
+    /// Runs models on the tiles: what is known of each, or why it cannot go on.
+    ///
+    /// # Errors
+    /// When one cannot be made.
+    pub fn ask(&self, models: &[F::Model]) -> Result<Vec<Result<Known, String>>, SensorError> {
+        let all = (self.survey.kept.len(), UNCLOCKED);
+        let runs = self.trial.run(models, &self.mosaic, all, |_, _| ())?;
+        Ok(runs.iter().map(|ran| self.known(ran)).collect())
+    }
+
+    fn known(&self, ran: &Ran<F::Model>) -> Result<Known, String> {
+        if let Some(why) = &ran.given_up {
+            return Err(why.clone());
+        }
+        let start = (self.survey.clock)();
+        let (seconds, _) = self.whole_sensor(ran);
+        let timing = (self.survey.clock)() - start;
+        let within = self.survey.within;
+        let packets = (&self.full.packet, &ran.packet);
+        let tiles = change::of_tiles(&self.mosaic, &self.probabilities, packets, within)
+            .map_err(|error| error.to_string())?;
+        let unseen = self.trial.family.unseen(&ran.model, &self.look);
+        let pair = Pair::new(packets.0, packets.1).map_err(|error| error.to_string())?;
+        let headline = self.headline();
+        Ok(Known {
+            change: Estimate::new(&tiles, unseen, RISK / self.models.max(1) as f64),
+            f1: self.f1(&pair, within),
+            kept: window::kept(self.f1(&pair, headline), self.floor),
+            seconds: seconds + self.light_of(&ran.model),
+            planning: Some(self.spent + self.on_tiles(ran) + timing),
+        })
+    }
+
+    fn headline(&self) -> Micros {
+        window::headline(self.survey.kept.scene().fps())
+    }
+
+    /// Seconds that a run took on the tiles.
+    fn on_tiles(&self, ran: &Ran<F::Model>) -> f64 {
+        let [inserted, own] = self.frames;
+        let sees = self.trial.family.sees_inserted(&ran.model);
+        ran.per_frame() * if sees { inserted } else { own } as f64
+    }
+
+    /// Seconds for the whole scene on the whole sensor, and the events that found no slot where
+    /// some of it was run.
+    fn whole_sensor(&self, ran: &Ran<F::Model>) -> (f64, u64) {
+        let Self { trial, survey, .. } = self;
+        if let Some((each, dropped)) = per_frame_on_the_whole(trial.family, &ran.model, survey) {
+            let [inserted, own] = self.frames;
+            let sees = trial.family.sees_inserted(&ran.model);
+            return (each * if sees { inserted } else { own } as f64, dropped);
+        }
+        // Work is shared by as many threads as a sensor has parts.
+        let share = |size: Size| {
+            let parts = trial.family.parts(size).min(rayon::current_num_threads());
+            size.pixels() as f64 / parts.max(1) as f64
+        };
+        let larger = share(survey.kept.size()) / share(self.mosaic.size());
+        (larger * self.on_tiles(ran), 0)
+    }
+
+    /// Seconds that the light of a model takes.
+    fn light_of(&self, model: &F::Model) -> f64 {
+        let sees = self.trial.family.sees_inserted(model);
+        self.light[usize::from(!sees)]
+    }
+
+    /// Seconds for the light of the whole scene: with the inserted frames, and without.
+    fn light(&self) -> [f64; 2] {
+        let kept = self.survey.kept;
+        let clock = self.survey.clock;
+        let [all, own] = self.frames.map(|frames| frames as f64);
+        let start = clock();
+        let planes: Vec<_> = (0..2.min(kept.len()))
+            .filter_map(|n| kept.plane(n))
+            .collect();
+        let each = (clock() - start) / planes.len().max(1) as f64;
+        let mut inserted = 0.0;
+        if let [a, b] = &planes[..]
+            && all > own
+        {
+            let start = clock();
+            let between = ndarray::Zip::from(a)
+                .and(b)
+                .map_collect(|a, b| at(*a, *b, 0.5));
+            std::hint::black_box(between);
+            inserted = (clock() - start) * (all - own);
+        }
+        let own = each * own;
+        [own + inserted, own]
+    }
+
+    /// What accident scores on these tiles.
+    fn floor(&self) -> Result<f64, String> {
+        let packet = &self.full.packet;
+        let pair = Pair::new(packet, packet).map_err(|error| error.to_string())?;
+        let headline = self.headline();
+        let redraws = (0..REDRAWS).map(|seed| baseline::redraw(&pair, seed));
+        let sum: f64 = redraws.map(|redraw| self.f1(&redraw, headline)).sum();
+        Ok(sum / REDRAWS as f64)
+    }
+
+    /// F1 of the whole sensor, from tiles that stand for others.
+    fn f1(&self, pair: &Pair, within: Micros) -> f64 {
+        let weight = |(cell, a, b): (Cell, Times<'_>, Times<'_>)| {
+            let tile = self.mosaic.tile(cell.y().into(), cell.x().into())?;
+            let weight = 1.0 / self.probabilities.get(tile)?;
+            let matched = 2 * matching::matched_of_cell(a, b, within);
+            Some([matched as f64 * weight, (a.len() + b.len()) as f64 * weight])
+        };
+        let [matched, all] = { pair.cells().filter_map(weight) }
+            .fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+        if all > 0.0 { matched / all } else { 1.0 }
+    }
+}
+
+/// Seconds of a frame on the whole sensor, of its first ones, and events without a slot; none where
+/// tiles tell.
+fn per_frame_on_the_whole<F: Family>(
+    family: &F,
+    model: &F::Model,
+    survey: &Survey<'_>,
+) -> Option<(f64, u64)> {
+    let kept = survey.kept;
+    let mut sensor = family.on_the_whole(model, kept.size())?.ok()?;
+    let mut packet = Packet::new(sensor.size(), sensor.channels());
+    let mut scene = kept.scene();
+    let mut seconds = Vec::new();
+    // The first frame is another body.
+    for n in 0..=TIMED.min(kept.len().saturating_sub(1)) {
+        let frame = scene.next_frame().ok()??;
+        let start = (survey.clock)();
+        sensor.watch(&frame, &mut packet).ok()?;
+        if n > 0 {
+            seconds.push((survey.clock)() - start);
+        }
+    }
+    seconds.sort_unstable_by(f64::total_cmp);
+    let each = seconds.get(seconds.len() / 2)?;
+    Some((*each, packet.dropped.no_slot))
+}
+
+/// The full model on the whole sensor: what everything is verified against.
+pub struct Whole<'a, F: Family> {
+    survey: Survey<'a>,
+    family: &'a F,
+    full: Packet,
+    redraws: window::Redraws,
+    seconds: f64,
+}
+
+impl<'a, F: Family> Whole<'a, F> {
+    /// Runs the full model.
+    ///
+    /// # Errors
+    /// When it cannot go on.
+    pub fn new(survey: Survey<'a>, family: &'a F) -> Result<Self, PlanError> {
+        let (full, seconds) = run(&survey, family, &family.full())?;
+        let pair = Pair::new(&full, &full).map_err(|_| SensorError::Stopped {
+            sensor: "the full model".to_owned(),
+            why: "its events are not of one size".to_owned(),
+        })?;
+        Ok(Self {
+            redraws: window::Redraws::new(&pair, 0),
+            survey,
+            family,
+            full,
+            seconds,
+        })
+    }
+
+    /// The full model beside itself.
+    #[must_use]
+    pub fn full(&self) -> Known {
+        Known {
+            change: all_of(self.full.events.len() as u64, 0),
+            f1: 1.0,
+            kept: 1.0,
+            seconds: self.seconds,
+            planning: None,
+        }
+    }
+
+    /// Events that the full model's readout had no room for.
+    #[must_use]
+    pub const fn dropped(&self) -> u64 {
+        self.full.dropped.no_slot
+    }
+
+    /// Runs a model.
+    ///
+    /// # Errors
+    /// When it cannot go on.
+    pub fn ask(&self, model: &F::Model) -> Result<Known, PlanError> {
+        let (packet, seconds) = run(&self.survey, self.family, model)?;
+        let within = self.survey.within;
+        let pair = Pair::new(&self.full, &packet).map_err(|error| SensorError::Stopped {
+            sensor: "a plainer model".to_owned(),
+            why: error.to_string(),
+        })?;
+        let [full, plain] = pair.events();
+        let matched = matching::matched(&pair, within);
+        let headline = window::headline(self.survey.kept.scene().fps());
+        Ok(Known {
+            change: all_of(full, full + plain - 2 * matched),
+            f1: window::f1(&pair, within),
+            kept: window::Point::new(&pair, &self.redraws, headline).kept,
+            seconds,
+            planning: None,
+        })
+    }
+}
+
+/// The estimate where nothing is left to estimate.
+fn all_of(events: u64, changes: u64) -> Estimate {
+    let whole = Tile {
+        probability: 1.0,
+        events,
+        squares: 0,
+        changes,
+    };
+    Estimate::new(&[whole], Unseen::Cell, RISK)
+}
+
+fn run<F: Family>(
+    survey: &Survey<'_>,
+    family: &F,
+    model: &F::Model,
+) -> Result<(Packet, f64), PlanError> {
+    let mut sensor = family.whole(model, survey.kept.size())?;
+    let mut packet = Packet::new(sensor.size(), sensor.channels());
+    let contrast = survey.upsample.filter(|_| family.sees_inserted(model));
+    let start = (survey.clock)();
+    let mut scene = upsample::by_contrast(survey.kept.scene(), contrast)?;
+    while let Some(frame) = scene.next_frame()? {
+        sensor.watch(&frame, &mut packet)?;
+    }
+    Ok((packet, (survey.clock)() - start))
+}

@@ -1,0 +1,271 @@
+//! `sample = { method = "search" }`: successive halving. All candidates are tried on a small part of
+//! the scene, the best of them on a larger part, and what is left on the whole scene.
+//!
+//! ```text
+//! candidates ─► a 32nd of the scene ─ survivors ─► an eighth ─ survivors ─► the whole, as any point
+//! ```
+//!
+//! A part of a scene is some frames of it, beginning at a frame that a hash draws, and the square
+//! of the array in which most changes there. What is tried there is measured as any point is, and
+//! kept by content in `pilots/` of the folder: a search that is gone on with chooses as before.
+//! Jamieson & Talwalkar 2016 for one objective; here who survives is who is on the front of error
+//! and cost (`survivors`).
+
+use std::{collections::HashSet, sync::Arc};
+
+use serde_json::json;
+use sha2::{Digest, Sha256};
+
+use super::{
+    cached_scene::{CachedScene, Part, hex},
+    error::Kept,
+    fidelity::{self, Limits as Figures},
+    measure::measure,
+    plan::{Entry, Plan},
+    run::Run,
+    store::Store,
+    study::Settings,
+    survivors::survivors,
+};
+use crate::{rng::Hash, scene::SceneError, study::front::Cost};
+
+/// How points are searched for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// The share of the candidates that are computed on the whole scene.
+    pub finish: f64,
+    /// The column that error is weighed against.
+    pub cost: &'static str,
+    /// Draws the parts of the scene, and the candidates where there are too many.
+    pub seed: u64,
+}
+
+/// What a rung did.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Rung {
+    /// Points that were tried.
+    pub points: usize,
+    /// Of these, those that were tried now; the others were known.
+    pub tried: usize,
+    /// What they saw, in frames of the whole sensor.
+    pub point_frames: f64,
+}
+
+/// What a search did.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Searched {
+    /// The rungs, and at their end the whole scene.
+    pub rungs: Vec<Rung>,
+    /// What all of it saw, in frames of the whole sensor.
+    pub point_frames: f64,
+    /// What all candidates would have seen.
+    pub of: f64,
+}
+
+/// The part of the scene that a rung sees, and the share of the candidates that come to it; the
+/// last rung is the whole.
+const RUNGS: [(f64, f64); 2] = [(1.0 / 32.0, 1.0), (1.0 / 8.0, 0.125)];
+
+/// The fewest points that are computed on the whole scene.
+const FEWEST: usize = 8;
+
+/// A rung that sees more of a scene than this is left out: it saves too little.
+const MUCH: f64 = 0.5;
+
+impl Run<'_> {
+    /// Tries candidates rung by rung; the numbers of those that are to be computed on the whole
+    /// scene.
+    pub(super) fn search(
+        &self,
+        search: Search,
+        store: &Store,
+        done: &(impl Fn() + Sync),
+    ) -> Kept<(HashSet<usize>, Searched)> {
+        let plan = self.plan;
+        let all = plan.entries.len();
+        let finish = ((search.finish * all as f64).ceil() as usize).max(FEWEST);
+        let mut left: Vec<usize> = (0..all).collect();
+        let mut did = Searched {
+            of: plan.entries.iter().map(|e| e.scene.frames as f64).sum(),
+            ..Searched::default()
+        };
+        for (number, (part, share)) in (0..).zip(RUNGS) {
+            let quota = ((share * all as f64).ceil() as usize).max(finish);
+            left.truncate(quota);
+            if left.len() <= finish {
+                break;
+            }
+            let Some(rung) = Cut::new(plan, &left, (part, Hash::new(search.seed).with(number)))
+            else {
+                continue;
+            };
+            let (ranked, rung) = self.try_rung(&rung, search, store, done)?;
+            did.rungs.push(rung);
+            left = ranked
+                .into_iter()
+                .filter_map(|i| left.get(i).copied())
+                .collect();
+        }
+        left.truncate(finish);
+        did.rungs.push(Rung {
+            points: left.len(),
+            tried: 0,
+            point_frames: { left.iter() }
+                .filter_map(|i| Some(plan.entries.get(*i)?.scene.frames as f64))
+                .sum(),
+        });
+        did.point_frames = did.rungs.iter().map(|rung| rung.point_frames).sum();
+        Ok((left.into_iter().collect(), did))
+    }
+
+    /// Tries the points of a rung; the best first, what came of nothing left out.
+    fn try_rung(
+        &self,
+        cut: &Cut,
+        search: Search,
+        store: &Store,
+        done: &(impl Fn() + Sync),
+    ) -> Kept<(Vec<usize>, Rung)> {
+        let folder = store.pilots()?;
+        let columns = ["error", search.cost];
+        let known = |entry: &Entry| fidelity::read(&folder, &entry.id);
+        let entries = cut.plan.entries.iter().enumerate();
+        let work: Vec<_> = entries
+            .filter(|(_, entry)| known(entry).is_none())
+            .collect();
+        let tried = work.len();
+        let run = Run {
+            plan: &cut.plan,
+            shard: None,
+            ..*self
+        };
+        run.on_threads(work, None, |_, entry, shared| {
+            let row = run.computed(entry, || measure(run.plan, entry, shared, run.limits));
+            let number = |column: &str| row.get(column)?.as_f64().filter(|n| n.is_finite());
+            let figures = { columns.iter() }
+                .filter_map(|column| Some(((*column).to_owned(), number(column)?)));
+            fidelity::write(&folder, &entry.id, &figures.collect::<Figures>());
+            done();
+            Ok(())
+        })?;
+        let mut costs = Vec::new();
+        let mut numbers = Vec::new();
+        for (i, entry) in cut.plan.entries.iter().enumerate() {
+            let Some(figures) = known(entry) else {
+                continue;
+            };
+            if let [Some(y), Some(x)] = columns.map(|column| figures.get(column).copied()) {
+                costs.push(Cost { x, y });
+                numbers.push(i);
+            }
+        }
+        let ranked = survivors(&costs, costs.len()).into_iter();
+        let rung = Rung {
+            points: cut.plan.entries.len(),
+            tried,
+            point_frames: cut.point_frames,
+        };
+        Ok((
+            ranked.filter_map(|i| numbers.get(i).copied()).collect(),
+            rung,
+        ))
+    }
+}
+
+/// Points on a part of their scenes.
+struct Cut {
+    plan: Plan,
+    point_frames: f64,
+}
+
+impl Cut {
+    /// Of these points of a plan; none where a part would be much of a scene, or it cannot be read.
+    fn new(plan: &Plan, left: &[usize], (part, hash): (f64, Hash)) -> Option<Self> {
+        let mut scenes: Vec<(String, bool, Option<(Arc<CachedScene>, f64)>)> = Vec::new();
+        let mut entries = Vec::new();
+        let mut point_frames = 0.0;
+        for i in left {
+            let entry = plan.entries.get(*i)?;
+            // Slots are the whole array's.
+            let whole = entry.point.word("readout") == Some("chip");
+            let digest = &entry.scene.digest;
+            let found = scenes
+                .iter()
+                .find(|(known, all, _)| known == digest && *all == whole);
+            let cut = if let Some((_, _, cut)) = found {
+                cut.clone()
+            } else {
+                let cut = cut(&entry.scene, part, whole, hash).ok().flatten();
+                scenes.push((digest.clone(), whole, cut.clone()));
+                cut
+            };
+            let (scene, seen) = cut?;
+            point_frames += seen * entry.scene.frames as f64;
+            entries.push(Entry {
+                id: identity(entry, &scene, &plan.study.settings),
+                task: format!("{} {}", entry.task, scene.digest),
+                scene,
+                ..entry.clone()
+            });
+        }
+        let mut study = plan.study.clone();
+        study.settings = Settings {
+            threshold_equivalent: false,
+            tolerance: None,
+            ..study.settings
+        };
+        let named = entries.len() as u64;
+        Some(Self {
+            plan: Plan {
+                study,
+                entries,
+                named,
+            },
+            point_frames,
+        })
+    }
+}
+
+fn identity(entry: &Entry, scene: &CachedScene, settings: &Settings) -> String {
+    let all = json!(["rung", entry.id, scene.digest, settings.measured()]);
+    hex(&Sha256::digest(all.to_string().as_bytes())[..16])
+}
+
+/// The fewest frames of a part, and the fewest rows and columns.
+const LEAST_FRAMES: u64 = 5;
+const LEAST_SIDE: usize = 24;
+
+/// A part of a scene, and its share of all; none where that is much. `whole`: all of the array.
+fn cut(
+    scene: &CachedScene,
+    part: f64,
+    whole: bool,
+    hash: Hash,
+) -> Result<Option<(Arc<CachedScene>, f64)>, SceneError> {
+    let each = if whole { part } else { part.sqrt() };
+    let all = scene.frames;
+    let frames = ((each * all as f64).ceil() as u64)
+        .max(LEAST_FRAMES)
+        .min(all);
+    let space = if whole {
+        1.0
+    } else {
+        (part * all as f64 / frames as f64).min(1.0).sqrt()
+    };
+    let side = |length: usize| {
+        let side = (space * length as f64).ceil() as usize;
+        // An even number: patterns of sensors are 2x2.
+        side.max(LEAST_SIDE).next_multiple_of(2).min(length)
+    };
+    let size = (side(scene.size.height), side(scene.size.width));
+    let share = frames as f64 / all as f64 * (size.0 * size.1) as f64 / scene.size.pixels() as f64;
+    if share > MUCH {
+        return Ok(None);
+    }
+    let first = (hash.uniform() * (all - frames + 1) as f64) as u64;
+    let cut = scene.cut(&Part {
+        frames: first..first + frames,
+        size,
+    })?;
+    Ok(Some((Arc::new(cut), share)))
+}

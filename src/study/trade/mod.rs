@@ -1,0 +1,385 @@
+//! The trade: error against seconds, for every plainer model of one sensor in one scene.
+//!
+//! ```text
+//! [Family] models ─► [survey] on tiles: changes, their limit, seconds, what it took to know ─┐
+//!                 ─► [survey] on the whole scene, where that is asked for, or has to be ─────┤
+//!                                                    [front] what no other beats ─ [knee] ◄──┘
+//! ```
+//!
+//! First each thing is left out by itself; then what changes least is left out together, one
+//! more at a time, in the full model's numbers and in the best of the others.
+
+mod programs;
+mod together;
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::{
+    front::{Cost, dominators},
+    pilot::{
+        Known, Look, PlanError, Sampled, Survey,
+        family::Family,
+        survey::{Whole, inserted},
+    },
+};
+
+pub use programs::{Programs, Setup};
+pub use together::together;
+
+/// A model, and where it stands.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(bound = "")]
+pub struct Point<M> {
+    /// What it is called.
+    pub name: String,
+    /// The model.
+    #[serde(skip)]
+    pub model: M,
+    /// What the tiles say; none where there are none.
+    pub sampled: Option<Known>,
+    /// What the whole scene says, where it was run.
+    pub whole: Option<Known>,
+    /// Why it changes nothing, where a rule says so.
+    pub free: Option<&'static str>,
+    /// Whether nothing is better in both error and seconds.
+    pub on_front: bool,
+    /// The point on the front that beats it.
+    pub beaten_by: Option<String>,
+    /// Whether it is the knee of the front.
+    pub is_knee: bool,
+    /// Why nothing is known of it.
+    pub why: Option<String>,
+}
+
+/// All models of a sensor in a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(bound = "")]
+pub struct Trade<M> {
+    /// In the order of their seconds, planning included.
+    pub points: Vec<Point<M>>,
+    /// The tiles that were run; none where everything was run whole.
+    pub tiles: Option<Sampled>,
+    /// Why there are no tiles.
+    pub no_tiles: Option<String>,
+    /// Events of the full model that found no slot of its readout.
+    pub without_slot: u64,
+}
+
+impl<M> Point<M> {
+    /// What is known best: of the whole scene, else of the tiles.
+    #[must_use]
+    pub fn known(&self) -> Option<Known> {
+        self.whole.or(self.sampled)
+    }
+
+    /// The share of changed events, or what it hardly exceeds where that was not measured whole;
+    /// none where too few events say anything.
+    #[must_use]
+    pub fn error(&self) -> Option<f64> {
+        match self.free {
+            Some(_) if self.whole.is_none() => Some(0.0),
+            _ => self.known()?.change.limit,
+        }
+    }
+
+    /// Seconds that it took to know that, of each run that shares them.
+    #[must_use]
+    pub fn planning(&self) -> f64 {
+        self.sampled.and_then(|known| known.planning).unwrap_or(0.0)
+    }
+
+    /// Seconds with the planning.
+    #[must_use]
+    pub fn seconds(&self) -> Option<f64> {
+        Some(self.known()?.seconds + self.planning())
+    }
+
+    fn cost(&self) -> Option<Cost> {
+        Some(Cost {
+            x: self.seconds()?,
+            y: self.error()?,
+        })
+    }
+}
+
+impl<M> Trade<M> {
+    /// The points that nothing beats, the quickest first.
+    pub fn front(&self) -> impl Iterator<Item = &Point<M>> {
+        self.points.iter().filter(|point| point.on_front)
+    }
+
+    /// The knee of the front.
+    #[must_use]
+    pub fn knee(&self) -> Option<&Point<M>> {
+        self.points.iter().find(|point| point.is_knee)
+    }
+}
+
+/// What is asked.
+pub struct Ask<'a, M> {
+    /// How the survey is made.
+    pub survey: Survey<'a>,
+    /// Things left out one at a time, and other numbers.
+    pub models: Vec<M>,
+    /// Whether a model is another's alternative, and not together with it: a number format.
+    pub alternative: &'a dyn Fn(&M) -> bool,
+    /// Why a model changes nothing, where that needs no measurement.
+    pub free: &'a dyn Fn(&M, &Look) -> Option<&'static str>,
+    /// Whether everything is run on the whole scene, too.
+    pub verify: bool,
+    /// How many runs share the planning.
+    pub runs: u32,
+    /// Called before each model is run whole, and before the tiles.
+    pub begin: &'a dyn Fn(&str),
+}
+
+/// Measures all of it.
+///
+/// # Errors
+/// When a model cannot be made, or the full one cannot go on.
+pub fn trade<F>(family: &F, ask: &Ask<'_, F::Model>) -> Result<Trade<F::Model>, PlanError>
+where
+    F: Family,
+    F::Model: fmt::Display,
+{
+    let survey = ask.survey;
+    let full = family.full();
+    let mut trade = Trade {
+        points: vec![point(full.clone(), FULL.to_owned())],
+        tiles: None,
+        no_tiles: None,
+        without_slot: 0,
+    };
+    for model in ask.models.iter().filter(|model| **model != full) {
+        trade.add(model.clone());
+    }
+    let between = inserted(survey.kept, survey.upsample);
+    let begun = between.as_ref().map_err(String::clone).and_then(|between| {
+        (ask.begin)("tiles");
+        // As many more come together later.
+        survey.begin(family, between.as_ref(), 2 * trade.points.len())
+    });
+    match begun {
+        Err(why) => {
+            trade.no_tiles = Some(why);
+            let whole = Whole::new(survey, family)?;
+            trade.run_whole(&whole, ask)?;
+            trade.add_together(family, ask);
+            trade.run_whole(&whole, ask)?;
+        }
+        Ok(begun) => {
+            trade.tiles = Some(begun.sampled());
+            trade.without_slot = begun.dropped();
+            for _ in 0..2 {
+                let todo: Vec<usize> = trade.unknown();
+                let models: Vec<F::Model> = { todo.iter() }
+                    .filter_map(|i| Some(trade.points.get(*i)?.model.clone()))
+                    .filter(|model| *model != full)
+                    .collect();
+                let mut known = begun.ask(&models)?.into_iter();
+                for i in todo {
+                    let Some(point) = trade.points.get_mut(i) else {
+                        continue;
+                    };
+                    if point.model == full {
+                        point.sampled = Some(begun.full());
+                        continue;
+                    }
+                    point.free = (ask.free)(&point.model, begun.look());
+                    match known.next() {
+                        Some(Ok(mut known)) => {
+                            known.planning = known.planning.map(|s| s / f64::from(ask.runs));
+                            point.sampled = Some(known);
+                        }
+                        Some(Err(why)) => point.why = Some(why),
+                        None => {}
+                    }
+                }
+                trade.add_together(family, ask);
+            }
+            trade
+                .points
+                .retain(|point| point.sampled.is_some() || point.why.is_some());
+            if ask.verify {
+                trade.run_whole(&Whole::new(survey, family)?, ask)?;
+            }
+        }
+    }
+    trade.judge();
+    Ok(trade)
+}
+
+/// What the full model is called.
+pub const FULL: &str = "the full model";
+
+fn point<M>(model: M, name: String) -> Point<M> {
+    Point {
+        name,
+        model,
+        sampled: None,
+        whole: None,
+        free: None,
+        on_front: false,
+        beaten_by: None,
+        is_knee: false,
+        why: None,
+    }
+}
+
+impl<M: Clone + PartialEq + fmt::Display> Trade<M> {
+    fn add(&mut self, model: M) {
+        if !self.points.iter().any(|point| point.model == model) {
+            let name = model.to_string();
+            self.points.push(point(model, name));
+        }
+    }
+
+    /// Points of which nothing is known yet.
+    fn unknown(&self) -> Vec<usize> {
+        let points = self.points.iter().enumerate();
+        points
+            .filter(|(_, point)| point.known().is_none() && point.why.is_none())
+            .map(|(i, _)| i)
+            .collect()
+    }
+
+    fn add_together<F: Family<Model = M>>(&mut self, family: &F, ask: &Ask<'_, M>) {
+        for model in together(family, &self.points, ask.alternative) {
+            self.add(model);
+        }
+    }
+
+    fn run_whole<F: Family<Model = M>>(
+        &mut self,
+        whole: &Whole<'_, F>,
+        ask: &Ask<'_, M>,
+    ) -> Result<(), PlanError> {
+        self.without_slot = whole.dropped();
+        for point in &mut self.points {
+            if point.whole.is_some() || point.why.is_some() {
+                continue;
+            }
+            (ask.begin)(&point.name);
+            point.whole = Some(if point.name == FULL {
+                whole.full()
+            } else {
+                whole.ask(&point.model)?
+            });
+        }
+        Ok(())
+    }
+}
+
+impl<M> Trade<M> {
+    /// Puts the points in order, and marks the front and its knee.
+    ///
+    /// The knee is the point of the front that is nearest to the corner where nothing changes and
+    /// nothing is quicker (the utopia point of compromise programming, Yu 1973), seconds counted
+    /// as a share of the full model's: one per cent of the events weighs as one of the time.
+    fn judge(&mut self) {
+        let seconds = |point: &Point<M>| point.seconds().unwrap_or(f64::INFINITY);
+        self.points
+            .sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
+        let placed = self.points.iter().enumerate();
+        let placed: Vec<(usize, Cost)> = placed
+            .filter_map(|(i, point)| Some((i, point.cost()?)))
+            .collect();
+        let costs: Vec<Cost> = placed.iter().map(|(_, cost)| *cost).collect();
+        let all = { self.points.iter() }
+            .find(|point| point.name == FULL)
+            .and_then(Point::seconds)
+            .unwrap_or(1.0)
+            .max(1e-9);
+        let least = costs
+            .iter()
+            .map(|cost| cost.x)
+            .fold(f64::INFINITY, f64::min);
+        let away = |cost: &Cost| ((cost.x - least) / all).hypot(cost.y);
+        let mut knee: Option<(usize, f64)> = None;
+        for ((i, cost), by) in placed.iter().zip(dominators(&costs)) {
+            let by = by.and_then(|by| Some(self.points.get(placed.get(by)?.0)?.name.clone()));
+            if by.is_none() && knee.is_none_or(|(_, best)| away(cost) < best) {
+                knee = Some((*i, away(cost)));
+            }
+            if let Some(point) = self.points.get_mut(*i) {
+                point.on_front = by.is_none();
+                point.beaten_by = by;
+            }
+        }
+        if let Some(point) = knee.and_then(|(i, _)| self.points.get_mut(i)) {
+            point.is_knee = true;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::pilot::Estimate;
+
+    fn known(seconds: f64, limit: Option<f64>, planning: f64) -> Known {
+        let (tiles, events, changes) = (10, 1000, 0);
+        let share = limit.unwrap_or(0.0) / 2.0;
+        Known {
+            change: Estimate {
+                share,
+                limit,
+                tiles,
+                events,
+                changes,
+            },
+            f1: 1.0 - share,
+            kept: 1.0 - share,
+            seconds,
+            planning: Some(planning),
+        }
+    }
+
+    fn judged(points: &[(&str, f64, Option<f64>, f64)]) -> Trade<&'static str> {
+        let points = { points.iter() }
+            .map(|(name, seconds, limit, planning)| Point {
+                sampled: Some(known(*seconds, *limit, *planning)),
+                ..point("", (*name).to_owned())
+            })
+            .collect();
+        let mut trade = Trade {
+            points,
+            tiles: None,
+            no_tiles: None,
+            without_slot: 0,
+        };
+        trade.judge();
+        trade
+    }
+
+    #[test]
+    fn the_knee_is_where_little_changes_for_much_time() {
+        let trade = judged(&[
+            (FULL, 10.0, Some(0.0), 0.0),
+            ("f32", 5.0, Some(0.002), 0.1),
+            ("bf16", 4.9, Some(0.4), 0.1),
+            ("f16", 20.0, Some(0.1), 0.1),
+            ("unknown", 1.0, None, 0.1),
+        ]);
+        let front: Vec<&str> = trade.front().map(|point| point.name.as_str()).collect();
+        assert_eq!(front, ["bf16", "f32", FULL]);
+        assert_eq!(trade.knee().unwrap().name, "f32");
+        let beaten = trade.points.iter().find(|point| point.name == "f16");
+        assert_eq!(beaten.unwrap().beaten_by.as_deref(), Some(FULL));
+        assert!(!trade.points[0].on_front, "nothing is known of its error");
+    }
+
+    #[test]
+    fn planning_is_part_of_the_price() {
+        let with = |planning| {
+            let trade = judged(&[
+                (FULL, 1.0, Some(0.0), 0.0),
+                ("f32", 0.8, Some(0.0), planning),
+            ]);
+            trade.knee().unwrap().name.clone()
+        };
+        assert_eq!([with(0.1), with(0.3)], ["f32", FULL]);
+    }
+}

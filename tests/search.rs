@@ -1,0 +1,327 @@
+//! Proves that a search finds the front of a study at a fraction of its cost, and goes on where it
+//! was; that keys set on the command line are the study's own; and that points told one by one are
+//! those of a sweep. Against: the whole grid, computed.
+#![cfg(feature = "cli")]
+
+mod common;
+
+use std::{fs, path::Path};
+
+use amacrine::study::{front::Cost, sweep::survivors::hypervolume};
+use common::{amacrine, good, json, refused, refused_untouched};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// Formats with few and many bits, on kernels and thresholds that need them.
+const STUDY: &str = r#"
+scene = "pattern:noise?width=56&height=48&frames=36&fps=100&speed=40"
+kernel = ["csdvs-3", "dvs"]
+threshold = [8, 16, 32]
+threshold-equivalent = false
+metrics = "f1"
+[[side]]
+side = "reference"
+format = ["f64", "f32", "f16", "bf16", "q8.8", "q12.4", "q4.12", "q16.16", "q24.8", "q10.6", "q6.2", "q8.24"]
+memory = ["filtered-snap", "filtered-step"]
+"#;
+const POINTS: usize = 2 * 3 * 12 * 2;
+
+fn folder(study: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("study.toml"), study).unwrap();
+    folder
+}
+
+fn rows(folder: &Path) -> Vec<Value> {
+    let text = fs::read_to_string(folder.join("results.jsonl")).unwrap();
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+fn costs(rows: &[Value]) -> Vec<Cost> {
+    let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
+    rows.iter()
+        .map(|row| Cost {
+            x: number(row, "state_memory_bytes"),
+            y: number(row, "error"),
+        })
+        .collect()
+}
+
+#[test]
+fn a_search_finds_the_front_at_a_fraction_of_its_cost() {
+    let searched = format!(
+        "sample = {{ method = \"search\", points = 1000, cost = \"state_memory_bytes\" }}\n{STUDY}"
+    );
+    let folder = folder(&searched);
+    let at = folder.path();
+    fs::write(at.join("grid.toml"), STUDY).unwrap();
+    good(at, &["sweep", "grid.toml", "--output", "grid"]);
+    let did = json(at, &["sweep", "study.toml", "--output", "search"]);
+    let (all, found) = (rows(&at.join("grid")), rows(&at.join("search")));
+    assert_eq!((all.len(), found.len()), (POINTS, 8));
+    // What was found is what the grid has.
+    for row in &found {
+        let same = all.iter().find(|other| other["id"] == row["id"]).unwrap();
+        assert_eq!(row["error"], same["error"]);
+    }
+    let corner = { costs(&all).iter() }.fold(Cost { x: 0.0, y: 0.0 }, |corner, cost| Cost {
+        x: corner.x.max(1.05 * cost.x),
+        y: corner.y.max(1.05 * cost.y),
+    });
+    let share = hypervolume(&costs(&found), corner) / hypervolume(&costs(&all), corner);
+    assert!(share >= 0.95, "{share} of the hypervolume");
+    // In frames of the whole sensor that points saw, parts of it counted as parts.
+    let search = &did["search"];
+    let number = |key: &str| search[key].as_f64().unwrap();
+    assert_eq!(number("of"), (POINTS * 36) as f64);
+    let cost = number("point_frames") / number("of");
+    assert!(cost < 0.2, "{cost} of the cost");
+    println!("{share} of the hypervolume for {cost} of the point-frames");
+
+    // Gone on with, nothing is computed again; in another folder it is chosen alike.
+    let again = json(at, &["sweep", "study.toml", "--output", "search"]);
+    assert_eq!(
+        (&again["computed"], &again["found"]),
+        (&json!(0), &json!(8))
+    );
+    let rungs = again["search"]["rungs"].as_array().unwrap();
+    assert!(rungs.iter().all(|rung| rung["tried"] == 0), "{rungs:?}");
+    json(
+        at,
+        &["sweep", "study.toml", "--output", "other", "--jobs", "1"],
+    );
+    let ids = |folder: &str| -> Vec<Value> {
+        rows(&at.join(folder))
+            .iter()
+            .map(|row| row["id"].clone())
+            .collect()
+    };
+    assert_eq!(ids("search"), ids("other"));
+    let other = json(
+        at,
+        &["sweep", "study.toml", "sample.seed=5", "--output", "seeded"],
+    );
+    assert_eq!(other["computed"], 8);
+
+    let said = good(at, &["sweep", "study.toml", "--output", "search"]);
+    assert!(
+        said.contains("point-frames") && !said.contains("missing"),
+        "{said}"
+    );
+    // The report and the rest of the grid take the same folder.
+    assert_eq!(json(at, &["report", "search"])["finished"], 8);
+    let rest = json(at, &["sweep", "grid.toml", "--output", "search"]);
+    assert_eq!(rest["found"], 8);
+    refused(
+        at,
+        &["sweep", "study.toml", "--output", "x", "--shard", "0/2"],
+        &["--shard of a search"],
+    );
+    refused(
+        at,
+        &[
+            "sweep",
+            "study.toml",
+            "sample.method=sobol",
+            "--output",
+            "x",
+        ],
+        &["`sample.cost` is of a search"],
+    );
+}
+
+const SMALL: &str = r#"
+scene = "pattern:disc?width=32&height=24&frames=6&radius=6"
+kernel = "csdvs-3"
+threshold = [20, 30]
+threshold-equivalent = false
+effort = 0.01
+[[side]]
+side = "reference"
+format = ["f64", "f16"]
+[[side]]
+side = "array"
+quantise = "ternary"
+domain = ["exact", "silicon"]
+"#;
+
+/// What the tables say of each point, but for times.
+fn figures(row: &Value) -> Value {
+    let mut row = row.clone();
+    let own = row.as_object_mut().unwrap();
+    own.retain(|name, value| {
+        !name.contains("second") && !name.contains("per_s") && !value.is_null()
+    });
+    for name in ["index", "provenance"] {
+        own.remove(name);
+    }
+    row
+}
+
+#[test]
+fn keys_set_on_the_command_line_are_the_study_s_own() {
+    let folder = folder(SMALL);
+    let at = folder.path();
+    let written = SMALL
+        .replace("[20, 30]", "25")
+        .replace("[\"exact\", \"silicon\"]", "\"q8.8\"");
+    fs::write(at.join("written.toml"), written).unwrap();
+    json(at, &["sweep", "written.toml"]);
+    let set = ["sweep", "study.toml", "threshold=25", "array.domain=q8.8"];
+    let did = json(at, &set);
+    // Another study has another folder.
+    let output = did["output"].as_str().unwrap();
+    assert!(output.starts_with("study-"), "{output}");
+    let (set, written) = (rows(&at.join(output)), rows(&at.join("written")));
+    assert_eq!(set.len(), 3);
+    for (set, written) in set.iter().zip(&written) {
+        assert_eq!(figures(set), figures(written));
+    }
+    // Folders of the same study are the same, however it was said.
+    let on = json(
+        at,
+        &[
+            "sweep",
+            "study.toml",
+            "threshold=25",
+            "array.domain=q8.8",
+            "--output",
+            "written",
+        ],
+    );
+    assert_eq!(on["computed"], 0);
+    let cases: [(&[&str], &[&str]); 8] = [
+        (
+            &["fromat=f32"],
+            &["no key `fromat`", "did you mean `format`?"],
+        ),
+        (
+            &["refrence.format=f32"],
+            &["no key `refrence`", "did you mean `reference`?"],
+        ),
+        (&["mesh.lambda=2"], &["no side `mesh`"]),
+        (&["array=2"], &["`array` is a side", "array.threshold=16"]),
+        (
+            &["array.domian=exact"],
+            &["domian", "did you mean `domain`?"],
+        ),
+        (
+            &["threshold.on=2"],
+            &["`threshold` is a list", "threshold='{ on = 2 }'"],
+        ),
+        (&["format=f31"], &["study.toml with format=f31", "f31"]),
+        (&["format"], &["is no key=value", "format=f32,q8.8"]),
+    ];
+    for (set, words) in cases {
+        let all = [&["sweep", "study.toml"], set].concat();
+        refused_untouched(at, &all, words);
+    }
+}
+
+#[test]
+fn points_told_one_by_one_are_those_of_a_sweep() {
+    let folder = folder(SMALL);
+    let at = folder.path();
+    let space: Value =
+        serde_json::from_str(&good(at, &["sweep", "study.toml", "--space"])).unwrap();
+    let sides = space["sides"].as_array().unwrap();
+    let axis = |side: usize, name: &str| {
+        let axes = sides[side]["axes"].as_array().unwrap();
+        axes.iter()
+            .find(|axis| axis["name"] == name)
+            .unwrap()
+            .clone()
+    };
+    assert_eq!(sides[1]["side"], "array");
+    assert_eq!(axis(0, "format")["values"], json!(["f64", "f16"]));
+    assert_eq!(axis(0, "threshold")["values"], json!([20.0, 30.0]));
+    let ranged = [
+        "sweep",
+        "study.toml",
+        "--space",
+        "sample.points=4",
+        "sample.method=sobol",
+        "threshold={from=8,to=32,log=true}",
+    ];
+    let ranged: Value = serde_json::from_str(&good(at, &ranged)).unwrap();
+    let threshold = &ranged["sides"][0]["axes"];
+    let threshold = threshold
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|it| it["name"] == "threshold");
+    assert_eq!(threshold.unwrap()["log"], true);
+
+    json(at, &["sweep", "study.toml"]);
+    let swept = rows(&at.join("study"));
+    let mut lines = String::new();
+    for format in ["f64", "f16"] {
+        for threshold in [20, 30] {
+            lines += &format!(
+                "{{\"side\": \"reference\", \"threshold\": {threshold}, \"format\": \"{format}\"}}\n"
+            );
+        }
+    }
+    lines += "\n{\"side\": 1, \"threshold\": 20, \"domain\": \"exact\"}\n";
+    // A value that the study does not list is a point too.
+    lines += "{\"side\": 0, \"threshold\": {\"on\": 25, \"off\": 24}, \"format\": \"q8.8\"}\n";
+    let wrong = [
+        ("{\"side\": 0, \"threshold\": 20}", "does not say `format`"),
+        (
+            "{\"side\": 0, \"treshold\": 20, \"format\": \"f64\"}",
+            "no key `treshold`",
+        ),
+        ("{\"side\": 7}", "no side 7"),
+        ("{\"threshold\": 20}", "does not say its `side`"),
+        (
+            "{\"side\": 0, \"threshold\": [1, 2], \"format\": \"f64\"}",
+            "`threshold` is [1,2]",
+        ),
+        (
+            "{\"side\": 0, \"threshold\": -2, \"format\": \"f64\"}",
+            "threshold",
+        ),
+        ("{", "not JSON"),
+        ("3", "no JSON object"),
+    ];
+    for (line, _) in wrong {
+        lines += line;
+        lines += "\n";
+    }
+    let said = amacrine(at, &["sweep", "study.toml", "--tell"])
+        .write_stdin(lines)
+        .output()
+        .unwrap();
+    assert!(said.status.success());
+    let told: Vec<Value> = { String::from_utf8(said.stdout).unwrap().lines() }
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    assert_eq!(told.len(), 6 + wrong.len());
+    for row in &told[..5] {
+        let same = swept.iter().find(|other| other["id"] == row["id"]);
+        assert_eq!(figures(row), figures(same.expect("a point of the sweep")));
+    }
+    assert_eq!(told[5]["outcome"], "done");
+    assert!(!swept.iter().any(|other| other["id"] == told[5]["id"]));
+    for (row, (line, words)) in told[6..].iter().zip(wrong) {
+        assert_eq!(row["outcome"], "wrong", "{line}");
+        assert!(row["reason"].as_str().unwrap().contains(words), "{row}");
+        assert!(!row["help"].as_str().unwrap().is_empty(), "{row}");
+    }
+    let point = "{\"side\": \"reference\", \"threshold\": 20, \"format\": \"f64\"}";
+    let one = good(at, &["sweep", "study.toml", "--point", point]);
+    let one: Value = serde_json::from_str(&one).unwrap();
+    assert_eq!(figures(&one), figures(&told[0]));
+    refused_untouched(
+        at,
+        &[
+            "sweep",
+            "study.toml",
+            "--point",
+            "{\"side\": 0, \"format\": \"f63\", \"threshold\": 20}",
+        ],
+        &["f63"],
+    );
+}

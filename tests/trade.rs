@@ -1,0 +1,357 @@
+//! Proves that a trade's front is what nothing beats, that its commands run the models that it
+//! names, that its limits hold on the whole scene, and that what is left out by hand is left out.
+//! Against: the definition of domination, the verbs `run` and `exec`, the whole scene.
+#![cfg(feature = "cli")]
+
+mod common;
+
+use std::{fs, path::Path};
+
+use common::{good, json, refused, refused_untouched};
+use serde_json::Value;
+
+const SCENE: &str = "pattern:noise?width=96&height=80&frames=14&fps=100&speed=40";
+
+fn sensor(folder: &Path) -> String {
+    let text =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("sensors/dvs-v2e.toml"));
+    fs::write(folder.join("sensor.toml"), text.unwrap()).unwrap();
+    "sensor.toml".to_owned()
+}
+
+const PROGRAM: &str = "//! channels = 1\ninit { get_image(A); neg(C, A); }\nframe { get_image(A); scamp5_in(D, -12); bus(NEWS); bus(B, NEWS, A, C); where(B, D); MOV(R6, FLAG); all(); where(A, C, D); MOV(R5, FLAG); WHERE(R5, R6); neg(C, A); all(); scamp5_scan_events(R5, on, 4000); scamp5_scan_events(R6, off, 4000); }\n";
+
+fn points(trade: &Value) -> &Vec<Value> {
+    trade["points"].as_array().unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+/// Words of a command without its program; patterns stand in quotes.
+fn words(command: &str) -> Vec<String> {
+    let mut words = Vec::new();
+    for (n, part) in command.split('\'').enumerate() {
+        if n % 2 == 1 {
+            words.push(part.to_owned());
+        } else {
+            words.extend(part.split_whitespace().map(str::to_owned));
+        }
+    }
+    assert_eq!(words.remove(0), "amacrine");
+    words
+}
+
+/// The front and its knee, by their definitions.
+#[track_caller]
+fn check_front(trade: &Value) {
+    let at = |point: &Value| {
+        let planning = number(&point["planning_seconds"]);
+        let error = point["error"].as_f64()?;
+        Some((number(&point["seconds"]) + planning, error))
+    };
+    let placed: Vec<_> = { points(trade).iter() }
+        .filter_map(|point| Some((point, at(point)?)))
+        .collect();
+    assert!(placed.len() > 4);
+    let full = placed
+        .iter()
+        .find(|(point, _)| point["name"] == "the full model");
+    let (_, (whole, _)) = full.expect("the full model");
+    let least = placed
+        .iter()
+        .map(|(_, at)| at.0)
+        .fold(f64::INFINITY, f64::min);
+    let away = |(x, y): (f64, f64)| ((x - least) / whole).hypot(y);
+    let mut nearest = (f64::INFINITY, "");
+    for (point, (x, y)) in &placed {
+        let beaten = placed
+            .iter()
+            .any(|(_, (a, b))| a <= x && b <= y && (a < x || b < y));
+        assert_eq!(point["on_front"], !beaten, "{point}");
+        if !beaten && away((*x, *y)) < nearest.0 {
+            nearest = (away((*x, *y)), point["name"].as_str().unwrap());
+        }
+    }
+    assert_eq!(trade["knee"], nearest.1);
+}
+
+#[test]
+fn a_sensor_s_trade_has_its_front_and_commands_that_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let sensor = sensor(at);
+    let ask = [
+        "trade",
+        "--scene",
+        SCENE,
+        "--sensor",
+        &sensor,
+        "--sample",
+        "30%",
+        "--verify",
+        "-o",
+        "trade.svg",
+    ];
+    let trade = json(at, &ask);
+    check_front(&trade);
+    assert_eq!(trade["times"], "whole");
+    // Limits hold together but for one case in twenty; these are always the same.
+    for point in points(&trade) {
+        let limit = point["sampled"]["change"]["limit"].as_f64();
+        let share = number(&point["whole"]["change"]["share"]);
+        assert!(limit.is_none_or(|limit| share <= limit), "{point}");
+    }
+    let names: Vec<&str> = { points(&trade).iter() }
+        .map(|point| point["name"].as_str().unwrap())
+        .collect();
+    for name in [
+        "the full model",
+        "f32",
+        "q8.8",
+        "f64, without dead time",
+        "f64, without bandwidth",
+    ] {
+        assert!(names.contains(&name), "{name} in {names:?}");
+    }
+    assert!(
+        names.iter().any(|name| name.matches(',').count() > 1),
+        "{names:?}"
+    );
+    // Each command runs the model: as many events as the whole scene had.
+    let full = events(at, find(&trade, "the full model"));
+    for name in [
+        "f32",
+        "f64, without leak",
+        "f64, without threshold mismatch",
+    ] {
+        let point = find(&trade, name);
+        let change = &point["whole"]["change"];
+        assert_eq!(number(&change["events"]), full);
+        let off = (events(at, point) - full).abs();
+        assert!(off <= number(&change["changes"]), "{name}: {off}");
+        if name != "f32" {
+            assert!(off > 0.0, "{name} changes the number of events");
+        }
+    }
+    let svg = fs::read_to_string(at.join("trade.svg")).unwrap();
+    for words in ["events that change, %", "knee: ", "bf16", "amacrine run"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    let text = good(
+        at,
+        &[&ask[..7], &["--runs", "1000", "--formats", "f32"]].concat(),
+    );
+    for words in [
+        "the full model",
+        "stretched from these tiles",
+        "shared by 1000 runs",
+        "knee     ",
+        "amacrine run --scene",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    assert!(!text.contains("bf16"));
+}
+
+#[track_caller]
+fn find<'a>(trade: &'a Value, name: &str) -> &'a Value {
+    let found = points(trade).iter().find(|point| point["name"] == name);
+    found.unwrap_or_else(|| panic!("no {name}"))
+}
+
+/// Events of the run that a point's command starts.
+#[track_caller]
+fn events(at: &Path, point: &Value) -> f64 {
+    let words = words(point["command"].as_str().unwrap());
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    number(&json(at, &words)["events"])
+}
+
+#[test]
+fn a_program_s_trade_has_domains_errors_and_schedules() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("dvs.scamp"), PROGRAM).unwrap();
+    let scene = "pattern:disc?width=64&height=64&frames=12&fps=100&speed=200&low=20&high=220";
+    let trade = json(
+        at,
+        &[
+            "trade",
+            "--scene",
+            scene,
+            "--program",
+            "dvs.scamp",
+            "--sample",
+            "40%",
+            "--runs",
+            "100",
+        ],
+    );
+    check_front(&trade);
+    let plain = find(&trade, "silicon, plain");
+    assert_eq!(number(&plain["error"]), 0.0);
+    assert!(plain["free"].is_string());
+    for name in [
+        "exact",
+        "q8.8",
+        "silicon without mismatch",
+        "silicon without temporal noise",
+    ] {
+        find(&trade, name);
+    }
+    let full = events(at, find(&trade, "the full model"));
+    let mismatch = find(&trade, "silicon without mismatch");
+    assert!(
+        mismatch["command"]
+            .as_str()
+            .unwrap()
+            .contains("--without mismatch")
+    );
+    assert_ne!(events(at, mismatch), full);
+    assert_eq!(events(at, plain), full);
+}
+
+#[test]
+fn what_has_no_tiles_is_run_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("sensors/csdvs-mesh.toml");
+    let scene = "pattern:disc?width=24&height=20&frames=6&radius=6";
+    let ask = [
+        "trade",
+        "--scene",
+        scene,
+        "--sensor",
+        mesh.to_str().unwrap(),
+        "--formats",
+        "f32,bf16",
+    ];
+    let trade = json(at, &ask);
+    assert_eq!(trade["times"], "whole");
+    assert!(
+        trade["no_tiles"]
+            .as_str()
+            .unwrap()
+            .contains("resistor sheet")
+    );
+    assert!(good(at, &ask).contains("run on the whole scene, since there is no sample"));
+}
+
+#[test]
+fn wrong_questions_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let sensor = sensor(at);
+    fs::write(at.join("dvs.scamp"), PROGRAM).unwrap();
+    fs::write(at.join("bare.scamp"), "add(A, B, C);\n").unwrap();
+    let cases: [(&[&str], &[&str]); 9] = [
+        (&[], &["--sensor", "--program"]),
+        (
+            &["--sensor", &sensor, "--program", "dvs.scamp"],
+            &["cannot be used with"],
+        ),
+        (&["--sensor", &sensor, "--domain", "exact"], &["--program"]),
+        (
+            &["--sensor", &sensor, "--sample", "0%"],
+            &["no part of a sensor"],
+        ),
+        (&["--sensor", &sensor, "--formats", "f31"], &["f31"]),
+        (&["--sensor", &sensor, "-o", "trade.txt"], &[".svg or .png"]),
+        (
+            &["--program", "dvs.scamp", "--domain", "f31"],
+            &["unknown domain `f31`"],
+        ),
+        (&["--program", "bare.scamp"], &["bare statements"]),
+        (
+            &["--program", "dvs.scamp", "--upsample", "0.1"],
+            &["--upsample"],
+        ),
+    ];
+    for (arguments, words) in cases {
+        let all = [&["trade", "--scene", SCENE], arguments].concat();
+        refused_untouched(at, &all, words);
+    }
+    let short = "pattern:disc?width=24&height=20&frames=2&radius=6";
+    refused(
+        at,
+        &["trade", "--scene", short, "--sensor", &sensor],
+        &["at least three frames"],
+    );
+}
+
+#[test]
+fn what_is_left_out_by_hand_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let sensor = sensor(at);
+    let run = |sensor: &str, more: &[&str]| {
+        let all = ["run", "--scene", SCENE, "--sensor", sensor];
+        let mut json = json(at, &[&all[..], more].concat());
+        json["sensor"].take();
+        json
+    };
+    let text = fs::read_to_string(at.join("sensor.toml")).unwrap();
+    let leak = text
+        .lines()
+        .find(|line| line.trim_start().starts_with("leak-hz"));
+    let without = text.replace(leak.expect("a leak"), "leak-hz = 0");
+    fs::write(at.join("without.toml"), without).unwrap();
+    let left_out = run(&sensor, &["--without", "leak"]);
+    assert_eq!(left_out, run("without.toml", &[]));
+    assert_ne!(left_out["events"], run(&sensor, &[])["events"]);
+    let said = good(
+        at,
+        &[
+            "run",
+            "--scene",
+            SCENE,
+            "--sensor",
+            &sensor,
+            "--without",
+            "leak",
+        ],
+    );
+    assert!(said.contains("without leak"), "{said}");
+    let base = ["run", "--scene", SCENE, "--sensor", &sensor, "--without"];
+    for (what, words) in [
+        ("laek", ["no effect of a sensor", "did you mean `leak`?"]),
+        ("jitter", ["no jitter to leave out", "it has"]),
+    ] {
+        refused(at, &[&base[..], &[what]].concat(), &words);
+    }
+    refused(
+        at,
+        &[&base[..], &["leak", "--fidelity", "auto"]].concat(),
+        &["cannot be used with"],
+    );
+    fs::write(at.join("dvs.scamp"), PROGRAM).unwrap();
+    let exec = [
+        "exec",
+        "dvs.scamp",
+        "--image",
+        SCENE,
+        "--frames",
+        "6",
+        "--without",
+    ];
+    refused(
+        at,
+        &[&exec[..], &["noise"]].concat(),
+        &["whose cells do not err", "--domain silicon"],
+    );
+    refused(
+        at,
+        &[&exec[..], &["nose", "--domain", "silicon"]].concat(),
+        &["did you mean `noise`?"],
+    );
+    let said = good(
+        at,
+        &[&exec[..], &["noise,mismatch", "--domain", "silicon"]].concat(),
+    );
+    assert!(
+        said.contains("silicon, without temporal noise, mismatch"),
+        "{said}"
+    );
+}
