@@ -16,7 +16,6 @@ use crate::{
         taps::{self, NoTaps, Taps},
     },
     isa::{Analog, Cell, Device, operands::Terminal},
-    number::Dyadic,
     plane::Plane,
     program::{Action, Expanded, Step, for_each},
 };
@@ -330,32 +329,37 @@ fn equation(
         Err(why) => return vec![format!("  {name:<4} no linear map: {why}")],
     };
     let parts = parts(taps);
-    let constant = (!taps.constant.is_zero()).then(|| format!("{} LSB", taps.constant));
+    let constant = taps.constant.to_f64();
     if parts.is_empty() {
-        let constant = constant.unwrap_or_else(|| "0 LSB".to_owned());
-        return vec![format!("  {name:<4} = {constant}")];
+        return vec![format!("  {name:<4} = {constant} LSB")];
     }
     let mut lines = Vec::new();
     let mut begin = format!("  {name:<4} = ");
+    let joined = |value: f64| if value < 0.0 { "       - " } else { "       + " };
     for (input, unit, kernel) in parts {
-        let unit = match unit.log2() as i32 {
-            0 => String::new(),
-            up @ 1.. => format!("{} ", Dyadic::new(1, up)),
-            down => format!("{} ", Dyadic::new(1, down)),
-        };
         let input = match input {
             Input::Light => "light".to_owned(),
             Input::Register(register) => device.analog_name(register),
         };
         if kernel.dim() == (1, 1) {
-            let weight = kernel[(0, 0)];
-            let weight = if weight == 1.0 {
-                String::new()
-            } else {
-                format!("{weight} ")
+            let mut weight = kernel[(0, 0)];
+            if !lines.is_empty() {
+                joined(weight).clone_into(&mut begin);
+                weight = weight.abs();
+            }
+            let weight = match weight * unit {
+                1.0 => String::new(),
+                -1.0 => "-".to_owned(),
+                whole if unit >= 1.0 => format!("{whole} "),
+                _ => format!("{weight}/{} ", 1.0 / unit),
             };
-            lines.push(format!("{begin}{weight}{unit}{input}"));
+            lines.push(format!("{begin}{weight}{input}"));
         } else {
+            let unit = match unit {
+                1.0 => String::new(),
+                1.0.. => format!("{unit} "),
+                _ => format!("1/{} ", 1.0 / unit),
+            };
             lines.push(format!("{begin}{unit}{input} under"));
             let wide = kernel.iter().map(|w| w.to_string().len()).max().unwrap_or(1);
             for row in kernel.rows() {
@@ -365,8 +369,8 @@ fn equation(
         }
         "       + ".clone_into(&mut begin);
     }
-    if let Some(constant) = constant {
-        lines.push(format!("{begin}{constant}"));
+    if constant != 0.0 {
+        lines.push(format!("{}{} LSB", joined(constant), constant.abs()));
     }
     lines
 }

@@ -14,6 +14,7 @@ mod set;
 mod shows;
 mod statistics;
 mod strip;
+mod trace;
 
 pub use arguments::Arguments;
 
@@ -21,10 +22,10 @@ use std::ops::ControlFlow;
 
 use self::{
     arguments::Assignment, bench::Bench, debug::Debugger, report::Report, shows::Shows,
-    statistics::Statistics, strip::Strip,
+    statistics::Statistics, strip::Strip, trace::Tracer,
 };
 use super::files;
-use crate::{picture::write_png, rig::guard::Guard};
+use crate::{picture::write_png, rig::guard::Guard, save::save};
 
 /// Runs the verb.
 ///
@@ -61,6 +62,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut chip = bench.chip(arguments.seed)?;
     let mut strip = Strip::default();
+    let mut tracer = match arguments.trace {
+        Some(_) => Some(Tracer::new(&bench)?),
+        None => None,
+    };
     let mut guard = Guard::new();
     let mut saturation = bench.saturation();
     let mut shows = Shows::new(&bench.opened, arguments.displays.as_deref());
@@ -79,6 +84,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
             strip.frame(&bench.opened, chip, moment, packet)?;
+            if let Some(tracer) = &mut tracer {
+                tracer.frame(moment)?;
+            }
             saturation.frame(chip);
             shows.frame(chip, moment.index)?;
             Ok(ControlFlow::Continue(()))
@@ -87,6 +95,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
             moment.run(chip, packet)?;
+            if let Some(tracer) = &mut tracer {
+                tracer.frame(moment)?;
+            }
             saturation.frame(chip);
             shows.frame(chip, moment.index)?;
             Ok(ControlFlow::Continue(()))
@@ -103,6 +114,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         Some(path) => Some((path, strip.picture(&bench.opened)?)),
         None => None,
     };
+    let trace = tracer.map(Tracer::page).transpose()?;
     if let Some(path) = &arguments.events {
         path.write(&packet)?;
     }
@@ -112,8 +124,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some((path, picture)) = strip {
         write_png(path, &picture)?;
     }
+    let mut notes = bench.said.notes(frames);
+    if let (Some(path), Some((page, said))) = (&arguments.trace, trace) {
+        save(path, |out| out.write_all(page.as_bytes()))?;
+        notes.extend(said);
+    }
     let mut written = Vec::new();
-    let files = [&arguments.events, &arguments.strip].into_iter().flatten();
+    let files = [&arguments.events, &arguments.strip, &arguments.trace];
+    let files = files.into_iter().flatten();
     written.extend(files.map(|path| path.display().to_string()));
     if let Some(folder) = &arguments.dump {
         let count = dump::files(&bench.opened.device, folder).len();
@@ -128,7 +146,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         packet: &packet,
         light: &bench.observation,
         warnings: &warnings,
-        notes: &bench.said.notes(frames),
+        notes: &notes,
         written: &written,
     };
     if arguments.json {
