@@ -23,7 +23,7 @@ const MOST: usize = 220 * 64 * 64;
 /// Words of a frame.
 const WORDS: usize = 3000;
 
-/// By how many LSB a pixel parts, the mean of all not counted.
+/// By how many LSB a pixel parts, the median of all not counted.
 const LIMIT: f64 = 1.0;
 
 /// The most bytes that a trace holds.
@@ -138,9 +138,9 @@ impl<'a> Tracer<'a> {
         Ok(())
     }
 
-    fn chips(&mut self) -> impl Iterator<Item = &mut (dyn Array + Send)> {
+    fn chips(&mut self) -> impl Iterator<Item = &mut Box<dyn Array + Send>> {
         let both = [&mut self.chip, &mut self.twin].into_iter();
-        both.chain(self.quiet.as_mut()).map(|chip| &mut **chip)
+        both.chain(self.quiet.as_mut())
     }
 
     fn steps(
@@ -196,7 +196,7 @@ impl<'a> Tracer<'a> {
             let it = self.registers[*register];
             let (chip, twin) = (it.values(&*self.chip), it.values(&*self.twin));
             if self.parting.is_none() {
-                self.parting = parting(it, &chip, &twin).map(|(at, mean)| TraceParting {
+                self.parting = parting(it, &chip, &twin).map(|(at, median)| TraceParting {
                     frame: moment.index,
                     word: recording.words,
                     line: step.line,
@@ -205,7 +205,7 @@ impl<'a> Tracer<'a> {
                     at,
                     chip: chip[(at.y, at.x)],
                     twin: twin[(at.y, at.x)],
-                    mean,
+                    median,
                 });
             }
             if recording.words > WORDS {
@@ -285,18 +285,21 @@ struct Recording {
     words: usize,
 }
 
-/// The first pixel in which a register is another than its exact self, and the mean difference
-/// that does not count.
+/// The first pixel in which a register is another than its exact self, and the median difference,
+/// which does not count: a few pixels that are far off do not move it.
 fn parting(register: Register, chip: &Plane<f64>, twin: &Plane<f64>) -> Option<(At, f64)> {
     let apart = chip - twin;
-    let (limit, mean) = if register.is_bit() {
+    let (limit, median) = if register.is_bit() {
         (0.0, 0.0)
     } else {
-        (LIMIT, apart.mean().unwrap_or(0.0))
+        let mut sorted: Vec<f64> = apart.iter().copied().collect();
+        let middle = sorted.len() / 2;
+        let (_, median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
+        (LIMIT, *median)
     };
     let mut apart = apart.indexed_iter();
-    let found = apart.find(|(_, value)| (**value - mean).abs() > limit);
-    found.map(|((y, x), _)| (At { y, x }, mean))
+    let found = apart.find(|(_, value)| (**value - median).abs() > limit);
+    found.map(|((y, x), _)| (At { y, x }, median))
 }
 
 /// What a program touches, in the order of the chip: photodiodes, analogue registers, bits, FLAG.

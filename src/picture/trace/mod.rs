@@ -54,8 +54,8 @@ pub struct TraceStep {
     pub written: Vec<TraceVersion>,
 }
 
-/// Where chip and twin first part: of a register in LSB by more than a limit, the mean difference
-/// of all pixels not counted; of bits at all.
+/// Where chip and twin first part: of a register in LSB by more than a limit, the median
+/// difference of all pixels not counted; of bits at all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceParting {
     /// The frame, from 0.
@@ -74,8 +74,8 @@ pub struct TraceParting {
     pub chip: f64,
     /// What the twin holds there.
     pub twin: f64,
-    /// The mean difference that is not counted.
-    pub mean: f64,
+    /// The median difference of all pixels, which is not counted.
+    pub median: f64,
 }
 
 impl std::fmt::Display for TraceParting {
@@ -89,15 +89,15 @@ impl std::fmt::Display for TraceParting {
             register,
             chip,
             twin,
-            mean,
+            median,
             ..
         } = self;
         write!(
             f,
             "frame {frame}, word {word}, line {line}, {text}: {register} at ({x}, {y}) is {chip:.3} on the chip and {twin:.3} exactly"
         )?;
-        if *mean != 0.0 {
-            write!(f, " (the mean of all pixels differs by {mean:.3})")?;
+        if *median != 0.0 {
+            write!(f, " (in the middle pixels differ by {median:.3})")?;
         }
         Ok(())
     }

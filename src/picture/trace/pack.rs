@@ -15,7 +15,7 @@ use crate::plane::Size;
 
 /// All planes of a trace, after the description of its steps.
 pub(super) fn pack(trace: &Trace, description: &str, parts: f64) -> io::Result<Vec<u8>> {
-    let mut packed = DeflateEncoder::new(Vec::new(), Compression::new(8));
+    let mut packed = DeflateEncoder::new(Vec::new(), Compression::default());
     let length = description.len() as u32;
     packed.write_all(&length.to_le_bytes())?;
     packed.write_all(description.as_bytes())?;

@@ -75,11 +75,8 @@
   const digits = Math.max(1, Math.ceil(Math.log10(parts)));
   const told = (value, isBit) => isBit ? String(value) : (value / parts).toFixed(digits).replace('-', '\u2212');
 
-  const mean = (a, b) => {
-    let sum = 0;
-    for (let i = 0; i < pixels; i++) sum += a[i] - b[i];
-    return sum / pixels;
-  };
+  // A few pixels that are far off do not move it.
+  const median = (a, b) => a.map((v, i) => v - b[i]).sort()[pixels >> 1];
 
   // One card for each register.
   const make = (name, parent, className) => {
@@ -136,7 +133,7 @@
     side.caption.textContent = `${what} ` + (isBit ? `${set} of ${pixels} are 1` : low === high ? told(low) : `${told(low)} to ${told(high)}`);
   };
   const signed = (side, a, b, isBit) => {
-    const middle = isBit ? 0 : mean(a, b);
+    const middle = isBit ? 0 : median(a, b);
     let most = 0;
     for (let i = 0; i < pixels; i++) most = Math.max(most, Math.abs(a[i] - b[i] - middle));
     const data = side.image.data;
@@ -224,6 +221,10 @@
     });
     for (const item of lines) item.classList.remove('here');
     const item = lines[line - 1];
+    element('line').firstChild.textContent = item ? item.textContent.trim() : '';
+    if (element('follow').checked && line > 0 && written.length > 0) {
+      cards[written[0]].card.scrollIntoView({ block: 'nearest' });
+    }
     if (item) {
       item.classList.add('here');
       const list = element('text');
@@ -258,14 +259,14 @@
     for (let step = 0; step < steps.length; step++) {
       for (const r of steps[step][4]) {
         const it = version(r, step), a = chip(it), b = it.twin;
-        const isBit = registers[r][1], middle = isBit ? 0 : mean(a, b);
+        const isBit = registers[r][1], middle = isBit ? 0 : median(a, b);
         for (let i = 0; i < pixels; i++) {
           const by = Math.abs(a[i] - b[i] - middle);
           if (isBit ? by > 0 : by > most + 1e-9) {
             go(step);
             look(i % width, Math.floor(i / width));
             element('found').textContent = `${registers[r][0]} parts at (${pixel.x * every}, ${pixel.y * every}): ${told(a[i], isBit)}, exact ${told(b[i], isBit)}`
-              + (isBit ? '' : `, mean difference ${told(middle)}`);
+              + (isBit ? '' : `, median difference ${told(middle)}`);
             cards[r].card.scrollIntoView({ block: 'nearest' });
             return;
           }
@@ -276,6 +277,7 @@
   };
 
   limit.value = trace.limit;
+  element('follow').checked = matchMedia('(max-width: 50rem)').matches;
   noise.disabled = !trace.quiet;
   if (!trace.quiet) noise.parentElement.title = 'this arithmetic has no noise';
   element('slide').max = steps.length - 1;

@@ -22,11 +22,20 @@ pub fn page(trace: &Trace) -> Result<String, PictureError> {
     if trace.steps.is_empty() || trace.registers.is_empty() {
         return Err(PictureError::Nothing);
     }
-    for parts in PARTS {
-        let page = whole(trace, parts);
+    // The finer, the larger.
+    let (mut best, mut low, mut high) = (None, 0, PARTS.len());
+    while low < high {
+        let middle = usize::midpoint(low, high);
+        let page = whole(trace, PARTS[middle]);
         if page.len() <= LARGEST {
-            return Ok(page);
+            best = Some(page);
+            high = middle;
+        } else {
+            low = middle + 1;
         }
+    }
+    if let Some(page) = best {
+        return Ok(page);
     }
     if trace.shown().pixels() <= 1 {
         return Err(PictureError::TooLarge(trace.size));
@@ -99,17 +108,19 @@ fn whole(trace: &Trace, parts: u32) -> String {
                 p #fault hidden role="alert" {}
                 nav #bar aria-label="Steps" hidden {
                     div.row {
-                        button #first type="button" title="first (Home)" aria-label="first" { "⏮" }
+                        button #first type="button" title="first (Home)" aria-label="first" { "|◀" }
                         button #back type="button" title="one back (left arrow)" aria-label="one back" { "◀" }
-                        button #play type="button" title="play (space)" aria-label="play" aria-pressed="false" { "▶▶" }
+                        button #play type="button" title="play (space)" aria-label="play" aria-pressed="false" { "play" }
                         button #next type="button" title="one on (right arrow)" aria-label="one on" { "▶" }
-                        button #last type="button" title="last (End)" aria-label="last" { "⏭" }
+                        button #last type="button" title="last (End)" aria-label="last" { "▶|" }
                         input #slide type="range" min="0" value="0" aria-label="step";
                     }
                     p #word aria-live="polite" {}
+                    p #line { code {} }
                     div.row.small {
                         label { input #noise type="checkbox" checked; " noise of stores" }
                         label { input #apart type="checkbox"; " difference" }
+                        label { input #follow type="checkbox"; " scroll to what is written" }
                         span.part {
                             button #part type="button" { "first that parts" }
                             label { " by " input #limit type="number" min="0" step="0.25" inputmode="decimal"; " LSB" }
@@ -131,8 +142,8 @@ fn whole(trace: &Trace, parts: u32) -> String {
                     ul {
                         li { "Each register: left on the chip, right in exact arithmetic. Black is the lowest value of a picture and white its highest, which stand below it. What the word wrote has a solid frame, what it read a dashed one." }
                         li { "Point at a pixel, or touch it, for its value in all registers." }
-                        li { "Difference: chip less exact, less the mean of all pixels; blue is more, vermilion less." }
-                        li { "The first that parts: the first word after which a pixel of the chip differs from its exact self by more than the limit, the mean difference of all pixels that are shown not counted, or a bit differs." }
+                        li { "Difference: chip less exact, less the median of that; blue is more, vermilion less." }
+                        li { "The first that parts: the first word after which a pixel of the chip differs from its exact self by more than the limit, the median difference of the pixels that are shown not counted, or a bit differs." }
                         li { "Values are told to 1/" (parts) " LSB." }
                         @if trace.every > 1 {
                             li #sampled { strong { "Sampled: " } "of " (trace.every) " rows and columns one is shown, so that the page stays below " (LARGEST / 1_000_000) " MB. Neighbours in a picture are " (trace.every) " pixels apart." }
