@@ -39,7 +39,9 @@ impl Page {
         let data = between(&text, "type=\"application/octet-stream\">", "</script>");
         let mut bytes = Vec::new();
         let packed = BASE64_STANDARD.decode(data).unwrap();
-        DeflateDecoder::new(&packed[..]).read_to_end(&mut bytes).unwrap();
+        DeflateDecoder::new(&packed[..])
+            .read_to_end(&mut bytes)
+            .unwrap();
         let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
         let description: Value = serde_json::from_slice(&bytes[4..4 + length]).unwrap();
         let number = |key: &str| description[key].as_u64().unwrap() as usize;
@@ -60,7 +62,9 @@ impl Page {
                 for variant in 0..variants {
                     let plane = if register[1] == true {
                         let bits = take(pixels.div_ceil(8));
-                        (0..pixels).map(|i| i32::from(bits[i / 8] >> (i % 8) & 1)).collect()
+                        (0..pixels)
+                            .map(|i| i32::from(bits[i / 8] >> (i % 8) & 1))
+                            .collect()
                     } else {
                         let bytes: Vec<_> = (0..4).map(|_| take(pixels)).collect();
                         let mut plane: Vec<i32> = Vec::new();
@@ -99,9 +103,8 @@ impl Page {
         let every = self.description["every"].as_u64().unwrap() as usize;
         for (name, variants) in self.last.iter().filter(|(name, _)| *name != "PIX") {
             let bytes = fs::read(dump.join(format!("{name}.npy"))).unwrap();
-            let plane = Plane::<f64>::read_npy(&bytes[..]).unwrap_or_else(|_| {
-                Plane::<u8>::read_npy(&bytes[..]).unwrap().mapv(f64::from)
-            });
+            let plane = Plane::<f64>::read_npy(&bytes[..])
+                .unwrap_or_else(|_| Plane::<u8>::read_npy(&bytes[..]).unwrap().mapv(f64::from));
             let shown = plane.slice(ndarray::s![..;every, ..;every]);
             assert_eq!(shown.len(), variants[variant].len());
             for (a, b) in shown.iter().zip(&variants[variant]) {
@@ -113,13 +116,16 @@ impl Page {
 
 /// What a page may not have: anything that a browser would fetch.
 fn stands_alone(text: &str) {
-    for word in ["http:", "https:", "src=", "href=", "url(", "@import", "fetch(", "eval("] {
+    for word in [
+        "http:", "https:", "src=", "href=", "url(", "@import", "fetch(", "eval(",
+    ] {
         assert!(!text.contains(word), "{word}");
     }
     let script = text.rsplit_once("<script>").unwrap().1;
     let script = script.split_once("</script>").unwrap().0;
     let hash = BASE64_STANDARD.encode(Sha256::digest(script.as_bytes()));
-    let policy = format!("default-src 'none'; script-src 'sha256-{hash}'; style-src 'unsafe-inline'");
+    let policy =
+        format!("default-src 'none'; script-src 'sha256-{hash}'; style-src 'unsafe-inline'");
     assert!(text.contains(&policy.replace('\'', "&#39;")) || text.contains(&policy));
 }
 
@@ -158,10 +164,17 @@ fn replayed_it_ends_where_the_program_does() {
 #[test]
 fn a_hundred_words_of_64_by_64_fit_pixel_by_pixel() {
     let folder = TempDir::new().unwrap();
-    let program = "add(A, B, C);\nmovx(B, A, east);\nsub(C, B, A);\ndivq(D, C);\nneg(B, D);\n".repeat(10);
-    fs::write(folder.path().join("p.scamp"), format!("get_image(A);\n{program}")).unwrap();
+    let program =
+        "add(A, B, C);\nmovx(B, A, east);\nsub(C, B, A);\ndivq(D, C);\nneg(B, D);\n".repeat(10);
+    fs::write(
+        folder.path().join("p.scamp"),
+        format!("get_image(A);\n{program}"),
+    )
+    .unwrap();
     let image = "pattern:noise?width=64&height=64&low=0&high=255&speed=0";
-    let ask = ["exec", "p.scamp", "--image", image, "--frames", "1", "--trace", "t.html"];
+    let ask = [
+        "exec", "p.scamp", "--image", image, "--frames", "1", "--trace", "t.html",
+    ];
     let said = json(folder.path(), &ask);
     assert!(said["words"].as_u64() >= Some(100), "{said}");
     assert_eq!(said["written"][0], "t.html");
@@ -186,7 +199,10 @@ fn a_large_array_is_sampled_and_says_so() {
     assert!(page.text.contains(&said) && page.text.contains("id=\"sampled\""));
     // Frames that do not fit are left out, the oldest first.
     assert_eq!(page.description["steps"][0][0], 2);
-    assert!(page.text.contains("The first 2 frames were run and are left out"));
+    assert!(
+        page.text
+            .contains("The first 2 frames were run and are left out")
+    );
 }
 
 #[test]
@@ -196,7 +212,11 @@ fn the_first_pixel_that_parts_is_told() {
     light[(2, 3)] = 250.0;
     ndarray_npy::write_npy(folder.path().join("a.npy"), &light.mapv(|v| v / 2.0)).unwrap();
     // The third word doubles 125 LSB: q8.8 holds 127.996 at most.
-    fs::write(folder.path().join("p.scamp"), "mov(B, A);\nbus(NEWS, A, B);\nbus(C, NEWS);\n").unwrap();
+    fs::write(
+        folder.path().join("p.scamp"),
+        "mov(B, A);\nbus(NEWS, A, B);\nbus(C, NEWS);\n",
+    )
+    .unwrap();
     let exec = ["exec", "p.scamp", "--set", "A=a.npy", "--trace", "t.html"];
     let ask = |domain: &str| {
         let ask = [&exec[..], &["--domain", domain]].concat();
@@ -208,7 +228,10 @@ fn the_first_pixel_that_parts_is_told() {
     assert!(said.contains(expected), "{said}");
     let page = Page::read(&folder.path().join("t.html"));
     let parting = &page.description["parting"];
-    assert_eq!((&parting["word"], &parting["x"], &parting["y"]), (&3.into(), &3.into(), &2.into()));
+    assert_eq!(
+        (&parting["word"], &parting["x"], &parting["y"]),
+        (&3.into(), &3.into(), &2.into())
+    );
     assert_eq!(page.description["quiet"], false);
     assert!(ask("f32").contains("no pixel parts by more than 1 LSB"));
     // Of itself exact arithmetic does not part: then it is the silicon that is shown.
@@ -285,32 +308,63 @@ fn a_browser_steps_through_it() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     let program = here().join("programs/rgc/centre_surround.scamp");
-    let ask = ["exec", program.to_str().unwrap(), "--frames", "3", "--trace", "t.html"];
+    let ask = [
+        "exec",
+        program.to_str().unwrap(),
+        "--frames",
+        "3",
+        "--trace",
+        "t.html",
+    ];
     amacrine(folder, &ask).assert().success();
     let page = fs::read_to_string(folder.join("t.html")).unwrap();
     let inside = page.replace('&', "&amp;").replace('\'', "&#39;");
     for width in [360, 1000] {
-        let probe = PROBE.replace("WIDTH", &width.to_string()).replace("PAGE", &inside);
+        let probe = PROBE
+            .replace("WIDTH", &width.to_string())
+            .replace("PAGE", &inside);
         fs::write(folder.join("probe.html"), probe).unwrap();
         let (dom, _) = chromium(folder, &["--dump-dom", "probe.html"]);
         let found = between(&dom, "<pre id=\"found\">", "</pre>");
-        let found = found.replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">");
+        let found = found
+            .replace("&amp;", "&")
+            .replace("&lt;", "<")
+            .replace("&gt;", ">");
         let found: Value = serde_json::from_str(&found).unwrap_or_else(|_| panic!("{found}"));
         let steps = found["steps"].as_u64().unwrap().to_string();
         assert_eq!(found["ready"], "yes");
         assert_eq!((&found["two"], &found["one"]), (&"2".into(), &"1".into()));
         assert_eq!(found["end"], steps.as_str());
         assert_eq!(found["home"], "0");
-        assert!(found["word"].as_str().unwrap().contains("word 1 of "), "{found}");
+        assert!(
+            found["word"].as_str().unwrap().contains("word 1 of "),
+            "{found}"
+        );
         assert_eq!(found["noise"], true, "without noise B is another picture");
-        assert!(found["apart"].as_str().unwrap().contains("exact"), "{found}");
+        assert!(
+            found["apart"].as_str().unwrap().contains("exact"),
+            "{found}"
+        );
         let value = found["value"].as_str().unwrap();
-        assert!(value.starts_with("(0, 1): ") && value.contains("exact "), "{value}");
-        assert!(found["part"].as_str().unwrap().contains(" parts at ("), "{found}");
+        assert!(
+            value.starts_with("(0, 1): ") && value.contains("exact "),
+            "{value}"
+        );
+        assert!(
+            found["part"].as_str().unwrap().contains(" parts at ("),
+            "{found}"
+        );
         assert_eq!(found["here"], 1);
         assert_eq!(found["width"], width);
-        assert!(found["scroll"].as_u64() <= Some(width), "wider than the screen");
-        assert_eq!(found["outside"], serde_json::json!([]), "cut off at the right");
+        assert!(
+            found["scroll"].as_u64() <= Some(width),
+            "wider than the screen"
+        );
+        assert_eq!(
+            found["outside"],
+            serde_json::json!([]),
+            "cut off at the right"
+        );
         assert_eq!(found["small"], 0);
     }
     for (name, width, height) in [("phone", 500, 900), ("desktop", 1000, 900)] {
@@ -318,7 +372,9 @@ fn a_browser_steps_through_it() {
         let size = format!("--window-size={width},{height}");
         chromium(folder, &[&size, &format!("--screenshot={file}"), "t.html"]);
         let shot = image::open(folder.join(&file)).unwrap().to_rgb8();
-        let dark = shot.pixels().filter(|pixel| pixel.0.iter().all(|v| *v < 100));
+        let dark = shot
+            .pixels()
+            .filter(|pixel| pixel.0.iter().all(|v| *v < 100));
         assert!(dark.count() > 2000, "{name}: nothing is shown");
     }
 }

@@ -147,7 +147,10 @@ pub fn check(
 fn plane(rows: &[Vec<f64>]) -> Plane<f64> {
     let width = rows.first().map_or(0, Vec::len);
     Plane::from_shape_fn((rows.len(), width), |(y, x)| {
-        rows.get(y).and_then(|row| row.get(x)).copied().unwrap_or(0.0)
+        rows.get(y)
+            .and_then(|row| row.get(x))
+            .copied()
+            .unwrap_or(0.0)
     })
 }
 
@@ -161,11 +164,13 @@ fn same(a: &Plane<f64>, b: &Plane<f64>) -> bool {
         let row = (height / 2).checked_add_signed(y);
         let column = (width / 2).checked_add_signed(x);
         let place = row.zip(column);
-        place.and_then(|place| kernel.get(place)).copied().unwrap_or(0.0)
+        place
+            .and_then(|place| kernel.get(place))
+            .copied()
+            .unwrap_or(0.0)
     };
-    (-rows..=rows).all(|y| {
-        (-columns..=columns).all(|x| (at(a, y, x) - at(b, y, x)).abs() <= NEAR * largest)
-    })
+    (-rows..=rows)
+        .all(|y| (-columns..=columns).all(|x| (at(a, y, x) - at(b, y, x)).abs() <= NEAR * largest))
 }
 
 /// A kernel as settings have it: `[[1, 2, 1], [2, 4, 2]]`.

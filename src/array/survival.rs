@@ -12,7 +12,7 @@
 //! that of both pictures, `sign(gain) · sqrt(1 - noise² / var(silicon))`.
 
 use super::{
-    Array, Arithmetic, CodeError, RunError, Settings,
+    Arithmetic, Array, CodeError, RunError, Settings,
     range::{Inputs, Interval},
     symbolic::reach,
 };
@@ -185,7 +185,13 @@ impl Sums {
 
     fn analogue(&self) -> Analogue {
         let Self {
-            n, a, b, aa, bb, ab, ..
+            n,
+            a,
+            b,
+            aa,
+            bb,
+            ab,
+            ..
         } = *self;
         // What cancels in the differences leaves rounding errors of this size.
         let varies = |square: f64, sum: f64| {
@@ -224,7 +230,10 @@ mod tests {
             sums.add(a, 3.0 - 2.0 * a + error);
         }
         let found = sums.analogue();
-        assert_eq!((found.gain, found.offset, found.noise), (Some(-2.0), 3.0, 1.0));
+        assert_eq!(
+            (found.gain, found.offset, found.noise),
+            (Some(-2.0), 3.0, 1.0)
+        );
         let expected = -(100.0f64 / 101.0).sqrt();
         assert!((found.correlation.unwrap() - expected).abs() < 1e-12);
     }

@@ -115,9 +115,9 @@ impl Proof {
         }
         match &self.kernels {
             Kernels::Place(why) => lines.push(format!("  no kernel: {why}")),
-            Kernels::TooLong => lines.push(
-                "  no kernel is read back: too many words that reach too far".to_owned(),
-            ),
+            Kernels::TooLong => {
+                lines.push("  no kernel is read back: too many words that reach too far".to_owned())
+            }
             Kernels::Read(kernels) => {
                 for register in analogue(&self.results) {
                     if let Some(kernel) = kernels.get(usize::from(register.0)) {
@@ -146,7 +146,10 @@ impl Proof {
             "registers that are read"
         };
         let unit = if given.is_light { "" } else { " LSB" };
-        let mut lines = vec![String::new(), format!("with {what} from {low} to {high}{unit}")];
+        let mut lines = vec![
+            String::new(),
+            format!("with {what} from {low} to {high}{unit}"),
+        ];
         match &given.ranges {
             None => lines.push("  no range can be told".to_owned()),
             Some(ranges) => {
@@ -318,11 +321,7 @@ fn parts(taps: &Taps) -> Vec<(Input, f64, Plane<f64>)> {
     inputs.into_iter().map(whole).collect()
 }
 
-fn equation(
-    register: Analog,
-    kernel: &Result<Taps, NoTaps>,
-    device: &Device,
-) -> Vec<String> {
+fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) -> Vec<String> {
     let name = device.analog_name(register);
     let taps = match kernel {
         Ok(taps) => taps,
@@ -335,7 +334,13 @@ fn equation(
     }
     let mut lines = Vec::new();
     let mut begin = format!("  {name:<4} = ");
-    let joined = |value: f64| if value < 0.0 { "       - " } else { "       + " };
+    let joined = |value: f64| {
+        if value < 0.0 {
+            "       - "
+        } else {
+            "       + "
+        }
+    };
     for (input, unit, kernel) in parts {
         let input = match input {
             Input::Light => "light".to_owned(),
@@ -361,7 +366,11 @@ fn equation(
                 _ => format!("1/{} ", 1.0 / unit),
             };
             lines.push(format!("{begin}{unit}{input} under"));
-            let wide = kernel.iter().map(|w| w.to_string().len()).max().unwrap_or(1);
+            let wide = kernel
+                .iter()
+                .map(|w| w.to_string().len())
+                .max()
+                .unwrap_or(1);
             for row in kernel.rows() {
                 let row: String = row.iter().map(|w| format!(" {w:>wide$}")).collect();
                 lines.push(format!("        {row}"));

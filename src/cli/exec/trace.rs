@@ -117,7 +117,10 @@ impl<'a> Tracer<'a> {
         let begin = TraceStep {
             frame: moment.index,
             line: 0,
-            text: format!("begins at {} us; the light is on the photodiodes", moment.t.0),
+            text: format!(
+                "begins at {} us; the light is on the photodiodes",
+                moment.t.0
+            ),
             reads: Vec::new(),
             written: Vec::new(),
         };
@@ -250,7 +253,9 @@ impl<'a> Tracer<'a> {
             is_bit: register.is_bit(),
         });
         let mut said = vec![match &self.parting {
-            Some(parting) => format!("trace: chip and exact part first, by more than {LIMIT} LSB, in {parting}"),
+            Some(parting) => {
+                format!("trace: chip and exact part first, by more than {LIMIT} LSB, in {parting}")
+            }
             None => format!("trace: no pixel parts by more than {LIMIT} LSB from exact arithmetic"),
         }];
         if self.every > 1 {

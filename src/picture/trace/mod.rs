@@ -143,7 +143,9 @@ impl Trace {
         let shown = self.shown();
         let thin = |values: &[f64]| -> Vec<f64> {
             let rows = values.chunks(shown.width.max(1)).step_by(2);
-            rows.flat_map(|row| row.iter().step_by(2)).copied().collect()
+            rows.flat_map(|row| row.iter().step_by(2))
+                .copied()
+                .collect()
         };
         let mut thinner = self.clone();
         thinner.every *= 2;

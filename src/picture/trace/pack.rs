@@ -25,7 +25,11 @@ pub(super) fn pack(trace: &Trace, description: &str, parts: f64) -> io::Result<V
             .get(version.register)
             .is_some_and(|register| register.is_bit);
         if is_bit {
-            let planes = [Some(&version.twin), Some(&version.chip), version.quiet.as_ref()];
+            let planes = [
+                Some(&version.twin),
+                Some(&version.chip),
+                version.quiet.as_ref(),
+            ];
             for plane in planes.into_iter().flatten() {
                 packed.write_all(&bits(plane))?;
             }
@@ -52,7 +56,10 @@ fn bits(plane: &[f64]) -> Vec<u8> {
 fn differences(version: &TraceVersion, size: Size, parts: f64) -> Vec<Vec<u32>> {
     // `as` saturates, which is what is meant.
     let whole = |plane: &[f64]| -> Vec<i32> {
-        plane.iter().map(|value| (value * parts).round() as i32).collect()
+        plane
+            .iter()
+            .map(|value| (value * parts).round() as i32)
+            .collect()
     };
     let folded = |a: i32, b: i32| {
         let apart = a.wrapping_sub(b);
@@ -66,10 +73,19 @@ fn differences(version: &TraceVersion, size: Size, parts: f64) -> Vec<Vec<u32>> 
     };
     let mut planes = vec![
         (0..twin.len()).map(|i| folded(twin[i], left(i))).collect(),
-        chip.iter().zip(&twin).map(|(a, b)| folded(*a, *b)).collect(),
+        chip.iter()
+            .zip(&twin)
+            .map(|(a, b)| folded(*a, *b))
+            .collect(),
     ];
     if let Some(quiet) = version.quiet.as_deref().map(whole) {
-        planes.push(quiet.iter().zip(&chip).map(|(a, b)| folded(*a, *b)).collect());
+        planes.push(
+            quiet
+                .iter()
+                .zip(&chip)
+                .map(|(a, b)| folded(*a, *b))
+                .collect(),
+        );
     }
     planes
 }

@@ -196,6 +196,13 @@
     values();
   };
 
+  // Below the bar, which stays.
+  const reveal = r => {
+    const { card } = cards[r];
+    card.style.scrollMarginTop = `${element('bar').offsetHeight + 8}px`;
+    card.scrollIntoView({ block: 'nearest' });
+  };
+
   const show = () => {
     const [frame, line, text, reads, written] = steps[here];
     const word = element('word');
@@ -222,9 +229,7 @@
     for (const item of lines) item.classList.remove('here');
     const item = lines[line - 1];
     element('line').firstChild.textContent = item ? item.textContent.trim() : '';
-    if (element('follow').checked && line > 0 && written.length > 0) {
-      cards[written[0]].card.scrollIntoView({ block: 'nearest' });
-    }
+    if (element('follow').checked && line > 0 && written.length > 0) reveal(written[0]);
     if (item) {
       item.classList.add('here');
       const list = element('text');
@@ -239,6 +244,7 @@
   };
   const go = step => {
     here = Math.max(0, Math.min(steps.length - 1, step));
+    element('found').textContent = '';
     show();
   };
   const stop = () => {
@@ -267,7 +273,7 @@
             look(i % width, Math.floor(i / width));
             element('found').textContent = `${registers[r][0]} parts at (${pixel.x * every}, ${pixel.y * every}): ${told(a[i], isBit)}, exact ${told(b[i], isBit)}`
               + (isBit ? '' : `, median difference ${told(middle)}`);
-            cards[r].card.scrollIntoView({ block: 'nearest' });
+            reveal(r);
             return;
           }
         }

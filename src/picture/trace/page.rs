@@ -79,7 +79,10 @@ fn whole(trace: &Trace, parts: u32) -> String {
     let title = trace.title.as_ref().unwrap_or(&trace.program);
     let words = trace.steps.iter().filter(|step| step.line > 0).count();
     let (first, last) = (trace.steps.first(), trace.steps.last());
-    let frames = match (first.map_or(0, |it| it.frame), last.map_or(0, |it| it.frame)) {
+    let frames = match (
+        first.map_or(0, |it| it.frame),
+        last.map_or(0, |it| it.frame),
+    ) {
         (a, b) if a == b => format!("frame {a}"),
         (a, b) => format!("frames {a} to {b}"),
     };
@@ -118,9 +121,9 @@ fn whole(trace: &Trace, parts: u32) -> String {
                     p #word aria-live="polite" {}
                     p #line { code {} }
                     div.row.small {
-                        label { input #noise type="checkbox" checked; " noise of stores" }
+                        label { input #noise type="checkbox" checked; " noise" }
                         label { input #apart type="checkbox"; " difference" }
-                        label { input #follow type="checkbox"; " scroll to what is written" }
+                        label { input #follow type="checkbox"; " follow" }
                         span.part {
                             button #part type="button" { "first that parts" }
                             label { " by " input #limit type="number" min="0" step="0.25" inputmode="decimal"; " LSB" }
@@ -144,6 +147,7 @@ fn whole(trace: &Trace, parts: u32) -> String {
                         li { "Point at a pixel, or touch it, for its value in all registers." }
                         li { "Difference: chip less exact, less the median of that; blue is more, vermilion less." }
                         li { "The first that parts: the first word after which a pixel of the chip differs from its exact self by more than the limit, the median difference of the pixels that are shown not counted, or a bit differs." }
+                        li { "Noise: that of the chip's stores; what differs from pixel to pixel stays without it. Follow: the page scrolls to what a word wrote." }
                         li { "Values are told to 1/" (parts) " LSB." }
                         @if trace.every > 1 {
                             li #sampled { strong { "Sampled: " } "of " (trace.every) " rows and columns one is shown, so that the page stays below " (LARGEST / 1_000_000) " MB. Neighbours in a picture are " (trace.every) " pixels apart." }
