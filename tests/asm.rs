@@ -5,7 +5,7 @@ mod common;
 
 use std::{fs, path::Path};
 
-use common::{amacrine, good};
+use common::{amacrine, good, json, refused};
 use tempfile::TempDir;
 
 fn here() -> &'static Path {
@@ -138,4 +138,168 @@ fn a_what_if_chip_shows_what_it_changes() {
         text.contains("does not run there: ") && text.contains("unknown name `G`"),
         "{text}"
     );
+}
+
+/// What is below `computes`.
+fn proof(arguments: &[&str]) -> Vec<String> {
+    let text = stdout(arguments);
+    let (_, below) = text
+        .split_once("\ncomputes\n")
+        .unwrap_or_else(|| panic!("{text}"));
+    below.lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn the_kernel_of_any_program_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "sub(B, A, C);\nmovx(D, B, east);\nadd(D, B, D);\ndivq(E, D);\nscamp5_in(F, 3);\nabs(C, A);\n";
+    for (name, text) in [
+        ("p.scamp", text.to_owned()),
+        (
+            "p.cpp",
+            format!(
+                "int main() {{\n scamp5_kernel_begin();\n{}scamp5_kernel_end();\n}}\n",
+                text.replace(
+                    "scamp5_in(F, 3);",
+                    "scamp5_kernel_end(); scamp5_in(F, 3); scamp5_kernel_begin();"
+                )
+            ),
+        ),
+    ] {
+        let file = kept(&folder, name, &text);
+        let lines = proof(&["asm", &file]);
+        let expected = [
+            "  B    = A",
+            "       - C",
+            "  C    no linear map: line ",
+            "  D    = A under",
+            "         0 1 1",
+            "       + C under",
+            "          0 -1 -1",
+            "  E    = 1/2 A under",
+            "         0 1 1",
+            "       + 1/2 C under",
+            "          0 -1 -1",
+            "  F    = 3 LSB",
+        ];
+        for (line, expected) in lines.iter().zip(expected) {
+            assert!(line.starts_with(expected), "{line:?}, not {expected:?}");
+        }
+        let said = json(here(), &["asm", &file, "--json"]);
+        assert_eq!(
+            said["proof"]["registers"][0]["computes"]["inputs"][1]["input"],
+            "C"
+        );
+        assert_eq!(
+            said["proof"]["registers"][3]["computes"]["inputs"][0]["scale"],
+            0.5
+        );
+        assert!(said["proof"]["registers"][1]["not_linear"]["line"].as_u64() >= Some(6));
+    }
+}
+
+#[test]
+fn what_is_stated_is_proved_or_refused_with_what_is_so() {
+    let lines = proof(&["asm", "programs/convolve/sobel.scamp"]);
+    assert_eq!(
+        lines[0],
+        "  what its [computes] says: its words were read back as linear forms"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let head = |kernel: &str, more: &str| {
+        format!("//! [computes]\n//! kernel = {kernel}\n//! scale = 0.5\n{more}\n")
+    };
+    let body = "get_image(A);\nmovx(B, A, east);\nsub(C, A, B);\nabs(D, C);\n";
+    let refuse = |name: &str, text: String, words: &[&str]| {
+        let file = kept(&folder, name, &text);
+        refused(here(), &["asm", &file], words);
+        refused(here(), &["asm", &file, "--json"], words);
+    };
+    let register = |name: &str| format!("//! register = \"{name}\"");
+    let good_head = head("[[0, 1, -1]]", &register("C"));
+    stdout(&["asm", &kept(&folder, "good.scamp", &(good_head + body))]);
+    refuse(
+        "turned.scamp",
+        head("[[-1, 1, 0]]", &register("C")) + body,
+        &[
+            "[computes] is false",
+            "under [[-1, 1, 0]]",
+            "computes [[0, 1, -1]]",
+            "turned.scamp",
+        ],
+    );
+    refuse(
+        "nonlinear.scamp",
+        head("[[1]]", &register("D")) + body,
+        &["no linear map", "line 8"],
+    );
+    refuse(
+        "none.scamp",
+        head("[[1]]", &register("Q")) + body,
+        &["register Q"],
+    );
+    refuse(
+        "memory.scamp",
+        head("[[1]]", &register("E")) + "get_image(A);\nsub(E, A, F);\n",
+        &["depends on what F held"],
+    );
+    // The same of vendor C++.
+    let cpp = "int main() {\n while (1) {\n vs_frame_loop_control();\n scamp5_kernel_begin();\n get_image(A);\n scamp5_kernel_end();\n }\n}\n";
+    stdout(&[
+        "asm",
+        &kept(&folder, "good.cpp", &(head("[[1]]", "") + cpp)),
+    ]);
+    refuse("bad.cpp", head("[[2]]", "") + cpp, &["computes [[1]]"]);
+    // Reaching too far to be read back, it is seen by its response to an impulse.
+    let far = "get_image(A);\nrepeat 300 {\n movx(B, A, east);\n movx(A, B, west);\n}\nmovx(C, A, east);\n";
+    let file = kept(
+        &folder,
+        "far.scamp",
+        &(head("[[0, 0, 1]]", &register("C")) + far),
+    );
+    assert!(proof(&["asm", &file])[0].contains("its [computes] says"));
+    refuse(
+        "far-bad.scamp",
+        head("[[1, 0, 0]]", &register("C")) + far,
+        &["computes [[0, 0, 1]]"],
+    );
+}
+
+#[test]
+fn ranges_and_what_survives_follow_from_the_input() {
+    let folder = tempfile::tempdir().unwrap();
+    // Two stores cancel what one leaves: an offset, which does not count.
+    let file = kept(
+        &folder,
+        "p.scamp",
+        "mov(B, A);\nbus(C, A);\nmov(E, A);\nadd(D, A, B, E);\nwhere(A);\nMOV(R5, FLAG);\nall();\n",
+    );
+    let at =
+        |input: &str| json(here(), &["asm", &file, "--json", "--input", input])["proof"].clone();
+    let small = at("-20..20");
+    let registers = small["registers"].as_array().unwrap();
+    let of = |name: &str| registers.iter().find(|it| it["register"] == name).unwrap();
+    assert_eq!(of("B")["range_lsb"], serde_json::json!([-20.0, 20.0]));
+    assert_eq!(small["saturations"], serde_json::json!([]));
+    assert_eq!(small["input_is_light"], false);
+    let number = |it: &serde_json::Value, key: &str| it[key].as_f64().unwrap();
+    assert!(number(of("B"), "correlation") > 0.999);
+    assert!(number(of("C"), "correlation") < -0.999 || number(of("C"), "correlation") > 0.999);
+    assert!(number(of("B"), "offset_lsb").abs() < 1.0, "{small}");
+    assert!(
+        (number(of("C"), "offset_lsb") - 20.0).abs() < 1.0,
+        "{small}"
+    );
+    assert!(number(of("B"), "noise_lsb") > 0.05 && number(of("B"), "noise_lsb") < 1.0);
+    assert!(number(of("R5"), "same") > 0.97);
+    // Of one LSB less survives.
+    let tiny = at("-0.2..0.2");
+    assert!(number(&tiny["registers"][0], "correlation") < 0.9, "{tiny}");
+    // Three times 100 is more than a register holds.
+    let large = at("-100..100");
+    assert!(!large["saturations"].as_array().unwrap().is_empty());
+    // The same seed, the same numbers.
+    assert_eq!(at("-20..20"), small);
+    refused(here(), &["asm", &file, "--input", "3"], &["is not LO..HI"]);
+    refused(here(), &["asm", &file, "--seed", "3"], &["--input"]);
 }

@@ -17,6 +17,7 @@ mod sheet;
 mod strip;
 mod surround;
 mod text;
+pub mod trace;
 mod trade;
 pub mod view;
 mod waterfall;

@@ -1,9 +1,12 @@
-//! The harness of tests that run the program: a command in a folder, what it says, and how it
-//! refuses.
+//! The harness of tests that run the program: a command in a folder, what it says, how it
+//! refuses, and its pages in a browser.
 
 #![allow(dead_code)] // Each test takes what it needs.
 
-use std::{path::Path, process::Output};
+use std::{
+    path::Path,
+    process::{self, Output},
+};
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -74,4 +77,42 @@ fn refusal(said: &Output, words: &[&str]) -> String {
         assert!(found, "no {word:?} in: {message}");
     }
     message
+}
+
+/// Headless Chromium, as Debian has it, in a folder: what it prints, and what it logs. A page that
+/// complains is a failure.
+#[track_caller]
+pub fn chromium(folder: &Path, arguments: &[&str]) -> (String, String) {
+    let name = std::env::var("CHROMIUM").unwrap_or_else(|_| "chromium".to_owned());
+    let profile = format!("--user-data-dir={}", folder.join("profile").display());
+    let done = process::Command::new(name)
+        .current_dir(folder)
+        .args([
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--hide-scrollbars",
+        ])
+        .args([
+            "--enable-logging=stderr",
+            "--virtual-time-budget=5000",
+            &profile,
+        ])
+        .args(arguments)
+        .output()
+        .expect("chromium starts");
+    assert!(
+        done.status.success(),
+        "{}",
+        String::from_utf8_lossy(&done.stderr)
+    );
+    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+    let (out, log) = (text(&done.stdout), text(&done.stderr));
+    // What the page itself complains of; the browser's own complaints are not ours.
+    let said: Vec<&str> = log
+        .lines()
+        .filter(|line| line.contains("CONSOLE"))
+        .collect();
+    assert_eq!(said, Vec::<&str>::new());
+    (out, log)
 }

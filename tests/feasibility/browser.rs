@@ -1,10 +1,10 @@
 //! The page in a browser: headless Chromium, as Debian has it.
 
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
 use serde_json::Value;
 
-use super::{SCENE, amacrine, folder};
+use super::{SCENE, amacrine, common::chromium, folder};
 
 /// Looks at the page in a frame of a phone's width, and writes down what it finds.
 const PROBE: &str = r"<!doctype html><meta charset=utf-8><title>probe</title><pre id=found></pre>
@@ -32,41 +32,6 @@ document.getElementById('page').addEventListener('load', event => {
   });
 });
 </script>";
-
-fn chromium(folder: &Path, arguments: &[&str]) -> (String, String) {
-    let name = std::env::var("CHROMIUM").unwrap_or_else(|_| "chromium".to_owned());
-    let profile = format!("--user-data-dir={}", folder.join("profile").display());
-    let done = Command::new(name)
-        .current_dir(folder)
-        .args([
-            "--headless=new",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--hide-scrollbars",
-        ])
-        .args([
-            "--enable-logging=stderr",
-            "--virtual-time-budget=5000",
-            &profile,
-        ])
-        .args(arguments)
-        .output()
-        .expect("chromium starts");
-    assert!(
-        done.status.success(),
-        "{}",
-        String::from_utf8_lossy(&done.stderr)
-    );
-    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
-    let (out, log) = (text(&done.stdout), text(&done.stderr));
-    // What the page itself complains of; the browser's own complaints are not ours.
-    let said: Vec<&str> = log
-        .lines()
-        .filter(|line| line.contains("CONSOLE"))
-        .collect();
-    assert_eq!(said, Vec::<&str>::new());
-    (out, log)
-}
 
 #[test]
 #[ignore = "needs chromium"]

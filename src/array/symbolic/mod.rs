@@ -6,4 +6,5 @@ pub mod range;
 pub mod taps;
 
 pub use form::Input;
-pub use pixel::GenericError;
+pub(super) use pixel::reach;
+pub use pixel::{GenericError, effort};

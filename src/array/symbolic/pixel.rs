@@ -4,6 +4,8 @@
 //! it. Its FLAG may be unknown, where it depends on what went in: then what a store would
 //! change holds either the old or the new.
 
+use std::collections::BTreeMap;
+
 use super::{
     super::{Domain, Layout, Settings, State, Undecided, host, semantics::execute},
     form::Input,
@@ -14,7 +16,7 @@ use crate::{
         operands::{FlagEffect, Unit},
     },
     plane::{At, Size},
-    program::{Action, Host, Step},
+    program::{Action, Cost, Host, Step},
 };
 
 /// A domain that can leave open what a cell holds.
@@ -227,32 +229,101 @@ impl<'a, D: Symbolic> GenericPixel<'a, D> {
     }
 }
 
-/// How far, in rows and columns, what goes in can lie from where it arrives: bits count only by
-/// way of FLAG, which is taken as unknown.
-fn reach(steps: &[Step], device: &Device) -> (usize, usize) {
-    let mut far = (0usize, 0usize);
-    for step in steps {
-        let (rows, columns) = match &step.action {
-            Action::Word(word) => {
-                let operands = device.operands(word);
-                match operands.unit {
-                    Unit::Bus | Unit::Squarer => operands.halo().into(),
-                    Unit::Idle
-                    | Unit::Photodiode
-                    | Unit::Diffusion
-                    | Unit::Logic
-                    | Unit::Neighbours
-                    | Unit::Propagation => (0, 0),
+/// How much work it is to go through these steps on a generic pixel: instruction words that run,
+/// times pixels around it. None where the program reaches too far.
+#[must_use]
+pub fn effort(steps: &[Step], device: &Device) -> Option<u64> {
+    let (rows, columns) = reach(steps, device);
+    if rows.max(columns) > FARTHEST {
+        return None;
+    }
+    let words = Cost::of(steps, device).words.0;
+    let cells = (2 * rows + 1) * (2 * columns + 1);
+    Some(words.saturating_mul(cells as u64))
+}
+
+/// How far, in rows and columns, what goes in can lie from where it arrives, as far as
+/// [`FARTHEST`] and one word beyond. Bits count only by way of FLAG, which is taken as unknown.
+pub(in crate::array) fn reach(steps: &[Step], device: &Device) -> (usize, usize) {
+    let mut far = Far {
+        device,
+        of: BTreeMap::new(),
+        most: (0, 0),
+        whole: true,
+    };
+    far.steps(steps);
+    far.most
+}
+
+/// From how far what each register holds may come, word by word: what is written comes from as
+/// far as what is read, and the way between the two.
+struct Far<'a> {
+    device: &'a Device,
+    of: BTreeMap<Analog, (usize, usize)>,
+    most: (usize, usize),
+    /// Whether FLAG is 1 everywhere.
+    whole: bool,
+}
+
+impl Far<'_> {
+    fn steps(&mut self, steps: &[Step]) {
+        for step in steps {
+            if self.most.0.max(self.most.1) > FARTHEST {
+                return;
+            }
+            match &step.action {
+                Action::Word(word) => self.word(word),
+                Action::Host(_) => {}
+                Action::Repeat { times, body } => {
+                    for _ in 0..*times {
+                        let before = (self.of.clone(), self.whole);
+                        self.steps(body);
+                        let far = self.most.0.max(self.most.1) > FARTHEST;
+                        if far || before == (self.of.clone(), self.whole) {
+                            break;
+                        }
+                    }
                 }
             }
-            Action::Host(_) => (0, 0),
-            Action::Repeat { times, body } => {
-                let (rows, columns) = reach(body, device);
-                let times = *times as usize;
-                (rows.saturating_mul(times), columns.saturating_mul(times))
-            }
-        };
-        far = (far.0.saturating_add(rows), far.1.saturating_add(columns));
+        }
     }
-    far
+
+    fn word(&mut self, word: &Primitive) {
+        let operands = self.device.operands(word);
+        match operands.flag {
+            FlagEffect::Keeps => {}
+            FlagEffect::Sets => self.whole = true,
+            FlagEffect::May => self.whole = false,
+        }
+        if !matches!(operands.unit, Unit::Bus | Unit::Squarer) {
+            return;
+        }
+        let apart = |a: (isize, isize), b: (isize, isize)| {
+            ((a.0 - b.0).unsigned_abs(), (a.1 - b.1).unsigned_abs())
+        };
+        let mut written = Vec::new();
+        for write in operands.writes() {
+            let Some(register) = write.analog() else {
+                continue;
+            };
+            let mut far = (0, 0);
+            for read in operands.reads() {
+                let of = read.analog().and_then(|r| self.of.get(&r));
+                let (rows, columns) = of.copied().unwrap_or_default();
+                let (down, right) = apart(write.offset, read.offset);
+                far = (far.0.max(rows + down), far.1.max(columns + right));
+            }
+            written.push((register, far));
+        }
+        let replaces = operands.replaces(self.whole);
+        for (register, far) in written {
+            let old = self.of.entry(register).or_default();
+            *old = if replaces {
+                far
+            } else {
+                (old.0.max(far.0), old.1.max(far.1))
+            };
+            self.most = (self.most.0.max(old.0), self.most.1.max(old.1));
+        }
+    }
 }

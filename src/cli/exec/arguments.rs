@@ -73,11 +73,16 @@ pub struct Arguments {
     /// Write what registers hold after each line of the last frame, side by side (.png)
     #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
     pub(super) strip: Option<Output>,
+    /// Write a page for a browser that steps through the words of the last frames, forwards and
+    /// backwards: every register as a picture, on the chip (silicon, unless --domain names
+    /// another) and in exact arithmetic beside, the first pixel that parts, noise on and off
+    #[arg(long, value_name = "PAGE.html", value_parser = Content::Page)]
+    pub(super) trace: Option<Output>,
     /// Run so many times, with this seed and those that follow; print mean and spread
-    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug", "displays"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug", "displays", "trace"])]
     pub(super) repeat: Option<u64>,
     /// Step through the program; commands are read from standard input, `help` lists them
-    #[arg(long, conflicts_with_all = ["json", "strip"])]
+    #[arg(long, conflicts_with_all = ["json", "strip", "trace"])]
     pub(super) debug: bool,
     /// Print one JSON object instead of the table
     #[arg(long)]

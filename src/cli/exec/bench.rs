@@ -15,7 +15,7 @@ use super::{
     moment::Moment,
     saturation::{Saturated, Saturation},
     set::Set,
-    strip,
+    strip, trace,
 };
 use crate::{
     array::{Arithmetic, Array, Schedule, Settings},
@@ -110,9 +110,15 @@ impl<'a> Bench<'a> {
             None if arguments.repeat.is_some() => 8 * (2 * written + 3),
             None => 16 * u128::from(arguments.dump.is_some()),
         };
+        // Three more chips, and what is kept of them.
+        let traced = match arguments.trace {
+            Some(_) => trace::bytes(device, self.size),
+            None => 0,
+        };
         Need::new()
             .and("frames of the light", self.frames + 8 * pixels)
             .and("the chip", self.arithmetic.bytes(device, self.size))
+            .and("the chips of the trace", traced)
             .and(
                 "registers that are set",
                 8 * pixels * self.planes.len() as u128,
@@ -129,19 +135,28 @@ impl<'a> Bench<'a> {
 
     /// A chip as switched on, its registers set.
     pub fn chip(&self, seed: u64) -> miette::Result<Box<dyn Array + Send>> {
+        let arithmetic = self.arithmetic.with_seed(seed);
+        self.chip_in(arithmetic, &self.opened.device, self.machine.clone())
+    }
+
+    /// A chip in this arithmetic, with the numbers of this device.
+    pub fn chip_in(
+        &self,
+        arithmetic: Arithmetic,
+        device: &Device,
+        machine: Option<Machine>,
+    ) -> miette::Result<Box<dyn Array + Send>> {
         let Opened {
-            program,
-            device,
-            expansion,
+            program, expansion, ..
         } = &self.opened;
         let chips = Chips {
             name: &program.file,
             code: &expansion.code,
             device,
             settings: self.settings,
-            arithmetic: self.arithmetic.with_seed(seed),
+            arithmetic,
         };
-        let machine = self.machine.clone().unwrap_or_else(|| chips.machine());
+        let machine = machine.unwrap_or_else(|| chips.machine());
         let mut chip = chips
             .chip(&machine, self.size, (At { y: 0, x: 0 }, self.size.width))
             .wrap_err_with(|| format!("{} cannot run", program.file))?;
@@ -232,8 +247,10 @@ impl<'a> Bench<'a> {
             let t = Micros::from_seconds(frame.seconds);
             chip.begin_frame();
             chip.expose(&frame.light)?;
-            match before.replace(frame.seconds) {
-                Some(before) => chip.wait(frame.seconds - before),
+            let since = before.replace(frame.seconds);
+            let since = since.map(|before| frame.seconds - before);
+            match since {
+                Some(seconds) => chip.wait(seconds),
                 None => packet.span.0 = t,
             }
             packet.span.1 = t;
@@ -241,6 +258,8 @@ impl<'a> Bench<'a> {
             let moment = Moment {
                 index,
                 t,
+                since,
+                light: &frame.light,
                 steps: if is_init { &code.init } else { &code.frame },
                 is_init,
             };
@@ -282,7 +301,9 @@ fn settings(arguments: &Arguments, program: &Program, device: &Device) -> miette
     settings.gain = finite("--gain", arguments.gain.unwrap_or(settings.gain))?;
     settings.schedule = match &arguments.schedule {
         // One step at a time has no use for any other.
-        _ if arguments.debug || arguments.strip.is_some() => Some(Schedule::Plain),
+        _ if arguments.debug || arguments.strip.is_some() || arguments.trace.is_some() => {
+            Some(Schedule::Plain)
+        }
         name => name.as_deref().map(str::parse).transpose()?,
     };
     let threads = arguments.threads.unwrap_or_else(rayon::current_num_threads);

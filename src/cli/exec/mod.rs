@@ -14,6 +14,7 @@ mod set;
 mod shows;
 mod statistics;
 mod strip;
+mod trace;
 
 pub use arguments::Arguments;
 
@@ -21,12 +22,13 @@ use std::ops::ControlFlow;
 
 use self::{
     arguments::Assignment, bench::Bench, debug::Debugger, report::Report, shows::Shows,
-    statistics::Statistics, strip::Strip,
+    statistics::Statistics, strip::Strip, trace::Tracer,
 };
 use super::files;
 use crate::{
     picture::write_png,
     rig::guard::Guard,
+    save::save,
     study::pilot::{Answer, Machine},
 };
 
@@ -66,6 +68,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut chip = bench.chip(arguments.seed)?;
     let mut strip = Strip::default();
+    let mut tracer = match arguments.trace {
+        Some(_) => Some(Tracer::new(&bench)?),
+        None => None,
+    };
     let mut guard = Guard::new();
     let mut saturation = bench.saturation();
     let mut shows = Shows::new(&bench.opened, arguments.displays.as_deref());
@@ -84,6 +90,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
             strip.frame(&bench.opened, chip, moment, packet)?;
+            if let Some(tracer) = &mut tracer {
+                tracer.frame(moment)?;
+            }
             saturation.frame(chip);
             shows.frame(chip, moment.index)?;
             Ok(ControlFlow::Continue(()))
@@ -92,6 +101,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
             moment.run(chip, packet)?;
+            if let Some(tracer) = &mut tracer {
+                tracer.frame(moment)?;
+            }
             saturation.frame(chip);
             shows.frame(chip, moment.index)?;
             Ok(ControlFlow::Continue(()))
@@ -108,6 +120,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         Some(path) => Some((path, strip.picture(&bench.opened)?)),
         None => None,
     };
+    let trace = tracer.map(Tracer::page).transpose()?;
     if let Some(path) = &arguments.events {
         path.write(&packet)?;
     }
@@ -116,6 +129,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     if let Some((path, picture)) = strip {
         write_png(path, &picture)?;
+    }
+    let mut notes = bench.said.notes(frames);
+    if let (Some(path), Some((page, said))) = (&arguments.trace, trace) {
+        save(path, |out| out.write_all(page.as_bytes()))?;
+        notes.extend(said);
     }
     let written = written(arguments, &bench, &shows);
     let report = Report {
@@ -127,7 +145,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         packet: &packet,
         light: &bench.observation,
         warnings: &warnings,
-        notes: &bench.said.notes(frames),
+        notes: &notes,
         written: &written,
     };
     tell(arguments, &report, plan.as_ref())
@@ -135,7 +153,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 
 /// What was written, besides the report.
 fn written(arguments: &Arguments, bench: &Bench<'_>, shows: &Shows<'_>) -> Vec<String> {
-    let files = [&arguments.events, &arguments.strip].into_iter().flatten();
+    let files = [&arguments.events, &arguments.strip, &arguments.trace];
+    let files = files.into_iter().flatten();
     let mut written: Vec<String> = files.map(|path| path.display().to_string()).collect();
     if let Some(folder) = &arguments.dump {
         let count = dump::files(&bench.opened.device, folder).len();

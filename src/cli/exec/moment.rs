@@ -3,6 +3,7 @@
 use crate::{
     array::{Array, RunError},
     event::Packet,
+    plane::Plane,
     program::Step,
     unit::Micros,
 };
@@ -13,6 +14,10 @@ pub struct Moment<'a> {
     pub index: u64,
     /// When.
     pub t: Micros,
+    /// Seconds since the frame before, if there was one.
+    pub since: Option<f64>,
+    /// What falls on the photodiodes.
+    pub light: &'a Plane<f64>,
     /// What is to run: the whole program if it is bare, else `init` or `frame`.
     pub steps: &'a [Step],
     /// Whether that is `init`.

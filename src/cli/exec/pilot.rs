@@ -30,10 +30,11 @@ const FORMATS: [&str; 2] = ["f32", "q8.8"];
 /// When more than events is asked for, or the light or the array cannot go on.
 pub fn plan(bench: &Bench<'_>) -> miette::Result<Answer<Machine>> {
     let arguments = bench.arguments;
-    let registers = arguments.dump.is_some() || arguments.strip.is_some() || arguments.debug;
+    let pictures = arguments.strip.is_some() || arguments.trace.is_some();
+    let registers = arguments.dump.is_some() || pictures || arguments.debug;
     if registers || arguments.repeat.is_some() {
         return Err(miette!(
-            help = "leave --dump, --strip, --debug and --repeat out, or --fidelity",
+            help = "leave --dump, --strip, --trace, --debug and --repeat out, or --fidelity",
             "--fidelity auto keeps events, and registers are looked at"
         ));
     }

@@ -1,11 +1,16 @@
 //! `amacrine asm`.
 
+mod changes;
+mod proof;
+
 use serde_json::json;
 
+use self::{changes::Changes, proof::Proof};
 use super::opened::{Opened, Source};
 use crate::{
+    array::range::Interval,
     isa::{Device, Figure},
-    program::{Cell, Cost, Entry, Expanded, Expansion, Overrides, Program, stored, vendor_text},
+    program::{Cell, Cost, Entry, Expanded, Expansion, Program, stored, vendor_text},
 };
 
 /// What `asm` is asked to do.
@@ -22,9 +27,28 @@ pub struct Arguments {
     /// Print the instruction words instead, as the verb `disasm` does
     #[arg(long, conflicts_with = "json")]
     disasm: bool,
+    /// What goes in: light (0 to 255) where the program takes it in, else what the registers hold
+    /// that it reads, in LSB. Prints which values registers can have, stores that can saturate,
+    /// and what of each register survives on the model of the real chip
+    #[arg(long, value_name = "LO..HI", value_parser = interval, allow_hyphen_values = true)]
+    input: Option<Interval>,
+    /// Which chip of the model, and which noise, with --input
+    #[arg(long, default_value_t = 0, requires = "input")]
+    seed: u64,
     /// Print JSON
     #[arg(long)]
     json: bool,
+}
+
+/// `low..high`, for the command line.
+fn interval(text: &str) -> Result<Interval, String> {
+    let wrong = || format!("`{text}` is not LO..HI, such as 0..255 or -20..20");
+    let (low, high) = text.split_once("..").ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    match (number(low), number(high)) {
+        (Some(low), Some(high)) if low < high => Ok(Interval::new(low, high)),
+        _ => Err(wrong()),
+    }
 }
 
 /// Runs the verb.
@@ -39,19 +63,24 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&program.syntax.to_string());
         return Ok(());
     }
+    let opened = arguments.source.open(&[])?;
+    let proof = Proof::new(&opened, arguments.input, arguments.seed)?;
     let Opened {
         program,
         device,
         expansion,
-    } = arguments.source.open(&[])?;
+    } = opened;
     let changes = Changes::new(&program, &expansion, &device, &arguments.source.overrides());
     if arguments.disasm {
         super::say(&vendor_text(&expansion.code, expansion.bare, &device));
     } else if arguments.json {
-        let json = json(&program, &expansion, &device, changes.as_ref());
+        let mut json = json(&program, &expansion, &device, changes.as_ref());
+        json["proof"] = proof.json(&device);
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&listing(&program, &expansion, &device, changes.as_ref()));
+        let mut text = listing(&program, &expansion, &device, changes.as_ref());
+        text += &proof.text(&device);
+        super::say(&text);
     }
     Ok(())
 }
@@ -237,138 +266,4 @@ fn json(
         "warnings": warnings,
         "changes": changes.map(Changes::json),
     })
-}
-
-/// What a chip that extends another changes for a program.
-struct Changes {
-    /// The chip that is extended.
-    base: String,
-    /// What is different about the chip.
-    chip: Vec<String>,
-    /// What the program costs there: words, time, words kept in the store; or why it does not
-    /// run there.
-    program: Result<(u64, f64, u64), String>,
-    /// What it costs here.
-    own: (u64, f64, u64),
-}
-
-impl Changes {
-    fn new(
-        program: &Program,
-        expansion: &Expansion,
-        device: &Device,
-        overrides: &Overrides,
-    ) -> Option<Self> {
-        let base = device.base()?;
-        let of = |expansion: &Expansion, device: &Device| {
-            let cost = Cost::of(&expansion.code.frame, device);
-            (cost.words.0, cost.micros(), kept(expansion, device))
-        };
-        Some(Self {
-            base: base.name().to_owned(),
-            chip: differences(base, device),
-            program: match program.expand(base, overrides) {
-                Ok(there) => Ok(of(&there, base)),
-                Err(faults) => Err(faults
-                    .faults
-                    .first()
-                    .map_or_else(|| faults.to_string(), ToString::to_string)),
-            },
-            own: of(expansion, device),
-        })
-    }
-
-    fn lines(&self) -> Vec<String> {
-        let mut lines = vec![String::new(), format!("against {}", self.base)];
-        lines.extend(self.chip.iter().map(|what| format!("  {what}")));
-        lines.push(match &self.program {
-            Err(why) => format!("  the program does not run there: {why}"),
-            Ok(there) if *there == self.own => {
-                "  the program costs the same".to_owned()
-            }
-            Ok((words, micros, kept)) => format!(
-                "  the program's frame: {} words instead of {words}, {:.1} us instead of {micros:.1}, {} words stored instead of {kept}",
-                self.own.0, self.own.1, self.own.2
-            ),
-        });
-        lines
-    }
-
-    fn json(&self) -> serde_json::Value {
-        let cost = |(words, micros, kept): &(u64, f64, u64)| json!({"words": words, "us": micros, "stored_words": kept});
-        json!({
-            "base": self.base,
-            "chip": self.chip,
-            "base_cost": self.program.as_ref().ok().map(cost),
-            "base_error": self.program.as_ref().err(),
-            "cost": cost(&self.own),
-        })
-    }
-}
-
-/// In words, one a line.
-fn differences(base: &Device, device: &Device) -> Vec<String> {
-    let mut lines = Vec::new();
-    let registers = |device: &Device| {
-        let registers = device.registers();
-        [registers.analog.clone(), registers.digital.clone()]
-    };
-    for (before, after) in registers(base).iter().zip(&registers(device)) {
-        let only = |a: &[String], b: &[String]| {
-            let names: Vec<&str> = a
-                .iter()
-                .filter(|n| !b.contains(n))
-                .map(String::as_str)
-                .collect();
-            names.join(" ")
-        };
-        let (more, less) = (only(after, before), only(before, after));
-        if !more.is_empty() {
-            lines.push(format!("more registers: {more}"));
-        }
-        if !less.is_empty() {
-            lines.push(format!("without the registers: {less}"));
-        }
-    }
-    for figure in Figure::ALL {
-        let (before, after) = (base.value(*figure), device.value(*figure));
-        if before != after {
-            let (section, key) = figure.key();
-            let after = figure.shown(after);
-            lines.push(format!("{section}.{key}: {after} instead of {before}"));
-        }
-    }
-    for row in device.primitives() {
-        let before = base.row(row.kind);
-        if before.words != row.words {
-            let name = row.forms.first().map_or("", |form| form.name.as_str());
-            lines.push(format!(
-                "{name}: {} words instead of {}",
-                row.words, before.words
-            ));
-        }
-        if before.forms != row.forms {
-            lines.push(format!("{:?}: written in other ways", row.kind));
-        }
-    }
-    for row in device.hosts() {
-        let before = base.host(row.kind);
-        if before.call != row.call || before.item != row.item {
-            let name = row.forms.first().map_or("", |form| form.name.as_str());
-            lines.push(format!("{name}: takes another time"));
-        }
-    }
-    for it in device.macros() {
-        match base.macros().iter().find(|m| m.replaces(it)) {
-            None => lines.push(format!("new macro: {}", it.signature)),
-            Some(before) if before.body != it.body => {
-                lines.push(format!("another body: {}", it.signature));
-            }
-            Some(_) => {}
-        }
-    }
-    if lines.is_empty() {
-        lines.push("nothing about the chip is different".to_owned());
-    }
-    lines
 }

@@ -1,0 +1,238 @@
+//! Whether a program computes what its settings say: `[computes]` at its head, held to the kernel
+//! that is read back from its words.
+
+use super::{
+    Array as _, Chip, Exact, Input, Settings, effort,
+    taps::{self, TapsError},
+};
+use crate::{
+    event::Packet,
+    isa::{Analog, Device},
+    plane::{Plane, Size},
+    program::{Code, Computes},
+    unit::Micros,
+};
+
+/// The most words times pixels for which a kernel is read back from the words themselves.
+pub const TRACED: u64 = 1_000_000;
+
+/// A kernel is as stated where no weight differs by more than this part of the largest: settings
+/// are decimal, what a chip computes is not.
+const NEAR: f64 = 1e-9;
+
+/// How a statement was found to be true.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Proof {
+    /// The words were read back as linear forms: for every input.
+    Words,
+    /// By what one bright pixel leaves behind in exact arithmetic: the words reach too far, or
+    /// are too many, for the other.
+    Impulse,
+}
+
+/// A statement that is not true.
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+pub enum ClaimError {
+    /// The chip has no such register.
+    #[error("[computes] names register {name}, which is no analogue register of {chip}")]
+    #[diagnostic(help("name the register that holds the drive when a frame ends"))]
+    Register {
+        /// The name.
+        name: String,
+        /// The chip.
+        chip: String,
+    },
+    /// Another kernel.
+    #[error(
+        "[computes] is false: it says that {register} is the light, times {scale}, under {stated}; the program computes {found}"
+    )]
+    #[diagnostic(help("if the program is right, write `kernel = {found}` in its [computes]"))]
+    Kernel {
+        /// Where it should be.
+        register: String,
+        /// From light times weights to LSB.
+        scale: f64,
+        /// The rows that are stated.
+        stated: String,
+        /// The rows that are computed, with the same scale.
+        found: String,
+    },
+    /// It is not light alone.
+    #[error(
+        "[computes] is false: {register} is no map of the light alone; it depends on what {others} held when the frame began"
+    )]
+    #[diagnostic(help(
+        "state the register in which the drive is, before the memory is subtracted: register = \"NAME\""
+    ))]
+    Others {
+        /// Where it should be.
+        register: String,
+        /// Registers.
+        others: String,
+    },
+    /// It is not linear.
+    #[error("[computes] is false: {register} is no linear map of the light: {why}")]
+    #[diagnostic(help(
+        "state the register in which the drive is (register = \"NAME\"), or leave [computes] out"
+    ))]
+    NotLinear {
+        /// Where it should be.
+        register: String,
+        /// The line, and why.
+        why: String,
+    },
+}
+
+/// Holds what a program says of itself to what its words compute.
+///
+/// # Errors
+/// When it computes something else, with what it computes.
+pub fn check(
+    computes: &Computes,
+    code: &Code,
+    device: &Device,
+    settings: Settings,
+) -> Result<Proof, ClaimError> {
+    let name = computes.register.as_deref().unwrap_or("A");
+    let names = &device.registers().analog;
+    let register = names.iter().position(|known| known == name);
+    let Some(register) = register.map(|number| Analog(number as u8)) else {
+        return Err(ClaimError::Register {
+            name: name.to_owned(),
+            chip: device.name().to_owned(),
+        });
+    };
+    let not_linear = |why: String| ClaimError::NotLinear {
+        register: name.to_owned(),
+        why,
+    };
+    let traced = effort(&code.frame, device).is_some_and(|effort| effort <= TRACED);
+    let (found, proof) = if traced {
+        let taps = taps::read(&code.frame, device, settings, register);
+        let taps = taps.map_err(|why: TapsError| not_linear(why.to_string()))?;
+        let mut others: Vec<String> = taps
+            .taps
+            .keys()
+            .filter_map(|(input, ..)| match input {
+                Input::Light => None,
+                Input::Register(register) => Some(device.analog_name(*register)),
+            })
+            .collect();
+        others.sort();
+        others.dedup();
+        if !others.is_empty() {
+            return Err(ClaimError::Others {
+                register: name.to_owned(),
+                others: others.join(", "),
+            });
+        }
+        (taps.kernel(Input::Light), Proof::Words)
+    } else {
+        let found = impulse(code, device, settings, register).map_err(not_linear)?;
+        (found, Proof::Impulse)
+    };
+    let stated = plane(&computes.kernel);
+    let found = found.mapv(|weight| weight / computes.scale + 0.0);
+    if same(&stated, &found) {
+        return Ok(proof);
+    }
+    Err(ClaimError::Kernel {
+        register: name.to_owned(),
+        scale: computes.scale,
+        stated: rows(&stated),
+        found: rows(&found),
+    })
+}
+
+fn plane(rows: &[Vec<f64>]) -> Plane<f64> {
+    let width = rows.first().map_or(0, Vec::len);
+    Plane::from_shape_fn((rows.len(), width), |(y, x)| {
+        rows.get(y)
+            .and_then(|row| row.get(x))
+            .copied()
+            .unwrap_or(0.0)
+    })
+}
+
+/// Whether two centred kernels have the same weights; beyond its sides a kernel is 0.
+fn same(a: &Plane<f64>, b: &Plane<f64>) -> bool {
+    let largest = a.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+    let half = |of: fn((usize, usize)) -> usize| (of(a.dim()).max(of(b.dim())) / 2) as isize;
+    let (rows, columns) = (half(|dim| dim.0), half(|dim| dim.1));
+    let at = |kernel: &Plane<f64>, y: isize, x: isize| {
+        let (height, width) = kernel.dim();
+        let row = (height / 2).checked_add_signed(y);
+        let column = (width / 2).checked_add_signed(x);
+        let place = row.zip(column);
+        place
+            .and_then(|place| kernel.get(place))
+            .copied()
+            .unwrap_or(0.0)
+    };
+    (-rows..=rows)
+        .all(|y| (-columns..=columns).all(|x| (at(a, y, x) - at(b, y, x)).abs() <= NEAR * largest))
+}
+
+/// A kernel as settings have it: `[[1, 2, 1], [2, 4, 2]]`.
+#[must_use]
+pub fn rows(kernel: &Plane<f64>) -> String {
+    let row = |row: ndarray::ArrayView1<'_, f64>| {
+        let weights: Vec<String> = row.iter().map(ToString::to_string).collect();
+        format!("[{}]", weights.join(", "))
+    };
+    let rows: Vec<String> = kernel.rows().into_iter().map(row).collect();
+    format!("[{}]", rows.join(", "))
+}
+
+/// What a bright pixel in the dark leaves around itself in a register, for one unit of light.
+fn impulse(
+    code: &Code,
+    device: &Device,
+    settings: Settings,
+    register: Analog,
+) -> Result<Plane<f64>, String> {
+    const SIDE: usize = 65;
+    const LEVEL: f64 = 64.0;
+    let left_by = |level: f64| -> Result<Plane<f64>, String> {
+        let size = Size::new(SIDE, SIDE);
+        let chip = Chip::new("computes", Exact, code, device, size, settings);
+        let mut chip = chip.map_err(|why| why.to_string())?;
+        let mut picture = Plane::zeros(size.shape());
+        let mut packet = Packet::new(size, 1);
+        chip.expose(&picture).map_err(|why| why.to_string())?;
+        let ran = chip.run_init(Micros(0), &mut packet);
+        ran.map_err(|why| why.to_string())?;
+        picture[(SIDE / 2, SIDE / 2)] = level;
+        chip.expose(&picture).map_err(|why| why.to_string())?;
+        let ran = chip.run_frame(Micros(1), &mut packet);
+        ran.map_err(|why| why.to_string())?;
+        Ok(chip.analog(register))
+    };
+    let spread = left_by(LEVEL)? - left_by(0.0)?;
+    // What is left at (y, x) of the pixel in the middle is the weight that the pixel at (y, x)
+    // gives to the middle one: the kernel, turned around.
+    let far = |along: fn((usize, usize)) -> usize| {
+        let left = spread.indexed_iter().filter(|(_, value)| **value != 0.0);
+        let distance = left.map(|(at, _)| along(at).abs_diff(SIDE / 2));
+        distance.max().unwrap_or(0)
+    };
+    let (down, right) = (far(|at| at.0), far(|at| at.1));
+    Ok(Plane::from_shape_fn(
+        (2 * down + 1, 2 * right + 1),
+        |(y, x)| spread[(SIDE / 2 + down - y, SIDE / 2 + right - x)] / LEVEL,
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kernel_is_the_same_with_zeros_around_it() {
+        let small = plane(&[vec![0.1]]);
+        let large = plane(&[vec![0.0; 3], vec![0.0, 0.1 + 1e-12, 0.0], vec![0.0; 3]]);
+        assert!(same(&small, &large) && same(&large, &small));
+        let east = plane(&[vec![0.0, 0.0, 0.1]]);
+        assert!(!same(&small, &east) && !same(&large, &east));
+    }
+}

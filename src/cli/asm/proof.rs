@@ -1,0 +1,403 @@
+//! What a program computes, within which range, and what of it survives on silicon.
+
+use std::collections::BTreeMap;
+
+use miette::WrapErr;
+use serde_json::{Value, json};
+
+use super::super::opened::Opened;
+use crate::{
+    array::{
+        GenericError, Input, Settings,
+        claim::{self, TRACED},
+        effort,
+        range::{self, Inputs, Interval, Ranges},
+        survival::{Analogue, RUNS, SIDE, Survival, survival},
+        taps::{self, NoTaps, Taps},
+    },
+    isa::{Analog, Cell, Device, operands::Terminal},
+    plane::Plane,
+    program::{Action, Expanded, Step, for_each},
+};
+
+/// What can be said of a program before it sees a scene.
+pub struct Proof {
+    /// Whether its settings say what it computes, and how that was found to be true.
+    claim: Option<claim::Proof>,
+    /// The registers that its frame gives, in the order of the chip, with their kernels.
+    kernels: Kernels,
+    results: Vec<Cell>,
+    given: Option<Given>,
+}
+
+/// The kernels of all analogue registers, or why there are none.
+enum Kernels {
+    Read(Vec<Result<Taps, NoTaps>>),
+    /// A pixel like all others cannot stand for it.
+    Place(GenericError),
+    /// So many words times pixels.
+    TooLong,
+}
+
+/// What follows from a range of inputs.
+struct Given {
+    input: Interval,
+    is_light: bool,
+    ranges: Option<Ranges>,
+    survives: Vec<Survival>,
+    seed: u64,
+}
+
+impl Proof {
+    /// What can be said of a program.
+    ///
+    /// # Errors
+    /// When its settings say what is not so, or it does not run.
+    pub fn new(opened: &Opened, input: Option<Interval>, seed: u64) -> miette::Result<Self> {
+        let Opened {
+            program,
+            device,
+            expansion,
+        } = opened;
+        let (code, settings) = (&expansion.code, Settings::from_device(device));
+        let claim = program.settings.computes.as_ref();
+        let claim = claim.map(|it| claim::check(it, code, device, settings));
+        let claim = claim.transpose().wrap_err_with(|| program.file.clone())?;
+        let short = effort(&code.frame, device).map(|effort| effort <= TRACED);
+        let kernels = match short {
+            Some(false) => Kernels::TooLong,
+            _ => match taps::read_all(&code.frame, device, settings) {
+                Ok(kernels) => Kernels::Read(kernels),
+                Err(why) => Kernels::Place(why),
+            },
+        };
+        let results = results(opened);
+        let given = input.map(|input| -> miette::Result<Given> {
+            let is_light = sees_light(&code.frame, device);
+            let mut inputs = Inputs::default();
+            if is_light {
+                inputs.light = input;
+            } else {
+                inputs.registers = input;
+            }
+            let ranges = match short {
+                Some(true) => range::of(&code.frame, device, settings, inputs).ok(),
+                _ => None,
+            };
+            let bare = expansion.bare;
+            Ok(Given {
+                input,
+                is_light,
+                ranges,
+                survives: survival(code, bare, device, settings, inputs, seed, &results)?,
+                seed,
+            })
+        });
+        Ok(Self {
+            claim,
+            kernels,
+            results,
+            given: given.transpose()?,
+        })
+    }
+
+    /// For people.
+    pub fn text(&self, device: &Device) -> String {
+        let mut lines = vec![String::new(), "computes".to_owned()];
+        match self.claim {
+            Some(claim::Proof::Words) => lines.push(
+                "  what its [computes] says: its words were read back as linear forms".to_owned(),
+            ),
+            Some(claim::Proof::Impulse) => lines.push(
+                "  what its [computes] says, by what one bright pixel leaves behind".to_owned(),
+            ),
+            None => {}
+        }
+        match &self.kernels {
+            Kernels::Place(why) => lines.push(format!("  no kernel: {why}")),
+            Kernels::TooLong => {
+                lines.push("  no kernel is read back: too many words that reach too far".to_owned())
+            }
+            Kernels::Read(kernels) => {
+                for register in analogue(&self.results) {
+                    if let Some(kernel) = kernels.get(usize::from(register.0)) {
+                        lines.extend(equation(register, kernel, device));
+                    }
+                }
+            }
+        }
+        if analogue(&self.results).count() == 0 {
+            lines.push("  nothing that stays in an analogue register".to_owned());
+        }
+        match &self.given {
+            Some(given) => lines.extend(self.lines_given(given, device)),
+            None => lines.push(
+                "  (--input LO..HI: within which range, and what survives on silicon)".to_owned(),
+            ),
+        }
+        lines.join("\n") + "\n"
+    }
+
+    fn lines_given(&self, given: &Given, device: &Device) -> Vec<String> {
+        let Interval { low, high } = given.input;
+        let what = if given.is_light {
+            "light"
+        } else {
+            "registers that are read"
+        };
+        let unit = if given.is_light { "" } else { " LSB" };
+        let mut lines = vec![
+            String::new(),
+            format!("with {what} from {low} to {high}{unit}"),
+        ];
+        match &given.ranges {
+            None => lines.push("  no range can be told".to_owned()),
+            Some(ranges) => {
+                for register in analogue(&self.results) {
+                    if let Some(it) = ranges.registers.get(usize::from(register.0)) {
+                        let name = device.analog_name(register);
+                        lines.push(format!("  {name:<4} from {} to {} LSB", it.low, it.high));
+                    }
+                }
+                for it in &ranges.saturations {
+                    lines.push(format!(
+                        "  line {} can saturate: {} from {} to {} LSB",
+                        it.line,
+                        device.analog_name(it.register),
+                        it.interval.low,
+                        it.interval.high
+                    ));
+                }
+                if ranges.saturations.is_empty() {
+                    lines.push("  no store can saturate".to_owned());
+                }
+            }
+        }
+        lines.push(String::new());
+        lines.push(format!(
+            "on silicon (seed {}), beside exact arithmetic: {RUNS} frames of {SIDE}x{SIDE}, uniform inputs",
+            given.seed
+        ));
+        for (cell, survival) in self.results.iter().zip(&given.survives) {
+            let name = cell.name(device);
+            lines.push(match survival {
+                Survival::Bits(same) => {
+                    format!("  {name:<4} is the same in {:.2} % of all pixels", 100.0 * same)
+                }
+                Survival::Analogue(Analogue {
+                    correlation: None,
+                    offset,
+                    noise,
+                    ..
+                }) => format!(
+                    "  {name:<4} is the same everywhere; offset {offset:.2} LSB, noise {noise:.2} LSB"
+                ),
+                Survival::Analogue(Analogue {
+                    correlation: Some(correlation),
+                    gain,
+                    offset,
+                    noise,
+                }) => format!(
+                    "  {name:<4} correlation {correlation:.4}, noise {noise:.2} LSB, gain {:.3}, offset {offset:.2} LSB (not counted)",
+                    gain.unwrap_or(0.0)
+                ),
+            });
+        }
+        lines
+    }
+
+    /// For machines.
+    pub fn json(&self, device: &Device) -> Value {
+        let none = match &self.kernels {
+            Kernels::Read(_) => None,
+            Kernels::Place(why) => Some(why.to_string()),
+            Kernels::TooLong => Some("too many words that reach too far".to_owned()),
+        };
+        let registers = self.results.iter().enumerate().map(|(i, cell)| {
+            let mut it = json!({"register": cell.name(device)});
+            if let (Cell::Analog(register), Kernels::Read(all)) = (cell, &self.kernels)
+                && let Some(kernel) = all.get(usize::from(register.0))
+            {
+                match kernel {
+                    Ok(taps) => it["computes"] = inputs_json(taps, device),
+                    Err(why) => {
+                        it["not_linear"] = json!({"line": why.line, "why": why.to_string()});
+                    }
+                }
+            }
+            let Some(given) = &self.given else { return it };
+            if let (Cell::Analog(register), Some(ranges)) = (cell, &given.ranges) {
+                let range = ranges.registers.get(usize::from(register.0));
+                it["range_lsb"] = json!(range.map(|it| [it.low, it.high]));
+            }
+            match given.survives.get(i) {
+                Some(Survival::Bits(same)) => it["same"] = json!(same),
+                Some(Survival::Analogue(found)) => {
+                    it["correlation"] = json!(found.correlation);
+                    it["gain"] = json!(found.gain);
+                    it["offset_lsb"] = json!(found.offset);
+                    it["noise_lsb"] = json!(found.noise);
+                }
+                None => {}
+            }
+            it
+        });
+        let ranges = self.given.as_ref().and_then(|given| given.ranges.as_ref());
+        let saturations = ranges.map(|ranges| {
+            let all = ranges.saturations.iter().map(|it| {
+                json!({
+                    "line": it.line,
+                    "register": device.analog_name(it.register),
+                    "lsb": [it.interval.low, it.interval.high],
+                })
+            });
+            all.collect::<Vec<_>>()
+        });
+        json!({
+            "stated": self.claim.map(|claim| match claim {
+                claim::Proof::Words => "proved from the words",
+                claim::Proof::Impulse => "proved by an impulse",
+            }),
+            "no_kernels": none,
+            "registers": registers.collect::<Vec<_>>(),
+            "input": self.given.as_ref().map(|it| [it.input.low, it.input.high]),
+            "input_is_light": self.given.as_ref().map(|it| it.is_light),
+            "seed": self.given.as_ref().map(|it| it.seed),
+            "saturations": saturations,
+        })
+    }
+}
+
+fn analogue(cells: &[Cell]) -> impl Iterator<Item = Analog> {
+    cells.iter().filter_map(|cell| match cell {
+        Cell::Analog(register) => Some(*register),
+        Cell::Digital(_) | Cell::Flag => None,
+    })
+}
+
+/// What is in a register when the frame ends and was meant to be: the last statement that writes
+/// it gives it as a result.
+fn results(opened: &Opened) -> Vec<Cell> {
+    let news = Cell::Analog(opened.device.registers().news);
+    let mut last: BTreeMap<Cell, bool> = BTreeMap::new();
+    for_each(&opened.expansion.frame, &mut |it: &Expanded| {
+        for cell in &it.effect.writes {
+            last.insert(*cell, it.results.contains(cell));
+        }
+    });
+    let meant = last.into_iter().filter(|(_, meant)| *meant);
+    let cells = meant.map(|(cell, _)| cell);
+    cells
+        .filter(|cell| *cell != news && *cell != Cell::Flag)
+        .collect()
+}
+
+fn sees_light(steps: &[Step], device: &Device) -> bool {
+    steps.iter().any(|step| match &step.action {
+        Action::Word(word) => {
+            let operands = device.operands(word);
+            operands.reads().any(|read| read.terminal == Terminal::Pix)
+        }
+        Action::Host(_) => false,
+        Action::Repeat { body, .. } => sees_light(body, device),
+    })
+}
+
+/// Each input of a register, its kernel as whole numbers, and what they are multiplied by.
+fn parts(taps: &Taps) -> Vec<(Input, f64, Plane<f64>)> {
+    let mut inputs: Vec<Input> = taps.taps.keys().map(|(input, ..)| *input).collect();
+    inputs.sort_unstable();
+    inputs.dedup();
+    let whole = |input: Input| {
+        let kernel = taps.kernel(input);
+        // Weights are whole numbers over a power of two: the largest that they share.
+        let mut unit = 2f64.powi(64);
+        let fits = |unit: f64| kernel.iter().all(|w| (w / unit).fract() == 0.0);
+        while !fits(unit) && unit > 2f64.powi(-64) {
+            unit /= 2.0;
+        }
+        (input, unit, kernel.mapv(|weight| weight / unit))
+    };
+    inputs.into_iter().map(whole).collect()
+}
+
+fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) -> Vec<String> {
+    let name = device.analog_name(register);
+    let taps = match kernel {
+        Ok(taps) => taps,
+        Err(why) => return vec![format!("  {name:<4} no linear map: {why}")],
+    };
+    let parts = parts(taps);
+    let constant = taps.constant.to_f64();
+    if parts.is_empty() {
+        return vec![format!("  {name:<4} = {constant} LSB")];
+    }
+    let mut lines = Vec::new();
+    let mut begin = format!("  {name:<4} = ");
+    let joined = |value: f64| {
+        if value < 0.0 {
+            "       - "
+        } else {
+            "       + "
+        }
+    };
+    for (input, unit, kernel) in parts {
+        let input = match input {
+            Input::Light => "light".to_owned(),
+            Input::Register(register) => device.analog_name(register),
+        };
+        if kernel.dim() == (1, 1) {
+            let mut weight = kernel[(0, 0)];
+            if !lines.is_empty() {
+                joined(weight).clone_into(&mut begin);
+                weight = weight.abs();
+            }
+            let weight = match weight * unit {
+                1.0 => String::new(),
+                -1.0 => "-".to_owned(),
+                whole if unit >= 1.0 => format!("{whole} "),
+                _ => format!("{weight}/{} ", 1.0 / unit),
+            };
+            lines.push(format!("{begin}{weight}{input}"));
+        } else {
+            let unit = match unit {
+                1.0 => String::new(),
+                1.0.. => format!("{unit} "),
+                _ => format!("1/{} ", 1.0 / unit),
+            };
+            lines.push(format!("{begin}{unit}{input} under"));
+            let wide = kernel
+                .iter()
+                .map(|w| w.to_string().len())
+                .max()
+                .unwrap_or(1);
+            for row in kernel.rows() {
+                let row: String = row.iter().map(|w| format!(" {w:>wide$}")).collect();
+                lines.push(format!("        {row}"));
+            }
+        }
+        "       + ".clone_into(&mut begin);
+    }
+    if constant != 0.0 {
+        lines.push(format!("{}{} LSB", joined(constant), constant.abs()));
+    }
+    lines
+}
+
+fn inputs_json(taps: &Taps, device: &Device) -> Value {
+    let parts = parts(taps).into_iter().map(|(input, unit, kernel)| {
+        let rows: Vec<Vec<f64>> = kernel.rows().into_iter().map(|row| row.to_vec()).collect();
+        json!({
+            "input": match input {
+                Input::Light => "light".to_owned(),
+                Input::Register(register) => device.analog_name(register),
+            },
+            "kernel": rows,
+            "scale": unit,
+        })
+    });
+    json!({
+        "inputs": parts.collect::<Vec<_>>(),
+        "constant_lsb": taps.constant.to_f64(),
+    })
+}
