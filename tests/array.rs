@@ -4,7 +4,7 @@
 
 use amacrine::{
     array::{
-        Address, Arithmetic, Array, Chip, Domain, Errors, Exact, Fixed, Halves, Layout,
+        Address, Arithmetic, Array, Bfloat, Chip, Domain, Errors, Exact, Fixed, Half, Layout,
         Propagation, Schedule, Settings, Silicon, Single, State, semantics,
     },
     event::{Packet, Polarity},
@@ -14,7 +14,6 @@ use amacrine::{
     program::{Action, Code, Cost, Host, Step},
     unit::Micros,
 };
-use half::{bf16, f16};
 use proptest::prelude::*;
 use words::word;
 
@@ -172,8 +171,8 @@ macro_rules! every_domain {
 every_domain! {
     exact: Exact;
     single: Single;
-    half: Halves::<f16>::default();
-    brain: Halves::<bf16>::default();
+    half: Half;
+    brain: Bfloat;
     q8_8: Fixed::new(Q::<i16>::new(8));
     q8_8_wrap: Fixed::new(Q::<i16>::new(8).with_overflow(Overflow::Wrap));
     q8_0: Fixed::new(Q::<i8>::new(0));

@@ -313,6 +313,8 @@ fn what_is_beyond_the_budget_is_refused_before_the_work() {
             &dvs,
             "--events",
             &out,
+            "--readout",
+            "ideal",
             "--max-events",
             "99999999999",
         ],
@@ -432,7 +434,8 @@ fn a_budget_below_the_program_itself_says_what_is_enough() {
     }
 }
 
-/// A list is as long as there is room for, where nobody says how long it may be.
+/// A list that a readout wants is as long as there is room for, where nobody says how long it may
+/// be. Without a readout events go to the file as they come, however many there are.
 #[test]
 fn lists_end_where_the_memory_does() {
     let folder = Folder::new();
@@ -440,9 +443,23 @@ fn lists_end_where_the_memory_does() {
     let dvs = root("sensors/dvs.toml");
     let scene = "pattern:noise?width=256&height=256&speed=2000&low=0&high=255&frames=200";
     let run = ["run", "--scene", scene, "--sensor", &dvs, "--events", &out];
+    let little = [&run[..], &["--max-memory", "40M"]].concat();
     refused(
-        &[&run[..], &["--max-memory", "40M"]].concat(),
+        &[&little[..], &["--readout", "ideal"]].concat(),
         &["the event list is full", "--max-memory"],
+    );
+    assert!(!Path::new(&out).exists());
+    let ran = amacrine(&little, PATIENCE);
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    let written = fs::metadata(&out).unwrap().len();
+    // Of 13 bytes each in the file, 16 in a packet.
+    assert!(written > 40 << 20, "{written} bytes do not try it");
+    assert!(ran.peak < 40 << 10, "held {} KiB", ran.peak);
+    // And no more than were asked for.
+    fs::remove_file(&out).unwrap();
+    refused(
+        &[&little[..], &["--max-events", "2000000"]].concat(),
+        &["more than 2000000 events", "--when-full drop"],
     );
     assert!(!Path::new(&out).exists());
 }

@@ -119,6 +119,37 @@ fn given_frequencies_make_the_book() {
     );
 }
 
+/// Events that go to the file pair by pair make the file that the whole packet makes, to the byte,
+/// in every format: `ideal` changes nothing, and wants the packet.
+#[test]
+fn a_file_does_not_know_how_its_events_came() {
+    let folder = TempDir::new().unwrap();
+    for (sensor, more) in [("dvs", &[][..]), ("rgc-4", &["--upsample", "0.5"])] {
+        for format in file::Format::ALL.iter().filter(|f| f.is_built()) {
+            if sensor == "rgc-4" && !format.limits().channels {
+                continue;
+            }
+            // An ending that says this format alone.
+            let ending = format.name().replace('.', "");
+            let names = ["whole", "streamed"].map(|name| format!("{name}.{ending}"));
+            let readouts: [&[&str]; 2] = [&["--readout", "ideal"], &[]];
+            for (name, readout) in names.iter().zip(readouts) {
+                let scene = "pattern:bar?width=48&height=40&frames=40&fps=100";
+                let sensor = sensor_file(sensor);
+                let run = ["run", "--scene", scene, "--sensor", &sensor, "--events", name];
+                good(folder.path(), &[&run[..], more, readout].concat());
+            }
+            let bytes = names.map(|name| fs::read(folder.path().join(name)).unwrap());
+            assert!(bytes[0].len() > 10_000, "{format}");
+            assert!(bytes[0] == bytes[1], "{format}");
+        }
+    }
+}
+
+fn sensor_file(name: &str) -> String {
+    format!("{}/sensors/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
 #[test]
 fn what_a_readout_drops_travels_in_the_file() {
     let folder = folder();

@@ -2,10 +2,8 @@
 
 use std::{fmt, str::FromStr};
 
-use half::{bf16, f16};
-
 use super::{
-    Array, Chip, CodeError, Errors, Exact, Fixed, Halves, Layout, Settings, Silicon, Single,
+    Array, Bfloat, Chip, CodeError, Errors, Exact, Fixed, Half, Layout, Settings, Silicon, Single,
 };
 use crate::{
     isa::Device,
@@ -84,8 +82,8 @@ impl Arithmetic {
         let layout = Layout::new(device, size);
         let cell = match self {
             Self::Number(Format::F64) => 8,
-            Self::Number(Format::F32) | Self::Silicon { .. } => 4,
-            Self::Number(Format::F16 | Format::Bf16) => 2,
+            // The halves are held in f32.
+            Self::Number(Format::F32 | Format::F16 | Format::Bf16) | Self::Silicon { .. } => 4,
             Self::Number(Format::Fixed(format)) => u128::from(format.bits()) / 8,
         };
         let planes = u128::from(layout.analog) + 1;
@@ -121,8 +119,8 @@ impl Arithmetic {
         match self {
             Self::Number(Format::F64) => chip!(Exact),
             Self::Number(Format::F32) => chip!(Single),
-            Self::Number(Format::F16) => chip!(Halves::<f16>::default()),
-            Self::Number(Format::Bf16) => chip!(Halves::<bf16>::default()),
+            Self::Number(Format::F16) => chip!(Half),
+            Self::Number(Format::Bf16) => chip!(Bfloat),
             Self::Number(Format::Fixed(format)) => match format.bits() {
                 8 => chip!(fixed::<i8>(format)),
                 16 => chip!(fixed::<i16>(format)),

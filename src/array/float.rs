@@ -1,9 +1,7 @@
-//! Floats in the cells and on the bus: f64 and f32.
+//! Floats in the cells: f64, f32 and the halves. The bus is f64 for f64, f32 for the others.
 
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
-
-use std::ops::{Add, Div, Mul, Sub};
 
 use multiversion::multiversion;
 
@@ -12,6 +10,7 @@ use super::{
     domain::LIMITS,
     each::{each, each_twice},
 };
+use crate::number::{self, F32, F64, HeldBf16, HeldF16, Number, Real};
 
 /// f64 everywhere: the arithmetic that the others are measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,179 +20,221 @@ pub struct Exact;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Single;
 
-/// What both are.
-trait Real:
-    Copy
-    + Default
-    + From<f32>
-    + PartialOrd
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-{
-}
+/// IEEE binary16 in the cells, f32 on the bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Half;
 
-impl Real for f64 {}
-impl Real for f32 {}
+/// bfloat16 in the cells, f32 on the bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bfloat;
 
-/// `-(sum) · part`. Not `-sum`, which would leave negative zeros behind.
+/// Cells that are summed at once, where there are many operands.
+const BLOCK: usize = 64;
+
+/// `-(sum) · part`, held. Not `-sum`, which would leave negative zeros behind.
 #[inline(always)]
-fn stored<T: Real, const N: usize>(operands: [T; N], part: T) -> T {
-    (T::from(0.0) - sum(operands)) * part
+fn stored<N: Number, const K: usize>(number: N, operands: [N::Held; K], part: N::Real) -> N::Held {
+    number.hold_real((N::Real::ZERO - sum(number, operands)) * part)
 }
 
 /// The same as a function. A closure that is written in a function of several vector widths is one
 /// of its own for each width, and so is the loop that gets it.
 #[inline(always)]
-fn storing<T: Real, const N: usize>(part: T) -> impl Fn([T; N]) -> T {
-    move |operands| stored(operands, part)
+fn storing<N: Number, const K: usize>(
+    number: N,
+    part: N::Real,
+) -> impl Fn([N::Held; K]) -> N::Held {
+    move |operands| stored(number, operands, part)
+}
+
+/// `-(sum) / by`, held.
+#[inline(always)]
+fn divided<N: Number>(number: N, by: N::Real) -> impl Fn(N::Real) -> N::Held {
+    move |sum| number.hold_real((N::Real::ZERO - sum) / by)
 }
 
 /// A first sum with 0 would change nothing but the sign of a 0, and that is lost in the
 /// difference.
 #[inline(always)]
-fn sum<T: Real, const N: usize>(operands: [T; N]) -> T {
-    let mut sum = operands[0];
+fn sum<N: Number, const K: usize>(number: N, operands: [N::Held; K]) -> N::Real {
+    let mut sum = number.real(operands[0]);
     for operand in &operands[1..] {
-        sum = sum + *operand;
+        sum = sum + number.real(*operand);
     }
     sum
 }
 
-/// Stores along a row, divided.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn row<T: Real>(operands: &[&[T]], by: u32, cells: &mut [T]) {
-    // Times a half is divided by two, to the bit.
-    let whole = T::from(by as f32);
-    let exact = by.is_power_of_two();
-    let part = if exact {
-        T::from(1.0) / whole
-    } else {
-        T::from(1.0)
-    };
-    match *operands {
-        [] => cells.fill(T::from(0.0)),
-        [a] => each([a], cells, storing(part)),
-        [a, b] => each([a, b], cells, storing(part)),
-        [a, b, c] => each([a, b, c], cells, storing(part)),
-        [first, ref others @ ..] => many(first, others, part, cells),
-    }
-    if !exact {
-        for cell in cells {
-            *cell = *cell / whole;
+/// Sets each cell to what `of` makes of the sum of any number of operands.
+#[inline(always)]
+fn summed<N: Number, U>(
+    number: N,
+    operands: &[&[N::Held]],
+    cells: &mut [U],
+    of: impl Fn(N::Real) -> U,
+) {
+    for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
+        let mut sums = [N::Real::ZERO; BLOCK];
+        for operand in operands {
+            let operand = &operand[BLOCK * k..][..cells.len()];
+            for (sum, cell) in sums.iter_mut().zip(operand) {
+                *sum = *sum + number.real(*cell);
+            }
+        }
+        for (cell, sum) in cells.iter_mut().zip(sums) {
+            *cell = of(sum);
         }
     }
 }
 
-/// The same of a bus with many wires.
-#[inline(never)]
-fn many<T: Real>(first: &[T], others: &[&[T]], part: T, cells: &mut [T]) {
-    cells.copy_from_slice(first);
-    for operand in others {
-        for (cell, operand) in cells.iter_mut().zip(*operand) {
-            *cell = *cell + *operand;
-        }
-    }
-    for cell in cells {
-        *cell = stored([*cell], part);
+/// Stores along a row, divided.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn row<N: Number>(number: N, operands: &[&[N::Held]], by: u32, cells: &mut [N::Held]) {
+    let by = (by, N::Real::from_i32(by as i32));
+    // Times a half is divided by two, to the bit.
+    let part = N::Real::ONE / by.1;
+    match *operands {
+        [] => cells.fill(N::ZERO),
+        _ if !by.0.is_power_of_two() => summed(number, operands, cells, divided(number, by.1)),
+        [a] => each([a], cells, storing(number, part)),
+        [a, b] => each([a, b], cells, storing(number, part)),
+        [a, b, c] => each([a, b, c], cells, storing(number, part)),
+        _ => summed(number, operands, cells, divided(number, by.1)),
     }
 }
 
 /// Two stores at once, the first divided by a power of two.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn pair<T: Real>(operands: &[&[T]], own: bool, by: u32, extra: Option<&[T]>, cells: &mut [T]) {
-    let part = T::from(1.0) / T::from(by as f32);
-    each_twice(operands, own, extra, cells, &of_one(part), &of_two(part));
+fn pair<N: Number>(
+    number: N,
+    operands: &[&[N::Held]],
+    own: bool,
+    by: u32,
+    extra: Option<&[N::Held]>,
+    cells: &mut [N::Held],
+) {
+    let part = N::Real::ONE / N::Real::from_i32(by as i32);
+    let (one, two) = (of_one(number, part), of_two(number, part));
+    each_twice(operands, own, extra, cells, &one, &two);
 }
 
 /// What the second of two stores leaves, the first of one operand: without another, and with one.
 #[inline(always)]
-fn of_one<T: Real>(part: T) -> (impl Fn(T) -> T, impl Fn(T, T) -> T) {
-    let whole = T::from(1.0);
+fn of_one<N: Number>(
+    number: N,
+    part: N::Real,
+) -> (
+    impl Fn(N::Held) -> N::Held,
+    impl Fn(N::Held, N::Held) -> N::Held,
+) {
+    let whole = N::Real::ONE;
     (
-        move |a| stored([stored([a], part)], whole),
-        move |a, c| stored([stored([a], part), c], whole),
+        move |a| stored(number, [stored(number, [a], part)], whole),
+        move |a, c| stored(number, [stored(number, [a], part), c], whole),
     )
 }
 
 /// The same, the first of two operands.
 #[inline(always)]
-fn of_two<T: Real>(part: T) -> (impl Fn(T, T) -> T, impl Fn(T, T, T) -> T) {
-    let whole = T::from(1.0);
+fn of_two<N: Number>(
+    number: N,
+    part: N::Real,
+) -> (
+    impl Fn(N::Held, N::Held) -> N::Held,
+    impl Fn(N::Held, N::Held, N::Held) -> N::Held,
+) {
+    let whole = N::Real::ONE;
     (
-        move |a, b| stored([stored([a, b], part)], whole),
-        move |a, b, c| stored([stored([a, b], part), c], whole),
+        move |a, b| stored(number, [stored(number, [a, b], part)], whole),
+        move |a, b, c| stored(number, [stored(number, [a, b], part), c], whole),
     )
 }
 
 /// Whether each sum is above zero.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn positives<T: Real>(operands: &[&[T]], bytes: &mut [u8]) {
+fn positives<N: Number>(number: N, operands: &[&[N::Held]], bytes: &mut [u8]) {
     match *operands {
         [] => bytes.fill(0),
-        [a] => each([a], bytes, positive),
-        [a, b] => each([a, b], bytes, positive),
-        [a, b, c] => each([a, b, c], bytes, positive),
-        [first, ref others @ ..] => {
-            for (i, byte) in bytes.iter_mut().enumerate() {
-                let add = |sum: T, operand: &&[T]| sum + operand[i];
-                *byte = positive([others.iter().fold(first[i], add)]);
-            }
-        }
+        [a] => each([a], bytes, positive(number)),
+        [a, b] => each([a, b], bytes, positive(number)),
+        [a, b, c] => each([a, b, c], bytes, positive(number)),
+        _ => summed(number, operands, bytes, above_zero),
     }
 }
 
 /// 1 where the sum is above zero.
 #[inline(always)]
-fn positive<T: Real, const N: usize>(operands: [T; N]) -> u8 {
-    (sum(operands) > T::from(0.0)).into()
+fn positive<N: Number, const K: usize>(number: N) -> impl Fn([N::Held; K]) -> u8 {
+    move |operands| above_zero(sum(number, operands))
+}
+
+#[inline(always)]
+fn above_zero<R: Real>(sum: R) -> u8 {
+    (sum > R::ZERO).into()
+}
+
+/// `new` where `take` is 1, `old` where it is 0, without a branch.
+macro_rules! chosen {
+    ($old:expr, $new:expr, $take:expr, f64) => {
+        f64::from_bits(chosen!(bits $old, $new, $take, u64))
+    };
+    ($old:expr, $new:expr, $take:expr, f32) => {
+        f32::from_bits(chosen!(bits $old, $new, $take, u32))
+    };
+    (bits $old:expr, $new:expr, $take:expr, $bits:ty) => {{
+        let (old, new) = ($old.to_bits(), $new.to_bits());
+        old ^ ((old ^ new) & <$bits>::from($take).wrapping_neg())
+    }};
+    ($old:expr, $new:expr, $take:expr, $held:ident) => {
+        if $take == 0 { *$old } else { *$new }
+    };
 }
 
 macro_rules! float {
-    ($domain:ty, $cell:ty, $bits:ty, $name:literal) => {
+    ($domain:ident, $number:expr, $cell:ident, $bus:ident, $name:literal) => {
         impl Domain for $domain {
             type Cell = $cell;
-            type Sum = $cell;
+            type Sum = $bus;
 
             fn name(&self) -> String {
                 $name.into()
             }
-            #[inline]
+            #[inline(always)]
             fn hold(&self, value: f64) -> $cell {
-                value as $cell
+                $number.hold(value)
             }
             fn value(&self, cell: &$cell) -> f64 {
-                (*cell).into()
+                $number.value(*cell)
             }
             #[inline]
-            fn nothing(&self) -> $cell {
+            fn nothing(&self) -> $bus {
                 0.0
             }
             #[inline]
-            fn add(&self, sum: &mut $cell, cell: &$cell, times: i32) {
-                *sum += cell * times as $cell;
+            fn add(&self, sum: &mut $bus, cell: &$cell, times: i32) {
+                *sum += $number.real(*cell) * times as $bus;
             }
             #[inline]
-            fn join(&self, sum: &mut $cell, other: &$cell) {
+            fn join(&self, sum: &mut $bus, other: &$bus) {
                 *sum += other;
             }
             #[inline]
-            fn store(&self, sum: &$cell, share: Share, _: Place) -> $cell {
-                (0.0 - sum) / share.by as $cell
+            fn store(&self, sum: &$bus, share: Share, _: Place) -> $cell {
+                $number.hold_real((0.0 - sum) / share.by as $bus)
             }
-            fn square(&self, sum: &$cell, gain: f64, _: Place) -> Option<$cell> {
+            fn square(&self, sum: &$bus, gain: f64, _: Place) -> Option<$cell> {
                 let sum = f64::from(*sum);
-                Some((sum * sum * gain) as $cell)
+                Some($number.hold(sum * sum * gain))
             }
             #[inline]
-            fn positive(&self, sum: &$cell) -> Option<bool> {
+            fn positive(&self, sum: &$bus) -> Option<bool> {
                 Some(*sum > 0.0)
             }
-            #[inline]
+            #[inline(always)]
             fn limit(&self, cell: $cell) -> $cell {
-                // The limits are exact in both.
-                cell.clamp(LIMITS.0 as $cell, LIMITS.1 as $cell)
+                // The limits are exact in all.
+                let (low, high) = ($number.hold(LIMITS.0), $number.hold(LIMITS.1));
+                let cell = if cell < low { low } else { cell };
+                if cell > high { high } else { cell }
             }
         }
 
@@ -207,7 +248,7 @@ macro_rules! float {
                 _: Place,
                 cells: &mut [$cell],
             ) {
-                row(operands, share.by, cells);
+                row($number, operands, share.by, cells);
             }
             fn fuses(&self) -> bool {
                 true
@@ -220,20 +261,21 @@ macro_rules! float {
                 extra: Option<&[$cell]>,
                 cells: &mut [$cell],
             ) {
-                pair(operands, own, by, extra, cells);
+                pair($number, operands, own, by, extra, cells);
             }
             #[inline(always)]
             fn choose(&self, old: &$cell, new: &$cell, take: u8) -> $cell {
-                let (old, new) = (old.to_bits(), new.to_bits());
-                <$cell>::from_bits(old ^ ((old ^ new) & <$bits>::from(take).wrapping_neg()))
+                chosen!(old, new, take, $cell)
             }
             fn positives(&self, operands: &[&[$cell]], bytes: &mut [u8]) -> bool {
-                positives(operands, bytes);
+                positives($number, operands, bytes);
                 true
             }
         }
     };
 }
 
-float!(Exact, f64, u64, "exact");
-float!(Single, f32, u32, "f32");
+float!(Exact, F64, f64, f64, "exact");
+float!(Single, F32, f32, f32, "f32");
+float!(Half, number::F16, HeldF16, f32, "f16");
+float!(Bfloat, number::Bf16, HeldBf16, f32, "bf16");

@@ -25,7 +25,7 @@ use super::{content::Content, print};
 use crate::{
     event::{
         Packet,
-        file::{self, Compression, FileError, Format},
+        file::{self, Compression, FileError, Format, Head, Writer},
     },
     isa::Device,
     picture::{Drawing, raster, write_png, write_svg},
@@ -206,6 +206,11 @@ impl Output {
     pub(super) fn says(&self) -> Option<Vec<Format>> {
         let said = Format::named(&self.path);
         (!said.is_empty()).then_some(said)
+    }
+
+    /// A file of events, written as they come.
+    pub(super) fn writer(&self, head: &Head) -> Result<Writer, FileError> {
+        Writer::create(&self.path, self.format()?, Compression::default(), head)
     }
 
     /// Writes events.

@@ -98,14 +98,17 @@ impl Border {
         let Some([low, high]) = self.ends else {
             return;
         };
-        let signals = frame.light.iter().map(|light| self.response.apply(*light));
-        let beyond = signals.filter(|signal| {
-            signal
-                .as_ref()
-                .is_ok_and(|signal| *signal < low || *signal >= high)
-        });
-        self.at += beyond.count() as u64;
+        let beyond = |light: &f64| {
+            let signal = self.response.apply(*light);
+            signal.is_ok_and(|signal| signal < low || signal >= high)
+        };
         self.all += frame.light.len() as u64;
+        // More light is never less signal: nearly always both ends of the light are within.
+        let ends = extent(frame.light.as_slice().unwrap_or_default());
+        if frame.light.is_standard_layout() && !ends.iter().any(beyond) {
+            return;
+        }
+        self.at += frame.light.iter().filter(|light| beyond(light)).count() as u64;
     }
 
     fn warning(&self, subject: &str) -> Option<Warning> {
@@ -114,4 +117,27 @@ impl Border {
         let counted = (self.at, self.all);
         Some(Warning::saturation(subject, &place, counted, ends))
     }
+}
+
+/// The least and the most light, several pixels at a time; what is not a number is neither.
+fn extent(light: &[f64]) -> [f64; 2] {
+    const LANES: usize = 8;
+    let (mut least, mut most) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    let (blocks, rest) = light.as_chunks::<LANES>();
+    let mut look = |lane: usize, light: f64| {
+        least[lane] = if light < least[lane] { light } else { least[lane] };
+        most[lane] = if light > most[lane] { light } else { most[lane] };
+    };
+    for block in blocks {
+        for (lane, light) in block.iter().enumerate() {
+            look(lane, *light);
+        }
+    }
+    for light in rest {
+        look(0, *light);
+    }
+    [
+        least.into_iter().fold(f64::INFINITY, f64::min),
+        most.into_iter().fold(f64::NEG_INFINITY, f64::max),
+    ]
 }

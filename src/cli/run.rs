@@ -9,6 +9,7 @@ use crate::{
     event::{
         Packet,
         address::AddressWord,
+        file::Head,
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
     number::{Format, Number, Visitor},
@@ -76,10 +77,10 @@ pub struct Arguments {
     /// Write voxels, float32 (P+1,K,H,W): each event shared between the two nearest frame times
     #[arg(long, value_name = "V.npy", value_parser = Content::Array)]
     voxels: Option<Output>,
-    /// The most events a list may hold [default: 100000000, or what there is memory for]
+    /// The most events [default: any number; with --readout 100000000, or what there is memory for]
     #[arg(long)]
     max_events: Option<usize>,
-    /// What to do when a frame pair's events do not fit in the list
+    /// What to do when a frame pair's events are too many
     #[arg(long, value_enum, default_value = "stop")]
     when_full: Full,
     /// Print one JSON object instead of the table
@@ -158,11 +159,13 @@ fn watched(
     (scene, observation): (Box<dyn Scene>, &Observation),
 ) -> miette::Result<()> {
     let sensor = description.clone();
+    let end = end(&*scene);
     let scene = upsample::by_contrast(scene, arguments.upsample)?;
     let watched = arguments.format.visit(Run {
         arguments,
         description: sensor,
         scene,
+        end,
     });
     let mut warnings = Warning::of_scene(observation, white(description.response));
     light::warn(&warnings);
@@ -235,33 +238,42 @@ struct Run<'a> {
     arguments: &'a Arguments,
     description: Description,
     scene: Box<dyn Scene>,
+    /// When its last frame is to come.
+    end: Micros,
 }
 
 impl Visitor for Run<'_> {
     type Output = miette::Result<Watched>;
 
     fn visit<N: Number>(self, number: N) -> miette::Result<Watched> {
-        watch(self.arguments, number, self.description, self.scene)
+        watch(self, number)
     }
 }
 
-fn watch<N: Number>(
-    arguments: &Arguments,
-    number: N,
-    description: Description,
-    mut scene: Box<dyn Scene>,
-) -> miette::Result<Watched> {
+/// When the last frame of a scene is to come; 0 where nobody knows.
+fn end(scene: &dyn Scene) -> Micros {
+    let last = scene.frames().unwrap_or_default().saturating_sub(1);
+    Micros::from_seconds(last as f64 / scene.fps())
+}
+
+fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
+    let Run {
+        arguments,
+        description,
+        mut scene,
+        end,
+    } = run;
     let size = scene.size();
     let channels = description.channels.len();
     let refractory = description.refractory;
     let mut guard = RunGuard::new(&description, size, arguments.format);
+    let sensor = Reference::<N>::bytes(&description, size);
+    let held = events(arguments, &*scene, sensor, channels)?;
     let limit = Limit {
-        events: events(
-            arguments,
-            &*scene,
-            Reference::<N>::bytes(&description, size),
-            channels,
-        )?,
+        events: match arguments.max_events {
+            None if arguments.readout.is_asked() => held,
+            asked => asked.unwrap_or(usize::MAX),
+        },
         when_full: match arguments.when_full {
             Full::Stop => WhenFull::Stop,
             Full::Drop => WhenFull::Drop,
@@ -269,6 +281,13 @@ fn watch<N: Number>(
     };
     let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
     let mut packet = Packet::new(size, channels as u8);
+    packet.span.1 = end;
+    // A readout wants the whole packet; without one, events go to the file pair by pair.
+    let streamed = arguments.events.as_ref();
+    let streamed = streamed.filter(|_| !arguments.readout.is_asked());
+    let mut writer = streamed
+        .map(|path| path.writer(&Head::from_packet(&packet)))
+        .transpose()?;
     let mut tally = Tally::new(channels);
     let counts = arguments.counts.as_ref();
     let mut counts = counts.map(|_| Counts::new(size, channels));
@@ -287,7 +306,7 @@ fn watch<N: Number>(
     let mut list = arguments
         .events
         .as_ref()
-        .map(|_| EventList::new(&mut packet, limit));
+        .map(|_| EventList::new(&mut packet, limit).holding(held));
     let frames = rig::play(&mut scene, |frame| {
         reference.watch_into(
             &frame,
@@ -296,6 +315,9 @@ fn watch<N: Number>(
                 (&mut counts, &mut grid),
             ),
         )?;
+        if let (Some(list), Some(writer)) = (&mut list, &mut writer) {
+            list.pass(|events| writer.put(events))?;
+        }
         guard.see(&frame);
         if first.is_some() {
             if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
@@ -331,8 +353,13 @@ fn watch<N: Number>(
         packet = read.packet;
         read_out = Some((chosen, read.statistics));
     }
-    if let Some(path) = &arguments.events {
-        path.write(&packet)?;
+    match (writer, &arguments.events) {
+        (Some(mut writer), _) => {
+            writer.state(packet.span, packet.dropped);
+            writer.finish()?;
+        }
+        (None, Some(path)) => path.write(&packet)?,
+        (None, None) => {}
     }
     count_stack.map(Stack::finish).transpose()?;
     voxel_stack.map(Stack::finish).transpose()?;
@@ -352,7 +379,8 @@ fn watch<N: Number>(
     })
 }
 
-/// How many events the list may hold, after all that a run holds besides.
+/// How many events may be held, after all that a run holds besides: those of a pair of frames, or
+/// with a readout all of them.
 fn events(
     arguments: &Arguments,
     scene: &dyn Scene,
@@ -382,9 +410,11 @@ fn events(
         budget::check(&need, &what, help)?;
         return Ok(Limit::default().events);
     }
+    if !arguments.readout.is_asked() {
+        return budget::events(&need, None, budget::MADE, &what, help);
+    }
     // A readout makes a second packet.
-    let read = u128::from(arguments.readout.is_asked());
-    let each = budget::MADE + read * Packet::bytes(1);
+    let each = budget::MADE + Packet::bytes(1);
     budget::events(&need, arguments.max_events, each, &what, help)
 }
 

@@ -43,6 +43,9 @@ pub trait Width: Copy + Debug + Default + Ord + Into<i64> + Send + Sync + 'stati
     /// The difference, wrapped.
     #[must_use]
     fn wrapping_less(self, other: Self) -> Self;
+    /// The sum, wrapped.
+    #[must_use]
+    fn wrapping_more(self, other: Self) -> Self;
     /// `new` where `take` is 1, `old` where it is 0; without a branch.
     #[must_use]
     fn choose(old: Self, new: Self, take: u8) -> Self;
@@ -160,6 +163,10 @@ macro_rules! width {
             #[inline]
             fn wrapping_less(self, other: Self) -> Self {
                 self.wrapping_sub(other)
+            }
+            #[inline]
+            fn wrapping_more(self, other: Self) -> Self {
+                self.wrapping_add(other)
             }
             #[inline]
             fn choose(old: Self, new: Self, take: u8) -> Self {
@@ -325,7 +332,10 @@ impl<T: Width> Number for Q<T> {
 
     #[inline]
     fn add(&self, a: T, b: T) -> T {
-        self.narrow(a.widen().plus(b.widen()))
+        match self.overflow {
+            Overflow::Saturate => a.more(b),
+            Overflow::Wrap => a.wrapping_more(b),
+        }
     }
 
     #[inline]

@@ -3,12 +3,7 @@
 // What is not inlined into a loop is not compiled for its vectors.
 #![allow(clippy::inline_always)]
 
-use half::{bf16, f16};
-
-use super::{
-    Format, Number,
-    halves::{bf16_to_f32, f16_to_f32, f32_to_bf16, f32_to_f16},
-};
+use super::{Format, HeldBf16, HeldF16, Number};
 
 /// IEEE binary64: the arithmetic that all others are measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -106,9 +101,8 @@ impl Number for F32 {
 
 /// The two halves add in f32 and round again: 24 bits are at least twice 11 plus two, so that
 /// the first rounding can never spoil the second (Figueroa 1995, doi:10.1145/221332.221334).
-/// A product of two binary16 is exact in f32; one of two bfloat16 can be too small for it.
 macro_rules! half_number {
-    ($name:ident, $held:ident, $format:expr, $widen:ident, $narrow:ident, $product:expr) => {
+    ($name:ident, $held:ident, $format:expr) => {
         impl Number for $name {
             type Held = $held;
             type Real = f32;
@@ -120,55 +114,38 @@ macro_rules! half_number {
             }
             #[inline(always)]
             fn hold(&self, real: f64) -> $held {
-                $narrow(narrow_to_odd(real))
+                $held::new(narrow_to_odd(real))
             }
             #[inline(always)]
             fn value(&self, held: $held) -> f64 {
-                f64::from($widen(held))
+                f64::from(held.real())
             }
             #[inline(always)]
             fn real(&self, held: $held) -> f32 {
-                $widen(held)
+                held.real()
             }
             #[inline(always)]
             fn hold_real(&self, real: f32) -> $held {
-                $narrow(real)
+                $held::new(real)
             }
             #[inline(always)]
             fn add(&self, a: $held, b: $held) -> $held {
-                $narrow($widen(a) + $widen(b))
+                a.plus(b)
             }
             #[inline(always)]
             fn sub(&self, a: $held, b: $held) -> $held {
-                $narrow($widen(a) - $widen(b))
+                a.minus(b)
             }
             #[inline(always)]
             fn mul(&self, a: $held, b: $held) -> $held {
-                $product(a, b)
+                a.times(b)
             }
         }
     };
 }
 
-#[inline(always)]
-fn product_f16(a: f16, b: f16) -> f16 {
-    f32_to_f16(f16_to_f32(a) * f16_to_f32(b))
-}
-
-#[inline(always)]
-fn product_bf16(a: bf16, b: bf16) -> bf16 {
-    Bf16.hold(Bf16.value(a) * Bf16.value(b))
-}
-
-half_number!(F16, f16, Format::F16, f16_to_f32, f32_to_f16, product_f16);
-half_number!(
-    Bf16,
-    bf16,
-    Format::Bf16,
-    bf16_to_f32,
-    f32_to_bf16,
-    product_bf16
-);
+half_number!(F16, HeldF16, Format::F16);
+half_number!(Bf16, HeldBf16, Format::Bf16);
 
 /// f64 to f32, rounded to odd: what is cut off stays visible in the last bit, so that a second
 /// rounding to fewer bits is as good as one. (`half::f16::from_f64` rounds twice on machines

@@ -32,7 +32,7 @@ pub use fixed::{Q, Wide, Width, divide};
 pub use float::{Bf16, F16, F32, F64};
 pub(crate) use format::known_floats;
 pub use format::{FixedFormat, Format, FormatError, Overflow};
-pub(crate) use halves::{bf16_to_f32, f16_to_f32, f32_to_bf16, f32_to_f16};
+pub use halves::{HeldBf16, HeldF16};
 pub use held::Number;
 pub use real::Real;
 pub use signed_digits::signed_digits;

@@ -6,10 +6,7 @@
 //! many events it has, and when the first and the last were). Each part may be left out. What
 //! is there must be true of the file, see [`About::disagreement`].
 
-use std::{
-    fmt::{self, Write},
-    str::FromStr,
-};
+use std::{fmt, str::FromStr};
 
 use super::Fault;
 use crate::{
@@ -19,7 +16,7 @@ use crate::{
 };
 
 /// The word that the comment starts with.
-const NAME: &str = "amacrine";
+pub(super) const NAME: &str = "amacrine";
 
 /// The largest side of a sensor that 16-bit addresses reach.
 const LARGEST_SIDE: usize = 1 << 16;
@@ -41,11 +38,11 @@ pub struct About {
     pub times: Option<(Micros, Micros)>,
 }
 
-/// The length of the longest [`About::tail`], in columns.
+/// The length of the longest tail, the number of events and their times, in columns.
 const TAIL: usize =
     " events=18446744073709551615 times=18446744073709551615..18446744073709551615".len();
 
-/// Blanks for a tail that is not known yet, in a remark that is written before the events.
+/// Blanks for what is not known yet, in a remark that is written before the events.
 pub(super) const BLANK: &str = match str::from_utf8(&[b' '; TAIL]) {
     Ok(blank) => blank,
     Err(_) => "",
@@ -74,17 +71,24 @@ impl About {
         }
     }
 
-    /// The tail of the remark, known when all events are written:
-    /// ` events=40000 times=12..1999950`.
-    pub(super) fn tail(&self) -> String {
-        let mut tail = String::new();
-        if let Some(events) = self.events {
-            let _ = write!(tail, " events={events}");
+    /// The remark in so many columns, blanks at the end; without what there is no room for, the
+    /// last first.
+    pub(super) fn within(self, columns: usize) -> String {
+        let mut about = self;
+        let drops: [fn(&mut Self); 4] = [
+            |about| about.times = None,
+            |about| about.events = None,
+            |about| about.dropped = None,
+            |about| about.span = None,
+        ];
+        for drop in drops {
+            if about.to_string().len() <= columns {
+                break;
+            }
+            drop(&mut about);
         }
-        if let Some((first, last)) = self.times {
-            let _ = write!(tail, " times={}..{}", first.0, last.0);
-        }
-        tail
+        let remark = about.to_string();
+        format!("{remark:columns$}")
     }
 
     /// The first statement of the remark that the events contradict.
@@ -214,6 +218,12 @@ impl fmt::Display for About {
                 write!(f, ",{},{}", d.queue_full, d.merged)?;
             }
         }
-        f.write_str(&self.tail())
+        if let Some(events) = self.events {
+            write!(f, " events={events}")?;
+        }
+        if let Some((first, last)) = self.times {
+            write!(f, " times={}..{}", first.0, last.0)?;
+        }
+        Ok(())
     }
 }

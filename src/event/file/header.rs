@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     Fault, Format,
-    about::{About, BLANK},
+    about::{About, BLANK, NAME},
     chunks::Chunks,
     fault::Stop,
     head::Head,
@@ -169,14 +169,18 @@ fn ends(chunks: &mut Chunks, format: Format, mark: u8, last: &str) -> Result<(),
     Err(chunks.stop(Fault::Layout { format, why }))
 }
 
-/// Writes the tail of the remark in a header, once all events are written.
+/// Writes the remark in a header again, once all events are written.
 pub fn complete(out: &mut dyn Out, header: &[u8], about: &About) -> io::Result<()> {
     let blank = BLANK.as_bytes();
-    let Some(at) = header.windows(blank.len()).position(|here| here == blank) else {
+    let Some(end) = header.windows(blank.len()).position(|here| here == blank) else {
         return Ok(());
     };
-    out.seek(SeekFrom::Start(at as u64))?;
-    out.write_all(about.tail().as_bytes())?;
+    let mut names = header[..end].windows(NAME.len());
+    let Some(from) = names.rposition(|here| here == NAME.as_bytes()) else {
+        return Ok(());
+    };
+    out.seek(SeekFrom::Start(from as u64))?;
+    out.write_all(about.within(end + blank.len() - from).as_bytes())?;
     out.seek(SeekFrom::End(0))?;
     Ok(())
 }

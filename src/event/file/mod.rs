@@ -56,7 +56,6 @@ pub use recognise::FormatError;
 pub use writer::Writer;
 
 use super::{Event, Packet};
-use source::BLOCK;
 
 /// A packet from a file, and how much of it the file said itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -111,9 +110,7 @@ pub fn write_as(
     packet: &Packet,
 ) -> Result<(), FileError> {
     let mut writer = Writer::create(path, format, compression, &Head::from_packet(packet))?;
-    for events in packet.events.chunks(BLOCK) {
-        writer.put(events)?;
-    }
+    writer.put(&packet.events)?;
     writer.finish()?;
     Ok(())
 }

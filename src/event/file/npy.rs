@@ -75,15 +75,16 @@ pub(super) struct Writing {
 }
 
 impl Writing {
-    /// The header; its length does not depend on the number of events.
-    fn header(&self, tail: &str) -> io::Result<Vec<u8>> {
+    /// The header; its length does not depend on what is not known before the events.
+    fn header(&self, about: About) -> io::Result<Vec<u8>> {
         let more = if self.head.channels > 1 {
             ", ('channel', '|u1')"
         } else {
             ""
         };
         let record = format!("[('t', '<i8'), ('x', '<i2'), ('y', '<i2'), ('p', '|i1'){more}]");
-        let comment = format!(" # {}{tail:width$}", self.head.about(), width = BLANK.len());
+        let columns = self.head.about().to_string().len() + BLANK.len();
+        let comment = format!(" # {}", about.within(columns));
         written_header(&record, self.events, &comment)
     }
 }
@@ -110,7 +111,7 @@ pub(super) fn written_header(record: &str, events: u64, comment: &str) -> io::Re
 
 impl Sink for Writing {
     fn start(&mut self, out: &mut dyn Out) -> io::Result<()> {
-        out.write_all(&self.header("")?)
+        out.write_all(&self.header(self.head.about())?)
     }
 
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
@@ -141,7 +142,7 @@ impl Sink for Writing {
 
     fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         out.seek(SeekFrom::Start(0))?;
-        out.write_all(&self.header(&about.tail())?)?;
+        out.write_all(&self.header(*about)?)?;
         out.seek(SeekFrom::End(0))?;
         Ok(())
     }

@@ -7,9 +7,13 @@ use super::{
     about::About,
     gate::Gate,
     head::{Compression, Head},
-    source::Sink,
+    source::{BLOCK, Sink},
 };
-use crate::{event::Event, save::AtomicFile};
+use crate::{
+    event::{Dropped, Event},
+    save::AtomicFile,
+    unit::Micros,
+};
 
 /// An event file being written, whole or not at all: memory does not grow with its length.
 ///
@@ -20,6 +24,9 @@ pub struct Writer {
     sink: Box<dyn Sink>,
     gate: Gate,
     about: About,
+    /// Events that do not fill a block yet: what is written must not depend on how many come at
+    /// a time.
+    rest: Vec<Event>,
 }
 
 impl Writer {
@@ -57,6 +64,7 @@ impl Writer {
             sink,
             gate,
             about: head.about(),
+            rest: Vec::new(),
         })
     }
 
@@ -70,9 +78,37 @@ impl Writer {
         self.gate
             .admit(events)
             .map_err(|(i, fault)| unwritable(&self.path, before + i as u64, fault))?;
-        self.sink
-            .put(&mut self.file, events)
-            .map_err(|cause| self.file.failed(cause).into())
+        let mut events = events;
+        while self.rest.len() + events.len() >= BLOCK {
+            let (now, later) = events.split_at(BLOCK - self.rest.len());
+            if self.rest.is_empty() {
+                self.block(now)?;
+            } else {
+                self.rest.extend_from_slice(now);
+                self.flush()?;
+            }
+            events = later;
+        }
+        self.rest.extend_from_slice(events);
+        Ok(())
+    }
+
+    fn block(&mut self, events: &[Event]) -> Result<(), FileError> {
+        let put = self.sink.put(&mut self.file, events);
+        put.map_err(|cause| self.file.failed(cause).into())
+    }
+
+    fn flush(&mut self) -> Result<(), FileError> {
+        let mut events = std::mem::take(&mut self.rest);
+        self.block(&events)?;
+        events.clear();
+        self.rest = events;
+        Ok(())
+    }
+
+    /// Says what the head could not know: the time that was watched, and what is missing.
+    pub const fn state(&mut self, span: (Micros, Micros), dropped: Dropped) {
+        (self.about.span, self.about.dropped) = (Some(span), Some(dropped));
     }
 
     /// Gives the file its name; returns how many events it has.
@@ -80,6 +116,9 @@ impl Writer {
     /// # Errors
     /// When the disk does not take it; whatever was at the path is then as it was.
     pub fn finish(mut self) -> Result<u64, FileError> {
+        if !self.rest.is_empty() {
+            self.flush()?;
+        }
         let about = About {
             events: Some(self.gate.events),
             times: self.gate.times(),

@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::{
-    event::Packet,
+    event::{Event, Packet},
     number::Real,
     reference::train::{BandSink, Interval, Sink, TrainRow},
     sensor::SensorError,
@@ -28,11 +28,14 @@ use super::{
 /// sort, which is stable: what happens in the same microsecond stays in the order in which it came.
 /// It sorts all at once, or, where there are many, by several threads, each those of its own bands,
 /// and then merges them.
-/// then merged.
 #[derive(Debug)]
 pub struct EventList<'a> {
     packet: &'a mut Packet,
     limit: Limit,
+    /// How many events the packet may hold, whatever was passed on.
+    held: usize,
+    /// How many were passed on.
+    passed: usize,
     quantiser: TimeQuantiser,
     buffers: Buffers,
 }
@@ -56,6 +59,8 @@ impl<'a> EventList<'a> {
         Self {
             packet,
             limit,
+            held: usize::MAX,
+            passed: 0,
             quantiser: TimeQuantiser::default(),
             buffers,
         }
@@ -65,8 +70,35 @@ impl<'a> EventList<'a> {
         self.buffers
     }
 
-    fn room(&self) -> u64 {
-        self.limit.events.saturating_sub(self.packet.events.len()) as u64
+    /// The list of which the packet holds so many events at most, the others being
+    /// [passed on](Self::pass).
+    #[must_use]
+    pub fn holding(self, held: usize) -> Self {
+        Self { held, ..self }
+    }
+
+    /// Gives the events in the packet to `to`, and takes them out; they still count against the
+    /// limit.
+    ///
+    /// # Errors
+    /// What `to` says.
+    pub fn pass<E>(&mut self, to: impl FnOnce(&[Event]) -> Result<(), E>) -> Result<(), E> {
+        to(&self.packet.events)?;
+        self.passed = self.passed.saturating_add(self.packet.events.len());
+        self.packet.events.clear();
+        Ok(())
+    }
+
+    /// How many more events fit, and the limit that says so.
+    fn room(&self) -> (u64, usize) {
+        let held = self.packet.events.len();
+        let all = self.passed.saturating_add(held);
+        let rooms = [
+            (self.limit.events.saturating_sub(all), self.limit.events),
+            (self.held.saturating_sub(held), self.held),
+        ];
+        let (room, limit) = rooms.into_iter().min().unwrap_or_default();
+        (room as u64, limit)
     }
 
     /// Appends the events of all bands in order of time.
@@ -102,7 +134,7 @@ impl Sink for EventList<'_> {
 
     fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
         self.quantiser = TimeQuantiser::new(interval);
-        let room = self.room();
+        let (room, _) = self.room();
         let parts = &mut self.buffers.parts;
         parts.resize_with(bands.len(), Part::default);
         for part in &mut *parts {
@@ -114,11 +146,10 @@ impl Sink for EventList<'_> {
     fn end(&mut self) -> Result<(), SensorError> {
         let parts = self.buffers.parts.iter();
         let total: u64 = parts.map(|part| part.total).sum();
-        if total > self.room() {
+        let (room, limit) = self.room();
+        if total > room {
             return match self.limit.when_full {
-                WhenFull::Stop => Err(SensorError::ListFull {
-                    limit: self.limit.events,
-                }),
+                WhenFull::Stop => Err(SensorError::ListFull { limit }),
                 WhenFull::Drop => {
                     self.packet.dropped.over_limit += total;
                     Ok(())
@@ -141,7 +172,7 @@ impl BandSink for ListBand<'_> {
 mod tests {
     use super::*;
     use crate::{
-        event::{Event, Polarity},
+        event::Polarity,
         plane::Size,
         unit::Micros,
     };
@@ -278,5 +309,40 @@ mod tests {
         told(&[vec![1, -1]], interval, limit(WhenFull::Drop), &mut packet).unwrap();
         assert_eq!(packet.events.len(), 2);
         assert_eq!(packet.events[1].polarity, Polarity::Off);
+    }
+
+    /// What was passed on is no longer held, but counts.
+    #[test]
+    fn what_is_passed_on_makes_room() {
+        let mut packet = Packet::new(Size::new(1, 2), 1);
+        let limit = Limit {
+            events: 9,
+            when_full: WhenFull::Stop,
+        };
+        let mut list = EventList::new(&mut packet, limit).holding(4);
+        let mut passed = Vec::new();
+        let mut tell = |list: &mut EventList<'_>, index: u64, counts: [i32; 2]| {
+            let interval = Interval {
+                index,
+                from: index as f64,
+                to: index as f64 + 1.0,
+            };
+            let mut row = TrainRow::<f64>::new(2);
+            row.counts = counts.to_vec();
+            list.begin(interval, std::slice::from_ref(&(0..1)))[0].row(&row)?;
+            list.end()?;
+            list.pass(|events| {
+                passed.extend_from_slice(events);
+                Ok(())
+            })
+        };
+        tell(&mut list, 0, [4, 0]).unwrap();
+        tell(&mut list, 1, [-2, 2]).unwrap();
+        let held = tell(&mut list, 2, [5, 0]);
+        assert!(matches!(held, Err(SensorError::ListFull { limit: 4 })));
+        let all = tell(&mut list, 3, [2, 0]);
+        assert!(matches!(all, Err(SensorError::ListFull { limit: 9 })));
+        assert_eq!((passed.len(), packet.events.len()), (8, 0));
+        assert!(passed.is_sorted_by_key(|event| event.t));
     }
 }
