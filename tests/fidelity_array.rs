@@ -267,7 +267,7 @@ fn programs_without_tiles_are_left_alone() {
             budget: (0.04, 0.05),
             tiles: Some(30),
             look: None,
-            together: true,
+            limits_only: false,
         };
         let answer = measure
             .ask(&chips, &chips.candidates(&[Format::F32]))

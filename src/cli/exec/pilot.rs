@@ -74,7 +74,7 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Answer<Machine>> {
         budget: BUDGET,
         tiles: None,
         look: None,
-        together: true,
+        limits_only: false,
     };
     Ok(measure.ask(&family, &family.candidates(&formats))?)
 }

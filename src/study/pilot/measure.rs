@@ -42,8 +42,9 @@ pub struct Measure<'a> {
     pub tiles: Option<usize>,
     /// A look at the scene in the tiles of the family, where somebody had one already.
     pub look: Option<&'a Look>,
-    /// Whether what is allowed by itself is measured together, too.
-    pub together: bool,
+    /// Whether only limits are wanted: what changes far too much is dropped early, though tiles are
+    /// given, and nothing is measured together.
+    pub limits_only: bool,
 }
 
 /// The limits of a pilot hold together but for one case in so many.
@@ -366,7 +367,7 @@ impl<F: Family> Pilot<'_, F> {
         let together = trial
             .family
             .together(&apart)
-            .filter(|_| measure.together && apart.len() > 1);
+            .filter(|_| !measure.limits_only && apart.len() > 1);
         if let Some(together) = together
             && !apart.contains(&together)
         {
@@ -415,11 +416,13 @@ impl<F: Family> Pilot<'_, F> {
             return;
         }
         let whole = self.whole_scene(reference);
+        let by_time = self.measure.tiles.is_none();
         for ran in others.iter_mut().filter(|ran| ran.given_up.is_none()) {
-            let saves_little = whole - self.whole_scene(ran) < WORTH * whole;
-            if saves_little && self.measure.tiles.is_none() {
+            if by_time && whole - self.whole_scene(ran) < WORTH * whole {
                 ran.given_up = Some(SAVES_LITTLE.to_owned());
-            } else if let Some(why) = self.changes_much(reference, ran) {
+            } else if (by_time || self.measure.limits_only)
+                && let Some(why) = self.changes_much(reference, ran)
+            {
                 ran.given_up = Some(why);
             }
         }

@@ -230,7 +230,7 @@ pub fn plan(
         budget: (question.budget.0, question.budget.1 - (clock() - start)),
         tiles: question.tiles,
         look: Some(&look),
-        together: true,
+        limits_only: false,
     };
     let family = Floats {
         description,

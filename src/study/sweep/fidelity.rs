@@ -300,7 +300,7 @@ fn measured<F: Family>(
         budget: (0.0, 0.0),
         tiles: Some(tiles.max(12)),
         look: None,
-        together: false,
+        limits_only: true,
     };
     let answer = measure.ask(family, candidates)?;
     let limit = |change: Estimate| {
