@@ -6,8 +6,8 @@
 use amacrine::{
     array::{Arithmetic, Chip, Exact, Input, Settings, range, taps},
     compile::{
-        BitMemory, CellKind, CompileError, DriveMemory, Effort, Filter, Request, SensorProgram,
-        naive_cost,
+        BitMemory, CellKind, CompileError, DriveMemory, Effort, Filter, Objective, Request,
+        SensorProgram, naive_cost,
     },
     event::{Packet, Polarity},
     isa::{Analog, Device},
@@ -69,6 +69,7 @@ fn compiled(kernels: &[Kernel], states: u64) -> usize {
     let device = Device::scamp5();
     let mut request = Request::new(kernels, &device).unwrap();
     request.effort = Effort { states };
+    request.objective = Objective::Words;
     let filter = request.filter().unwrap();
     for (kernel, found) in kernels.iter().zip(read_back(&filter, &request)) {
         assert_eq!(kernel.weights(), found);

@@ -212,18 +212,30 @@ fn wired(words: &[Primitive], device: &Device) -> Vec<Wired> {
     all
 }
 
-/// How far from its pixel a register's value comes at most: the fields hold twice that, since a
-/// value may first be moved away and then back.
+/// How far from its pixel the inputs lie that a register may hold. The fields hold twice that,
+/// since a value may first be moved away and then back.
 fn reach(words: &[Wired], cells: usize) -> i32 {
-    let mut far = vec![0; cells];
+    // The box of places, as the extremes of rows and of columns; a constant counts as an input.
+    type Extremes = [i32; 4];
+    let moved = |[top, bottom, left, right]: Extremes, (y, x): (i32, i32)| -> Extremes {
+        [top + y, bottom + y, left + x, right + x]
+    };
+    let mut boxes: Vec<Extremes> = vec![[0; 4]; cells];
     let mut most = 0;
     for word in words {
-        let step = |(y, x): (i32, i32)| y.abs() + x.abs();
-        let source = |(cell, place): &(usize, (i32, i32))| far[*cell] + step(*place);
-        let bus: i32 = word.sources.iter().map(source).max().unwrap_or(0);
-        for (cell, place) in &word.targets {
-            far[*cell] = bus + step(*place);
-            most = most.max(far[*cell]);
+        let own = word.sources.iter().map(|(cell, at)| moved(boxes[*cell], *at));
+        let joined = own.reduce(|a, b| {
+            [
+                a[0].min(b[0]),
+                a[1].max(b[1]),
+                a[2].min(b[2]),
+                a[3].max(b[3]),
+            ]
+        });
+        for (cell, at) in &word.targets {
+            let stored = moved(joined.unwrap_or_default(), (-at.0, -at.1));
+            boxes[*cell] = stored;
+            most = stored.iter().fold(most, |most: i32, end| most.max(end.abs()));
         }
     }
     most

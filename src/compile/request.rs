@@ -51,12 +51,11 @@ impl Default for Effort {
 
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Objective {
-    /// The signal-to-noise ratio that is predicted on the chip; among equals, the fewest words
+    /// The signal-to-noise ratio that is predicted on the chip; among equals, the fewest words.
     #[default]
     Silicon,
-    /// The fewest words
+    /// The fewest words.
     Words,
 }
 
@@ -153,6 +152,25 @@ impl<'a> Request<'a> {
             Ok(_) | Err(_) => few,
         };
         Ok(Filter { states, ..best })
+    }
+
+    /// Filters none of which has both fewer words and more signal over noise than another, the
+    /// shortest first.
+    ///
+    /// # Errors
+    /// When a weight is not dyadic, or the registers do not suffice.
+    pub fn front(&self) -> Result<Vec<Filter>, CompileError> {
+        let (goals, unit) = goals(self.kernels)?;
+        let mut all = ordinary_registers(self.device);
+        all.retain(|register| !self.keep.contains(register));
+        Survival {
+            request: self,
+            goals: &goals,
+            unit,
+            all: &all,
+            effort: self.effort,
+        }
+        .front()
     }
 
     /// The filter in these registers.

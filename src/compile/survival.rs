@@ -22,6 +22,9 @@ use crate::isa::Analog;
 /// Plans that are looked at closely.
 const CLOSELY: usize = 6;
 
+/// Changes of single words that are tried in all.
+const TRIES: usize = 300;
+
 /// The most halvings of an input.
 const HALVINGS: u32 = 14;
 
@@ -92,19 +95,50 @@ impl Survival<'_> {
                 noise: first.noise,
             });
         }
+        Ok(self.built(best, seen))
+    }
+
+    /// Filters none of which is worse in words and in signal than another.
+    pub(super) fn front(&self) -> Result<Vec<Filter>, CompileError> {
+        let (mut all, seen) = match self.request.range {
+            None => self.anywhere()?,
+            Some(range) => self.within(range)?,
+        };
+        if self.request.border && all.iter().any(|c| c.solved.border) {
+            all.retain(|c| c.solved.border);
+        }
+        all.extend(self.best(all.clone()));
+        all.sort_by_key(|c| (c.words(), -c.quality()));
+        let mut front: Vec<Candidate> = Vec::new();
+        for candidate in all {
+            let better = |last: &Candidate| last.quality() < candidate.quality();
+            if front.last().is_none_or(better) {
+                front.push(candidate);
+            }
+        }
+        Ok(front.into_iter().map(|c| self.built(c, seen)).collect())
+    }
+
+    /// A candidate as a filter.
+    fn built(&self, best: Candidate, seen: u64) -> Filter {
         let solved = Solved {
             seen,
             ..best.solved
         };
         let request = self.request;
-        Ok(Filter::from_solved(
+        let filter = Filter::from_solved(
             request.device,
             &request.into,
             &solved,
             self.unit << best.bits,
             best.bits,
             Vec::new(),
-        ))
+        );
+        Filter {
+            // Relative to the input that is halved already.
+            peak: filter.peak * 2f64.powi(best.bits as i32),
+            ..filter
+        }
     }
 
     /// Candidates for an input of any amplitude.
@@ -279,7 +313,12 @@ impl Survival<'_> {
                 all.iter().filter(|c| c.words() <= cap).cloned().collect();
             own.sort_by_key(|c| (-c.quality(), c.words()));
             own.truncate(CLOSELY);
-            let improved = own.into_iter().map(|c| self.improved(c, cap));
+            let mut left = TRIES;
+            let improved = own
+                .into_iter()
+                .map(|c| self.improved(c, cap, &mut left))
+                .collect::<Vec<_>>()
+                .into_iter();
             let best = improved.min_by_key(|c| (-c.quality(), c.words()));
             if best.as_ref().is_some_and(|c| c.correlation() >= ENOUGH) || cap == usize::MAX {
                 return best;
@@ -289,19 +328,17 @@ impl Survival<'_> {
     }
 
     /// Single words made to read the constant or not, as long as that helps.
-    fn improved(&self, mut best: Candidate, cap: usize) -> Candidate {
+    fn improved(&self, mut best: Candidate, cap: usize, left: &mut usize) -> Candidate {
         let words = best.plain.words.len();
-        if words > 200 {
-            return best;
-        }
         best.reads.resize(words, false);
         let problem = self.problem(best.bits, Effort { states: 0 });
         for _ in 0..2 {
             let mut better = false;
             for at in 0..words {
-                if !best.plain.words.get(at).is_some_and(room) {
+                if *left == 0 || !best.plain.words.get(at).is_some_and(room) {
                     continue;
                 }
+                *left -= 1;
                 let mut reads = best.reads.clone();
                 reads[at] = !reads[at];
                 let steady = steadied(&best.plain, &reads, self.all.len());
@@ -311,12 +348,12 @@ impl Survival<'_> {
                 {
                     continue;
                 }
+                if plan.words.len() > cap {
+                    continue;
+                }
                 let Some(solved) = problem.finish(plan) else {
                     continue;
                 };
-                if solved.allocated.words.len() > cap {
-                    continue;
-                }
                 let amplitude = best.forecasts.first().map(|f| f.amplitude);
                 let forecasts = self.predicted(&solved, amplitude);
                 let next = Candidate {
