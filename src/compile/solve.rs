@@ -58,27 +58,42 @@ impl Limits {
             if self.odd && bits % 2 == 0 {
                 continue;
             }
-            let scale = fine(unit) * 2f64.powi(bits);
             // An odd number of halvings leaves the negated input, for which a plan of its own is
             // made.
-            let (low, high) = if self.odd || bits % 2 == 0 {
+            let input = if self.odd || bits % 2 == 0 {
                 (low, high)
             } else {
                 (-largest, largest)
             };
-            let fits = |(form, dark): (&LinearForm, f64)| {
-                let (low, high) = form.bounds(low, high);
-                // Both with the errors and without: neither may be what prevents saturation.
-                low / scale + dark.min(0.0) >= -128.0 && high / scale + dark.max(0.0) <= 127.0
-            };
-            let darks = plan.dark(dark, self.errors);
+            let scale = fine(unit) * 2f64.powi(bits);
             // The negated input may be stored on the way.
             let halved = bits == 0 || largest <= 127.0;
-            if halved && trace.stored.iter().zip(darks).all(fits) {
+            if halved && self.fits_scaled((plan, trace), (input, dark), scale) {
                 return Some(bits as u32);
             }
         }
         None
+    }
+
+    /// Whether nothing saturates as it is, transfer errors included.
+    pub(super) fn fits(self, plan: &Plan, trace: &Trace, unit: i64) -> bool {
+        self.fits_scaled((plan, trace), (self.input, 0.0), fine(unit))
+    }
+
+    /// The same for an input of this range and constant, `scale` units of the trace large.
+    fn fits_scaled(
+        self,
+        (plan, trace): (&Plan, &Trace),
+        ((low, high), dark): ((f64, f64), f64),
+        scale: f64,
+    ) -> bool {
+        let fits = |(form, dark): (&LinearForm, f64)| {
+            let (low, high) = form.bounds(low, high);
+            // Both with the errors and without: neither may be what prevents saturation.
+            low / scale + dark.min(0.0) >= -128.0 && high / scale + dark.max(0.0) <= 127.0
+        };
+        let darks = plan.dark(dark, self.errors);
+        trace.stored.iter().zip(darks).all(fits)
     }
 }
 

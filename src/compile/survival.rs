@@ -7,6 +7,7 @@
 //! plans that halve on the way are searched as well.
 
 use super::{
+    allocate::allocate,
     error::CompileError,
     filter::Filter,
     forecast::{Forecast, Signal, forecasts, worst},
@@ -23,7 +24,7 @@ use crate::isa::Analog;
 const CLOSELY: usize = 6;
 
 /// Changes of single words that are tried in all.
-const TRIES: usize = 300;
+const TRIES: usize = 200;
 
 /// The most halvings of an input.
 const HALVINGS: u32 = 14;
@@ -168,9 +169,9 @@ impl Survival<'_> {
         let mut out = Vec::new();
         let mut odd = false;
         for solved in short(all) {
-            let (found, needs) = self.halved(&solved.plan, false, range);
+            let (found, less) = self.halved(&solved.plan, false, range);
             out.extend(found);
-            odd |= needs % 2 == 1;
+            odd |= less;
         }
         if odd {
             let goals: Vec<LinearForm> = self.goals.iter().map(|goal| goal.times(-1)).collect();
@@ -210,35 +211,40 @@ impl Survival<'_> {
         request.problem(self.goals, self.unit << bits, file, limits)
     }
 
-    /// A plan behind the fewest halvings with which nothing saturates, and how many those are
-    /// where their number has the wrong parity; `negated`: a plan of the negated goals.
-    fn halved(&self, plan: &Plan, negated: bool, range: (f64, f64)) -> (Vec<Candidate>, u32) {
-        let mut wrong = 0;
-        for bits in 0..HALVINGS {
-            let Some(whole) = compose(&halvings(bits), plan) else {
+    /// A plan behind the fewest halvings with which nothing saturates, as it is and with its
+    /// constant errors taken out; `negated`: a plan of the negated goals, for which their number
+    /// is odd. And whether one halving less would do.
+    fn halved(
+        &self,
+        plan: &Plan,
+        negated: bool,
+        range: (f64, f64),
+    ) -> (Vec<Candidate>, bool) {
+        let registers = self.all.len();
+        let variants = |bits: u32| {
+            let whole = compose(&halvings(bits), plan)?;
+            let reads = greedy(&whole, self.request.store_errors());
+            let steady = steadied(&whole, &reads, registers);
+            let mut all = vec![(Reads::new(), whole.clone())];
+            all.extend(steady.map(|steady| (reads, steady)));
+            all.retain(|(_, plan)| self.fits(plan, bits, range));
+            Some((whole, all))
+        };
+        for bits in (u32::from(negated)..HALVINGS).step_by(2) {
+            let Some((whole, fitting)) = variants(bits) else {
                 continue;
             };
-            let mut out = Vec::new();
-            let right = (bits % 2 == 1) == negated;
-            let reads = greedy(&whole, self.request.store_errors());
-            for reads in [Reads::new(), reads] {
-                let steady = steadied(&whole, &reads, self.all.len());
-                let tried = steady.as_ref().unwrap_or(&whole);
-                if !self.fits(tried, bits, range) {
-                    continue;
-                }
-                if !right {
-                    wrong = bits;
-                    break;
-                }
-                let problem = self.problem(bits, Effort { states: 0 });
-                out.extend(self.tried(&problem, &whole, &reads, bits));
-            }
+            let problem = self.problem(bits, Effort { states: 0 });
+            let tried = fitting
+                .iter()
+                .filter_map(|(reads, _)| self.tried(&problem, &whole, reads, bits));
+            let out: Vec<Candidate> = tried.collect();
             if !out.is_empty() {
-                return (out, wrong);
+                let less = bits > 0 && variants(bits - 1).is_some_and(|(_, all)| !all.is_empty());
+                return (out, less);
             }
         }
-        (Vec::new(), wrong)
+        (Vec::new(), false)
     }
 
     /// Whether nothing saturates, with the errors and without.
@@ -247,8 +253,7 @@ impl Survival<'_> {
         let Some(trace) = unit.checked_mul(FINE).and_then(|_| plan.trace(unit * FINE)) else {
             return false;
         };
-        let limits = self.request.limits(range);
-        limits.halvings(plan, &trace, unit) == Some(0)
+        self.request.limits(range).fits(plan, &trace, unit)
     }
 
     /// A plan with registers, and what is predicted of it.
@@ -329,6 +334,7 @@ impl Survival<'_> {
 
     /// Single words made to read the constant or not, as long as that helps.
     fn improved(&self, mut best: Candidate, cap: usize, left: &mut usize) -> Candidate {
+        let first = best.clone();
         let words = best.plain.words.len();
         best.reads.resize(words, false);
         let problem = self.problem(best.bits, Effort { states: 0 });
@@ -351,13 +357,18 @@ impl Survival<'_> {
                 if plan.words.len() > cap {
                     continue;
                 }
-                let Some(solved) = problem.finish(plan) else {
+                let Some(allocated) = allocate(&plan, &problem.registers) else {
                     continue;
+                };
+                let solved = Solved {
+                    plan,
+                    allocated,
+                    ..best.solved.clone()
                 };
                 let amplitude = best.forecasts.first().map(|f| f.amplitude);
                 let forecasts = self.predicted(&solved, amplitude);
                 let next = Candidate {
-                    solved: Solved { holds: true, ..solved },
+                    solved,
                     plain: best.plain.clone(),
                     reads,
                     bits: best.bits,
@@ -373,7 +384,11 @@ impl Survival<'_> {
             }
             best.forecasts = self.predicted(&best.solved, None);
         }
-        best
+        // Verified once more, by its trace.
+        match problem.finish(best.solved.plan.clone()) {
+            Some(_) => best,
+            None => first,
+        }
     }
 }
 
@@ -398,6 +413,6 @@ fn short(mut all: Vec<Solved>) -> Vec<Solved> {
     let fewest = all.iter().map(|s| s.allocated.words.len()).min();
     let most = fewest.map_or(0, |words| 2 * words + 8);
     all.retain(|solved| solved.allocated.words.len() <= most);
-    all.truncate(4 * CLOSELY);
+    all.truncate(3 * CLOSELY);
     all
 }

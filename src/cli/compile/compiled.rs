@@ -252,7 +252,7 @@ impl Compiled {
         let range = match (self.saturations, self.filter.prescale) {
             (0, 0) => "nothing saturates".to_owned(),
             (0, bits) => format!(
-                "nothing saturates; the input is halved {bits} times first, which costs {bits} bits"
+                "nothing saturates; the input is halved {bits} times on the way, which costs {bits} bits"
             ),
             (n, _) => format!(
                 "{n} stores can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
