@@ -313,7 +313,14 @@ fn keeps_to_registers_and_range(kernel: Kernel, keep: usize, into: u8, high: i32
     request.keep = (0..keep).map(|i| Analog(5 - i as u8)).collect();
     request.effort = Effort { states: 2000 };
     request.range = Some((0.0, f64::from(high)));
-    let filter = request.filter().unwrap();
+    let filter = match request.filter() {
+        // Of an input of few LSB a dense kernel may leave nothing.
+        Err(CompileError::Nothing { .. }) => {
+            request.objective = Objective::Words;
+            request.filter().unwrap()
+        }
+        other => other.unwrap(),
+    };
     let text = filter.text(&device, 0);
     let program = Program::parse("filter", &text).unwrap();
     let code = program.expand(&device, &Overrides::default()).unwrap().code;

@@ -5,7 +5,9 @@
 mod filters;
 
 use amacrine::{
-    compile::{CellKind, CompileError, DriveMemory, Effort, Objective, Request, SensorProgram, Signal},
+    compile::{
+        CellKind, CompileError, DriveMemory, Effort, Objective, Request, SensorProgram, Signal,
+    },
     isa::Device,
     kernel::Kernel,
 };
@@ -48,7 +50,10 @@ fn silicon_does_as_predicted() {
                 said.amplitude, said.correlation
             );
             assert!(got > 0.95, "{name}: {got}");
-            assert!((got / said.correlation - 1.0).abs() < 0.05, "{name}: {got} {said:?}");
+            assert!(
+                (got / said.correlation - 1.0).abs() < 0.05,
+                "{name}: {got} {said:?}"
+            );
         }
     }
 }
@@ -57,7 +62,13 @@ fn silicon_does_as_predicted() {
 #[test]
 fn what_is_lost_is_predicted_too() {
     let device = Device::scamp5();
-    for name in ["Gauss 3x3", "box 3x3", "box 5x5", "Sobel x", "Gauss 3x3 / 16"] {
+    for name in [
+        "Gauss 3x3",
+        "box 3x3",
+        "box 5x5",
+        "Sobel x",
+        "Gauss 3x3 / 16",
+    ] {
         let kernels = named(name);
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = EFFORT;
@@ -70,7 +81,10 @@ fn what_is_lost_is_predicted_too() {
             let all = (0..4).map(|seed| correlations(&filter, &request, amplitude, seed)[0]);
             let got = all.sum::<f64>() / 4.0;
             println!("{name} ±{amplitude}: {said:.3} said, {got:.3} got");
-            assert!((got - said).abs() < 0.06, "{name} ±{amplitude}: {said} {got}");
+            assert!(
+                (got - said).abs() < 0.06,
+                "{name} ±{amplitude}: {said} {got}"
+            );
         }
     }
 }
@@ -126,7 +140,10 @@ fn more_registers_never_cost_words() {
                 request.filter().unwrap().words.len()
             };
             let (few, many) = (words(&device), words(&wide));
-            assert!(many <= few, "{name}: {many} words, {few} with fewer registers");
+            assert!(
+                many <= few,
+                "{name}: {many} words, {few} with fewer registers"
+            );
         }
     }
 }
@@ -138,6 +155,7 @@ fn what_leaves_nothing_is_refused() {
     let kernels = [Kernel::from_rows(&[vec![1.0 / 4096.0]]).unwrap()];
     let mut request = Request::new(&kernels, &device).unwrap();
     request.effort = EFFORT;
+    request.range = Some((0.0, 1.0));
     let refused = request.filter().unwrap_err();
     assert!(matches!(refused, CompileError::Nothing { .. }), "{refused}");
     request.objective = Objective::Words;
@@ -163,7 +181,10 @@ fn sensors_keep_more_of_the_signal() {
         let registers = (sensor.drives[0], &sensor.drives[..]);
         let light = Signal::from_range((0.0, 127.0));
         let said = sensor.filter.forecast(&device, registers, &kernels, light)[0];
-        println!("{objective:?}: {} words, {said:?}", sensor.filter.words.len());
+        println!(
+            "{objective:?}: {} words, {said:?}",
+            sensor.filter.words.len()
+        );
         said.correlation
     };
     assert!(of(Objective::Silicon) >= of(Objective::Words));

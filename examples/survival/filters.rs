@@ -1,7 +1,7 @@
 //! Kernels that programs of the chip are tried on, and a run of a filter as silicon.
 
 use amacrine::{
-    array::{Array as _, Arithmetic, Settings},
+    array::{Arithmetic, Array as _, Settings},
     compile::{Filter, Request},
     event::Packet,
     kernel::{
@@ -115,12 +115,7 @@ const SIDE: usize = 64;
 ///
 /// # Panics
 /// When the filter does not run.
-pub fn correlations(
-    filter: &Filter,
-    request: &Request<'_>,
-    amplitude: f64,
-    seed: u64,
-) -> Vec<f64> {
+pub fn correlations(filter: &Filter, request: &Request<'_>, amplitude: f64, seed: u64) -> Vec<f64> {
     let device = request.device;
     let program = Program::parse("filter", &filter.text(device, 0)).unwrap();
     let code = program.expand(device, &Overrides::default()).unwrap().code;
@@ -168,5 +163,9 @@ fn correlation(pairs: &[(f64, f64)]) -> f64 {
         [aa + x * x, bb + y * y, ab + x * y]
     });
     let [aa, bb, ab] = sums;
-    if aa * bb > 1e-12 { ab / (aa * bb).sqrt() } else { 0.0 }
+    if aa * bb > 1e-12 {
+        ab / (aa * bb).sqrt()
+    } else {
+        0.0
+    }
 }

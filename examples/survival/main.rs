@@ -23,13 +23,18 @@ fn main() -> Result<(), CompileError> {
     let device = Device::scamp5();
     let states = std::env::args().nth(1).and_then(|it| it.parse().ok());
     let effort = states.map_or_else(Effort::default, |states| Effort { states });
-    println!("| kernels | words, `words` | correlation | words, `silicon` | correlation | predicted |");
+    println!(
+        "| kernels | words, `words` | correlation | words, `silicon` | correlation | predicted |"
+    );
     println!("|---|---|---|---|---|---|");
     let (mut low, mut seconds) = ([0; 2], [0.0; 2]);
     let filters = filters::filters();
     for (name, kernels) in &filters {
         let mut line = format!("| {name} ");
-        for (i, objective) in [Objective::Words, Objective::Silicon].into_iter().enumerate() {
+        for (i, objective) in [Objective::Words, Objective::Silicon]
+            .into_iter()
+            .enumerate()
+        {
             let mut request = Request::new(kernels, &device)?;
             request.effort = effort;
             request.objective = objective;

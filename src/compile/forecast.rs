@@ -223,7 +223,10 @@ fn reach(words: &[Wired], cells: usize) -> i32 {
     let mut boxes: Vec<Extremes> = vec![[0; 4]; cells];
     let mut most = 0;
     for word in words {
-        let own = word.sources.iter().map(|(cell, at)| moved(boxes[*cell], *at));
+        let own = word
+            .sources
+            .iter()
+            .map(|(cell, at)| moved(boxes[*cell], *at));
         let joined = own.reduce(|a, b| {
             [
                 a[0].min(b[0]),
@@ -235,7 +238,9 @@ fn reach(words: &[Wired], cells: usize) -> i32 {
         for (cell, at) in &word.targets {
             let stored = moved(joined.unwrap_or_default(), (-at.0, -at.1));
             boxes[*cell] = stored;
-            most = stored.iter().fold(most, |most: i32, end| most.max(end.abs()));
+            most = stored
+                .iter()
+                .fold(most, |most: i32, end| most.max(end.abs()));
         }
     }
     most
@@ -278,12 +283,7 @@ pub(super) fn forecasts(
         let extra = if splits { errors.division } else { 0.0 };
         let current = level / count;
         let mean = errors.transfer + extra - errors.gain * current;
-        let clipped = limited(
-            mean,
-            errors.gain * spread,
-            errors.gain * most,
-            errors.range,
-        );
+        let clipped = limited(mean, errors.gain * spread, errors.gain * most, errors.range);
         let mut own = Vec::with_capacity(word.targets.len());
         for (cell, place) in &word.targets {
             let mut form = blank.clone();
@@ -384,10 +384,7 @@ impl Backwards<'_> {
             let count = stores.len() as f64;
             let mut moving = 0.0;
             let mut uneven = vec![self.blank.clone(); stores.len().saturating_sub(1).min(2)];
-            let taken: Vec<_> = stores
-                .iter()
-                .map(|s| adjoint[s.cell].take())
-                .collect();
+            let taken: Vec<_> = stores.iter().map(|s| adjoint[s.cell].take()).collect();
             let mut read = false;
             for (part, (stored, field)) in stores.iter().zip(taken).enumerate() {
                 let Some(field) = field else { continue };

@@ -170,12 +170,10 @@ impl Problem {
         left: u64,
     ) -> (u64, Vec<Solved>) {
         let fits = |solved: &&Solved| (solved.border || !self.border) && solved.holds;
-        let below = best
-            .filter(fits)
-            .map_or(usize::MAX, |b| {
-                let words = b.allocated.words.len();
-                words.saturating_add(slack(words))
-            });
+        let below = best.filter(fits).map_or(usize::MAX, |b| {
+            let words = b.allocated.words.len();
+            words.saturating_add(slack(words))
+        });
         let below = below.min(2048);
         let over = |goals: &[usize]| {
             let over = goals

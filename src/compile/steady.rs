@@ -18,7 +18,11 @@ pub(super) type Reads = Vec<bool>;
 
 /// Whether a word has a source to spare.
 pub(super) fn room(word: &Word) -> bool {
-    let most = if word.splits() { SOURCES_SPLIT } else { SOURCES };
+    let most = if word.splits() {
+        SOURCES_SPLIT
+    } else {
+        SOURCES
+    };
     word.views.len() + word.values.len() < most && !is_constant(word)
 }
 

@@ -29,6 +29,9 @@ const TRIES: usize = 200;
 /// The most halvings of an input.
 const HALVINGS: u32 = 14;
 
+/// The most halvings in all, so that weights stay far from overflow.
+const HALVINGS_IN_ALL: u32 = 22;
+
 /// Signal-to-noise ratios within this are equal, dB.
 const EQUAL_DB: f64 = 0.25;
 
@@ -36,7 +39,7 @@ const EQUAL_DB: f64 = 0.25;
 const ENOUGH: f64 = 0.95;
 
 /// Below this correlation nothing comes out.
-const NOTHING: f64 = 0.05;
+const NOTHING: f64 = 0.02;
 
 /// A request as the choice sees it.
 pub(super) struct Survival<'a> {
@@ -169,7 +172,7 @@ impl Survival<'_> {
         let mut out = Vec::new();
         let mut odd = false;
         for solved in short(all) {
-            let (found, less) = self.halved(&solved.plan, false, range);
+            let (found, less) = self.halved(&solved.plan, (false, 0), range);
             out.extend(found);
             odd |= less;
         }
@@ -182,22 +185,19 @@ impl Survival<'_> {
             let (best, all) = problem.solve_all();
             seen += best.map_or(0, |best| best.seen);
             for solved in short(all) {
-                out.extend(self.halved(&solved.plan, true, range).0);
+                out.extend(self.halved(&solved.plan, (true, 0), range).0);
             }
         }
-        let least = out.iter().map(|c| c.bits).filter(|bits| *bits > 0).min();
-        if let Some(bits) = least {
-            // Halvings wherever the search finds them cheap.
-            let problem = self.problem(bits, part(1));
-            let (best, all) = problem.solve_all();
+        // Halvings wherever the search finds them cheap: as many as make a result as large as the
+        // input.
+        let size = |goal: &LinearForm| goal.bounds(-1.0, 1.0).1;
+        let largest = self.goals.iter().map(size).fold(0.0, f64::max) / self.unit as f64;
+        let inner = (0..HALVINGS).find(|bits| largest <= f64::from(1 << *bits));
+        if let Some(inner) = inner.filter(|inner| *inner > 0) {
+            let (best, all) = self.problem(inner, part(2)).solve_all();
             seen += best.map_or(0, |best| best.seen);
             for solved in short(all) {
-                let plan = solved.plan;
-                let reads = greedy(&plan, self.request.store_errors());
-                for reads in [Reads::new(), reads] {
-                    let one = self.tried(&problem, &plan, &reads, bits);
-                    out.extend(one.filter(|c| self.fits(&c.solved.plan, bits, range)));
-                }
+                out.extend(self.halved(&solved.plan, (false, inner), range).0);
             }
         }
         Ok((out, seen))
@@ -212,12 +212,12 @@ impl Survival<'_> {
     }
 
     /// A plan behind the fewest halvings with which nothing saturates, as it is and with its
-    /// constant errors taken out; `negated`: a plan of the negated goals, for which their number
-    /// is odd. And whether one halving less would do.
+    /// constant errors taken out. And whether one halving less would do. `negated`: a plan of the
+    /// negated goals, for which the number is odd; `inner`: halvings in the plan itself.
     fn halved(
         &self,
         plan: &Plan,
-        negated: bool,
+        (negated, inner): (bool, u32),
         range: (f64, f64),
     ) -> (Vec<Candidate>, bool) {
         let registers = self.all.len();
@@ -227,17 +227,19 @@ impl Survival<'_> {
             let steady = steadied(&whole, &reads, registers);
             let mut all = vec![(Reads::new(), whole.clone())];
             all.extend(steady.map(|steady| (reads, steady)));
-            all.retain(|(_, plan)| self.fits(plan, bits, range));
+            all.retain(|(_, plan)| self.fits(plan, inner + bits, range));
             Some((whole, all))
         };
-        for bits in (u32::from(negated)..HALVINGS).step_by(2) {
+        let most = HALVINGS.min(HALVINGS_IN_ALL - inner);
+        for bits in (u32::from(negated)..most).step_by(2) {
             let Some((whole, fitting)) = variants(bits) else {
                 continue;
             };
-            let problem = self.problem(bits, Effort { states: 0 });
+            let bits_in_all = inner + bits;
+            let problem = self.problem(bits_in_all, Effort { states: 0 });
             let tried = fitting
                 .iter()
-                .filter_map(|(reads, _)| self.tried(&problem, &whole, reads, bits));
+                .filter_map(|(reads, _)| self.tried(&problem, &whole, reads, bits_in_all));
             let out: Vec<Candidate> = tried.collect();
             if !out.is_empty() {
                 let less = bits > 0 && variants(bits - 1).is_some_and(|(_, all)| !all.is_empty());

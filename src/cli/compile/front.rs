@@ -11,11 +11,7 @@ use crate::{
 };
 
 /// Prints the front of a filter.
-pub(super) fn print(
-    arguments: &Arguments,
-    asked: &Asked,
-    device: &Device,
-) -> miette::Result<()> {
+pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<()> {
     let request = bare(arguments, asked, device)?;
     let registers = (request.input, &request.into[..]);
     let mut rows = Vec::new();
@@ -27,7 +23,11 @@ pub(super) fn print(
         let worst = forecasts
             .into_iter()
             .min_by(|a, b| a.correlation.total_cmp(&b.correlation));
-        rows.push((filter.words.len(), filter.prescale, worst.unwrap_or_default()));
+        rows.push((
+            filter.words.len(),
+            filter.prescale,
+            worst.unwrap_or_default(),
+        ));
     }
     if arguments.json {
         let row = |(words, bits, forecast): &(usize, u32, Forecast)| json!({ "words": words, "prescale_bits": bits, "predicted": forecast });

@@ -20,7 +20,9 @@ use crate::{
         Input,
         range::{Inputs, Interval},
     },
-    compile::{CellKind, DriveMemory, Effort, Filter, Forecast, Objective, Request, SensorProgram, Signal},
+    compile::{
+        CellKind, DriveMemory, Effort, Filter, Forecast, Objective, Request, SensorProgram, Signal,
+    },
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
     plane::Plane,
