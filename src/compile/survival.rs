@@ -165,7 +165,7 @@ impl Survival<'_> {
         let part = |of: u64| Effort {
             states: self.effort.states / 8 * of,
         };
-        let problem = self.problem(0, part(7));
+        let problem = self.problem(0, part(4));
         let (best, all) = problem.solve_all();
         let best = best.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
         let mut seen = best.seen;
@@ -180,7 +180,7 @@ impl Survival<'_> {
             let goals: Vec<LinearForm> = self.goals.iter().map(|goal| goal.times(-1)).collect();
             let problem = Problem {
                 goals,
-                ..self.problem(0, part(7))
+                ..self.problem(0, part(3))
             };
             let (best, all) = problem.solve_all();
             seen += best.map_or(0, |best| best.seen);
