@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Added, Asked, Compiled, MIDDLE};
 use crate::{
     array::Errors,
-    compile::FilterNoise,
+    compile::{FilterNoise, Forecast},
     isa::{Analog, Device, Figure},
     kernel::Kernel,
     plane::Plane,
@@ -171,17 +171,7 @@ impl Compiled {
             ),
         );
         for forecast in &self.forecasts {
-            line(
-                "chip",
-                format!(
-                    "correlation {:.3} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} LSB of noise and mismatch beside {:.2} LSB of signal, {:.0} LSB of constant (predicted from the chip's data, in part a guess)",
-                    forecast.correlation,
-                    forecast.amplitude,
-                    forecast.noise,
-                    forecast.signal,
-                    forecast.offset,
-                ),
-            );
+            line("chip", survival(forecast));
         }
         for added in self.noise(asked, device) {
             let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
@@ -284,4 +274,12 @@ impl Compiled {
         }
         text
     }
+}
+
+/// What is predicted of a result on the chip, for people.
+fn survival(forecast: &Forecast) -> String {
+    format!(
+        "correlation {:.3} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} LSB of noise and mismatch beside {:.2} LSB of signal, {:.0} LSB of constant (predicted from the chip's data, in part a guess)",
+        forecast.correlation, forecast.amplitude, forecast.noise, forecast.signal, forecast.offset,
+    )
 }

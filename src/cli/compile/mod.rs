@@ -33,6 +33,7 @@ use crate::{
 
 /// What `compile` is asked to do.
 #[derive(Debug, clap::Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 #[command(
     after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp"
 )]
