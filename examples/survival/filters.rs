@@ -1,7 +1,7 @@
 //! Kernels that programs of the chip are tried on, and a run of a filter as silicon.
 
 use amacrine::{
-    array::{Arithmetic, Array as _, Settings},
+    array::{Arithmetic, Settings},
     compile::{Filter, Request},
     event::Packet,
     kernel::{
@@ -11,7 +11,6 @@ use amacrine::{
     plane::{Plane, Size},
     program::{Overrides, Program},
     rng::Hash,
-    sensor::Sensor as _,
     unit::Micros,
 };
 
