@@ -6,8 +6,8 @@
 use amacrine::{
     array::{Arithmetic, Chip, Exact, Input, Settings, range, taps},
     compile::{
-        BitMemory, CellKind, CompileError, DriveMemory, Effort, Filter, Request, SensorProgram,
-        naive_cost,
+        BitMemory, CellKind, CompileError, DriveMemory, Effort, Filter, Objective, Request,
+        SensorProgram, naive_cost,
     },
     event::{Packet, Polarity},
     isa::{Analog, Device},
@@ -69,6 +69,7 @@ fn compiled(kernels: &[Kernel], states: u64) -> usize {
     let device = Device::scamp5();
     let mut request = Request::new(kernels, &device).unwrap();
     request.effort = Effort { states };
+    request.objective = Objective::Words;
     let filter = request.filter().unwrap();
     for (kernel, found) in kernels.iter().zip(read_back(&filter, &request)) {
         assert_eq!(kernel.weights(), found);
@@ -312,7 +313,14 @@ fn keeps_to_registers_and_range(kernel: Kernel, keep: usize, into: u8, high: i32
     request.keep = (0..keep).map(|i| Analog(5 - i as u8)).collect();
     request.effort = Effort { states: 2000 };
     request.range = Some((0.0, f64::from(high)));
-    let filter = request.filter().unwrap();
+    let filter = match request.filter() {
+        // Of an input of few LSB a dense kernel may leave nothing.
+        Err(CompileError::Nothing { .. }) => {
+            request.objective = Objective::Words;
+            request.filter().unwrap()
+        }
+        other => other.unwrap(),
+    };
     let text = filter.text(&device, 0);
     let program = Program::parse("filter", &text).unwrap();
     let code = program.expand(&device, &Overrides::default()).unwrap().code;

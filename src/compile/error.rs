@@ -91,6 +91,21 @@ pub enum CompileError {
         /// Name of the chip.
         chip: String,
     },
+    /// Nothing that the chip leaves of the signal.
+    #[error(
+        "nothing of the kernel comes out of the chip: a correlation of {correlation:.2} with the exact filter at the best input; {offset:.0} LSB of constant errors and {noise:.1} LSB of noise stay in the best program found"
+    )]
+    #[diagnostic(help(
+        "the fewer words, the more comes out: take fewer digits (--to int-4, po2-2), a smaller kernel, or search longer (--effort); --objective words compiles it as it is"
+    ))]
+    Nothing {
+        /// The predicted correlation.
+        correlation: f64,
+        /// The constant errors in the result, LSB.
+        offset: f64,
+        /// The noise in it, LSB.
+        noise: f64,
+    },
     /// An input that no number of halvings brings into range.
     #[error("an input from {low} to {high} LSB does not fit into -128…127, halved or not")]
     #[diagnostic(help("give a range with a low end below its high end, within -128 to 127 LSB"))]

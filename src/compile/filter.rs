@@ -19,10 +19,11 @@ pub struct Filter {
     pub prescale: u32,
     /// Whether the results are right up to the border, zeros beyond it.
     pub border: bool,
-    /// Where a range was given: whether nothing saturates, the chip's transfer errors included.
+    /// The largest that any store gets from inputs of ±1, those halved at the start taken as they
+    /// are then.
     pub peak: f64,
-    /// The transfer error left in each result, in errors of one store (-1 is one uncancelled
-    /// store).
+    /// Where a range was given: whether nothing saturates, the chip's transfer errors included.
+    /// Without one it says nothing.
     pub holds: bool,
     /// What is left of the transfer error in each result, in errors of one store.
     pub offsets: Vec<f64>,

@@ -5,7 +5,6 @@
 //! word is a step: up to four sources, neighbours among them, the negation by every store, halving
 //! by two targets. So symmetry, separability, running sums and common subexpressions of several
 //! kernels are found without being special cases. A `walk` over the kernel is the plan to beat.
-//! kernels are found without being named. A `walk` over the kernel is the plan to beat.
 //!
 //! ```
 //! use amacrine::{compile::{Effort, Request}, isa::Device, kernel::Kernel};
@@ -25,6 +24,7 @@ mod border_safe;
 mod digit;
 mod error;
 mod filter;
+mod forecast;
 mod goals;
 mod linear_form;
 mod naive_cost;
@@ -37,13 +37,16 @@ mod scale;
 mod sensor;
 mod separable;
 mod solve;
+mod steady;
 #[cfg(test)]
 mod strategy;
+mod survival;
 mod walk;
 
 pub use error::CompileError;
 pub use filter::Filter;
+pub use forecast::{Forecast, Signal};
 pub use naive_cost::naive_cost;
 pub use noise::FilterNoise;
-pub use request::{Effort, Request};
+pub use request::{Effort, Objective, Request};
 pub use sensor::{BitMemory, CellKind, DriveMemory, SLOTS, SensorProgram};

@@ -79,9 +79,14 @@ pub(super) struct Trace {
 }
 
 impl Plan {
-    /// Register pressure: the most values that are live at a time. The input is live until it is
-    /// last read, or to the end.
+    /// Register pressure: the most values that are live at a time.
     pub(super) fn pressure(&self, input_is_kept: bool) -> usize {
+        self.pressures(input_is_kept).into_iter().max().unwrap_or(1)
+    }
+
+    /// The values that are live at each word. The input is live until it is last read, or to the
+    /// end.
+    pub(super) fn pressures(&self, input_is_kept: bool) -> Vec<usize> {
         let mut last: Vec<usize> = vec![if input_is_kept { self.words.len() } else { 0 }];
         for (i, word) in self.words.iter().enumerate() {
             for value in &word.values {
@@ -103,7 +108,7 @@ impl Plan {
             stored += usize::from(!matches!(word.store, Store::News(_)));
             last.iter().take(stored).filter(|last| **last >= i).count()
         });
-        held.max().unwrap_or(1)
+        held.collect()
     }
 
     /// What each word stores in the dark, LSB: accumulated transfer errors, those of the input

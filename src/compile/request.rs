@@ -8,12 +8,19 @@ use super::{
     linear_form::LinearForm,
     plan::StoreErrors,
     solve::{FINE, Limits, Problem, Solved},
+    survival::Survival,
     walk,
 };
 use crate::{
     isa::{Analog, Device, Figure, Primitive, Source, Target},
     kernel::Kernel,
 };
+
+/// Registers that every search begins with, the narrowest shipped chip's; with more it goes on.
+const FEW: usize = 6;
+
+/// The most registers that a search is given.
+const MANY: usize = 12;
 
 /// How long to search, in states looked at: the result does not depend on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +49,16 @@ impl Default for Effort {
     }
 }
 
+/// What a program is to be best at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Objective {
+    /// The signal-to-noise ratio that is predicted on the chip; among equals, the fewest words.
+    #[default]
+    Silicon,
+    /// The fewest words.
+    Words,
+}
+
 /// Kernels, and what may be used for them.
 #[derive(Clone, Debug)]
 pub struct Request<'a> {
@@ -65,6 +82,8 @@ pub struct Request<'a> {
     pub effort: Effort,
     /// Seed of the search heuristics: another seed may find another program.
     pub seed: u64,
+    /// What the program is to be best at.
+    pub objective: Objective,
 }
 
 impl<'a> Request<'a> {
@@ -91,6 +110,7 @@ impl<'a> Request<'a> {
             range: None,
             effort: Effort::default(),
             seed: 0,
+            objective: Objective::default(),
         })
     }
 
@@ -99,28 +119,92 @@ impl<'a> Request<'a> {
     /// # Errors
     /// When a weight is not dyadic, or the registers do not suffice.
     pub fn filter(&self) -> Result<Filter, CompileError> {
+        let mut all = ordinary_registers(self.device);
+        all.retain(|register| !self.keep.contains(register));
+        if all.len() <= FEW {
+            return self.filter_in(&all, self.effort);
+        }
+        // Those that cannot be chosen come first.
+        all.sort_by_key(|r| *r != self.input && !self.into.contains(r));
+        // What fewer registers give is there with more as well, so that more never cost words.
+        let few = self.filter_in(&all[..FEW], self.effort);
+        let Ok(few) = few else {
+            return self.filter_in(&all, self.effort);
+        };
+        all.truncate(MANY);
+        let states = if all.len() == MANY {
+            self.effort.states / 5
+        } else {
+            0
+        };
+        let many = self.filter_in(&all, Effort { states });
+        let states = few.states + many.as_ref().map_or(0, |many| many.states);
+        let key = |f: &Filter| {
+            (
+                self.border && !f.border,
+                !f.holds,
+                f.words.len(),
+                f.prescale,
+            )
+        };
+        let best = match many {
+            Ok(many) if key(&many) < key(&few) => many,
+            Ok(_) | Err(_) => few,
+        };
+        Ok(Filter { states, ..best })
+    }
+
+    /// Filters none of which has both fewer words and more signal over noise than another, the
+    /// shortest first.
+    ///
+    /// # Errors
+    /// When a weight is not dyadic, or the registers do not suffice.
+    pub fn front(&self) -> Result<Vec<Filter>, CompileError> {
         let (goals, unit) = goals(self.kernels)?;
-        let all: Vec<Analog> = ordinary_registers(self.device)
-            .into_iter()
-            .filter(|register| !self.keep.contains(register))
-            .collect();
+        let mut all = ordinary_registers(self.device);
+        all.retain(|register| !self.keep.contains(register));
+        Survival {
+            request: self,
+            goals: &goals,
+            unit,
+            all: &all,
+            effort: self.effort,
+        }
+        .front()
+    }
+
+    /// The filter in these registers.
+    fn filter_in(&self, all: &[Analog], effort: Effort) -> Result<Filter, CompileError> {
+        let (goals, unit) = goals(self.kernels)?;
+        match self.objective {
+            Objective::Words => self.shortest(&goals, unit, (all, effort)),
+            Objective::Silicon => Survival {
+                request: self,
+                goals: &goals,
+                unit,
+                all,
+                effort,
+            }
+            .filter(),
+        }
+    }
+
+    /// The filter of the fewest words.
+    pub(super) fn shortest(
+        &self,
+        goals: &[LinearForm],
+        unit: i64,
+        (all, effort): (&[Analog], Effort),
+    ) -> Result<Filter, CompileError> {
         let built = |solved: &Solved, bits, first| {
             Filter::from_solved(self.device, &self.into, solved, unit, bits, first)
         };
         let Some((low, high)) = self.range else {
-            let plus = self.solve(&goals, unit, self.input, &all, None)?;
+            let plus = self.solve(goals, unit, (self.input, all, effort), None)?;
             return Ok(built(&plus, 0, Vec::new()));
         };
-        let figure = |figure| self.device.value(figure);
-        let mut limits = Limits {
-            input: (low, high),
-            odd: false,
-            errors: StoreErrors {
-                transfer: figure(Figure::TransferError),
-                division: figure(Figure::DivisionError),
-            },
-        };
-        let plus = self.solve(&goals, unit, self.input, &all, Some(limits))?;
+        let mut limits = self.limits((low, high));
+        let plus = self.solve(goals, unit, (self.input, all, effort), Some(limits))?;
         if !plus.holds {
             // On a chip without errors, at least.
             limits.errors = StoreErrors {
@@ -141,7 +225,7 @@ impl<'a> Request<'a> {
         let goals: Vec<LinearForm> = goals.iter().map(|goal| goal.times(-1)).collect();
         limits.input = (-high, -low);
         limits.odd = true;
-        let mut minus = self.solve(&goals, unit, other, &all, Some(limits))?;
+        let mut minus = self.solve(&goals, unit, (other, all, effort), Some(limits))?;
         minus.holds &= plus.holds;
         let Some(bits) = halvings(&minus, unit, limits) else {
             return Err(CompileError::Range { low, high });
@@ -150,15 +234,32 @@ impl<'a> Request<'a> {
         Ok(built(&minus, bits, first))
     }
 
-    fn solve(
+    /// A range of the input, and the errors of the chip.
+    pub(super) fn limits(&self, input: (f64, f64)) -> Limits {
+        Limits {
+            input,
+            odd: false,
+            errors: self.store_errors(),
+        }
+    }
+
+    /// The constant errors of the chip's stores.
+    pub(super) fn store_errors(&self) -> StoreErrors {
+        StoreErrors {
+            transfer: self.device.value(Figure::TransferError),
+            division: self.device.value(Figure::DivisionError),
+        }
+    }
+
+    /// The problem of the search.
+    pub(super) fn problem(
         &self,
         goals: &[LinearForm],
         unit: i64,
-        input: Analog,
-        all: &[Analog],
+        (input, all, effort): (Analog, &[Analog], Effort),
         limits: Option<Limits>,
-    ) -> Result<Solved, CompileError> {
-        let problem = Problem {
+    ) -> Problem {
+        Problem {
             goals: goals.to_vec(),
             unit,
             registers: RegisterFile {
@@ -169,17 +270,32 @@ impl<'a> Request<'a> {
             },
             border: self.border,
             seed: self.seed,
-            states: self.effort.states,
+            states: effort.states,
             limits,
-        };
-        problem.solve().ok_or_else(|| CompileError::Registers {
-            what: match goals.len() {
+        }
+    }
+
+    fn solve(
+        &self,
+        goals: &[LinearForm],
+        unit: i64,
+        file: (Analog, &[Analog], Effort),
+        limits: Option<Limits>,
+    ) -> Result<Solved, CompileError> {
+        let found = self.problem(goals, unit, file, limits).solve();
+        found.ok_or_else(|| Self::too_few(goals.len(), file.1.len()))
+    }
+
+    /// Registers do not suffice.
+    pub(super) fn too_few(goals: usize, free: usize) -> CompileError {
+        CompileError::Registers {
+            what: match goals {
                 1 => "one kernel".to_owned(),
                 n => format!("{n} kernels"),
             },
-            needed: goals.len() + walk::FEWEST_REGISTERS - 1,
-            free: all.len(),
-        })
+            needed: goals + walk::FEWEST_REGISTERS - 1,
+            free,
+        }
     }
 }
 

@@ -280,7 +280,7 @@ impl Writer<'_> {
         };
         let _ = writeln!(
             text,
-            "//!\n//! # Compiled. The light is halved {} times first, so that no sum leaves the range; the\n//! # filter is {reach}. The memory is the drive at the last event (filtered-snap).",
+            "//!\n//! # Compiled. The light is halved {} times on the way, so that no sum leaves the range; the\n//! # filter is {reach}. The memory is the drive at the last event (filtered-snap).",
             self.filter.prescale,
         );
         if let [kind] = self.kinds {

@@ -58,27 +58,42 @@ impl Limits {
             if self.odd && bits % 2 == 0 {
                 continue;
             }
-            let scale = fine(unit) * 2f64.powi(bits);
             // An odd number of halvings leaves the negated input, for which a plan of its own is
             // made.
-            let (low, high) = if self.odd || bits % 2 == 0 {
+            let input = if self.odd || bits % 2 == 0 {
                 (low, high)
             } else {
                 (-largest, largest)
             };
-            let fits = |(form, dark): (&LinearForm, f64)| {
-                let (low, high) = form.bounds(low, high);
-                // Both with the errors and without: neither may be what prevents saturation.
-                low / scale + dark.min(0.0) >= -128.0 && high / scale + dark.max(0.0) <= 127.0
-            };
-            let darks = plan.dark(dark, self.errors);
+            let scale = fine(unit) * 2f64.powi(bits);
             // The negated input may be stored on the way.
             let halved = bits == 0 || largest <= 127.0;
-            if halved && trace.stored.iter().zip(darks).all(fits) {
+            if halved && self.fits_scaled((plan, trace), (input, dark), scale) {
                 return Some(bits as u32);
             }
         }
         None
+    }
+
+    /// Whether nothing saturates as it is, transfer errors included.
+    pub(super) fn fits(self, plan: &Plan, trace: &Trace, unit: i64) -> bool {
+        self.fits_scaled((plan, trace), (self.input, 0.0), fine(unit))
+    }
+
+    /// The same for an input of this range and constant, `scale` units of the trace large.
+    fn fits_scaled(
+        self,
+        (plan, trace): (&Plan, &Trace),
+        ((low, high), dark): ((f64, f64), f64),
+        scale: f64,
+    ) -> bool {
+        let fits = |(form, dark): (&LinearForm, f64)| {
+            let (low, high) = form.bounds(low, high);
+            // Both with the errors and without: neither may be what prevents saturation.
+            low / scale + dark.min(0.0) >= -128.0 && high / scale + dark.max(0.0) <= 127.0
+        };
+        let darks = plan.dark(dark, self.errors);
+        trace.stored.iter().zip(darks).all(fits)
     }
 }
 
@@ -103,8 +118,23 @@ pub(super) struct Solved {
 pub(super) const FINE: i64 = 1 << 20;
 
 impl Problem {
+    /// The shortest plan that was found.
     pub(super) fn solve(&self) -> Option<Solved> {
+        self.searched(|_| 0, &mut Vec::new())
+    }
+
+    /// The shortest plan that was found, and all others that were met on the way, a little longer
+    /// ones among them: which of them errs least on the chip is for others to say.
+    pub(super) fn solve_all(&self) -> (Option<Solved>, Vec<Solved>) {
+        let mut all = Vec::new();
+        let best = self.searched(slack, &mut all);
+        (best, all)
+    }
+
+    /// Searches for plans of at most `slack` words more than the best before them.
+    fn searched(&self, slack: fn(usize) -> usize, all: &mut Vec<Solved>) -> Option<Solved> {
         let mut best = self.base();
+        all.extend(best.clone());
         let mut seen = 0;
         let mut width = 4;
         for round in 0.. {
@@ -112,9 +142,10 @@ impl Problem {
             if left == 0 || best.as_ref().is_some_and(|b| b.allocated.words.is_empty()) {
                 break;
             }
-            let (more, found) = self.round(round, width, best.as_ref(), left);
+            let (more, found) = self.round(round, width, (best.as_ref(), slack), left);
             seen += more;
             for solved in found {
+                all.push(solved.clone());
                 if better(&solved, best.as_ref(), self.border) {
                     best = Some(solved);
                 }
@@ -135,13 +166,14 @@ impl Problem {
         &self,
         round: u64,
         width: usize,
-        best: Option<&Solved>,
+        (best, slack): (Option<&Solved>, fn(usize) -> usize),
         left: u64,
     ) -> (u64, Vec<Solved>) {
         let fits = |solved: &&Solved| (solved.border || !self.border) && solved.holds;
-        let below = best
-            .filter(fits)
-            .map_or(usize::MAX, |b| b.allocated.words.len());
+        let below = best.filter(fits).map_or(usize::MAX, |b| {
+            let words = b.allocated.words.len();
+            words.saturating_add(slack(words))
+        });
         let below = below.min(2048);
         let over = |goals: &[usize]| {
             let over = goals
@@ -343,7 +375,7 @@ impl Problem {
 
     /// Allocates registers; `None` where there are too few. The plan is verified once more by its
     /// trace.
-    fn finish(&self, plan: Plan) -> Option<Solved> {
+    pub(super) fn finish(&self, plan: Plan) -> Option<Solved> {
         let trace = plan.trace(self.unit.checked_mul(FINE)?)?;
         for (goal, value) in self.goals.iter().zip(&plan.goals) {
             if trace.values.get(*value)? != &goal.times(FINE) {
@@ -360,6 +392,11 @@ impl Problem {
             seen: 0,
         })
     }
+}
+
+/// Words that a plan may be longer than the shortest for its signal's sake.
+pub(super) const fn slack(words: usize) -> usize {
+    if words / 4 > 2 { words / 4 } else { 2 }
 }
 
 /// Whether a plan is preferred: right at the border where that is asked, without saturation,

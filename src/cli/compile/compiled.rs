@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Added, Asked, Compiled, MIDDLE};
 use crate::{
     array::Errors,
-    compile::FilterNoise,
+    compile::{FilterNoise, Forecast},
     isa::{Analog, Device, Figure},
     kernel::Kernel,
     plane::Plane,
@@ -64,10 +64,11 @@ impl Compiled {
             "results_lsb": results.collect::<Vec<_>>(),
             "thresholds_lsb": self.thresholds,
             "saturating_stores": self.saturations,
-            "holds_with_transfer_errors": self.filter.holds,
+            "holds_with_transfer_errors": self.ranged.then_some(self.filter.holds),
             "largest_input_lsb": 127.0 / self.filter.peak,
             "offset_stores": self.filter.offsets,
             "noise_lsb": self.noise(asked, device),
+            "predicted": self.forecasts,
             "energy_uj": self.energy_uj(device),
             "states": self.filter.states,
             "seconds": seconds,
@@ -169,6 +170,9 @@ impl Compiled {
                 offsets.collect::<Vec<_>>().join(", ")
             ),
         );
+        for forecast in &self.forecasts {
+            line("chip", survival(forecast));
+        }
         for added in self.noise(asked, device) {
             let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
             line(
@@ -238,14 +242,14 @@ impl Compiled {
         let range = match (self.saturations, self.filter.prescale) {
             (0, 0) => "nothing saturates".to_owned(),
             (0, bits) => format!(
-                "nothing saturates; the input is halved {bits} times first, which costs {bits} bits"
+                "nothing saturates; the input is halved {bits} times on the way, which costs {bits} bits"
             ),
             (n, _) => format!(
                 "{n} stores can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
                 127.0 / self.filter.peak
             ),
         };
-        let errors = if self.filter.holds {
+        let errors = if self.filter.holds || !self.ranged {
             ""
         } else {
             "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
@@ -270,4 +274,12 @@ impl Compiled {
         }
         text
     }
+}
+
+/// What is predicted of a result on the chip, for people.
+fn survival(forecast: &Forecast) -> String {
+    format!(
+        "correlation {:.3} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} LSB of noise and mismatch beside {:.2} LSB of signal, {:.0} LSB of constant (predicted from the chip's data, in part a guess)",
+        forecast.correlation, forecast.amplitude, forecast.noise, forecast.signal, forecast.offset,
+    )
 }

@@ -2,6 +2,7 @@
 
 mod asked;
 mod compiled;
+mod front;
 mod proof;
 
 use std::time::Instant;
@@ -19,8 +20,10 @@ use crate::{
         Input,
         range::{Inputs, Interval},
     },
-    compile::{CellKind, DriveMemory, Effort, Filter, Request, SensorProgram},
-    isa::{Analog, Device, Source, Value},
+    compile::{
+        CellKind, DriveMemory, Effort, Filter, Forecast, Objective, Request, SensorProgram, Signal,
+    },
+    isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
     plane::Plane,
     program::{Cost, Expansion, Program, Step, cpp},
@@ -30,6 +33,7 @@ use crate::{
 
 /// What `compile` is asked to do.
 #[derive(Debug, clap::Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 #[command(
     after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp"
 )]
@@ -83,6 +87,13 @@ pub struct Arguments {
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
+    /// What the program is to be best at
+    #[arg(long, value_enum, default_value_t)]
+    objective: Aim,
+    /// Print words against what comes out of the chip: no filter of the list has both fewer words
+    /// and a better correlation than another
+    #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "objective"])]
+    front: bool,
     /// How long to search, in seconds of two cores of 2024
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
@@ -92,6 +103,16 @@ pub struct Arguments {
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
+}
+
+/// What a program is to be best at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Aim {
+    /// Signal over noise as predicted on the chip; among equals the fewest words
+    #[default]
+    Silicon,
+    /// The fewest words
+    Words,
 }
 
 /// How a program is written.
@@ -134,6 +155,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let began = Instant::now();
     let device = Device::find(&arguments.chip)?;
     let asked = Asked::read(arguments)?;
+    if arguments.front {
+        return front::print(arguments, &asked, &device);
+    }
     let mut compiled = if arguments.filter_only {
         filter_only(arguments, &asked, &device)?
     } else {
@@ -237,9 +261,18 @@ struct Compiled {
     saturations: usize,
     results_in: Vec<Analog>,
     snake: u64,
+    /// Whether the range of the input is known.
+    ranged: bool,
+    /// What is predicted of each result on the chip.
+    forecasts: Vec<Forecast>,
 }
 
-fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+/// The filter that is asked for, alone.
+fn bare<'a>(
+    arguments: &Arguments,
+    asked: &'a Asked,
+    device: &'a Device,
+) -> miette::Result<Request<'a>> {
     let mut request = request(arguments, asked, device)?;
     if !arguments.into.is_empty() {
         request.into = named(&arguments.into, device)?;
@@ -248,7 +281,17 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
     check_registers(&request, asked)?;
     request.border = arguments.border;
     request.range = arguments.input;
+    Ok(request)
+}
+
+fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+    let request = bare(arguments, asked, device)?;
     let filter = request.filter()?;
+    let registers = (request.input, &request.into[..]);
+    let forecasts = match arguments.input.map(Signal::from_range) {
+        Some(signal) => filter.forecast(device, registers, &asked.kernels, signal),
+        None => filter.best_forecast(device, registers, &asked.kernels),
+    };
     let text = filter.text(device, 0);
     let scale = 2f64.powi(-(filter.prescale as i32));
     let (low, high) = arguments.input.unwrap_or((0.0, 127.5));
@@ -263,7 +306,12 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
         },
         scale,
     };
-    proof.compiled(text, filter, arguments.input.is_some())
+    let compiled = proof.compiled(text, filter, arguments.input.is_some())?;
+    Ok(Compiled {
+        ranged: arguments.input.is_some(),
+        forecasts,
+        ..compiled
+    })
 }
 
 fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
@@ -292,6 +340,12 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         scale: program.scale,
     };
     let mut compiled = proof.compiled(program.text, program.filter, false)?;
+    let light = Signal::from_range((0.0, (254.0 * device.value(Figure::LightScale)).min(127.0)));
+    let registers = (compiled.results_in[0], &compiled.results_in[..]);
+    compiled.forecasts = compiled
+        .filter
+        .forecast(device, registers, &asked.kernels, light);
+    compiled.ranged = true;
     let thresholds = asked.thresholds.iter();
     compiled.thresholds = thresholds
         .map(|(on, off)| [on * program.scale, off * program.scale])
@@ -317,6 +371,10 @@ fn request<'a>(
     let mut request = Request::new(&asked.kernels, device)?;
     request.effort = Effort::seconds(arguments.effort);
     request.seed = arguments.seed;
+    request.objective = match arguments.objective {
+        Aim::Silicon => Objective::Silicon,
+        Aim::Words => Objective::Words,
+    };
     Ok(request)
 }
 

@@ -80,6 +80,8 @@ impl Proof<'_> {
         Ok(Compiled {
             results,
             thresholds: Vec::new(),
+            ranged: false,
+            forecasts: Vec::new(),
             saturations,
             snake: naive_cost(&self.asked.kernels)?,
             results_in: self.results.to_vec(),

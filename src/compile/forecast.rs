@@ -1,0 +1,507 @@
+//! What comes out of the silicon: the predicted correlation of a filter's result with the exact
+//! one, and the noise in it.
+//!
+//! The chip stores `cell := clip(-(1 - loss + m_g) · share · sum + Δ + m_o + noise)`
+//! (`array/silicon.rs`). For an input that is independent from pixel to pixel and uniform in
+//! `mean ± amplitude`, two passes over the straight-line words give what that does to a result:
+//!
+//! - **forwards**, every register as `constant + Σ coefficient · input(p + d)`: the constant piles
+//!   up transfer errors, the coefficients lose `loss` a store;
+//! - **backwards** (the adjoint), what a deviation of each store becomes in the result: a field of
+//!   weights `G` over places. Temporal noise of a store adds `noise² · |G|²`. Fixed-pattern
+//!   mismatch belongs to a cell, so the stores of one register are added before they are squared.
+//!
+//! **Clipping** is linearised after Bussgang: of a normally distributed sum the limited value is
+//! `α` times the sum and a remainder that does not correlate with it; `α` is the probability of not
+//! being limited, the remainder a noise source like the others. Where the largest possible sum
+//! fits, nothing is limited.
+//!
+//! Left out: decay (a filter takes microseconds), the border, and products of deviations.
+
+use super::filter::Filter;
+use crate::{
+    elementary::exp,
+    isa::{Analog, Device, Direction, Figure, Primitive, Source, Target},
+    kernel::Kernel,
+    plane::Plane,
+};
+
+/// Inputs that a forecast is made for: independent and uniform in `mean ± amplitude`, LSB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Signal {
+    /// The middle, LSB.
+    pub mean: f64,
+    /// The farthest from it, LSB.
+    pub amplitude: f64,
+}
+
+impl Signal {
+    /// The amplitudes tried where no range of the input is given, LSB.
+    pub const AMPLITUDES: [f64; 5] = [60.0, 20.0, 8.0, 3.0, 1.0];
+
+    /// Around zero, as one amplitude.
+    #[must_use]
+    pub const fn around_zero(amplitude: f64) -> Self {
+        Self {
+            mean: 0.0,
+            amplitude,
+        }
+    }
+
+    /// From `low` to `high`, LSB.
+    #[must_use]
+    pub const fn from_range((low, high): (f64, f64)) -> Self {
+        Self {
+            mean: low / 2.0 + high / 2.0,
+            amplitude: high / 2.0 - low / 2.0,
+        }
+    }
+}
+
+/// What is predicted of one result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Forecast {
+    /// The amplitude of the input that it is predicted for, LSB.
+    pub amplitude: f64,
+    /// Correlation with the exact filter over all pixels of a frame, its constant left out: 0 to 1.
+    pub correlation: f64,
+    /// Standard deviation of what belongs to the exact filter, LSB of the result.
+    pub signal: f64,
+    /// Standard deviation of what does not: noise, mismatch, what clipping adds, LSB.
+    pub noise: f64,
+    /// The part of `noise` that is drawn anew in every frame, LSB.
+    pub temporal: f64,
+    /// The mean of the result for an input around `mean`, less the exact filter's, LSB.
+    pub offset: f64,
+}
+
+impl Forecast {
+    /// Signal over noise, in decibels.
+    #[must_use]
+    pub fn snr_db(&self) -> f64 {
+        let squared = self.correlation * self.correlation;
+        10.0 * crate::elementary::log10(squared.max(1e-12) / (1.0 - squared).max(1e-12))
+    }
+}
+
+/// The errors of a chip's stores.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ChipErrors {
+    transfer: f64,
+    division: f64,
+    gain: f64,
+    gain_mismatch: f64,
+    offset_mismatch: f64,
+    together: f64,
+    uneven: f64,
+    noise: f64,
+    range: (f64, f64),
+}
+
+impl ChipErrors {
+    pub(super) fn from_device(device: &Device) -> Self {
+        let value = |figure| device.value(figure);
+        let headroom = value(Figure::Headroom);
+        Self {
+            transfer: value(Figure::TransferError),
+            division: value(Figure::DivisionError),
+            gain: 1.0 - value(Figure::StoreLoss),
+            gain_mismatch: value(Figure::GainMismatch),
+            offset_mismatch: value(Figure::OffsetMismatch),
+            together: value(Figure::MismatchCorrelation),
+            uneven: value(Figure::DivisionMismatch),
+            noise: value(Figure::StoreNoise),
+            range: (
+                value(Figure::Lowest) - headroom,
+                value(Figure::Highest) + headroom,
+            ),
+        }
+    }
+}
+
+/// Weights over the places round a pixel: a square of odd side.
+#[derive(Clone, Debug)]
+struct Field {
+    reach: i32,
+    weights: Vec<f64>,
+}
+
+impl Field {
+    fn new(reach: i32) -> Self {
+        let side = (2 * reach + 1) as usize;
+        Self {
+            reach,
+            weights: vec![0.0; side * side],
+        }
+    }
+
+    fn at(&self, (y, x): (i32, i32)) -> usize {
+        ((y + self.reach) * (2 * self.reach + 1) + x + self.reach) as usize
+    }
+
+    /// Adds `times` the other, moved by one place or none. Nothing lies at the rim: the square is
+    /// wider than the words reach.
+    fn add(&mut self, other: &Self, place: (i32, i32), times: f64) {
+        if times == 0.0 {
+            return;
+        }
+        let by = place.0 * (2 * self.reach + 1) + place.1;
+        let (to, from) = (by.max(0) as usize, (-by).max(0) as usize);
+        let cells = self.weights[to..].iter_mut();
+        for (cell, weight) in cells.zip(&other.weights[from..]) {
+            *cell += times * weight;
+        }
+    }
+
+    fn power(&self) -> f64 {
+        self.weights.iter().map(|w| w * w).sum()
+    }
+
+    fn magnitude(&self) -> f64 {
+        self.weights.iter().map(|w| w.abs()).sum()
+    }
+}
+
+/// What one target of a word stored.
+#[derive(Clone, Copy, Debug)]
+struct Stored {
+    cell: usize,
+    place: (i32, i32),
+    /// The constant on the bus, as this target gets it.
+    current: f64,
+    /// Variance of the signal on the bus, likewise.
+    variance: f64,
+    /// The share of the sum that is not limited (Bussgang's gain).
+    kept: f64,
+    /// Variance of what limiting adds.
+    distortion: f64,
+}
+
+/// The words of a filter as cells and places.
+struct Wired {
+    targets: Vec<(usize, (i32, i32))>,
+    sources: Vec<(usize, (i32, i32))>,
+}
+
+fn place(direction: Direction) -> (i32, i32) {
+    let (y, x) = direction.step();
+    (y as i32, x as i32)
+}
+
+fn wired(words: &[Primitive], device: &Device) -> Vec<Wired> {
+    let news = usize::from(device.news().0);
+    let mut all = Vec::new();
+    for word in words {
+        let Primitive::Bus { targets, sources } = word else {
+            continue;
+        };
+        let target = |target: &Target| match target {
+            Target::Register(register) => (usize::from(register.0), (0, 0)),
+            Target::Neighbour(direction) => (news, place(*direction)),
+        };
+        let source = |source: &Source| match source {
+            Source::Register(register) => Some((usize::from(register.0), (0, 0))),
+            Source::Neighbour(direction) => Some((news, place(*direction))),
+            Source::Pix | Source::In => None,
+        };
+        all.push(Wired {
+            targets: targets.iter().map(target).collect(),
+            sources: sources.iter().filter_map(source).collect(),
+        });
+    }
+    all
+}
+
+/// How far from its pixel the inputs lie that a register may hold. The fields hold twice that,
+/// since a value may first be moved away and then back.
+fn reach(words: &[Wired], cells: usize) -> i32 {
+    // The box of places, as the extremes of rows and of columns; a constant counts as an input.
+    type Extremes = [i32; 4];
+    let moved = |[top, bottom, left, right]: Extremes, (y, x): (i32, i32)| -> Extremes {
+        [top + y, bottom + y, left + x, right + x]
+    };
+    let mut boxes: Vec<Extremes> = vec![[0; 4]; cells];
+    let mut most = 0;
+    for word in words {
+        let own = word
+            .sources
+            .iter()
+            .map(|(cell, at)| moved(boxes[*cell], *at));
+        let joined = own.reduce(|a, b| {
+            [
+                a[0].min(b[0]),
+                a[1].max(b[1]),
+                a[2].min(b[2]),
+                a[3].max(b[3]),
+            ]
+        });
+        for (cell, at) in &word.targets {
+            let stored = moved(joined.unwrap_or_default(), (-at.0, -at.1));
+            boxes[*cell] = stored;
+            most = stored
+                .iter()
+                .fold(most, |most: i32, end| most.max(end.abs()));
+        }
+    }
+    most
+}
+
+/// The forecasts of the results of straight bus words.
+pub(super) fn forecasts(
+    words: &[Primitive],
+    device: &Device,
+    (input, results): (Analog, &[Analog]),
+    kernels: &[Kernel],
+    signal: Signal,
+) -> Vec<Forecast> {
+    let errors = ChipErrors::from_device(device);
+    let cells = device.registers().analog.len();
+    let words = wired(words, device);
+    let kernel_reach = kernels.iter().map(|k| k.reach().0.max(k.reach().1));
+    let half = reach(&words, cells).max(kernel_reach.max().unwrap_or(0) as i32);
+    let blank = Field::new(2 * half + 1);
+    let variance = signal.amplitude * signal.amplitude / 3.0;
+    // Forwards.
+    let mut forms = vec![blank.clone(); cells];
+    let mut levels = vec![0.0; cells];
+    let start = usize::from(input.0);
+    let middle = blank.at((0, 0));
+    forms[start].weights[middle] = 1.0;
+    levels[start] = signal.mean;
+    let mut stores: Vec<Vec<Stored>> = Vec::with_capacity(words.len());
+    for word in &words {
+        let mut bus = blank.clone();
+        let mut level = 0.0;
+        for (cell, place) in &word.sources {
+            bus.add(&forms[*cell], *place, 1.0);
+            level += levels[*cell];
+        }
+        let count = word.targets.len() as f64;
+        let spread = (bus.power() * variance).sqrt() / count;
+        let most = bus.magnitude() * signal.amplitude / count;
+        let splits = word.targets.len() > 1;
+        let extra = if splits { errors.division } else { 0.0 };
+        let current = level / count;
+        let mean = errors.transfer + extra - errors.gain * current;
+        let clipped = limited(mean, errors.gain * spread, errors.gain * most, errors.range);
+        let mut own = Vec::with_capacity(word.targets.len());
+        for (cell, place) in &word.targets {
+            let mut form = blank.clone();
+            let opposite = (-place.0, -place.1);
+            form.add(&bus, opposite, -errors.gain * clipped.kept / count);
+            forms[*cell] = form;
+            levels[*cell] = clipped.mean;
+            own.push(Stored {
+                cell: *cell,
+                place: *place,
+                current,
+                variance: spread * spread,
+                kept: clipped.kept,
+                distortion: clipped.distortion,
+            });
+        }
+        stores.push(own);
+    }
+    let backwards = Backwards {
+        errors,
+        words: &words,
+        stores: &stores,
+        blank: &blank,
+        cells,
+    };
+    let one = |(result, kernel): (&Analog, &Kernel)| {
+        let cell = usize::from(result.0);
+        let (temporal, other) = backwards.variances(cell);
+        let exact = exact(kernel, &blank);
+        let form = &forms[cell];
+        let own = form.power() * variance;
+        let both: f64 = exact
+            .weights
+            .iter()
+            .zip(&form.weights)
+            .map(|(a, b)| a * b)
+            .sum();
+        let size = exact.power();
+        let aligned = if size > 0.0 {
+            both * both / size * variance
+        } else {
+            0.0
+        };
+        let all = own + temporal + other;
+        Forecast {
+            amplitude: signal.amplitude,
+            correlation: if all > 0.0 {
+                (aligned / all).sqrt() * both.signum().max(0.0)
+            } else {
+                0.0
+            },
+            signal: aligned.sqrt(),
+            noise: (all - aligned).max(0.0).sqrt(),
+            temporal: temporal.sqrt(),
+            offset: levels[cell] - signal.mean * form.weights.iter().sum::<f64>(),
+        }
+    };
+    results.iter().zip(kernels).map(one).collect()
+}
+
+/// A kernel as a field.
+fn exact(kernel: &Kernel, blank: &Field) -> Field {
+    let mut field = blank.clone();
+    let (rows, columns) = kernel.reach();
+    let weights: &Plane<f64> = kernel.weights();
+    for ((y, x), weight) in weights.indexed_iter() {
+        let at = field.at((y as i32 - rows as i32, x as i32 - columns as i32));
+        field.weights[at] = *weight;
+    }
+    field
+}
+
+/// The pass from a result back to the input.
+struct Backwards<'a> {
+    errors: ChipErrors,
+    words: &'a [Wired],
+    stores: &'a [Vec<Stored>],
+    blank: &'a Field,
+    cells: usize,
+}
+
+impl Backwards<'_> {
+    /// The variance of the temporal noise in a result, and of all else that is no signal.
+    fn variances(&self, result: usize) -> (f64, f64) {
+        let errors = self.errors;
+        let mut adjoint: Vec<Option<Field>> = vec![None; self.cells];
+        let mut start = self.blank.clone();
+        let middle = start.at((0, 0));
+        start.weights[middle] = 1.0;
+        adjoint[result] = Some(start);
+        let (mut temporal, mut other) = (0.0, 0.0);
+        let mut gains = vec![self.blank.clone(); self.cells];
+        let mut offsets = vec![self.blank.clone(); self.cells];
+        let mut splits = vec![self.blank.clone(); 2];
+        let apart = (1.0 - errors.together * errors.together).max(0.0).sqrt();
+        for (word, stores) in self.words.iter().zip(self.stores).rev() {
+            let mut bus = self.blank.clone();
+            let count = stores.len() as f64;
+            let mut moving = 0.0;
+            let mut uneven = vec![self.blank.clone(); stores.len().saturating_sub(1).min(2)];
+            let taken: Vec<_> = stores.iter().map(|s| adjoint[s.cell].take()).collect();
+            let mut read = false;
+            for (part, (stored, field)) in stores.iter().zip(taken).enumerate() {
+                let Some(field) = field else { continue };
+                read = true;
+                let power = field.power();
+                let kept = stored.kept;
+                temporal += kept * kept * errors.noise * errors.noise * power;
+                let gain = errors.gain_mismatch;
+                other += (kept * kept * gain * gain * stored.variance + stored.distortion) * power;
+                let own = errors.offset_mismatch * errors.together - stored.current * gain;
+                gains[stored.cell].add(&field, (0, 0), kept * own);
+                offsets[stored.cell].add(&field, (0, 0), kept * errors.offset_mismatch * apart);
+                // The target's cell lies a step from the pixel whose bus it stored.
+                let back = (-stored.place.0, -stored.place.1);
+                bus.add(&field, back, -errors.gain * kept / count);
+                moving = stored.variance;
+                for (k, uneven) in uneven.iter_mut().enumerate() {
+                    let more = if part == k {
+                        1.0
+                    } else if part + 1 == stores.len() {
+                        -1.0
+                    } else {
+                        0.0
+                    };
+                    uneven.add(&field, back, -errors.gain * kept * errors.uneven * more);
+                }
+            }
+            if !read {
+                continue;
+            }
+            for (k, uneven) in uneven.iter().enumerate() {
+                other += moving * uneven.power();
+                if let (Some(sum), Some(stored)) = (splits.get_mut(k), stores.first()) {
+                    sum.add(uneven, (0, 0), stored.current);
+                }
+            }
+            for (cell, place) in &word.sources {
+                adjoint[*cell]
+                    .get_or_insert_with(|| self.blank.clone())
+                    .add(&bus, *place, 1.0);
+            }
+        }
+        for field in gains.iter().chain(&offsets).chain(&splits) {
+            other += field.power();
+        }
+        (temporal, other)
+    }
+}
+
+/// What is left of a sum that is limited.
+struct Limited {
+    mean: f64,
+    kept: f64,
+    distortion: f64,
+}
+
+/// Of a normal distribution, limited to a range; `most`: how far from the mean it comes at all.
+fn limited(mean: f64, spread: f64, most: f64, (low, high): (f64, f64)) -> Limited {
+    if mean - most >= low && mean + most <= high || spread <= 0.0 {
+        return Limited {
+            mean: mean.clamp(low, high),
+            // What lies beyond the range by itself does not move.
+            kept: f64::from(u8::from(mean >= low && mean <= high)),
+            distortion: 0.0,
+        };
+    }
+    let (from, to) = ((low - mean) / spread, (high - mean) / spread);
+    let below = |z: f64| 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+    let density = |z: f64| exp(-z * z / 2.0) / (2.0 * std::f64::consts::PI).sqrt();
+    let (under, over) = (below(from), below(-to));
+    let kept = (1.0 - under - over).max(0.0);
+    let inner = spread * (density(from) - density(to));
+    let shift = (low - mean) * under + (high - mean) * over + inner;
+    let squares = (low - mean) * (low - mean) * under
+        + (high - mean) * (high - mean) * over
+        + spread * spread * (kept + from * density(from) - to * density(to));
+    let variance = (squares - shift * shift).max(0.0);
+    Limited {
+        mean: mean + shift,
+        kept,
+        distortion: (variance - kept * kept * spread * spread).max(0.0),
+    }
+}
+
+impl Filter {
+    /// What is predicted to come out of the chip, for each result.
+    #[must_use]
+    pub fn forecast(
+        &self,
+        device: &Device,
+        (input, results): (Analog, &[Analog]),
+        kernels: &[Kernel],
+        signal: Signal,
+    ) -> Vec<Forecast> {
+        forecasts(&self.words, device, (input, results), kernels, signal)
+    }
+
+    /// The same at the amplitude of [`Signal::AMPLITUDES`] at which the worst result is best.
+    #[must_use]
+    pub fn best_forecast(
+        &self,
+        device: &Device,
+        (input, results): (Analog, &[Analog]),
+        kernels: &[Kernel],
+    ) -> Vec<Forecast> {
+        let tried = Signal::AMPLITUDES.map(|amplitude| {
+            let signal = Signal::around_zero(amplitude);
+            self.forecast(device, (input, results), kernels, signal)
+        });
+        let best = tried
+            .into_iter()
+            .max_by(|a, b| worst(a).total_cmp(&worst(b)));
+        best.unwrap_or_default()
+    }
+}
+
+/// The least correlation of several results; 1 without any.
+pub(super) fn worst(forecasts: &[Forecast]) -> f64 {
+    forecasts.iter().map(|f| f.correlation).fold(1.0, f64::min)
+}

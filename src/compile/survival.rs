@@ -1,0 +1,420 @@
+//! The plan of which most comes out of the silicon.
+//!
+//! The search proposes plans by their words; each is tried as it is and with its constant errors
+//! taken out ([`steady`](super::steady)), and the one whose predicted signal-to-noise ratio
+//! ([`forecast`](super::forecast)) is highest is taken, in few more words than the shortest.
+//! Where a range of the input is given, each is tried behind as many halvings as it needs, and
+//! plans that halve on the way are searched as well.
+
+use super::{
+    allocate::allocate,
+    error::CompileError,
+    filter::Filter,
+    forecast::{Forecast, Signal, forecasts, worst},
+    linear_form::LinearForm,
+    plan::{Plan, Store, Word},
+    request::{Effort, Request},
+    separable::compose,
+    solve::{FINE, Problem, Solved, slack},
+    steady::{Reads, greedy, room, steadied},
+};
+use crate::isa::Analog;
+
+/// Plans that are looked at closely.
+const CLOSELY: usize = 6;
+
+/// Changes of single words that are tried in all.
+const TRIES: usize = 200;
+
+/// The most halvings of an input.
+const HALVINGS: u32 = 14;
+
+/// The most halvings in all, so that weights stay far from overflow.
+const HALVINGS_IN_ALL: u32 = 22;
+
+/// Signal-to-noise ratios within this are equal, dB.
+const EQUAL_DB: f64 = 0.25;
+
+/// Below this correlation a plan is worth more words than [`slack`] allows.
+const ENOUGH: f64 = 0.95;
+
+/// Below this correlation nothing comes out.
+const NOTHING: f64 = 0.02;
+
+/// A request as the choice sees it.
+pub(super) struct Survival<'a> {
+    pub(super) request: &'a Request<'a>,
+    pub(super) goals: &'a [LinearForm],
+    pub(super) unit: i64,
+    pub(super) all: &'a [Analog],
+    pub(super) effort: Effort,
+}
+
+/// A plan with its registers and what is predicted of it.
+#[derive(Clone)]
+struct Candidate {
+    solved: Solved,
+    /// The plan before its constant errors were taken out.
+    plain: Plan,
+    reads: Reads,
+    /// Halvings of the input in it.
+    bits: u32,
+    forecasts: Vec<Forecast>,
+}
+
+impl Candidate {
+    fn words(&self) -> usize {
+        self.solved.allocated.words.len()
+    }
+
+    fn correlation(&self) -> f64 {
+        worst(&self.forecasts)
+    }
+
+    /// Steps of signal-to-noise ratio.
+    fn quality(&self) -> i64 {
+        let db = self.forecasts.iter().map(Forecast::snr_db);
+        (db.fold(90.0, f64::min) / EQUAL_DB).round() as i64
+    }
+}
+
+impl Survival<'_> {
+    /// The filter of which most comes out.
+    pub(super) fn filter(&self) -> Result<Filter, CompileError> {
+        let (candidates, seen) = match self.request.range {
+            None => self.anywhere()?,
+            Some(range) => self.within(range)?,
+        };
+        let Some(best) = self.best(candidates) else {
+            // Nothing that stays in range, errors included: what does without them.
+            return self
+                .request
+                .shortest(self.goals, self.unit, (self.all, self.effort));
+        };
+        if best.correlation() < NOTHING && self.goals.iter().any(|goal| !goal.is_zero()) {
+            let first = best.forecasts.first().copied().unwrap_or_default();
+            return Err(CompileError::Nothing {
+                correlation: best.correlation(),
+                offset: first.offset,
+                noise: first.noise,
+            });
+        }
+        Ok(self.built(best, seen))
+    }
+
+    /// Filters none of which is worse in words and in signal than another.
+    pub(super) fn front(&self) -> Result<Vec<Filter>, CompileError> {
+        let (mut all, seen) = match self.request.range {
+            None => self.anywhere()?,
+            Some(range) => self.within(range)?,
+        };
+        if self.request.border && all.iter().any(|c| c.solved.border) {
+            all.retain(|c| c.solved.border);
+        }
+        all.extend(self.best(all.clone()));
+        all.sort_by_key(|c| (c.words(), -c.quality()));
+        let mut front: Vec<Candidate> = Vec::new();
+        for candidate in all {
+            let better = |last: &Candidate| last.quality() < candidate.quality();
+            if front.last().is_none_or(better) {
+                front.push(candidate);
+            }
+        }
+        Ok(front.into_iter().map(|c| self.built(c, seen)).collect())
+    }
+
+    /// A candidate as a filter.
+    fn built(&self, best: Candidate, seen: u64) -> Filter {
+        let solved = Solved {
+            seen,
+            ..best.solved
+        };
+        let request = self.request;
+        let filter = Filter::from_solved(
+            request.device,
+            &request.into,
+            &solved,
+            self.unit << best.bits,
+            best.bits,
+            Vec::new(),
+        );
+        Filter {
+            // Relative to the input that is halved already.
+            peak: filter.peak * 2f64.powi(best.bits as i32),
+            ..filter
+        }
+    }
+
+    /// Candidates for an input of any amplitude.
+    fn anywhere(&self) -> Result<(Vec<Candidate>, u64), CompileError> {
+        let problem = self.problem(0, self.effort);
+        let (best, all) = problem.solve_all();
+        let best = best.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
+        let mut out = Vec::new();
+        for solved in short(all) {
+            let plain = solved.plan;
+            out.extend(self.tried(&problem, &plain, &Reads::new(), 0));
+            let reads = greedy(&plain, self.request.store_errors());
+            out.extend(self.tried(&problem, &plain, &reads, 0));
+        }
+        Ok((out, best.seen))
+    }
+
+    /// Candidates for an input in a range: none of them saturates.
+    fn within(&self, range: (f64, f64)) -> Result<(Vec<Candidate>, u64), CompileError> {
+        let part = |of: u64| Effort {
+            states: self.effort.states / 8 * of,
+        };
+        let problem = self.problem(0, part(4));
+        let (best, all) = problem.solve_all();
+        let best = best.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
+        let mut seen = best.seen;
+        let mut out = Vec::new();
+        let mut odd = false;
+        for solved in short(all) {
+            let (found, less) = self.halved(&solved.plan, (false, 0), range);
+            out.extend(found);
+            odd |= less;
+        }
+        if odd {
+            let goals: Vec<LinearForm> = self.goals.iter().map(|goal| goal.times(-1)).collect();
+            let problem = Problem {
+                goals,
+                ..self.problem(0, part(3))
+            };
+            let (best, all) = problem.solve_all();
+            seen += best.map_or(0, |best| best.seen);
+            for solved in short(all) {
+                out.extend(self.halved(&solved.plan, (true, 0), range).0);
+            }
+        }
+        // Halvings wherever the search finds them cheap: as many as make a result as large as the
+        // input.
+        let size = |goal: &LinearForm| goal.bounds(-1.0, 1.0).1;
+        let largest = self.goals.iter().map(size).fold(0.0, f64::max) / self.unit as f64;
+        let inner = (0..HALVINGS).find(|bits| largest <= f64::from(1 << *bits));
+        if let Some(inner) = inner.filter(|inner| *inner > 0) {
+            let (best, all) = self.problem(inner, part(2)).solve_all();
+            seen += best.map_or(0, |best| best.seen);
+            for solved in short(all) {
+                out.extend(self.halved(&solved.plan, (false, inner), range).0);
+            }
+        }
+        Ok((out, seen))
+    }
+
+    /// The search for the goals, `bits` times halved.
+    fn problem(&self, bits: u32, effort: Effort) -> Problem {
+        let request = self.request;
+        let file = (request.input, self.all, effort);
+        let limits = request.range.map(|range| request.limits(range));
+        request.problem(self.goals, self.unit << bits, file, limits)
+    }
+
+    /// A plan behind the fewest halvings with which nothing saturates, as it is and with its
+    /// constant errors taken out. And whether one halving less would do. `negated`: a plan of the
+    /// negated goals, for which the number is odd; `inner`: halvings in the plan itself.
+    fn halved(
+        &self,
+        plan: &Plan,
+        (negated, inner): (bool, u32),
+        range: (f64, f64),
+    ) -> (Vec<Candidate>, bool) {
+        let registers = self.all.len();
+        let variants = |bits: u32| {
+            let whole = compose(&halvings(bits), plan)?;
+            let reads = greedy(&whole, self.request.store_errors());
+            let steady = steadied(&whole, &reads, registers);
+            let mut all = vec![(Reads::new(), whole.clone())];
+            all.extend(steady.map(|steady| (reads, steady)));
+            all.retain(|(_, plan)| self.fits(plan, inner + bits, range));
+            Some((whole, all))
+        };
+        let most = HALVINGS.min(HALVINGS_IN_ALL - inner);
+        for bits in (u32::from(negated)..most).step_by(2) {
+            let Some((whole, fitting)) = variants(bits) else {
+                continue;
+            };
+            let bits_in_all = inner + bits;
+            let problem = self.problem(bits_in_all, Effort { states: 0 });
+            let tried = fitting
+                .iter()
+                .filter_map(|(reads, _)| self.tried(&problem, &whole, reads, bits_in_all));
+            let out: Vec<Candidate> = tried.collect();
+            if !out.is_empty() {
+                let less = bits > 0 && variants(bits - 1).is_some_and(|(_, all)| !all.is_empty());
+                return (out, less);
+            }
+        }
+        (Vec::new(), false)
+    }
+
+    /// Whether nothing saturates, with the errors and without.
+    fn fits(&self, plan: &Plan, bits: u32, range: (f64, f64)) -> bool {
+        let unit = self.unit << bits;
+        let Some(trace) = unit.checked_mul(FINE).and_then(|_| plan.trace(unit * FINE)) else {
+            return false;
+        };
+        self.request.limits(range).fits(plan, &trace, unit)
+    }
+
+    /// A plan with registers, and what is predicted of it.
+    fn tried(
+        &self,
+        problem: &Problem,
+        plain: &Plan,
+        reads: &Reads,
+        bits: u32,
+    ) -> Option<Candidate> {
+        let steady = steadied(plain, reads, self.all.len());
+        if steady.is_none() && !reads.is_empty() {
+            return None;
+        }
+        let solved = problem.finish(steady.unwrap_or_else(|| plain.clone()))?;
+        let forecasts = self.predicted(&solved, None);
+        Some(Candidate {
+            plain: plain.clone(),
+            reads: reads.clone(),
+            bits,
+            forecasts,
+            solved: Solved {
+                holds: true,
+                ..solved
+            },
+        })
+    }
+
+    /// The forecasts at the amplitude given, that of the range, or the best.
+    fn predicted(&self, solved: &Solved, amplitude: Option<f64>) -> Vec<Forecast> {
+        let request = self.request;
+        let at = |signal| {
+            forecasts(
+                &solved.allocated.words,
+                request.device,
+                (request.input, &request.into),
+                request.kernels,
+                signal,
+            )
+        };
+        if let Some(range) = request.range {
+            return at(Signal::from_range(range));
+        }
+        if let Some(amplitude) = amplitude {
+            return at(Signal::around_zero(amplitude));
+        }
+        let tried = Signal::AMPLITUDES.map(|amplitude| at(Signal::around_zero(amplitude)));
+        let best = tried
+            .into_iter()
+            .max_by(|a, b| worst(a).total_cmp(&worst(b)));
+        best.unwrap_or_default()
+    }
+
+    /// The best of the candidates, after each of the most promising was improved word by word.
+    fn best(&self, mut all: Vec<Candidate>) -> Option<Candidate> {
+        if self.request.border && all.iter().any(|c| c.solved.border) {
+            all.retain(|c| c.solved.border);
+        }
+        let shortest = all.iter().map(Candidate::words).min()?;
+        for cap in [shortest + slack(shortest), 2 * shortest + 8, usize::MAX] {
+            let mut own: Vec<Candidate> =
+                all.iter().filter(|c| c.words() <= cap).cloned().collect();
+            own.sort_by_key(|c| (-c.quality(), c.words()));
+            own.truncate(CLOSELY);
+            let mut left = TRIES;
+            let improved = own
+                .into_iter()
+                .map(|c| self.improved(c, cap, &mut left))
+                .collect::<Vec<_>>()
+                .into_iter();
+            let best = improved.min_by_key(|c| (-c.quality(), c.words()));
+            if best.as_ref().is_some_and(|c| c.correlation() >= ENOUGH) || cap == usize::MAX {
+                return best;
+            }
+        }
+        None
+    }
+
+    /// Single words made to read the constant or not, as long as that helps.
+    fn improved(&self, mut best: Candidate, cap: usize, left: &mut usize) -> Candidate {
+        let first = best.clone();
+        let words = best.plain.words.len();
+        best.reads.resize(words, false);
+        let problem = self.problem(best.bits, Effort { states: 0 });
+        for _ in 0..2 {
+            let mut better = false;
+            for at in 0..words {
+                if *left == 0 || !best.plain.words.get(at).is_some_and(room) {
+                    continue;
+                }
+                *left -= 1;
+                let mut reads = best.reads.clone();
+                reads[at] = !reads[at];
+                let steady = steadied(&best.plain, &reads, self.all.len());
+                let plan = steady.unwrap_or_else(|| best.plain.clone());
+                if let Some(range) = self.request.range
+                    && !self.fits(&plan, best.bits, range)
+                {
+                    continue;
+                }
+                if plan.words.len() > cap {
+                    continue;
+                }
+                let Some(allocated) = allocate(&plan, &problem.registers) else {
+                    continue;
+                };
+                let solved = Solved {
+                    plan,
+                    allocated,
+                    ..best.solved.clone()
+                };
+                let amplitude = best.forecasts.first().map(|f| f.amplitude);
+                let forecasts = self.predicted(&solved, amplitude);
+                let next = Candidate {
+                    solved,
+                    plain: best.plain.clone(),
+                    reads,
+                    bits: best.bits,
+                    forecasts,
+                };
+                if (-next.quality(), next.words()) < (-best.quality(), best.words()) {
+                    best = next;
+                    better = true;
+                }
+            }
+            if !better {
+                break;
+            }
+            best.forecasts = self.predicted(&best.solved, None);
+        }
+        // Verified once more, by its trace.
+        match problem.finish(best.solved.plan.clone()) {
+            Some(_) => best,
+            None => first,
+        }
+    }
+}
+
+/// Halvings of the input, one after the other.
+fn halvings(bits: u32) -> Plan {
+    let half = |value| Word {
+        store: Store::Register,
+        views: Vec::new(),
+        values: vec![value],
+        halved: true,
+    };
+    Plan {
+        words: (0..bits as usize).map(half).collect(),
+        goals: vec![bits as usize],
+    }
+}
+
+/// The shorter plans, each once.
+fn short(mut all: Vec<Solved>) -> Vec<Solved> {
+    all.sort_by_key(|solved| (!solved.border, solved.allocated.words.len()));
+    all.dedup_by(|a, b| a.plan == b.plan);
+    let fewest = all.iter().map(|s| s.allocated.words.len()).min();
+    let most = fewest.map_or(0, |words| 2 * words + 8);
+    all.retain(|solved| solved.allocated.words.len() <= most);
+    all.truncate(3 * CLOSELY);
+    all
+}

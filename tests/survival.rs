@@ -1,0 +1,191 @@
+//! What the compiler predicts of the silicon, against runs as silicon; what the choice by it is
+//! worth; and that more registers never cost words.
+
+#[path = "../examples/survival/filters.rs"]
+mod filters;
+
+use amacrine::{
+    compile::{
+        CellKind, CompileError, DriveMemory, Effort, Objective, Request, SensorProgram, Signal,
+    },
+    isa::Device,
+    kernel::Kernel,
+};
+use filters::{correlations, filters};
+
+const EFFORT: Effort = Effort { states: 20_000 };
+
+/// Words that other compilers need.
+const PEER: [(&str, usize); 6] = [
+    ("Sobel x", 10),
+    ("Sobel pair", 18),
+    ("Gauss 3x3 / 16", 32),
+    ("Gauss 5x5 / 256", 54),
+    ("box 3x3", 12),
+    ("box 5x5", 18),
+];
+
+fn named(name: &str) -> Vec<Kernel> {
+    let found = filters().into_iter().find(|(own, _)| own == name);
+    found.unwrap().1
+}
+
+/// At the amplitude at which the prediction is best, and at the others where something is left,
+/// within 5 %.
+#[test]
+fn silicon_does_as_predicted() {
+    let device = Device::scamp5();
+    for (name, kernels) in filters() {
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = EFFORT;
+        let filter = request.filter().unwrap();
+        assert!(filter.words.len() < 200, "{name}");
+        let registers = (request.input, &request.into[..]);
+        let said = filter.best_forecast(&device, registers, &kernels);
+        let got = correlations(&filter, &request, said[0].amplitude, 3);
+        for (said, got) in said.iter().zip(got) {
+            let words = filter.words.len();
+            println!(
+                "{name:<22}{words:>4} words, ±{:<3} {:.3} said, {got:.3} got",
+                said.amplitude, said.correlation
+            );
+            assert!(got > 0.95, "{name}: {got}");
+            assert!(
+                (got / said.correlation - 1.0).abs() < 0.05,
+                "{name}: {got} {said:?}"
+            );
+        }
+    }
+}
+
+/// Also of plans that pile up errors until nothing is left.
+#[test]
+fn what_is_lost_is_predicted_too() {
+    let device = Device::scamp5();
+    for name in [
+        "Gauss 3x3",
+        "box 3x3",
+        "box 5x5",
+        "Sobel x",
+        "Gauss 3x3 / 16",
+    ] {
+        let kernels = named(name);
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = EFFORT;
+        request.objective = Objective::Words;
+        let filter = request.filter().unwrap();
+        let registers = (request.input, &request.into[..]);
+        for amplitude in [20.0, 3.0] {
+            let signal = Signal::around_zero(amplitude);
+            let said = filter.forecast(&device, registers, &kernels, signal)[0].correlation;
+            let all = (0..4).map(|seed| correlations(&filter, &request, amplitude, seed)[0]);
+            let got = all.sum::<f64>() / 4.0;
+            println!("{name} ±{amplitude}: {said:.3} said, {got:.3} got");
+            assert!(
+                (got - said).abs() < 0.06,
+                "{name} ±{amplitude}: {said} {got}"
+            );
+        }
+    }
+}
+
+#[test]
+fn no_more_words_than_others_need() {
+    let device = Device::scamp5();
+    for (name, most) in PEER {
+        let kernels = named(name);
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = Effort { states: 100_000 };
+        let words = request.filter().unwrap().words.len();
+        assert!(words <= most, "{name}: {words} words of {most}");
+    }
+}
+
+/// The choice by what comes out is better at it than the choice by words, and a front lists both.
+#[test]
+fn a_front_goes_up_with_words() {
+    let device = Device::scamp5();
+    let kernels = named("box 5x5");
+    let mut request = Request::new(&kernels, &device).unwrap();
+    request.effort = EFFORT;
+    let registers = (request.input, request.into.clone());
+    let correlation = |filter: &amacrine::compile::Filter| {
+        let registers = (registers.0, &registers.1[..]);
+        filter.best_forecast(&device, registers, &kernels)[0].correlation
+    };
+    let front = request.front().unwrap();
+    assert!(front.len() > 1);
+    for pair in front.windows(2) {
+        assert!(pair[0].words.len() < pair[1].words.len());
+        assert!(correlation(&pair[0]) < correlation(&pair[1]));
+    }
+    let chosen = request.filter().unwrap();
+    request.objective = Objective::Words;
+    let shortest = request.filter().unwrap();
+    assert!(shortest.words.len() <= chosen.words.len());
+    assert!(correlation(&chosen) > correlation(&shortest) + 0.2);
+}
+
+#[test]
+fn more_registers_never_cost_words() {
+    let wide: Device = Device::find("scamp5-wide").unwrap();
+    let device = Device::scamp5();
+    for objective in [Objective::Silicon, Objective::Words] {
+        for name in ["6 bits 5x5, 0", "ternary 5x5, 1", "quad", "Gauss 5x5 / 256"] {
+            let kernels = named(name);
+            let words = |device: &Device| {
+                let mut request = Request::new(&kernels, device).unwrap();
+                request.effort = Effort { states: 5000 };
+                request.objective = objective;
+                request.filter().unwrap().words.len()
+            };
+            let (few, many) = (words(&device), words(&wide));
+            assert!(
+                many <= few,
+                "{name}: {many} words, {few} with fewer registers"
+            );
+        }
+    }
+}
+
+/// A kernel whose result is far below one LSB leaves nothing.
+#[test]
+fn what_leaves_nothing_is_refused() {
+    let device = Device::scamp5();
+    let kernels = [Kernel::from_rows(&[vec![1.0 / 4096.0]]).unwrap()];
+    let mut request = Request::new(&kernels, &device).unwrap();
+    request.effort = EFFORT;
+    request.range = Some((0.0, 1.0));
+    let refused = request.filter().unwrap_err();
+    assert!(matches!(refused, CompileError::Nothing { .. }), "{refused}");
+    request.objective = Objective::Words;
+    assert!(request.filter().is_ok());
+}
+
+/// A whole sensor: nothing saturates, and no more is halved than by the shortest program.
+#[test]
+fn sensors_keep_more_of_the_signal() {
+    let device = Device::scamp5();
+    let kernels = named("rgc-5x5 ternary");
+    let kinds = [CellKind {
+        kernel: kernels[0].clone(),
+        on: 40.0,
+        off: 40.0,
+    }];
+    let of = |objective| {
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = EFFORT;
+        request.objective = objective;
+        let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "a", &request).unwrap();
+        assert!(sensor.filter.holds);
+        let registers = (sensor.drives[0], &sensor.drives[..]);
+        let light = Signal::from_range((0.0, 127.0));
+        let said = sensor.filter.forecast(&device, registers, &kernels, light)[0];
+        println!(
+            "{objective:?}: {} words, {said:?}",
+            sensor.filter.words.len()
+        );
+        said.correlation
+    };
+    assert!(of(Objective::Silicon) >= of(Objective::Words));
+}
