@@ -360,10 +360,12 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
             };
             lines.push(format!("{begin}{weight}{input}"));
         } else {
-            let unit = match unit {
-                1.0 => String::new(),
-                1.0.. => format!("{unit} "),
-                _ => format!("1/{} ", 1.0 / unit),
+            let unit = if unit == 1.0 {
+                String::new()
+            } else if unit > 1.0 {
+                format!("{unit} ")
+            } else {
+                format!("1/{} ", 1.0 / unit)
             };
             lines.push(format!("{begin}{unit}{input} under"));
             let wide = kernel

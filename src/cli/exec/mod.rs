@@ -80,21 +80,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         })?;
         debugger.end(&*chip)?;
         seen
-    } else if arguments.strip.is_some() {
-        bench.watch(&mut *chip, |chip, moment, packet| {
-            guard.frame_at(moment.t);
-            strip.frame(&bench.opened, chip, moment, packet)?;
-            if let Some(tracer) = &mut tracer {
-                tracer.frame(moment)?;
-            }
-            saturation.frame(chip);
-            shows.frame(chip, moment.index)?;
-            Ok(ControlFlow::Continue(()))
-        })?
     } else {
         bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
-            moment.run(chip, packet)?;
+            if arguments.strip.is_some() {
+                strip.frame(&bench.opened, chip, moment, packet)?;
+            } else {
+                moment.run(chip, packet)?;
+            }
             if let Some(tracer) = &mut tracer {
                 tracer.frame(moment)?;
             }
@@ -129,14 +122,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         save(path, |out| out.write_all(page.as_bytes()))?;
         notes.extend(said);
     }
-    let mut written = Vec::new();
-    let files = [&arguments.events, &arguments.strip, &arguments.trace];
-    let files = files.into_iter().flatten();
-    written.extend(files.map(|path| path.display().to_string()));
-    if let Some(folder) = &arguments.dump {
-        let count = dump::files(&bench.opened.device, folder).len();
-        written.push(format!("{} ({count} files)", folder.display()));
-    }
+    let mut written = written(arguments, &bench);
     written.extend(shows.written());
     let report = Report {
         program: &bench.opened.program.file,
@@ -165,4 +151,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
     }
     Ok(())
+}
+
+/// The files of a run, but for what the program shows.
+fn written(arguments: &Arguments, bench: &Bench<'_>) -> Vec<String> {
+    let files = [&arguments.events, &arguments.strip, &arguments.trace];
+    let names = files.into_iter().flatten();
+    let mut written: Vec<String> = names.map(|path| path.display().to_string()).collect();
+    if let Some(folder) = &arguments.dump {
+        let count = dump::files(&bench.opened.device, folder).len();
+        written.push(format!("{} ({count} files)", folder.display()));
+    }
+    written
 }
