@@ -152,8 +152,6 @@ fn replayed_it_ends_where_the_program_does() {
         "rgc/direction.scamp",
         "convolve/diffusion.scamp",
         "regions/fill_holes.scamp",
-        "features/corners.scamp",
-        "capture/knee.scamp",
     ] {
         let page = traced(program, &[]);
         stands_alone(&page.text);

@@ -25,7 +25,12 @@ use self::{
     statistics::Statistics, strip::Strip, trace::Tracer,
 };
 use super::files;
-use crate::{picture::write_png, rig::guard::Guard, save::save};
+use crate::{
+    picture::write_png,
+    rig::guard::Guard,
+    save::save,
+    study::pilot::{Answer, Machine},
+};
 
 /// Runs the verb.
 ///
@@ -52,13 +57,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         files::writes(dump::files(&bench.opened.device, folder))?;
     }
     if let Some(runs) = arguments.repeat {
-        let statistics = Statistics::from_runs(&bench, arguments.seed, runs)?;
-        if arguments.json {
-            super::say(&format!("{}\n", statistics.json()));
-        } else {
-            super::say(&statistics.table());
-        }
-        return Ok(());
+        return repeat(&bench, runs);
     }
     let mut chip = bench.chip(arguments.seed)?;
     let mut strip = Strip::default();
@@ -135,20 +134,40 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         notes: &notes,
         written: &written,
     };
+    print(arguments, &report, plan.as_ref())
+}
+
+/// Runs it so often, and tells mean and spread.
+fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
+    let arguments = bench.arguments;
+    let statistics = Statistics::from_runs(bench, arguments.seed, runs)?;
+    if arguments.json {
+        super::say(&format!("{}\n", statistics.json()));
+    } else {
+        super::say(&statistics.table());
+    }
+    Ok(())
+}
+
+fn print(
+    arguments: &Arguments,
+    report: &Report<'_>,
+    plan: Option<&Answer<Machine>>,
+) -> miette::Result<()> {
     if arguments.json {
         let mut json = report.json();
-        if let Some(plan) = &plan {
+        if let Some(plan) = plan {
             json["fidelity"] = pilot::json(plan, arguments)?;
         }
         super::say(&format!("{json}\n"));
-    } else {
-        super::say(&report.table());
-        if let Some(plan) = &plan {
-            super::say(&pilot::lines(plan, arguments));
-        }
-        if let Some(path) = &arguments.events {
-            super::say(&super::convert::opened(path));
-        }
+        return Ok(());
+    }
+    super::say(&report.table());
+    if let Some(plan) = plan {
+        super::say(&pilot::lines(plan, arguments));
+    }
+    if let Some(path) = &arguments.events {
+        super::say(&super::convert::opened(path));
     }
     Ok(())
 }
