@@ -116,7 +116,7 @@ impl Proof {
         match &self.kernels {
             Kernels::Place(why) => lines.push(format!("  no kernel: {why}")),
             Kernels::TooLong => {
-                lines.push("  no kernel is read back: too many words that reach too far".to_owned())
+                lines.push("  no kernel is read back: too many words that reach too far".to_owned());
             }
             Kernels::Read(kernels) => {
                 for register in analogue(&self.results) {
@@ -360,10 +360,12 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
             };
             lines.push(format!("{begin}{weight}{input}"));
         } else {
-            let unit = match unit {
-                1.0 => String::new(),
-                1.0.. => format!("{unit} "),
-                _ => format!("1/{} ", 1.0 / unit),
+            let unit = if unit == 1.0 {
+                String::new()
+            } else if unit > 1.0 {
+                format!("{unit} ")
+            } else {
+                format!("1/{} ", 1.0 / unit)
             };
             lines.push(format!("{begin}{unit}{input} under"));
             let wide = kernel
@@ -372,8 +374,8 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
                 .max()
                 .unwrap_or(1);
             for row in kernel.rows() {
-                let row: String = row.iter().map(|w| format!(" {w:>wide$}")).collect();
-                lines.push(format!("        {row}"));
+                let row: Vec<String> = row.iter().map(|w| format!("{w:>wide$}")).collect();
+                lines.push(format!("         {}", row.join(" ")));
             }
         }
         "       + ".clone_into(&mut begin);

@@ -50,21 +50,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     } else {
         None
     };
-    bench.machine = match &plan {
-        Some(plan) => Some(plan.choice.clone()),
-        None => arguments.without.machine(bench.arithmetic)?,
-    };
+    if let Some(plan) = &plan {
+        bench.machine = Some(plan.choice.clone());
+    }
     if let Some(folder) = &arguments.dump {
         files::writes(dump::files(&bench.opened.device, folder))?;
     }
     if let Some(runs) = arguments.repeat {
-        let statistics = Statistics::from_runs(&bench, arguments.seed, runs)?;
-        if arguments.json {
-            super::say(&format!("{}\n", statistics.json()));
-        } else {
-            super::say(&statistics.table());
-        }
-        return Ok(());
+        return repeat(&bench, runs);
     }
     let mut chip = bench.chip(arguments.seed)?;
     let mut strip = Strip::default();
@@ -86,21 +79,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         })?;
         debugger.end(&*chip)?;
         seen
-    } else if arguments.strip.is_some() {
-        bench.watch(&mut *chip, |chip, moment, packet| {
-            guard.frame_at(moment.t);
-            strip.frame(&bench.opened, chip, moment, packet)?;
-            if let Some(tracer) = &mut tracer {
-                tracer.frame(moment)?;
-            }
-            saturation.frame(chip);
-            shows.frame(chip, moment.index)?;
-            Ok(ControlFlow::Continue(()))
-        })?
     } else {
         bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
-            moment.run(chip, packet)?;
+            if arguments.strip.is_some() {
+                strip.frame(&bench.opened, chip, moment, packet)?;
+            } else {
+                moment.run(chip, packet)?;
+            }
             if let Some(tracer) = &mut tracer {
                 tracer.frame(moment)?;
             }
@@ -135,12 +121,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         save(path, |out| out.write_all(page.as_bytes()))?;
         notes.extend(said);
     }
-    let written = written(arguments, &bench, &shows);
+    let mut written = written(arguments, &bench);
+    written.extend(shows.written());
     let report = Report {
         program: &bench.opened.program.file,
         chip: &*chip,
         arithmetic: bench.arithmetic,
-        without: arguments.without.told(),
         frames,
         packet: &packet,
         light: &bench.observation,
@@ -148,24 +134,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         notes: &notes,
         written: &written,
     };
-    tell(arguments, &report, plan.as_ref())
+    print(arguments, &report, plan.as_ref())
 }
 
-/// What was written, besides the report.
-fn written(arguments: &Arguments, bench: &Bench<'_>, shows: &Shows<'_>) -> Vec<String> {
-    let files = [&arguments.events, &arguments.strip, &arguments.trace];
-    let files = files.into_iter().flatten();
-    let mut written: Vec<String> = files.map(|path| path.display().to_string()).collect();
-    if let Some(folder) = &arguments.dump {
-        let count = dump::files(&bench.opened.device, folder).len();
-        written.push(format!("{} ({count} files)", folder.display()));
+/// Runs it so often, and tells mean and spread.
+fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
+    let arguments = bench.arguments;
+    let statistics = Statistics::from_runs(bench, arguments.seed, runs)?;
+    if arguments.json {
+        super::say(&format!("{}\n", statistics.json()));
+    } else {
+        super::say(&statistics.table());
     }
-    written.extend(shows.written());
-    written
+    Ok(())
 }
 
-/// Prints the report, and the plan behind it.
-fn tell(
+fn print(
     arguments: &Arguments,
     report: &Report<'_>,
     plan: Option<&Answer<Machine>>,
@@ -176,14 +160,26 @@ fn tell(
             json["fidelity"] = pilot::json(plan, arguments)?;
         }
         super::say(&format!("{json}\n"));
-    } else {
-        super::say(&report.table());
-        if let Some(plan) = plan {
-            super::say(&pilot::lines(plan, arguments));
-        }
-        if let Some(path) = &arguments.events {
-            super::say(&super::convert::opened(path));
-        }
+        return Ok(());
+    }
+    super::say(&report.table());
+    if let Some(plan) = plan {
+        super::say(&pilot::lines(plan, arguments));
+    }
+    if let Some(path) = &arguments.events {
+        super::say(&super::convert::opened(path));
     }
     Ok(())
+}
+
+/// The files of a run, but for what the program shows.
+fn written(arguments: &Arguments, bench: &Bench<'_>) -> Vec<String> {
+    let files = [&arguments.events, &arguments.strip, &arguments.trace];
+    let names = files.into_iter().flatten();
+    let mut written: Vec<String> = names.map(|path| path.display().to_string()).collect();
+    if let Some(folder) = &arguments.dump {
+        let count = dump::files(&bench.opened.device, folder).len();
+        written.push(format!("{} ({count} files)", folder.display()));
+    }
+    written
 }

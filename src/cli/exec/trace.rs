@@ -74,16 +74,17 @@ impl<'a> Tracer<'a> {
         };
         let mut machine = format!("{} in {arithmetic}", device.name());
         if quiet.is_some() {
-            machine += &format!(" (chip {})", bench.arguments.seed);
+            machine = format!("{machine} (chip {})", bench.arguments.seed);
         }
         let registers = touched(opened);
         let code = &opened.expansion.code;
-        let longest = [&code.init, &code.frame].map(|steps| planes(steps, device));
-        let planes = longest[0].max(longest[1]) + registers.len();
+        let both = [&code.init, &code.frame].map(|steps| planes(steps, device));
+        let planes = both[0].max(both[1]) + registers.len();
         let shown = |every: usize| {
             bench.size.height.div_ceil(every) * bench.size.width.div_ceil(every) * planes
         };
-        let every = (1..).find(|every| shown(*every) <= MOST || shown(*every) <= planes);
+        let longest = bench.size.height.max(bench.size.width);
+        let every = (1..=longest).find(|every| shown(*every) <= MOST);
         Ok(Self {
             opened,
             machine,
@@ -94,7 +95,7 @@ impl<'a> Tracer<'a> {
             frames: VecDeque::new(),
             dropped: 0,
             unseen: 0,
-            every: every.unwrap_or(1),
+            every: every.unwrap_or(longest),
             parting: None,
         })
     }
