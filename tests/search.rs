@@ -67,10 +67,12 @@ fn a_search_finds_the_front_at_a_fraction_of_its_cost() {
         assert_eq!(row["error"], same["error"]);
     }
     let all_costs = costs(&all);
-    let corner = all_costs.iter().fold(Cost { x: 0.0, y: 0.0 }, |corner, cost| Cost {
-        x: corner.x.max(1.05 * cost.x),
-        y: corner.y.max(1.05 * cost.y),
-    });
+    let corner = all_costs
+        .iter()
+        .fold(Cost { x: 0.0, y: 0.0 }, |corner, cost| Cost {
+            x: corner.x.max(1.05 * cost.x),
+            y: corner.y.max(1.05 * cost.y),
+        });
     let share = hypervolume(&costs(&found), corner) / hypervolume(&all_costs, corner);
     assert!(share >= 0.95, "{share} of the hypervolume");
     // In frames of the whole sensor that points saw, parts of it counted as parts.

@@ -116,7 +116,8 @@ impl Proof {
         match &self.kernels {
             Kernels::Place(why) => lines.push(format!("  no kernel: {why}")),
             Kernels::TooLong => {
-                lines.push("  no kernel is read back: too many words that reach too far".to_owned());
+                lines
+                    .push("  no kernel is read back: too many words that reach too far".to_owned());
             }
             Kernels::Read(kernels) => {
                 for register in analogue(&self.results) {

@@ -50,9 +50,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     } else {
         None
     };
-    if let Some(plan) = &plan {
-        bench.machine = Some(plan.choice.clone());
-    }
+    bench.machine = match &plan {
+        Some(plan) => Some(plan.choice.clone()),
+        None => arguments.without.machine(bench.arithmetic)?,
+    };
     if let Some(folder) = &arguments.dump {
         files::writes(dump::files(&bench.opened.device, folder))?;
     }
@@ -133,6 +134,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         warnings: &warnings,
         notes: &notes,
         written: &written,
+        without: arguments.without.told(),
     };
     print(arguments, &report, plan.as_ref())
 }
