@@ -68,9 +68,10 @@ impl Page {
                     } else {
                         let bytes: Vec<_> = (0..4).map(|_| take(pixels)).collect();
                         let mut plane: Vec<i32> = Vec::new();
+                        let folded =
+                            |i: usize| u32::from_le_bytes([0, 1, 2, 3].map(|k| bytes[k][i]));
                         for i in 0..pixels {
-                            let folded = u32::from_le_bytes([0, 1, 2, 3].map(|k| bytes[k][i]));
-                            let apart = (folded >> 1) as i32 ^ -((folded & 1) as i32);
+                            let apart = (folded(i) >> 1) as i32 ^ -((folded(i) & 1) as i32);
                             let before = match (variant, i) {
                                 (0, 0) => 0,
                                 (0, i) if i % width == 0 => plane[i - width],
