@@ -20,11 +20,11 @@ pub use arguments::Arguments;
 use std::ops::ControlFlow;
 
 use self::{
-    arguments::Assignment, bench::Bench, debug::Debugger, report::Report, shows::Shows,
-    statistics::Statistics, strip::Strip,
+    arguments::Assignment, bench::Bench, debug::Debugger, report::Report, saturation::Saturation,
+    shows::Shows, statistics::Statistics, strip::Strip,
 };
 use super::files;
-use crate::{picture::write_png, rig::guard::Guard};
+use crate::{array::Array, event::Packet, picture::write_png, rig::guard::Guard};
 
 /// Runs the verb.
 ///
@@ -65,34 +65,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut guard = Guard::new();
     let mut saturation = bench.saturation();
     let mut shows = Shows::new(&bench.opened, arguments.displays.as_deref());
-    let (packet, frames) = if arguments.debug {
-        let mut debugger = Debugger::new(&bench.opened);
-        let seen = bench.watch(&mut *chip, |chip, moment, packet| {
-            guard.frame_at(moment.t);
-            let flow = debugger.frame(chip, moment, packet)?;
-            saturation.frame(chip);
-            shows.frame(chip, moment.index)?;
-            Ok(flow)
-        })?;
-        debugger.end(&*chip)?;
-        seen
-    } else if arguments.strip.is_some() {
-        bench.watch(&mut *chip, |chip, moment, packet| {
-            guard.frame_at(moment.t);
-            strip.frame(&bench.opened, chip, moment, packet)?;
-            saturation.frame(chip);
-            shows.frame(chip, moment.index)?;
-            Ok(ControlFlow::Continue(()))
-        })?
-    } else {
-        bench.watch(&mut *chip, |chip, moment, packet| {
-            guard.frame_at(moment.t);
-            moment.run(chip, packet)?;
-            saturation.frame(chip);
-            shows.frame(chip, moment.index)?;
-            Ok(ControlFlow::Continue(()))
-        })?
+    let watching = Watching {
+        guard: &mut guard,
+        saturation: &mut saturation,
+        shows: &mut shows,
+        strip: &mut strip,
     };
+    let (packet, frames) = watching.watch(&bench, &mut *chip)?;
     if plan.is_some() {
         pilot::check(&packet)?;
     }
@@ -149,4 +128,52 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
     }
     Ok(())
+}
+
+/// What looks at an array while it runs.
+struct Watching<'a, 'b> {
+    guard: &'a mut Guard,
+    saturation: &'a mut Saturation,
+    shows: &'a mut Shows<'b>,
+    strip: &'a mut Strip,
+}
+
+impl Watching<'_, '_> {
+    /// Shows the light to the chip; its events, and how many frames there were.
+    fn watch(self, bench: &Bench<'_>, chip: &mut dyn Array) -> miette::Result<(Packet, u64)> {
+        let Self {
+            guard,
+            saturation,
+            shows,
+            strip,
+        } = self;
+        if bench.arguments.debug {
+            let mut debugger = Debugger::new(&bench.opened);
+            let seen = bench.watch(chip, |chip, moment, packet| {
+                guard.frame_at(moment.t);
+                let flow = debugger.frame(chip, moment, packet)?;
+                saturation.frame(chip);
+                shows.frame(chip, moment.index)?;
+                Ok(flow)
+            })?;
+            debugger.end(chip)?;
+            Ok(seen)
+        } else if bench.arguments.strip.is_some() {
+            bench.watch(chip, |chip, moment, packet| {
+                guard.frame_at(moment.t);
+                strip.frame(&bench.opened, chip, moment, packet)?;
+                saturation.frame(chip);
+                shows.frame(chip, moment.index)?;
+                Ok(ControlFlow::Continue(()))
+            })
+        } else {
+            bench.watch(chip, |chip, moment, packet| {
+                guard.frame_at(moment.t);
+                moment.run(chip, packet)?;
+                saturation.frame(chip);
+                shows.frame(chip, moment.index)?;
+                Ok(ControlFlow::Continue(()))
+            })
+        }
+    }
 }
