@@ -32,6 +32,7 @@ use crate::study::sweep::{
 use crate::{limit::POINT_BYTES, memory::Need, source};
 
 /// What `sweep` is asked to do.
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  amacrine sweep studies/formats.toml --output out/formats\n  amacrine sweep studies/formats.toml --output out/shard-0 --shard 0/4\n  amacrine sweep studies/formats.toml --output out/formats --verify 5%\n  amacrine sweep studies/formats.toml format=f32,q8.8 array.domain=silicon --output out/other\n  amacrine sweep studies/formats.toml --space\n  amacrine sweep studies/formats.toml --point '{\"side\": \"reference\", \"format\": \"q8.8\"}'\n\nA folder that exists is gone on with: what is finished is not computed again. What is damaged is named, set aside and computed again. docs/sweeps.md lists every key and every column."
@@ -170,15 +171,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let share = scenes.left(budget::budget()) / jobs as u64;
     let output = match &arguments.output {
         Some(output) => output.to_path_buf(),
-        None => {
-            let stem = path.file_stem().unwrap_or(path.as_os_str());
-            let mut name = stem.to_owned();
-            if !arguments.sets.is_empty() {
-                // Another study than the file's alone.
-                name.push(format!("-{:.8}", plan.manifest().study));
-            }
-            PathBuf::from(name)
-        }
+        None => named(path, arguments, &plan),
     };
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
@@ -220,6 +213,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         said.table()
     });
     Ok(())
+}
+
+/// The folder where none is named: that of the study, and of what was set.
+fn named(path: &Path, arguments: &Arguments, plan: &Plan) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or(path.as_os_str()).to_owned();
+    if !arguments.sets.is_empty() {
+        name.push(format!("-{:.8}", plan.manifest().study));
+    }
+    PathBuf::from(name)
 }
 
 /// Answers points with their rows, one JSON object a line.

@@ -63,7 +63,7 @@ const ZERO: f64 = LEAST - 0.5;
 #[must_use]
 pub fn trade(show: &TradeShow<'_>) -> Drawing {
     let line = f64::from(LINE);
-    let top = MARGIN + (show.captions.len() as f64 + 4.0) * line;
+    let top = MARGIN + (show.captions.len() as f64 + 5.0) * line;
     let area = Area {
         x: LEFT,
         y: top,
@@ -75,7 +75,11 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
     let bottom = bottom + (show.knee.len() as f64 + 1.0) * line;
     let longest = show.dots.iter().map(|dot| dot.name.chars().count()).max();
     let room = LETTER.mul_add(longest.unwrap_or(0).max(20) as f64, NAMES);
-    let mut page = Drawing::new(area.right() + room, bottom + MARGIN);
+    let texts = show.captions.iter().chain(show.knee);
+    let widest = texts.map(|text| text.chars().count()).max().unwrap_or(0);
+    let widest = widest.max(show.title.chars().count()) as f64;
+    let width = (area.right() + room).max(LETTER.mul_add(widest, 2.0 * MARGIN));
+    let mut page = Drawing::new(width, bottom + MARGIN);
     let mut y = MARGIN;
     write(
         &mut page,
@@ -225,8 +229,11 @@ fn legend(page: &mut Drawing, y: f64) {
     ] {
         square(page, (x + 4.0, y + 10.0), 4.0, ink);
         write(page, (x + 16.0, y), Weight::Plain, ink::TEXT, text);
-        x += 40.0 + 9.0 * text.len() as f64;
+        x += 40.0 + LETTER * text.chars().count() as f64;
     }
+    let lines = "squares: the limit, and the seconds with the plan; lines: down to what was estimated, left to a run alone";
+    let place = (MARGIN, y + f64::from(LINE));
+    write(page, place, Weight::Plain, ink::CAPTION, lines);
 }
 
 /// Every model with its number: seconds with planning, and the limit.
@@ -344,7 +351,7 @@ mod tests {
         let picture = raster(&drawing, 1);
         let area = Area {
             x: LEFT,
-            y: MARGIN + 5.0 * f64::from(LINE),
+            y: MARGIN + 6.0 * f64::from(LINE),
             width: PLOT,
             height: HEIGHT,
         };

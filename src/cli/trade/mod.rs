@@ -166,7 +166,7 @@ impl Arguments {
     }
 
     /// Refuses what there is no room for: the scene, the models on it, and events.
-    fn check(&self, kept: &Kept, sensor: u128) -> miette::Result<()> {
+    fn check(kept: &Kept, sensor: u128) -> miette::Result<()> {
         let need = Need::new()
             .and("frames of the scene", kept.scene().bytes())
             .and("two models", 2 * sensor);

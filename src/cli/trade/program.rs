@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     let size = scened.kept.size();
     let domain = arguments.domain.unwrap_or(Arithmetic::Silicon { seed: 0 });
     let domain = domain.with_seed(arguments.seed);
-    arguments.check(&scened.kept, domain.bytes(&opened.device, size))?;
+    Arguments::check(&scened.kept, domain.bytes(&opened.device, size))?;
     let mut settings = Settings::from_device(&opened.device);
     let own = &opened.program.settings;
     settings.clip = own.clip.unwrap_or(settings.clip);

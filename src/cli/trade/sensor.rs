@@ -18,7 +18,7 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
     let description = read_sensor(sensor)?;
     let scened = arguments.scene()?;
     let bytes = <Reference>::bytes(&description, scened.kept.size());
-    arguments.check(&scened.kept, bytes)?;
+    Arguments::check(&scened.kept, bytes)?;
     let full = Choice::full();
     let family = Floats {
         description: &description,

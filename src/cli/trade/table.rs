@@ -105,15 +105,15 @@ impl<M> Told<'_, M> {
             "model", "about", "at most", "F1", "kept", "run", "plan", "sum"
         );
         for point in &trade.points {
-            text += &self.row(point, width, !verified.is_empty());
+            text += &Self::row(point, width, !verified.is_empty());
         }
         text += "\n";
         if let Some(knee) = trade.knee() {
-            let _ = writeln!(text, "knee     {}", self.says(trade, knee));
+            let _ = writeln!(text, "knee     {}", Self::says(trade, knee));
             let _ = writeln!(text, "         {}", (self.command)(&knee.model));
         }
         for point in trade.front().filter(|point| !point.is_knee) {
-            let _ = writeln!(text, "front    {}", self.says(trade, point));
+            let _ = writeln!(text, "front    {}", Self::says(trade, point));
             let _ = writeln!(text, "         {}", (self.command)(&point.model));
         }
         if let Some(path) = &self.arguments.output {
@@ -122,7 +122,7 @@ impl<M> Told<'_, M> {
         text
     }
 
-    fn row(&self, point: &Point<M>, width: usize, verified: bool) -> String {
+    fn row(point: &Point<M>, width: usize, verified: bool) -> String {
         let mark = match point {
             point if point.is_knee => '*',
             point if point.on_front => '+',
@@ -167,7 +167,7 @@ impl<M> Told<'_, M> {
     }
 
     /// A point beside the full model, in a sentence.
-    fn says(&self, trade: &Trade<M>, point: &Point<M>) -> String {
+    fn says(trade: &Trade<M>, point: &Point<M>) -> String {
         let full = trade.points.iter().find(|point| point.name == FULL);
         let run = |point: &Point<M>| point.known().map_or(0.0, |known| known.seconds);
         let all = full.map_or(0.0, run);
@@ -243,7 +243,7 @@ impl<M> Told<'_, M> {
         });
         let knee: Vec<String> = match trade.knee() {
             Some(knee) => vec![
-                format!("knee: {}", self.says(trade, knee)),
+                format!("knee: {}", Self::says(trade, knee)),
                 (self.command)(&knee.model),
             ],
             None => Vec::new(),

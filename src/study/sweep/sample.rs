@@ -28,9 +28,8 @@ impl Method {
     pub const fn most(self) -> u64 {
         match self {
             Self::Random => MOST_POINTS,
-            Self::Search => 1 << 16,
             // As far as the sequence goes.
-            Self::Sobol => 1 << 16,
+            Self::Sobol | Self::Search => 1 << 16,
         }
     }
 }

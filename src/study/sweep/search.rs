@@ -172,6 +172,9 @@ impl Run<'_> {
     }
 }
 
+/// A part of a scene, and its share of all.
+type Shown = (Arc<CachedScene>, f64);
+
 /// Points on a part of their scenes.
 struct Cut {
     plan: Plan,
@@ -181,7 +184,7 @@ struct Cut {
 impl Cut {
     /// Of these points of a plan; none where a part would be much of a scene, or it cannot be read.
     fn new(plan: &Plan, left: &[usize], (part, hash): (f64, Hash)) -> Option<Self> {
-        let mut scenes: Vec<(String, bool, Option<(Arc<CachedScene>, f64)>)> = Vec::new();
+        let mut scenes: Vec<(String, bool, Option<Shown>)> = Vec::new();
         let mut entries = Vec::new();
         let mut point_frames = 0.0;
         for i in left {
@@ -241,7 +244,7 @@ fn cut(
     part: f64,
     whole: bool,
     hash: Hash,
-) -> Result<Option<(Arc<CachedScene>, f64)>, SceneError> {
+) -> Result<Option<Shown>, SceneError> {
     let each = if whole { part } else { part.sqrt() };
     let all = scene.frames;
     let frames = ((each * all as f64).ceil() as u64)

@@ -296,7 +296,10 @@ impl<M> Trade<M> {
             .iter()
             .map(|cost| cost.x)
             .fold(f64::INFINITY, f64::min);
-        let away = |cost: &Cost| ((cost.x - least) / all).hypot(cost.y);
+        let away = |cost: &Cost| {
+            let late = (cost.x - least) / all;
+            (late * late + cost.y * cost.y).sqrt()
+        };
         let mut knee: Option<(usize, f64)> = None;
         for ((i, cost), by) in placed.iter().zip(dominators(&costs)) {
             let by = by.and_then(|by| Some(self.points.get(placed.get(by)?.0)?.name.clone()));
