@@ -136,7 +136,9 @@ fn a_file_does_not_know_how_its_events_came() {
             for (name, readout) in names.iter().zip(readouts) {
                 let scene = "pattern:bar?width=48&height=40&frames=40&fps=100";
                 let sensor = sensor_file(sensor);
-                let run = ["run", "--scene", scene, "--sensor", &sensor, "--events", name];
+                let run = [
+                    "run", "--scene", scene, "--sensor", &sensor, "--events", name,
+                ];
                 good(folder.path(), &[&run[..], more, readout].concat());
             }
             let bytes = names.map(|name| fs::read(folder.path().join(name)).unwrap());

@@ -125,8 +125,16 @@ fn extent(light: &[f64]) -> [f64; 2] {
     let (mut least, mut most) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
     let (blocks, rest) = light.as_chunks::<LANES>();
     let mut look = |lane: usize, light: f64| {
-        least[lane] = if light < least[lane] { light } else { least[lane] };
-        most[lane] = if light > most[lane] { light } else { most[lane] };
+        least[lane] = if light < least[lane] {
+            light
+        } else {
+            least[lane]
+        };
+        most[lane] = if light > most[lane] {
+            light
+        } else {
+            most[lane]
+        };
     };
     for block in blocks {
         for (lane, light) in block.iter().enumerate() {

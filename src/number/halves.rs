@@ -184,7 +184,13 @@ mod tests {
 
     #[test]
     fn all_of_f16_is_as_the_crate_says() {
-        let is = |value: f32| same(HeldF16::new(value).real(), f16::from_f32(value).to_f32(), value);
+        let is = |value: f32| {
+            same(
+                HeldF16::new(value).real(),
+                f16::from_f32(value).to_f32(),
+                value,
+            )
+        };
         for bits in 0..=u16::MAX {
             let wide = f16::from_bits(bits).to_f32();
             is(wide);
@@ -195,9 +201,17 @@ mod tests {
             let middle = f32::midpoint(wide, f32::from_bits(next));
             near(middle.to_bits(), 0).for_each(is);
         }
-        [f32::MAX, f32::MIN, 65519.996, 65520.0, 1e-45, f32::NAN, f32::from_bits(u32::MAX >> 1)]
-            .into_iter()
-            .for_each(is);
+        [
+            f32::MAX,
+            f32::MIN,
+            65519.996,
+            65520.0,
+            1e-45,
+            f32::NAN,
+            f32::from_bits(u32::MAX >> 1),
+        ]
+        .into_iter()
+        .for_each(is);
     }
 
     #[test]
@@ -205,7 +219,11 @@ mod tests {
         for bits in 0..=u16::MAX {
             let wide = bf16::from_bits(bits).to_f32();
             for value in near(wide.to_bits(), 1 << 16) {
-                same(HeldBf16::new(value).real(), bf16::from_f32(value).to_f32(), value);
+                same(
+                    HeldBf16::new(value).real(),
+                    bf16::from_f32(value).to_f32(),
+                    value,
+                );
             }
         }
     }
@@ -214,7 +232,10 @@ mod tests {
     /// middle between two others, and all that is rare.
     fn pairs() -> impl Iterator<Item = (u16, u16)> {
         let rare = |k: u16| {
-            let ends = [0, 1, 0x3F, 0x7F, 0x80, 0x3FF, 0x400, 0x7BFF, 0x7C00, 0x7C01, 0x7F7F, 0x7F80, 0x7FFF];
+            let ends = [
+                0, 1, 0x3F, 0x7F, 0x80, 0x3FF, 0x400, 0x7BFF, 0x7C00, 0x7C01, 0x7F7F, 0x7F80,
+                0x7FFF,
+            ];
             ends[usize::from(k) % ends.len()] | (k & 1) << 15
         };
         (0..1_000_000u32).map(move |k| {

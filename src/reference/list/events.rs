@@ -171,11 +171,7 @@ impl BandSink for ListBand<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        event::Polarity,
-        plane::Size,
-        unit::Micros,
-    };
+    use crate::{event::Polarity, plane::Size, unit::Micros};
     use proptest::prelude::*;
 
     fn told(
