@@ -113,40 +113,32 @@ fn pair<N: Number>(
     cells: &mut [N::Held],
 ) {
     let part = N::Real::ONE / N::Real::from_i32(by as i32);
-    let (one, two) = (of_one(number, part), of_two(number, part));
+    let one = (one(number, part), one_more(number, part));
+    let two = (two(number, part), two_more(number, part));
     each_twice(operands, own, extra, cells, &one, &two);
 }
 
-/// What the second of two stores leaves, the first of one operand: without another, and with one.
+// What the second of two stores leaves, the first of one operand or of two: without another on the
+// second bus, and with one.
+
 #[inline(always)]
-fn of_one<N: Number>(
-    number: N,
-    part: N::Real,
-) -> (
-    impl Fn(N::Held) -> N::Held,
-    impl Fn(N::Held, N::Held) -> N::Held,
-) {
-    let whole = N::Real::ONE;
-    (
-        move |a| stored(number, [stored(number, [a], part)], whole),
-        move |a, c| stored(number, [stored(number, [a], part), c], whole),
-    )
+fn one<N: Number>(number: N, part: N::Real) -> impl Fn(N::Held) -> N::Held {
+    move |a| stored(number, [stored(number, [a], part)], N::Real::ONE)
 }
 
-/// The same, the first of two operands.
 #[inline(always)]
-fn of_two<N: Number>(
-    number: N,
-    part: N::Real,
-) -> (
-    impl Fn(N::Held, N::Held) -> N::Held,
-    impl Fn(N::Held, N::Held, N::Held) -> N::Held,
-) {
-    let whole = N::Real::ONE;
-    (
-        move |a, b| stored(number, [stored(number, [a, b], part)], whole),
-        move |a, b, c| stored(number, [stored(number, [a, b], part), c], whole),
-    )
+fn one_more<N: Number>(number: N, part: N::Real) -> impl Fn(N::Held, N::Held) -> N::Held {
+    move |a, c| stored(number, [stored(number, [a], part), c], N::Real::ONE)
+}
+
+#[inline(always)]
+fn two<N: Number>(number: N, part: N::Real) -> impl Fn(N::Held, N::Held) -> N::Held {
+    move |a, b| stored(number, [stored(number, [a, b], part)], N::Real::ONE)
+}
+
+#[inline(always)]
+fn two_more<N: Number>(number: N, part: N::Real) -> impl Fn(N::Held, N::Held, N::Held) -> N::Held {
+    move |a, b, c| stored(number, [stored(number, [a, b], part), c], N::Real::ONE)
 }
 
 /// Whether each sum is above zero.

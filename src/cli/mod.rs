@@ -10,6 +10,7 @@ pub mod convert;
 pub mod demo;
 pub mod disasm;
 mod effort;
+mod event_output;
 pub mod exec;
 pub mod feasibility;
 mod fidelity;

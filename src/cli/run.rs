@@ -9,7 +9,6 @@ use crate::{
     event::{
         Packet,
         address::AddressWord,
-        file::Head,
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
     number::{Format, Number, Visitor},
@@ -29,6 +28,7 @@ use crate::{
 use super::{
     budget,
     content::Content,
+    event_output::EventOutput,
     fidelity::{Fidelity, Source, make},
     files::{self, Input, Named, Output},
     guards::{RunGuard, white},
@@ -128,6 +128,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 impl Arguments {
+    /// How many events are taken, where so many may be held.
+    fn limit(&self, held: usize) -> Limit {
+        let all = if self.readout.is_asked() {
+            held
+        } else {
+            usize::MAX
+        };
+        Limit {
+            events: self.max_events.unwrap_or(all),
+            when_full: match self.when_full {
+                Full::Stop => WhenFull::Stop,
+                Full::Drop => WhenFull::Drop,
+            },
+        }
+    }
+
     /// The plan that was asked for, and the scene, which may have been read for it.
     fn planned(
         &self,
@@ -269,25 +285,13 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
     let mut guard = RunGuard::new(&description, size, arguments.format);
     let sensor = Reference::<N>::bytes(&description, size);
     let held = events(arguments, &*scene, sensor, channels)?;
-    let limit = Limit {
-        events: match arguments.max_events {
-            None if arguments.readout.is_asked() => held,
-            asked => asked.unwrap_or(usize::MAX),
-        },
-        when_full: match arguments.when_full {
-            Full::Stop => WhenFull::Stop,
-            Full::Drop => WhenFull::Drop,
-        },
-    };
+    let limit = arguments.limit(held);
     let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
     let mut packet = Packet::new(size, channels as u8);
     packet.span.1 = end;
     // A readout wants the whole packet; without one, events go to the file pair by pair.
-    let streamed = arguments.events.as_ref();
-    let streamed = streamed.filter(|_| !arguments.readout.is_asked());
-    let mut writer = streamed
-        .map(|path| path.writer(&Head::from_packet(&packet)))
-        .transpose()?;
+    let whole = arguments.readout.is_asked();
+    let mut output = EventOutput::new(arguments.events.as_ref(), &packet, whole)?;
     let mut tally = Tally::new(channels);
     let counts = arguments.counts.as_ref();
     let mut counts = counts.map(|_| Counts::new(size, channels));
@@ -315,9 +319,7 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
                 (&mut counts, &mut grid),
             ),
         )?;
-        if let (Some(list), Some(writer)) = (&mut list, &mut writer) {
-            list.pass(|events| writer.put(events))?;
-        }
+        output.take(list.as_mut())?;
         guard.see(&frame);
         if first.is_some() {
             if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
@@ -353,14 +355,7 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
         packet = read.packet;
         read_out = Some((chosen, read.statistics));
     }
-    match (writer, &arguments.events) {
-        (Some(mut writer), _) => {
-            writer.state(packet.span, packet.dropped);
-            writer.finish()?;
-        }
-        (None, Some(path)) => path.write(&packet)?,
-        (None, None) => {}
-    }
+    output.finish(&packet)?;
     count_stack.map(Stack::finish).transpose()?;
     voxel_stack.map(Stack::finish).transpose()?;
     Ok(Watched {
