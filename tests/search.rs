@@ -66,14 +66,14 @@ fn a_search_finds_the_front_at_a_fraction_of_its_cost() {
         let same = all.iter().find(|other| other["id"] == row["id"]).unwrap();
         assert_eq!(row["error"], same["error"]);
     }
-    let all_costs = costs(&all);
-    let corner = all_costs
+    let grid = costs(&all);
+    let corner = grid
         .iter()
         .fold(Cost { x: 0.0, y: 0.0 }, |corner, cost| Cost {
             x: corner.x.max(1.05 * cost.x),
             y: corner.y.max(1.05 * cost.y),
         });
-    let share = hypervolume(&costs(&found), corner) / hypervolume(&all_costs, corner);
+    let share = hypervolume(&costs(&found), corner) / hypervolume(&grid, corner);
     assert!(share >= 0.95, "{share} of the hypervolume");
     // In frames of the whole sensor that points saw, parts of it counted as parts.
     let search = &did["search"];
@@ -298,8 +298,8 @@ fn points_told_one_by_one_are_those_of_a_sweep() {
         .output()
         .unwrap();
     assert!(said.status.success());
-    let text = String::from_utf8(said.stdout).unwrap();
-    let told: Vec<Value> = { text.lines() }
+    let said = String::from_utf8(said.stdout).unwrap();
+    let told: Vec<Value> = { said.lines() }
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
     assert_eq!(told.len(), 6 + wrong.len());

@@ -361,7 +361,9 @@ mod tests {
             *picture.get_pixel(x as u32, y as u32)
         };
         assert_eq!(at(0.5, 0.01), KNEE);
-        assert_eq!(at(0.45, 0.01), KNEE, "a bar of planning");
+        // Its edges are soft, and the page is white.
+        let bar = at(0.45, 0.01);
+        assert!(bar.0[2] < 128, "a bar of planning: {bar:?}");
         assert_eq!(at(5.0, 0.0), FRONT);
         assert_eq!(at(50.0, 0.1), BEATEN);
         assert_eq!(at(0.6, 0.05), ink::PAGE);

@@ -332,10 +332,10 @@ mod tests {
                 Ok(())
             })
         };
-        tell(&mut list, 0, [4, 0]).unwrap();
-        tell(&mut list, 1, [-2, 2]).unwrap();
-        let held = tell(&mut list, 2, [5, 0]);
+        let held = tell(&mut list, 0, [5, 0]);
         assert!(matches!(held, Err(SensorError::ListFull { limit: 4 })));
+        tell(&mut list, 1, [4, 0]).unwrap();
+        tell(&mut list, 2, [-2, 2]).unwrap();
         let all = tell(&mut list, 3, [2, 0]);
         assert!(matches!(all, Err(SensorError::ListFull { limit: 9 })));
         assert_eq!((passed.len(), packet.events.len()), (8, 0));
