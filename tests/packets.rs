@@ -142,7 +142,8 @@ fn a_file_does_not_know_how_its_events_came() {
                 good(folder.path(), &[&run[..], more, readout].concat());
             }
             let bytes = names.map(|name| fs::read(folder.path().join(name)).unwrap());
-            assert!(bytes[0].len() > 10_000, "{format}");
+            // Some formats pack ten thousand events that tightly.
+            assert!(bytes[0].len() > 2_000, "{format}");
             assert!(bytes[0] == bytes[1], "{format}");
         }
     }

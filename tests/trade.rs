@@ -252,7 +252,10 @@ fn wrong_questions_are_refused() {
             &["--sensor", &sensor, "--program", "dvs.scamp"],
             &["cannot be used with"],
         ),
-        (&["--sensor", &sensor, "--domain", "exact"], &["--program"]),
+        (
+            &["--sensor", &sensor, "--domain", "exact"],
+            &["cannot be used with", "--domain"],
+        ),
         (
             &["--sensor", &sensor, "--sample", "0%"],
             &["no part of a sensor"],

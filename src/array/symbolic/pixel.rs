@@ -301,7 +301,8 @@ impl Far<'_> {
         let apart = |a: (isize, isize), b: (isize, isize)| {
             ((a.0 - b.0).unsigned_abs(), (a.1 - b.1).unsigned_abs())
         };
-        let mut written = Vec::new();
+        // A word may write a register from several sides.
+        let mut written = BTreeMap::new();
         for write in operands.writes() {
             let Some(register) = write.analog() else {
                 continue;
@@ -313,7 +314,8 @@ impl Far<'_> {
                 let (down, right) = apart(write.offset, read.offset);
                 far = (far.0.max(rows + down), far.1.max(columns + right));
             }
-            written.push((register, far));
+            let all: &mut (usize, usize) = written.entry(register).or_default();
+            *all = (all.0.max(far.0), all.1.max(far.1));
         }
         let replaces = operands.replaces(self.whole);
         for (register, far) in written {

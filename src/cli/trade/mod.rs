@@ -46,15 +46,15 @@ pub struct Arguments {
     #[arg(long)]
     program: Option<Input>,
     /// A shipped chip by name, or the folder of another; else the one of the program's settings
-    #[arg(long, requires = "program")]
+    #[arg(long, conflicts_with = "sensor")]
     chip: Option<Named>,
     /// Set a constant of the program; can be given more than once
-    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::opened::constant, requires = "program")]
+    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::opened::constant, conflicts_with = "sensor")]
     constants: Vec<(String, f64)>,
-    #[arg(long, requires = "program", value_parser = domain, help = format!("The arithmetic of the full model: {} [default: silicon]", Arithmetic::names()))]
+    #[arg(long, conflicts_with = "sensor", value_parser = domain, help = format!("The arithmetic of the full model: {} [default: silicon]", Arithmetic::names()))]
     domain: Option<Arithmetic>,
     /// How many frames of the scene the program sees; all when left out
-    #[arg(long, requires = "program", value_parser = clap::value_parser!(u64).range(3..))]
+    #[arg(long, conflicts_with = "sensor", value_parser = clap::value_parser!(u64).range(3..))]
     frames: Option<u64>,
     /// Frames per second, instead of what the scene says
     #[arg(long)]

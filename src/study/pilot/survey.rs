@@ -5,11 +5,14 @@
 //! sensor and the whole scene; of what is timed on the whole sensor, a few frames. A model that has
 //! no tiles can only be run whole, and a second survey runs everything whole to verify.
 
+use std::ops::ControlFlow;
+
 use crate::{
     compare::{Cell, Pair, Times, baseline, matching, window},
     event::Packet,
     mosaic::Mosaic,
     plane::Size,
+    rig,
     scene::{
         Scene as _,
         kept::Kept,
@@ -481,8 +484,9 @@ fn run<F: Family>(
     let contrast = survey.upsample.filter(|_| family.sees_inserted(model));
     let start = (survey.clock)();
     let mut scene = upsample::by_contrast(survey.kept.scene(), contrast)?;
-    while let Some(frame) = scene.next_frame()? {
+    rig::play(&mut *scene, |frame| {
         sensor.watch(&frame, &mut packet)?;
-    }
+        Ok::<_, PlanError>(ControlFlow::Continue(()))
+    })?;
     Ok((packet, (survey.clock)() - start))
 }
