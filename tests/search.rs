@@ -224,7 +224,7 @@ fn keys_set_on_the_command_line_are_the_study_s_own() {
 }
 
 #[test]
-fn points_told_one_by_one_are_those_of_a_sweep() {
+fn the_space_has_sides_and_axes() {
     let folder = folder(SMALL);
     let at = folder.path();
     let space: Value =
@@ -256,15 +256,19 @@ fn points_told_one_by_one_are_those_of_a_sweep() {
         .iter()
         .find(|it| it["name"] == "threshold");
     assert_eq!(threshold.unwrap()["log"], true);
+}
 
+#[test]
+fn points_told_one_by_one_are_those_of_a_sweep() {
+    let folder = folder(SMALL);
+    let at = folder.path();
     json(at, &["sweep", "study.toml"]);
     let swept = rows(&at.join("study"));
     let mut lines = String::new();
     for format in ["f64", "f16"] {
         for threshold in [20, 30] {
-            lines += &format!(
-                "{{\"side\": \"reference\", \"threshold\": {threshold}, \"format\": \"{format}\"}}\n"
-            );
+            let point = json!({"side": "reference", "threshold": threshold, "format": format});
+            lines.extend([point.to_string(), "\n".to_owned()]);
         }
     }
     lines += "\n{\"side\": 1, \"threshold\": 20, \"domain\": \"exact\"}\n";

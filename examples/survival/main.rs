@@ -50,12 +50,12 @@ fn main() -> Result<(), CompileError> {
             };
             let best = Signal::AMPLITUDES.map(at).into_iter().fold(0.0, f64::max);
             low[i] += usize::from(best < 0.95);
-            line += &format!("| {} | {best:.3} ", filter.words.len());
+            line = format!("{line}| {} | {best:.3} ", filter.words.len());
             if objective == Objective::Silicon {
                 let registers = (request.input, &request.into[..]);
                 let said = filter.best_forecast(&device, registers, kernels);
                 let said = said.iter().map(|f| f.correlation).fold(1.0, f64::min);
-                line += &format!("| {said:.3} ");
+                line = format!("{line}| {said:.3} ");
             }
         }
         println!("{line}|");

@@ -189,7 +189,7 @@ mod tests {
                 HeldF16::new(value).real(),
                 f16::from_f32(value).to_f32(),
                 value,
-            )
+            );
         };
         for bits in 0..=u16::MAX {
             let wide = f16::from_bits(bits).to_f32();
