@@ -42,6 +42,21 @@ impl fmt::Display for Micros {
     }
 }
 
+/// An analogue value in steps of the chip's 8-bit converter; `{:.2}` writes `1.25 LSB`, and no sign
+/// where all digits shown are 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lsb(pub f64);
+
+impl fmt::Display for Lsb {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = f.precision().unwrap_or(2);
+        let text = format!("{:.digits$}", self.0);
+        let zero = text.bytes().all(|byte| b"-0.".contains(&byte));
+        let shown = text.strip_prefix('-').filter(|_| zero).unwrap_or(&text);
+        write!(f, "{shown} LSB")
+    }
+}
+
 /// A text that is no duration.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("`{text}` is not a duration in whole microseconds, such as 100us, 1ms or 0.5s")]
@@ -229,6 +244,12 @@ impl fmt::Display for Words {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nothing_has_no_sign() {
+        let shown = [-0.0, -0.004, -0.006, 1.5].map(|lsb| format!("{:.2}", Lsb(lsb)));
+        assert_eq!(shown, ["0.00 LSB", "0.00 LSB", "-0.01 LSB", "1.50 LSB"]);
+    }
 
     #[test]
     fn durations_are_read_to_the_microsecond() {

@@ -49,6 +49,11 @@ pub fn percent(text: &str) -> Result<f64, String> {
     let number = text.trim().strip_suffix('%').map(str::trim);
     let share = number.and_then(|number| number.parse::<f64>().ok());
     match share {
+        // 3 may mean 3 % or 300 %: it is asked for, not guessed.
+        None if text.trim().parse::<f64>().is_ok() => Err(format!(
+            "`{text}` has no percent sign: for {text} per cent write {}%",
+            text.trim()
+        )),
         None => Err(format!(
             "`{text}` is not a percentage: write a number and a percent sign, such as 1% or 0.1%"
         )),
@@ -261,6 +266,7 @@ mod tests {
         for wrong in ["1", "0.01", "%", "-1%", "101%", "nan%", "inf%", "one%", ""] {
             assert!(percent(wrong).is_err(), "{wrong}");
         }
+        assert!(percent("3").unwrap_err().ends_with("write 3%"));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use image::{RgbImage, imageops};
+use image::RgbImage;
 use miette::miette;
 
 use crate::{
@@ -13,8 +13,7 @@ use crate::{
         Kernel,
         quantise::{self, Change, QuantiseError, Quantised, Quantiser},
     },
-    picture::{panel, write_png},
-    plane::Plane,
+    picture::{self, write_png},
     rig::guard::{Guard, Warning},
     save::save,
     scene::{Observation, Scene as _},
@@ -161,7 +160,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         write(path, arguments, quantised)?;
     }
     if let Some(path) = &arguments.picture {
-        write_png(path, &picture(kernel, &good))?;
+        write_png(path, &picture(&arguments.kernel.to_string(), kernel, &all))?;
     }
     if arguments.json {
         let json = Json {
@@ -498,32 +497,15 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The kernel, and each of the quantised ones at its scale, all in the same colours.
-fn picture(kernel: &Kernel, all: &[&Quantised]) -> RgbImage {
-    let planes: Vec<Plane<f64>> = std::iter::once(kernel.weights().clone())
-        .chain(
-            all.iter()
-                .map(|quantised| quantised.kernel().weights().clone()),
-        )
+/// The kernel, and each of the quantised ones at its scale.
+fn picture(name: &str, kernel: &Kernel, all: &[Tried]) -> RgbImage {
+    let quantised = all.iter().filter_map(|(to, quantised)| {
+        let quantised = quantised.as_ref().ok()?;
+        Some((to.to_string(), quantised.kernel()))
+    });
+    let quantised: Vec<(String, Kernel)> = quantised.collect();
+    let named: Vec<_> = std::iter::once((name.to_owned(), kernel.weights()))
+        .chain(quantised.iter().map(|(to, kernel)| (to.clone(), kernel.weights())))
         .collect();
-    let most = planes
-        .iter()
-        .flatten()
-        .fold(0.0, |most: f64, w| most.max(w.abs()));
-    let panels: Vec<RgbImage> = planes
-        .iter()
-        .map(|weights| panel::enlarged(&panel::weights(weights, most), 24))
-        .collect();
-    let gap = 12;
-    let (width, height) = panels[0].dimensions();
-    let mut page = RgbImage::from_pixel(
-        gap + panels.len() as u32 * (width + gap),
-        height + 2 * gap,
-        crate::picture::ink::PAGE,
-    );
-    for (k, panel) in panels.iter().enumerate() {
-        let left = gap + k as u32 * (width + gap);
-        imageops::replace(&mut page, panel, left.into(), gap.into());
-    }
-    page
+    picture::kernels(&named)
 }

@@ -18,6 +18,7 @@ use crate::{
     isa::{Analog, Cell, Device, operands::Terminal},
     plane::Plane,
     program::{Action, Expanded, Step, for_each},
+    unit::Lsb,
 };
 
 /// What can be said of a program before it sees a scene.
@@ -191,7 +192,9 @@ impl Proof {
                     noise,
                     ..
                 }) => format!(
-                    "  {name:<4} is the same everywhere; offset {offset:.2} LSB, noise {noise:.2} LSB"
+                    "  {name:<4} is the same everywhere; offset {:.2}, noise {:.2}",
+                    Lsb(offset),
+                    Lsb(noise)
                 ),
                 Survival::Analogue(Analogue {
                     correlation: Some(correlation),
@@ -199,8 +202,10 @@ impl Proof {
                     offset,
                     noise,
                 }) => format!(
-                    "  {name:<4} correlation {correlation:.4}, noise {noise:.2} LSB, gain {:.3}, offset {offset:.2} LSB (not counted)",
-                    gain.unwrap_or(0.0)
+                    "  {name:<4} correlation {correlation:.4}, noise {:.2}, gain {:.3}, offset {:.2} (not counted)",
+                    Lsb(noise),
+                    gain.unwrap_or(0.0),
+                    Lsb(offset)
                 ),
             });
         }

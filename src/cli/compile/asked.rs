@@ -63,7 +63,7 @@ impl Asked {
             Curve::Linear { white } => white,
             Curve::Log { .. } | Curve::LinLog { .. } => {
                 return Err(miette!(
-                    help = "the chip's photodiode is linear: give a sensor with `response = {{ linear = … }}`",
+                    help = "the chip's photodiode is linear: give a sensor with `response = { linear = 255 }`",
                     "{shown}: its response is not linear"
                 ));
             }

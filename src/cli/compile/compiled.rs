@@ -13,6 +13,7 @@ use crate::{
     plane::Plane,
     program::{Cost, for_each, stored},
     study::feasibility::time,
+    unit::Lsb,
 };
 
 impl Compiled {
@@ -279,7 +280,11 @@ impl Compiled {
 /// What is predicted of a result on the chip, for people.
 fn survival(forecast: &Forecast) -> String {
     format!(
-        "correlation {:.3} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} LSB of noise and mismatch beside {:.2} LSB of signal, {:.0} LSB of constant (predicted from the chip's data, in part a guess)",
-        forecast.correlation, forecast.amplitude, forecast.noise, forecast.signal, forecast.offset,
+        "correlation {:.3} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (predicted from the chip's data, in part a guess)",
+        forecast.correlation,
+        forecast.amplitude,
+        Lsb(forecast.noise),
+        Lsb(forecast.signal),
+        Lsb(forecast.offset),
     )
 }

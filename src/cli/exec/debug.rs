@@ -23,7 +23,7 @@ use crate::{
     plane::{Plane, Size},
     program::{Action, Step},
     source,
-    unit::Micros,
+    unit::{Lsb, Micros},
 };
 
 const HELP: &str = "\
@@ -364,7 +364,7 @@ impl<'a> Debugger<'a> {
             let set = values.iter().filter(|v| **v == 1.0).count();
             format!("{name}: {set} of {} pixels are 1\n", values.len())
         } else {
-            format!("{name}: {low:.2} (black) to {high:.2} LSB (white), mean {mean:.2}\n")
+            format!("{name}: {:.2} (black) to {:.2} (white), mean {:.2}\n", Lsb(low), Lsb(high), Lsb(mean))
         };
         let (black, white) = if register.is_bit() {
             (0.0, 1.0)

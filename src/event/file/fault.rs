@@ -53,7 +53,6 @@ pub enum FileError {
         /// Which file.
         path: PathBuf,
         /// What the system said.
-        #[source]
         cause: io::Error,
     },
     /// The file is not what its format says.
@@ -86,10 +85,8 @@ pub enum FileError {
 
 /// The list of known extensions, for messages.
 fn known() -> String {
-    let dotted: Vec<_> = { Format::ALL.iter() }
-        .map(|format| format!(".{}", format.name()))
-        .collect();
-    dotted.join(" ")
+    let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
+    names.join(", ")
 }
 
 /// A place in an event file.
