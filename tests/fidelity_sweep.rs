@@ -44,7 +44,7 @@ fn plain_models_stand_for_points() {
     let full = rows(here, STUDY, "full");
     let auto = rows(
         here,
-        &format!("fidelity = \"auto\"\ntolerance = 0.02{STUDY}"),
+        &format!("fidelity = \"auto\"\ntolerance = \"2%\"{STUDY}"),
         "auto",
     );
     assert_eq!(full.len(), auto.len());

@@ -1,12 +1,18 @@
 //! Proves that `docs/scamp5.md` is what `isa/` says, and says something of every statement.
 //! `AMACRINE_BLESS=1 cargo test --test instructions` writes it anew.
 
-use std::{fs, path::Path};
+use std::{collections::BTreeSet, fs, path::Path};
 
 use amacrine::{
-    isa::{Device, Figure},
-    program::reference,
+    array::{Array, Chip, Exact, Settings},
+    event::Packet,
+    isa::{Analog, Cell, Device, Digital, Figure},
+    picture::{StripCell, panel, strip, write_png},
+    plane::{Plane, Size},
+    program::{Effect, Sample, reference, samples},
+    unit::Micros,
 };
+use image::RgbImage;
 
 #[test]
 fn the_page_is_what_the_files_say() {
@@ -20,6 +26,122 @@ fn the_page_is_what_the_files_say() {
         assert_eq!(a, b, "docs/scamp5.md:{number}: bless it");
     }
     assert_eq!(written, text, "docs/scamp5.md: bless it");
+}
+
+const SIDE: usize = 32;
+
+/// Shapes on a ground, unlike in each register: a disc, a wedge of greys, bars, a square.
+fn analogue(register: usize) -> Plane<f64> {
+    Plane::from_shape_fn((SIDE, SIDE), |(y, x)| {
+        let (y, x) = (y as f64 - 15.5, x as f64 - 15.5);
+        match register % 4 {
+            0 if (y * y + x * x).sqrt() < 9.0 => 90.0,
+            1 => 5.0 * x + if y.abs() < 4.0 { 20.0 } else { 0.0 },
+            2 if (x - y).rem_euclid(12.0) < 4.0 => 60.0,
+            3 if y.abs().max(x.abs()) < 7.0 => -70.0,
+            _ => -20.0,
+        }
+    })
+}
+
+fn bits(register: usize) -> Plane<bool> {
+    let at = |y: usize, x: usize| match register % 3 {
+        0 => (y + 1) / 6 % 2 == 0,
+        1 => y.abs_diff(16).pow(2) + x.abs_diff(16).pow(2) < 100,
+        _ => x > y,
+    };
+    Plane::from_shape_fn((SIDE, SIDE), |(y, x)| at(y, x))
+}
+
+/// What registers hold: analogue ones, bits, FLAG.
+fn held(chip: &Chip<Exact>, cell: Cell) -> RgbImage {
+    let grey = |bits: Plane<bool>| bits.mapv(|bit| f64::from(u8::from(bit)));
+    match cell {
+        Cell::Analog(register) => panel::frame(&chip.analog(register), -128.0, 127.0),
+        Cell::Digital(register) => panel::frame(&grey(chip.digital(register)), 0.0, 1.0),
+        Cell::Flag => panel::frame(&grey(chip.flag()), 0.0, 1.0),
+    }
+}
+
+/// The registers that a call reads or writes, before it and behind it.
+fn drawn(device: &Device, sample: &Sample<'_>) -> RgbImage {
+    let code = sample.expansion.code.clone();
+    let settings = Settings::from_device(device);
+    let size = Size::new(SIDE, SIDE);
+    let mut chip = Chip::new("sample", Exact, &code, device, size, settings).unwrap();
+    let registers = device.registers();
+    for k in 0..registers.analog.len() {
+        chip.set_analog(Analog(k as u8), &analogue(k)).unwrap();
+    }
+    let roles = registers.roles;
+    for k in 0..registers.digital.len() {
+        let digital = Digital(k as u8);
+        let all = |value| Plane::from_elem((SIDE, SIDE), value);
+        let east = roles.enable[1];
+        let plane = match digital {
+            // Everything passes the mask, and the neighbour in the east is read.
+            _ if digital == roles.mask || digital == east => all(true),
+            _ if roles.enable.contains(&digital) => all(false),
+            _ => bits(k),
+        };
+        chip.set_digital(digital, &plane).unwrap();
+    }
+    // Words without operands are about FLAG: it is then not 1 everywhere.
+    let whole = !sample.call.ends_with("()");
+    let flag = Plane::from_shape_fn((SIDE, SIDE), |(_, x)| whole || x < SIDE / 2);
+    chip.set_flag(&flag).unwrap();
+    chip.expose(&analogue(0).mapv(|v| v + 100.0)).unwrap();
+    let effect = Effect::of(&code.frame, device);
+    let mut cells: BTreeSet<Cell> = effect.writes.clone();
+    cells.extend(effect.reads.iter().filter(|cell| **cell != Cell::Flag));
+    let column = |chip: &Chip<Exact>, written: &BTreeSet<Cell>| {
+        let cell = |cell: &Cell| StripCell {
+            picture: held(chip, *cell),
+            written: written.contains(cell),
+        };
+        cells.iter().map(cell).collect::<Vec<_>>()
+    };
+    let before = column(&chip, &BTreeSet::new());
+    let mut packet = Packet::new(size, 1);
+    chip.run_frame(Micros(0), &mut packet).unwrap();
+    let behind = column(&chip, &effect.writes);
+    let names: Vec<String> = cells.iter().map(|cell| cell.name(device)).collect();
+    let columns = [
+        ("before".to_owned(), before),
+        ("behind it".to_owned(), behind),
+    ];
+    strip(&sample.call, &names, &columns).unwrap()
+}
+
+/// Every word and macro that writes a register has a picture, and it is that of the semantics.
+#[test]
+fn the_pictures_are_what_the_calls_do() {
+    let device = Device::scamp5();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/instructions");
+    let samples = samples(&device);
+    assert!(samples.len() > 80, "{}", samples.len());
+    let mut names = BTreeSet::new();
+    for sample in &samples {
+        let file = format!("{}.png", sample.name);
+        let (path, drawn) = (folder.join(&file), drawn(&device, sample));
+        if std::env::var_os("AMACRINE_BLESS").is_some() {
+            fs::create_dir_all(&folder).unwrap();
+            write_png(&path, &drawn).unwrap();
+        }
+        let written = image::open(&path).unwrap_or_else(|e| panic!("{file}: {e}: bless it"));
+        assert!(
+            written.to_rgb8() == drawn,
+            "docs/instructions/{file}: bless it"
+        );
+        names.insert(file);
+    }
+    for entry in fs::read_dir(&folder).unwrap() {
+        let file = entry.unwrap().file_name().into_string().unwrap();
+        assert!(
+            names.contains(&file),
+            "docs/instructions/{file} shows nothing that there is"
+        );
+    }
 }
 
 #[test]

@@ -14,6 +14,7 @@ use crate::{
         quantise::{self, Change, QuantiseError, Quantised, Quantiser},
     },
     picture::{self, write_png},
+    plane::Plane,
     rig::guard::{Guard, Warning},
     save::save,
     scene::{Observation, Scene as _},
@@ -505,7 +506,11 @@ fn picture(name: &str, kernel: &Kernel, all: &[Tried]) -> RgbImage {
     });
     let quantised: Vec<(String, Kernel)> = quantised.collect();
     let named: Vec<_> = std::iter::once((name.to_owned(), kernel.weights()))
-        .chain(quantised.iter().map(|(to, kernel)| (to.clone(), kernel.weights())))
+        .chain(
+            quantised
+                .iter()
+                .map(|(to, kernel)| (to.clone(), kernel.weights())),
+        )
         .collect();
     picture::kernels(&named)
 }

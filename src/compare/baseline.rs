@@ -41,22 +41,21 @@ pub fn redraw(pair: &Pair, seed: u64) -> Pair {
             let others = all.len() - own.len();
             let first = all.get(own.start).map_or(0, |key| time(*key));
             let last = all.get(own.end - 1).map_or(0, |key| time(*key));
-            let mut times: Vec<pair::Key> = (0..own.len() as u64)
+            let mut times: Vec<u64> = (0..own.len() as u64)
                 .map(|k| {
                     let word = place.nth(k).bits();
-                    let t = if others == 0 {
+                    if others == 0 {
                         first + below(word, u128::from(last - first) + 1)
                     } else {
                         // The others lie after this cell, and on from the start.
                         let at = own.end + below(word, others as u128) as usize;
                         let at = if at < all.len() { at } else { at - all.len() };
                         all.get(at).map_or(first, |key| time(*key))
-                    };
-                    cell.at(t)
+                    }
                 })
                 .collect();
             times.sort_unstable();
-            times
+            times.into_iter().map(|t| cell.at(t)).collect()
         })
         .collect();
     pair.with_judged(Arc::new(drawn.concat()))

@@ -131,6 +131,9 @@ struct Spoke {
 /// Cells in one piece of work; fixed, so that sums do not depend on the number of threads.
 const PIECE: usize = 512;
 
+/// Up to so many cells are counted, however few events there are.
+const FEW_CELLS: usize = 1 << 20;
+
 /// The reference and what is judged, each sorted by cell, then time.
 #[derive(Clone, Debug)]
 pub struct Pair {
@@ -160,7 +163,8 @@ impl Pair {
                 judged: judged.channels,
             });
         }
-        let keys = [Arc::new(sorted(reference)?), Arc::new(sorted(judged)?)];
+        let (reference_keys, judged_keys) = rayon::join(|| sorted(reference), || sorted(judged));
+        let keys = [Arc::new(reference_keys?), Arc::new(judged_keys?)];
         Ok(Self {
             size,
             channels,
@@ -427,23 +431,93 @@ impl<'a> Times<'a> {
     }
 }
 
+/// The keys of a packet's events, ascending.
 fn sorted(packet: &Packet) -> Result<Vec<Key>, CompareError> {
     let (size, channels) = (packet.size, packet.channels);
-    let mut keys = packet
-        .events
-        .iter()
-        .map(|event| {
-            let inside = usize::from(event.x) < size.width
-                && usize::from(event.y) < size.height
-                && event.channel < channels;
-            let key = Cell::from_event(event).at(event.t.0);
-            inside.then_some(key).ok_or(CompareError::Outside {
-                event: *event,
-                size,
-                channels,
-            })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let inside = |event: &&Event| {
+        usize::from(event.x) < size.width
+            && usize::from(event.y) < size.height
+            && event.channel < channels
+    };
+    if let Some(event) = packet.events.iter().find(|event| !inside(event)) {
+        return Err(CompareError::Outside {
+            event: *event,
+            size,
+            channels,
+        });
+    }
+    let cells = 2 * usize::from(channels) * size.height * size.width;
+    if cells <= FEW_CELLS.max(packet.events.len()) && u32::try_from(packet.events.len()).is_ok() {
+        return Ok(by_cell(packet, cells));
+    }
+    let events = packet.events.iter();
+    let mut keys: Vec<Key> = events.map(|e| Cell::from_event(e).at(e.t.0)).collect();
     keys.par_sort_unstable();
     Ok(keys)
+}
+
+/// Counting sort by cell, which keeps the order of time in a packet that has it.
+fn by_cell(packet: &Packet, cells: usize) -> Vec<Key> {
+    let Size { height, width } = packet.size;
+    let index = |e: &Event| {
+        let row = usize::from(e.channel) * height + usize::from(e.y);
+        2 * (row * width + usize::from(e.x)) + usize::from(e.polarity.bit())
+    };
+    let mut next = vec![0u32; cells];
+    for event in &packet.events {
+        next[index(event)] += 1;
+    }
+    let mut sum = 0;
+    for place in &mut next {
+        sum += std::mem::replace(place, sum);
+    }
+    let mut keys = vec![0; packet.events.len()];
+    for event in &packet.events {
+        let place = &mut next[index(event)];
+        keys[*place as usize] = Cell::from_event(event).at(event.t.0);
+        *place += 1;
+    }
+    if !packet.events.is_sorted_by_key(|event| event.t) {
+        // Each place is now where its cell ends.
+        let mut start = 0;
+        for end in next {
+            keys[start..end as usize].sort_unstable();
+            start = end as usize;
+        }
+    }
+    keys
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// In order of time or not, of few cells and of more than there are events.
+        #[test]
+        fn counting_gives_what_comparing_gives(
+            events in proptest::collection::vec((0u64..50, 0u16..5, 0u16..3, 0u8..2, any::<bool>()), 0..200),
+            in_order: bool,
+        ) {
+            let mut packet = Packet::new(Size::new(3, 5), 2);
+            packet.events = { events.iter() }
+                .map(|&(t, x, y, channel, on)| Event {
+                    t: Micros(t),
+                    x,
+                    y,
+                    polarity: if on { Polarity::On } else { Polarity::Off },
+                    channel,
+                })
+                .collect();
+            if in_order {
+                packet.events.sort_by_key(|event| event.t);
+            }
+            let mut keys: Vec<Key> = { packet.events.iter() }
+                .map(|e| Cell::from_event(e).at(e.t.0))
+                .collect();
+            keys.sort_unstable();
+            prop_assert_eq!(sorted(&packet), Ok(keys));
+        }
+    }
 }

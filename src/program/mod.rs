@@ -19,6 +19,7 @@ mod operation;
 mod parse;
 mod print;
 mod reference;
+mod sample;
 mod settings;
 mod source;
 pub mod syntax;
@@ -33,6 +34,7 @@ pub use expand::{Entry, Expanded, Expansion, Overrides, for_each};
 pub use host::buffer;
 pub use operation::{Area, Host, Pattern, Shape, SumOver, Window};
 pub use reference::reference;
+pub use sample::{Sample, samples};
 pub use settings::{
     Computes, Expectation, ExpectedEvents, ExpectedWords, Settings, Summary, json_schema,
 };

@@ -2,7 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::{Cost, Expansion, Overrides, Program, for_each};
+use super::{
+    Cost, Expansion,
+    sample::{Sample, destroyed, nearest_to_one, sample, samples},
+};
 use crate::isa::{
     Clock, Device, Figure, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity, Signature,
     macros::Item,
@@ -43,17 +46,19 @@ pub fn reference(device: &Device) -> String {
             ),
         );
     }
-    text.push_str("\n## Primitives\n\nOne instruction word of the array each.\n");
+    let pictured = samples(device);
+    text.push_str("\n## Primitives\n\nOne instruction word of the array each. ");
+    text.push_str(PICTURES);
     for row in device.primitives() {
-        primitive(&mut text, row);
+        primitive(&mut text, row, &pictured);
     }
     text.push_str(MACROS);
     for it in device.macros().iter().filter(|it| !it.host) {
-        of_macro(&mut text, it, device);
+        of_macro(&mut text, it, device, &pictured);
     }
     text.push_str(HOST_MACROS);
     for it in device.macros().iter().filter(|it| it.host) {
-        of_macro(&mut text, it, device);
+        of_macro(&mut text, it, device, &pictured);
     }
     text.push_str("\n## Host operations\n\nDone by the micro-controller; no word of the array. `call` is paid once, `item` for each slot, sample or row.\n");
     for row in device.hosts() {
@@ -73,6 +78,10 @@ Written from `isa/` by `AMACRINE_BLESS=1 cargo test --test instructions`; a test
 - Evidence: `measured` on the chip or from its published data, `quoted` from whoever made it, `modelled`, `guess`. CAREY13, HW, KIM, 5C, TUT, AICSP13, CNN, ANET: see the head of `isa/scamp5/device.toml` and `isa/scamp5/primitives.toml`.
 ";
 
+const PICTURES: &str = "\
+The pictures show what each register held before a call and holds after it, without errors; what the call has written is framed. Analogue registers are black at -128 LSB and white at 127, bits are white where they are 1.
+";
+
 const MACROS: &str = "
 ## Macros
 
@@ -90,8 +99,9 @@ fn line(text: &mut String, what: &str) {
     let _ = writeln!(text, "{what}");
 }
 
-fn primitive(text: &mut String, row: &PrimitiveRow) {
+fn primitive(text: &mut String, row: &PrimitiveRow, pictured: &[Sample<'_>]) {
     heading(text, &row.forms);
+    pictures(text, &row.forms, pictured);
     line(text, &format!("{}\n", row.equation));
     let aliases = match row.kind {
         Kind::Bus | Kind::Square | Kind::Where => {
@@ -139,6 +149,17 @@ fn heading(text: &mut String, forms: &[Signature]) {
         line(text, &full(form));
     }
     line(text, "```\n");
+}
+
+/// What the registers hold before and after a call of each form.
+fn pictures(text: &mut String, forms: &[Signature], pictured: &[Sample<'_>]) {
+    let shown = { pictured.iter() }.filter(|sample| forms.contains(sample.form));
+    let shown: Vec<String> = shown
+        .map(|it| format!("![{}](instructions/{}.png)", it.call, it.name))
+        .collect();
+    if !shown.is_empty() {
+        line(text, &format!("{}\n", shown.join(" ")));
+    }
 }
 
 /// A form as it stands in the chip's files.
@@ -192,8 +213,10 @@ fn parameter(it: &Parameter) -> String {
     }
 }
 
-fn of_macro(text: &mut String, it: &Macro, device: &Device) {
-    heading(text, std::slice::from_ref(&it.signature));
+fn of_macro(text: &mut String, it: &Macro, device: &Device, pictured: &[Sample<'_>]) {
+    let forms = std::slice::from_ref(&it.signature);
+    heading(text, forms);
+    pictures(text, forms, pictured);
     line(text, &format!("{}\n", it.doc.replace('\n', " ")));
     let illegal: Vec<String> = it
         .distinct
@@ -209,7 +232,7 @@ fn of_macro(text: &mut String, it: &Macro, device: &Device) {
     if it.whole_flag {
         line(text, "- FLAG: must be 1 everywhere");
     }
-    let destroyed = destroyed(it, device);
+    let destroyed = destroyed(&it.signature, device);
     line(text, &format!("- destroys: {}", or_nothing(&destroyed)));
     if !it.gives.is_empty() {
         line(text, &format!("- gives: {}", it.gives.join(", ")));
@@ -250,34 +273,6 @@ fn sequence(text: &mut String, body: &[Item], level: usize) {
     }
 }
 
-/// The registers that a macro writes besides its results; parameters by their names.
-fn destroyed(it: &Macro, device: &Device) -> Vec<String> {
-    let Some((arguments, expansion)) = sample(it, device, &nearest_to_one(it)) else {
-        return Vec::new();
-    };
-    let mut names = Vec::new();
-    for_each(&expansion.frame, &mut |statement| {
-        for cell in statement.destroys() {
-            let register = cell.name(device);
-            let at = arguments.iter().position(|argument| *argument == register);
-            let parameter = at.and_then(|at| it.signature.parameters.get(at));
-            names.push(parameter.map_or(register, |p| p.name.clone()));
-        }
-    });
-    names
-}
-
-/// For each of its whole numbers, 1 or what comes nearest to it.
-fn nearest_to_one(it: &Macro) -> Vec<f64> {
-    let parameters = it.signature.parameters.iter();
-    parameters
-        .filter_map(|p| match p.operand {
-            Operand::Integer(low, high) => Some(1.0f64.clamp(low, high)),
-            _ => None,
-        })
-        .collect()
-}
-
 /// The number of words of a macro, and how it depends on its numeric parameters.
 fn words(it: &Macro, device: &Device) -> String {
     let numbers: Vec<&Parameter> = it
@@ -287,10 +282,10 @@ fn words(it: &Macro, device: &Device) -> String {
         .filter(|p| matches!(p.operand, Operand::Integer(..)))
         .collect();
     let of = |values: &[f64]| {
-        let (_, Expansion { code, .. }) = sample(it, device, values)?;
+        let (.., Expansion { code, .. }) = sample(&it.signature, device, values)?;
         Some(Cost::of(&code.frame, device).words.0)
     };
-    let base = nearest_to_one(it);
+    let base = nearest_to_one(&it.signature);
     let Some(once) = of(&base) else {
         return "as its operands ask".to_owned();
     };
@@ -334,37 +329,6 @@ fn words(it: &Macro, device: &Device) -> String {
         .map(|(p, value)| format!("{} = {value}", p.name))
         .collect();
     format!("{once} for {}; {}", at.join(", "), parts.join("; "))
-}
-
-/// A call of a macro with operands that differ and these numbers: its arguments, and what it
-/// becomes.
-fn sample(it: &Macro, device: &Device, numbers: &[f64]) -> Option<(Vec<String>, Expansion)> {
-    let registers = device.registers();
-    let news = device.analog_name(registers.news);
-    let mut analog = registers.analog.iter().filter(|name| **name != news);
-    let roles = registers.roles;
-    let used = [roles.mask, roles.propagated]
-        .into_iter()
-        .chain(roles.enable);
-    let used: Vec<String> = used.map(|d| device.digital_name(d)).collect();
-    let mut digital = registers.digital.iter().filter(|name| !used.contains(name));
-    let mut numbers = numbers.iter();
-    let mut arguments = Vec::new();
-    for parameter in &it.signature.parameters {
-        arguments.push(match parameter.operand {
-            Operand::Areg | Operand::Source | Operand::Target => analog.next()?.clone(),
-            Operand::Dreg | Operand::Bit => digital.next()?.clone(),
-            Operand::Direction | Operand::Directions => "east".to_owned(),
-            Operand::Integer(..) => numbers.next()?.to_string(),
-            Operand::Number(low, _) => 0.0f64.max(low).to_string(),
-            Operand::Literal(value) => value.to_string(),
-            Operand::Word => "buffer".to_owned(),
-        });
-    }
-    let text = format!("{}({});", it.signature.name, arguments.join(", "));
-    let program = Program::read("reference", &text);
-    let expansion = program.expand(device, &Overrides::new()).ok()?;
-    Some((arguments, expansion))
 }
 
 fn host(text: &mut String, row: &HostRow) {

@@ -193,8 +193,8 @@ impl Proof {
                     ..
                 }) => format!(
                     "  {name:<4} is the same everywhere; offset {:.2}, noise {:.2}",
-                    Lsb(offset),
-                    Lsb(noise)
+                    Lsb(*offset),
+                    Lsb(*noise)
                 ),
                 Survival::Analogue(Analogue {
                     correlation: Some(correlation),
@@ -203,9 +203,9 @@ impl Proof {
                     noise,
                 }) => format!(
                     "  {name:<4} correlation {correlation:.4}, noise {:.2}, gain {:.3}, offset {:.2} (not counted)",
-                    Lsb(noise),
+                    Lsb(*noise),
                     gain.unwrap_or(0.0),
-                    Lsb(offset)
+                    Lsb(*offset)
                 ),
             });
         }

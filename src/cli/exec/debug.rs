@@ -364,7 +364,12 @@ impl<'a> Debugger<'a> {
             let set = values.iter().filter(|v| **v == 1.0).count();
             format!("{name}: {set} of {} pixels are 1\n", values.len())
         } else {
-            format!("{name}: {:.2} (black) to {:.2} (white), mean {:.2}\n", Lsb(low), Lsb(high), Lsb(mean))
+            format!(
+                "{name}: {:.2} (black) to {:.2} (white), mean {:.2}\n",
+                Lsb(low),
+                Lsb(high),
+                Lsb(mean)
+            )
         };
         let (black, white) = if register.is_bit() {
             (0.0, 1.0)

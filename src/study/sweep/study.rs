@@ -127,6 +127,27 @@ const WINDOW: Kind = Kind::Spelled(&Spelling {
     holds: |text| text.parse::<Micros>().is_ok(),
 });
 
+/// A share: a number, or per cent.
+const SHARE: Kind = Kind::Either {
+    ways: &[
+        Kind::Number(Range::between(0.0, 1.0)),
+        Kind::Spelled(&Spelling {
+            what: "a percentage",
+            pattern: r"^\s*[0-9]+\.?[0-9]*\s*%\s*$",
+            holds: |text| per_cent(text).is_some(),
+        }),
+    ],
+    expected: "a number from 0 to 1, or a percentage such as \"1%\"",
+};
+
+/// `1%`, as a share.
+fn per_cent(text: &str) -> Option<f64> {
+    let number = text.trim().strip_suffix('%')?.trim_end();
+    let digits = number.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    let share = number.parse::<f64>().ok().filter(|_| digits)? / 100.0;
+    (0.0..=1.0).contains(&share).then_some(share)
+}
+
 /// Times above zero, or one.
 const TIMES: Kind = Kind::Either {
     ways: &[ABOVE, several(&ABOVE)],
@@ -250,9 +271,9 @@ pub const SETTINGS: [config::Key; 12] = [
     ),
     config::Key::with_default(
         "tolerance",
-        Kind::Number(Range::between(0.0, 1.0)),
+        SHARE,
         "0.01",
-        "the share of a point's events that may change under `fidelity = \"auto\"`; 0.01 when left out",
+        "the share of a point's events that may change under `fidelity = \"auto\"`, such as 0.01 or \"1%\"; 0.01 when left out",
     ),
     config::Key::optional(
         "sample",
@@ -408,7 +429,12 @@ fn settings_of(section: &Section<'_>) -> Read<Settings> {
         threshold_equivalent: equivalent.and_then(Node::as_flag).unwrap_or(true),
         effort: Effort::seconds(section.number("effort")?).states,
         tolerance: if section.text("fidelity")? == "auto" {
-            Some(section.number("tolerance")?).filter(|tolerance| *tolerance > 0.0)
+            let written = section.get("tolerance").and_then(Node::as_text);
+            let share = match written.and_then(per_cent) {
+                Some(share) => share,
+                None => section.number("tolerance")?,
+            };
+            Some(share).filter(|share| *share > 0.0)
         } else {
             None
         },
