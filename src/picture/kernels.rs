@@ -15,6 +15,7 @@ const CELL: u32 = 24;
 const GAP: u32 = 12;
 
 /// Each kernel below its name, all in the same colours: those of the largest weight of all.
+#[must_use]
 pub fn kernels(named: &[(String, &Plane<f64>)]) -> RgbImage {
     let weights = named.iter().flat_map(|(_, plane)| plane.iter());
     let most = weights.fold(0.0, |most: f64, w| most.max(w.abs()));
