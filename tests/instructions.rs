@@ -46,7 +46,7 @@ fn analogue(register: usize) -> Plane<f64> {
 
 fn bits(register: usize) -> Plane<bool> {
     let at = |y: usize, x: usize| match register % 3 {
-        0 => (y + 1) / 6 % 2 == 0,
+        0 => ((y + 1) / 6).is_multiple_of(2),
         1 => y.abs_diff(16).pow(2) + x.abs_diff(16).pow(2) < 100,
         _ => x > y,
     };
