@@ -108,7 +108,7 @@ fn drawn(device: &Device, sample: &Sample<'_>) -> RgbImage {
     let names: Vec<String> = cells.iter().map(|cell| cell.name(device)).collect();
     let columns = [
         ("before".to_owned(), before),
-        ("behind it".to_owned(), behind),
+        ("after".to_owned(), behind),
     ];
     strip(&sample.call, &names, &columns).unwrap()
 }

@@ -68,9 +68,12 @@ fn sensors(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_table_of_the_demo() {
-    let page = page("README.md");
-    let said = printed(&folder(), "amacrine demo");
+fn the_table_and_the_picture_of_the_demo() {
+    let (folder, page) = (folder(), page("README.md"));
+    let said = printed(&folder, "amacrine demo");
+    let pixels = |path: &Path| image::open(path).unwrap().to_rgb8();
+    let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/demo.png");
+    assert!(pixels(&ours) == pixels(&folder.path().join("out/row.png")));
     let said: Vec<_> = said.lines().map(steady).collect();
     let shown = after(&page, "cargo run --release").into_iter().map(steady);
     let shown: Vec<_> = shown.collect();

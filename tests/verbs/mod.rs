@@ -36,7 +36,7 @@ const fn slow(line: &'static str, writes: &'static str) -> Case {
 pub const CASES: &[Case] = &[
     slow(
         "demo --out o",
-        "o/reference.csv,o/reference.npy,o/exact.csv,o/exact.npy,o/q8.8.csv,o/q8.8.npy,o/silicon.csv,o/silicon.npy,o/sheet.png,o/watch.gif",
+        "o/reference.csv,o/reference.npy,o/exact.csv,o/exact.npy,o/q8.8.csv,o/q8.8.npy,o/silicon.csv,o/silicon.npy,o/row.png,o/sheet.png,o/watch.gif",
     ),
     case(
         "run --scene ../in/clip.npy --sensor ../in/sensor.toml --events e.npy --counts c.npy --voxels v.npy",

@@ -48,8 +48,8 @@ pub(super) fn events(out: &Path) -> Vec<[PathBuf; 2]> {
 }
 
 /// The pictures.
-pub(super) fn pictures(out: &Path) -> [PathBuf; 2] {
-    ["sheet.png", "watch.gif"].map(|name| out.join(name))
+pub(super) fn pictures(out: &Path) -> [PathBuf; 3] {
+    ["row.png", "sheet.png", "watch.gif"].map(|name| out.join(name))
 }
 
 /// Writes events and pictures of the kernel that the chip can carry; returns what was written.
@@ -84,13 +84,13 @@ pub(super) fn write(
         reference: ("float reference", &reference.packet),
         device: (&device, &shown.packet),
     };
-    let [sheet, animation] = pictures(out);
-    write_png(
-        &sheet,
-        &contact_sheet(&show, &busiest(moments, &reference.packet))?,
-    )?;
+    let [row, sheet, animation] = pictures(out);
+    let busiest = busiest(moments, &reference.packet);
+    let first = busiest.get(..1).unwrap_or_default();
+    write_png(&row, &contact_sheet(&show, first)?)?;
+    write_png(&sheet, &contact_sheet(&show, &busiest)?)?;
     write_animation(&animation, &show, moments, 0.1)?;
-    written.extend([sheet, animation]);
+    written.extend([row, sheet, animation]);
     Ok(written)
 }
 

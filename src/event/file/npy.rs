@@ -244,16 +244,20 @@ pub(super) fn column(mut chunks: Chunks) -> Result<Column, Stop> {
 }
 
 impl Column {
-    /// The next number.
-    pub(super) fn next(&mut self) -> Result<i128, Stop> {
-        let width = self.field.width;
-        let here = self.chunks.ahead(width)?;
-        let Some(bytes) = here.get(..width) else {
-            return Err(self.chunks.truncated("an array".into()));
-        };
-        let value = self.field.read(bytes);
-        self.chunks.eat(width);
-        Ok(value)
+    /// Appends the next `count` numbers, or those before the array breaks off.
+    pub(super) fn take(&mut self, count: usize, numbers: &mut Vec<i128>) -> Result<(), Stop> {
+        let (width, mut left) = (self.field.width, count);
+        while left > 0 {
+            let here = self.chunks.ahead(width)?;
+            let whole = (here.len() / width).min(left);
+            let Some(bytes) = here.get(..whole * width).filter(|_| whole > 0) else {
+                return Err(self.chunks.truncated("an array".into()));
+            };
+            self.field.read_all(bytes, numbers);
+            self.chunks.eat(whole * width);
+            left -= whole;
+        }
+        Ok(())
     }
 
     /// Checks that the file ends here.
@@ -388,6 +392,23 @@ impl Field {
             signed,
             big: order == b'>',
         })
+    }
+
+    /// Appends the numbers of an array that holds nothing else.
+    fn read_all(self, bytes: &[u8], numbers: &mut Vec<i128>) {
+        match (self.width, self.signed, self.big) {
+            // As numpy writes times, places, and signs.
+            (8, true, false) => {
+                let times = bytes.as_chunks().0.iter();
+                numbers.extend(times.map(|bytes| i128::from(i64::from_le_bytes(*bytes))));
+            }
+            (2, false, false) => {
+                let places = bytes.as_chunks().0.iter();
+                numbers.extend(places.map(|bytes| i128::from(u16::from_le_bytes(*bytes))));
+            }
+            (1, false, _) => numbers.extend(bytes.iter().map(|byte| i128::from(*byte))),
+            _ => numbers.extend(bytes.chunks_exact(self.width).map(|one| self.read(one))),
+        }
     }
 
     fn read(self, record: &[u8]) -> i128 {

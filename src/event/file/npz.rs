@@ -107,6 +107,7 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     Ok(Box::new(Reading {
         about: about.unwrap_or_default(),
         columns: columns.into_iter().map(|(_, column)| column).collect(),
+        numbers: Vec::new(),
         left: events,
         first: 0,
         read: 0,
@@ -355,6 +356,8 @@ struct Reading {
     about: About,
     /// t, x, y, p, and perhaps the channel.
     columns: Vec<Column>,
+    /// A block of each.
+    numbers: Vec<Vec<i128>>,
     left: u64,
     /// Number of the first event of the last block, and of the next.
     first: u64,
@@ -375,25 +378,36 @@ impl Source for Reading {
             return Ok(false);
         }
         let count = usize::try_from(self.left).unwrap_or(BLOCK).min(BLOCK);
-        for _ in 0..count {
-            let mut values = [0; 5];
-            for (value, column) in values.iter_mut().zip(&mut self.columns) {
-                *value = column.next()?;
-            }
-            let [t, x, y, p, channel] = values;
+        self.numbers.resize_with(self.columns.len(), Vec::new);
+        // Events before a damage are whole: they are told before it is.
+        let (mut whole, mut damage) = (count, None);
+        for (column, numbers) in self.columns.iter_mut().zip(&mut self.numbers) {
+            numbers.clear();
+            damage = column.take(whole, numbers).err().or(damage);
+            whole = numbers.len();
+        }
+        let (columns, channels) = self.numbers.split_at(4);
+        let [t, x, y, p] = columns else {
+            return Err(wrong("has too few arrays"));
+        };
+        let channels = channels.first().map(Vec::as_slice);
+        for (k, (((t, x), y), p)) in t.iter().zip(x).zip(y).zip(p).take(whole).enumerate() {
             let raw = Raw {
-                t,
-                x,
-                y,
-                p,
-                channel,
+                t: *t,
+                x: *x,
+                y: *y,
+                p: *p,
+                channel: channels.map_or(0, |channels| channels[k]),
             };
             let event = raw
                 .event()
                 .map_err(|fault| Stop::Fault(self.place(events.len()), fault))?;
             events.push(event);
-            self.read += 1;
-            self.left -= 1;
+        }
+        self.read += whole as u64;
+        self.left -= whole as u64;
+        if let Some(damage) = damage {
+            return Err(damage);
         }
         Ok(true)
     }
