@@ -16,6 +16,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::{
+    elementary,
     number::Real,
     plane::Plane,
     reference::{drive::Parts, fire, signal::BLOCK},
@@ -244,7 +245,7 @@ impl<'a, R: Float> Pass<'a, R> {
             for k in 0..channels {
                 for y in rows.clone() {
                     self.pair(tape, pair, k, y);
-                    self.frame(pair + 1, k, y);
+                    self.frame(tape, pair + 1, k, y);
                 }
                 self.sums[k].fold();
             }
@@ -252,7 +253,7 @@ impl<'a, R: Float> Pass<'a, R> {
         for k in 0..channels {
             for y in rows.clone() {
                 self.start(k, y);
-                self.frame(0, k, y);
+                self.frame(tape, 0, k, y);
             }
             self.sums[k].fold();
         }
@@ -362,11 +363,11 @@ impl<'a, R: Float> Pass<'a, R> {
     }
 
     /// Adds a row of `dL/dS` of a frame to the kernel's sums, and keeps it for the light.
-    fn frame(&mut self, frame: usize, k: usize, y: usize) {
+    fn frame(&mut self, tape: &Tape<R>, frame: usize, k: usize, y: usize) {
         let (model, width) = (self.model, self.from.len());
         let signal = &self.seen.signal[self.piece.clip * self.seen.times.len() + frame];
         if model.description.channels[k].log_temporal {
-            self.through_logarithm(frame, k, y);
+            self.through_logarithm(tape, frame, k, y);
         }
         if !self.light.is_empty() {
             let cells = self.piece.rows.len() * width;
@@ -387,16 +388,35 @@ impl<'a, R: Float> Pass<'a, R> {
     /// From `dL/dT` to `dL/dS`, with `T = ln(max(S, floor) + 1)`.
     ///
     /// The released code lets the gradient through where it clamps; so does its rule.
-    fn through_logarithm(&mut self, frame: usize, k: usize, y: usize) {
+    fn through_logarithm(&mut self, tape: &Tape<R>, frame: usize, k: usize, y: usize) {
         let (model, released) = (self.model, self.rule == Rule::Authors);
         let signal = &self.seen.signal[self.piece.clip * self.seen.times.len() + frame];
         model.weights[k].row(&R::NUMBER, signal, y, &mut self.drive, &mut self.parts);
         let floor = R::from_f64(if frame == 0 { 0.0 } else { 1e-8 });
+        if released && frame > 0 {
+            self.gain(tape, frame - 1, k, y);
+        }
         for (h, &drive) in self.h.iter_mut().zip(&self.drive) {
             let above = drive > floor;
             let held = if above || (released && frame == 0) { drive } else { floor };
             let through = above || released;
             *h = if through { *h / (held + R::ONE) } else { R::ZERO };
+        }
+    }
+}
+
+impl<R: Float> Pass<'_, R> {
+    /// The released code's multipliers of the logarithm `T` and of the memory, `d = T - M`.
+    fn gain(&mut self, tape: &Tape<R>, pair: usize, k: usize, y: usize) {
+        let place = self.place(k, y);
+        let all = self.model.channels() * self.piece.rows.len() * self.from.len();
+        let distance = &tape.distance[pair * all..][place];
+        let [logarithm, memory] = &mut self.sums[k].gains;
+        for ((h, drive), d) in self.h.iter().zip(&self.drive).zip(distance) {
+            let (h, drive) = (h.to_f64(), drive.to_f64());
+            let seen = elementary::ln(drive.max(1e-8) + 1.0);
+            *logarithm += h * seen;
+            *memory -= h * (seen - d.to_f64());
         }
     }
 }

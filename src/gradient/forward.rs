@@ -6,7 +6,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::{
-    number::{Number, Real},
+    number::Real,
     plane::Size,
     reference::{
         Interval, MemoryRule, TrainRow,
@@ -77,6 +77,15 @@ impl<R: Float> Forward<R> {
     pub fn rate(&self) -> f64 {
         let cells = self.counts.len() / self.channels.max(1);
         self.events() as f64 / cells.max(1) as f64
+    }
+
+    /// Bytes that it holds: voxels, counts, signals, and what the way back needs.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let tape = |tape: &Tape<R>| tape.distance.len() + tape.timing.len();
+        let signals = self.signal.iter().map(|signal| signal.all().len());
+        let values: usize = self.tapes.iter().map(tape).chain(signals).sum();
+        (values + self.voxels.len()) * size_of::<R>() + self.counts.len() * size_of::<i32>()
     }
 
     /// The shape of the voxels.

@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use crate::{number::Real, reference::Border};
+use crate::reference::Border;
 
 use super::{float::Float, forward::Forward, model::Model, piece::Piece};
 

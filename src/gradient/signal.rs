@@ -1,7 +1,7 @@
 //! From light to the signal that the kernels read, and its derivative.
 
 use crate::{
-    number::{Number, Real},
+    number::Number,
     photoreceptor::{Curve, LightError, Response},
     plane::Size,
     reference::{Border, signal::Padded},

@@ -85,7 +85,7 @@ impl<H: Copy> Padded<H> {
     }
 
     /// All values, the rim included.
-    pub(super) fn all(&self) -> &[H] {
+    pub(crate) fn all(&self) -> &[H] {
         &self.values
     }
 
