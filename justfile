@@ -18,6 +18,7 @@ ci:
 bench:
     cargo bench --bench reference
     cargo bench --bench array
+    cargo bench --bench learn
     cargo bench --bench mesh
     cargo bench --bench files
 

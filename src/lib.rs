@@ -50,6 +50,7 @@ pub mod compile;
 pub mod reference;
 pub mod rig;
 
+pub mod gradient;
 #[cfg(feature = "proptest")]
 pub mod property;
 pub mod study;

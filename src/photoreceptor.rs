@@ -99,6 +99,19 @@ impl Response {
         })
     }
 
+    /// `dR/dI` at `light`, which must be one that the response is defined for; at the knee of
+    /// `lin-log` that of the lower part. Rounding is passed over.
+    #[must_use]
+    pub fn slope(self, light: f64) -> f64 {
+        match self.curve {
+            Curve::Identity => 1.0,
+            Curve::Linear { white } => 1.0 / white,
+            Curve::Log { white, offset } => 1.0 / (light + offset * white),
+            Curve::LinLog { knee } if light <= knee => elementary::ln(knee) / knee,
+            Curve::LinLog { .. } => 1.0 / light,
+        }
+    }
+
     /// The light that gives `signal`: the inverse of [`Response::apply`], but for rounding.
     #[must_use]
     pub fn light(self, signal: f64) -> f64 {

@@ -15,10 +15,9 @@ use std::path::Path;
 use ndarray::{Array, ArrayView, Dimension, Ix2, Ix3};
 use ndarray_npy::{ViewElement, ViewNpyError, ViewNpyExt};
 
-use super::{Kernel, KernelError};
+use super::{Gaussian, Kernel, KernelError};
 use crate::{
     config::{Fault, Faults, File, Key, Kind, Range, Read, Section, Table},
-    elementary,
     limit::KERNEL_SIDE,
     plane::Plane,
     source,
@@ -102,12 +101,6 @@ const GAUSSIAN: Table = Table::new(&[
     Key::required("gain", Kind::Number(Range::FREE), "the sum of its weights").example("gain = 1"),
 ]);
 
-/// A term of a sum.
-struct Gaussian {
-    sigma: f64,
-    gain: f64,
-}
-
 impl KernelFileError {
     /// What is wrong, with the file that it is wrong with.
     #[must_use]
@@ -145,7 +138,7 @@ impl Kernel {
             };
             let parts = file.tables("gaussians");
             let parts = parts.iter().map(part).collect::<Read<Vec<_>>>()?;
-            sum_of_gaussians(&parts).map_err(|e| wrong("gaussians", e.to_string()))
+            Kernel::from_gaussians(&parts).map_err(|e| wrong("gaussians", e.to_string()))
         })?;
         Ok(kernel)
     }
@@ -290,27 +283,6 @@ fn read<T: ViewElement + Copy, D: Dimension>(
 
 /// Each Gaussian is cut at `int(6 sigma) + 1` (made odd) and normalised to sum 1 before its
 /// gain, as in the released Neural Ganglion Sensors simulator.
-fn sum_of_gaussians(parts: &[Gaussian]) -> Result<Kernel, KernelError> {
-    let side_of = |g: &Gaussian| ((6.0 * g.sigma) as usize + 1) | 1;
-    let side = parts.iter().map(side_of).max().ok_or(KernelError::Empty)?;
-    let mut weights = Plane::<f64>::zeros((side, side));
-    for part in parts {
-        let own = side_of(part);
-        let half = (own / 2) as f64;
-        let line: Vec<f64> = (0..own)
-            .map(|i| elementary::exp(-(i as f64 - half).powi(2) / (2.0 * part.sigma * part.sigma)))
-            .collect();
-        let total: f64 = line.iter().sum::<f64>().powi(2);
-        let inset = (side - own) / 2;
-        for (y, row) in line.iter().enumerate() {
-            for (x, column) in line.iter().enumerate() {
-                weights[[inset + y, inset + x]] += part.gain * row * column / total;
-            }
-        }
-    }
-    Kernel::new(weights)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

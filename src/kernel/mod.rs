@@ -5,10 +5,12 @@
 //! Built-in kernels are files in `kernels/`, each with where it came from.
 
 mod file;
+mod gaussian;
 pub mod quantise;
 mod zoo;
 
 pub use file::{FILE, KernelFileError, NUMPY, ROWS};
+pub use gaussian::Gaussian;
 
 use crate::{
     limit::{KERNEL_SIDE, LEAST_WEIGHT, MOST_WEIGHT},

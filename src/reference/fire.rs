@@ -28,7 +28,7 @@ use super::train::TrainRow;
 /// The number of whole thresholds in a distance; `per_on` and `per_off` are their reciprocals. At
 /// most 2^31, which also stands for a distance that is not a number.
 #[inline]
-pub(super) fn whole<R: Real>(d: R, per_on: R, per_off: R) -> R {
+pub(crate) fn whole<R: Real>(d: R, per_on: R, per_off: R) -> R {
     let quotient = d.abs() * if d >= R::ZERO { per_on } else { per_off };
     // In single precision the tolerance of a large count would exceed one event.
     let half = R::from_f64(0.5);
@@ -62,7 +62,7 @@ pub(super) fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
 /// The decision of a memory that snaps: 1, 0 or -1 event, at the later frame. Returns whether all
 /// distances are numbers, since a NaN is neither above nor below a threshold.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut TrainRow<R>) -> bool {
+pub(crate) fn snap<R: Real>(distances: &[R], on: &[R], off: &[R], row: &mut TrainRow<R>) -> bool {
     let mut numbers = true;
     let cells = distances.iter().zip(on.iter().zip(off));
     for (count, (&d, (&on, &off))) in row.counts.iter_mut().zip(cells) {

@@ -46,7 +46,7 @@ pub(super) enum Memory<N: Number> {
 
 /// A memory that is moved by whole thresholds.
 #[derive(Clone, Debug)]
-pub(super) struct Stepped<N: Number> {
+pub(crate) struct Stepped<N: Number> {
     pub(super) base: Aligned<N::Held>,
     /// Number of ON steps less number of OFF steps.
     pub(super) net: Aligned<i32>,
@@ -56,7 +56,7 @@ pub(super) struct Stepped<N: Number> {
 
 impl<N: Number> Stepped<N> {
     /// A memory without steps.
-    pub(super) fn new(base: &[N::Held], equal_thresholds: bool) -> Self {
+    pub(crate) fn new(base: &[N::Held], equal_thresholds: bool) -> Self {
         let cells = base.len();
         Self {
             base: Aligned::from_slice(3, base),
@@ -69,7 +69,7 @@ impl<N: Number> Stepped<N> {
     ///
     /// With equal thresholds the last term is 0, and no precision is lost however often the memory
     /// went up and down.
-    pub(super) fn values(
+    pub(crate) fn values(
         &self,
         number: &N,
         range: std::ops::Range<usize>,
@@ -92,7 +92,7 @@ impl<N: Number> Stepped<N> {
 
     /// Moves the memories of the cells in `range` by `counts` steps; the error is the column of the
     /// first cell that has moved too many steps.
-    pub(super) fn take(
+    pub(crate) fn take(
         &mut self,
         range: std::ops::Range<usize>,
         counts: &[i32],
@@ -166,7 +166,7 @@ fn take(net: &mut [i32], counts: &[i32]) -> bool {
 
 /// The distances `d = S - M`: subtracted in the number format, then converted to reals.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn distance<N: Number>(
+pub(crate) fn distance<N: Number>(
     number: &N,
     drive: &[N::Held],
     memory: &[N::Held],

@@ -35,7 +35,7 @@ use super::{
 /// Division by a spacing of 0, of a train that is one event, gives infinity, as it should. No
 /// branch depends on the cells, so that the loop is vectorised.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn dead_time<R: Real>(
+pub(crate) fn dead_time<R: Real>(
     interval: Interval,
     seconds: f64,
     fired: &mut [f64],
@@ -109,7 +109,7 @@ pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool 
 /// The operations are in the order of the published definition, in double precision, so that
 /// the counts agree to the last event.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn authors<R: Real>(
+pub(crate) fn authors<R: Real>(
     interval: Interval,
     r: f64,
     (on, off): (&[R], &[R]),

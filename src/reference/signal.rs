@@ -18,7 +18,7 @@ use super::{description::Border, low_pass::LowPass, rounding::TWO_52};
 /// Some rows of a plane, padded by a rim so that a kernel can be applied to every pixel; row after
 /// row.
 #[derive(Clone, Debug)]
-pub(super) struct Padded<H> {
+pub(crate) struct Padded<H> {
     values: Aligned<H>,
     size: Size,
     /// The rows of the plane.
@@ -33,11 +33,11 @@ pub(super) struct Padded<H> {
 }
 
 /// The most pixels that are worked on at a time.
-pub(super) const BLOCK: usize = 64;
+pub(crate) const BLOCK: usize = 64;
 
 impl<H: Copy> Padded<H> {
     /// Room for these rows of planes of `size` under kernels that reach `rim` (rows, columns).
-    pub(super) fn new(size: Size, rows: Range<usize>, rim: (usize, usize), zero: H) -> Self {
+    pub(crate) fn new(size: Size, rows: Range<usize>, rim: (usize, usize), zero: H) -> Self {
         let line = LINE / size_of::<H>();
         let left = rim.1.next_multiple_of(line);
         let stride = (left + size.width.next_multiple_of(BLOCK) + rim.1).next_multiple_of(line);
@@ -58,7 +58,7 @@ impl<H: Copy> Padded<H> {
     }
 
     /// Row `y` of the plane without its rim.
-    pub(super) fn inner(&self, y: usize) -> &[H] {
+    pub(crate) fn inner(&self, y: usize) -> &[H] {
         let start = self.start(y) + self.left;
         &self.values[start..start + self.size.width]
     }
@@ -70,7 +70,7 @@ impl<H: Copy> Padded<H> {
 
     /// The values from `reach` rows above and columns left of the first pixel of row `y` on, and
     /// the stride. Each row of a kernel of that reach finds whole blocks there.
-    pub(super) fn from(&self, y: usize, reach: (usize, usize)) -> (&[H], usize) {
+    pub(crate) fn from(&self, y: usize, reach: (usize, usize)) -> (&[H], usize) {
         (&self.values[self.place(y, reach)..], self.stride)
     }
 
@@ -85,7 +85,7 @@ impl<H: Copy> Padded<H> {
     }
 
     /// All values, the rim included.
-    pub(super) fn all(&self) -> &[H] {
+    pub(crate) fn all(&self) -> &[H] {
         &self.values
     }
 
@@ -97,7 +97,7 @@ impl<H: Copy> Padded<H> {
 
     /// Fills row `y` of those needed by `fill`, then its rim, and what lies off the array next to
     /// it.
-    pub(super) fn fill<E>(
+    pub(crate) fn fill<E>(
         &mut self,
         y: usize,
         border: Border,

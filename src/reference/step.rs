@@ -18,17 +18,17 @@ use super::{
 };
 
 /// The input of a row of cells.
-pub(super) struct Seen<'a, N: Number> {
+pub(crate) struct Seen<'a, N: Number> {
     /// The drive at the later frame.
-    pub(super) drive: &'a [N::Held],
-    pub(super) on: &'a [N::Real],
-    pub(super) off: &'a [N::Real],
+    pub(crate) drive: &'a [N::Held],
+    pub(crate) on: &'a [N::Real],
+    pub(crate) off: &'a [N::Real],
     /// Reciprocals of the two thresholds.
-    pub(super) per: (&'a [N::Real], &'a [N::Real]),
+    pub(crate) per: (&'a [N::Real], &'a [N::Real]),
     /// How far the leak lowers each memory in a second; empty without leak.
-    pub(super) leak: &'a [N::Real],
+    pub(crate) leak: &'a [N::Real],
     /// The times of the two frames, in seconds since the first.
-    pub(super) elapsed: (f64, f64),
+    pub(crate) elapsed: (f64, f64),
 }
 
 impl<N: Number> Stepped<N> {
@@ -36,7 +36,7 @@ impl<N: Number> Stepped<N> {
     /// counts the thresholds crossed and moves the memories; also when they were crossed, if
     /// `times` are wanted. Returns the number of events; the error is the column of the first cell
     /// that crossed too many.
-    pub(super) fn cross(
+    pub(crate) fn cross(
         &mut self,
         number: &N,
         range: Range<usize>,

@@ -13,7 +13,7 @@ use super::{
 /// released simulator draws anew for each clip). No threshold falls below a twentieth of its
 /// nominal value, the released simulator's 0.01 at its 0.2.
 #[derive(Clone, Debug)]
-pub(super) struct Thresholds<R> {
+pub(crate) struct Thresholds<R> {
     on: Vec<R>,
     off: Vec<R>,
     /// Their reciprocals.
@@ -21,12 +21,12 @@ pub(super) struct Thresholds<R> {
     width: usize,
     /// Number of different rows: 1, 2 for a 2x2 pattern, or all.
     rows: usize,
-    pub(super) equal: bool,
+    pub(crate) equal: bool,
 }
 
 impl<R: Real> Thresholds<R> {
     /// `home` is the place that a cell's numbers are drawn for.
-    pub(super) fn new(
+    pub(crate) fn new(
         nominal: &[Threshold],
         size: Size,
         seed: u64,
@@ -76,13 +76,13 @@ impl<R: Real> Thresholds<R> {
     }
 
     /// The ON and OFF thresholds of row `y`.
-    pub(super) fn row(&self, y: usize) -> (&[R], &[R]) {
+    pub(crate) fn row(&self, y: usize) -> (&[R], &[R]) {
         let row = self.place(y);
         (&self.on[row.clone()], &self.off[row])
     }
 
     /// The reciprocals of the thresholds of row `y`.
-    pub(super) fn inverse(&self, y: usize) -> (&[R], &[R]) {
+    pub(crate) fn inverse(&self, y: usize) -> (&[R], &[R]) {
         let row = self.place(y);
         (&self.inverse.0[row.clone()], &self.inverse.1[row])
     }

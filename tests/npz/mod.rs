@@ -2,6 +2,8 @@
 
 #![allow(dead_code)] // Each test takes what it needs.
 
+pub mod oracle;
+
 use std::{fs::File, path::Path};
 
 use ndarray::{Array, Dimension};

@@ -25,4 +25,4 @@ mod product;
 mod weights;
 mod width;
 
-pub(super) use self::weights::{Made, Parts, Weights, log_temporal};
+pub(crate) use self::weights::{Made, Parts, Weights, log_temporal};

@@ -15,7 +15,7 @@ use super::{
 
 /// The kernels of a channel, as a number format holds them: one, or four in a 2x2 pattern.
 #[derive(Clone, Debug)]
-pub(in crate::reference) struct Weights<H> {
+pub(crate) struct Weights<H> {
     kernels: Vec<Held<H>>,
 }
 
@@ -29,7 +29,7 @@ struct Held<H> {
 
 /// Working memory for a row of drive.
 #[derive(Clone, Debug, Default)]
-pub(in crate::reference) struct Parts<H> {
+pub(crate) struct Parts<H> {
     /// Sums of rows that have equal weights, one after the other.
     sums: Vec<H>,
     /// The drive by the second kernel of a pattern.
@@ -38,7 +38,7 @@ pub(in crate::reference) struct Parts<H> {
 
 /// Intermediate results of a channel for the pixels of a band.
 #[derive(Clone, Debug, Default)]
-pub(in crate::reference) struct Made<H> {
+pub(crate) struct Made<H> {
     /// The products of all pixels with the different weights, one plane after the other; empty
     /// where products are not shared.
     products: Vec<H>,
@@ -49,7 +49,7 @@ pub(in crate::reference) struct Made<H> {
 }
 
 impl<H: Copy + Default + Send + Sync> Weights<H> {
-    pub(in crate::reference) fn new<N: Number<Held = H>>(number: &N, kernels: &[Kernel]) -> Self {
+    pub(crate) fn new<N: Number<Held = H>>(number: &N, kernels: &[Kernel]) -> Self {
         let held = |kernel: &Kernel| {
             let rows = kernel.weights().rows().into_iter();
             let rows = rows.map(|row| row.iter().map(|w| number.hold(*w)).collect());
@@ -91,7 +91,7 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
 
     /// As [`Weights::row`], of pixels whose products were computed; rows must be asked for in
     /// order, as row `y + 1` may be computed along.
-    pub(in crate::reference) fn row_in_order<N: Number<Held = H>>(
+    pub(crate) fn row_in_order<N: Number<Held = H>>(
         &self,
         number: &N,
         (padded, made): (&Padded<H>, &mut Made<H>),
@@ -121,7 +121,7 @@ impl<H: Copy + Default + Send + Sync> Weights<H> {
 
     /// Row `y` of `W * plane`; with four kernels, the pixel at (x, y) uses number
     /// `2 (y mod 2) + (x mod 2)`.
-    pub(in crate::reference) fn row<N: Number<Held = H>>(
+    pub(crate) fn row<N: Number<Held = H>>(
         &self,
         number: &N,
         padded: &Padded<H>,
@@ -198,7 +198,7 @@ impl<H: Copy + Default + Send + Sync> Held<H> {
 /// `ln(max(S, floor) + 1)`: the released simulator's `log_temporal`, defined for every `S`.
 ///
 /// It floors at 1e-8, and its first memory at 0.
-pub(in crate::reference) fn log_temporal<N: Number>(number: &N, drive: &mut [N::Held], floor: f64) {
+pub(crate) fn log_temporal<N: Number>(number: &N, drive: &mut [N::Held], floor: f64) {
     for s in drive {
         *s = number.hold(elementary::ln(number.real(*s).to_f64().max(floor) + 1.0));
     }
