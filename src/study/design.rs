@@ -142,6 +142,7 @@ impl<'a> Design<'a> {
                 round_f32: false,
             },
             memory,
+            shared: false,
             polarity: PolarityRule::Filtered,
             border: Border::Zero,
             refractory: Refractory {
