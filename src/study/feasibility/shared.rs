@@ -173,6 +173,7 @@ fn memories(kinds: usize) -> Vec<DriveMemory> {
 fn name(memory: DriveMemory) -> String {
     match memory {
         DriveMemory::Analogue => "memories in analogue registers".to_owned(),
+        DriveMemory::Shared => "one memory of the pixel for all".to_owned(),
         DriveMemory::Bits(bits) => format!("memories of {bits} bits each"),
     }
 }
