@@ -162,7 +162,6 @@ fn together(
     }
     let shows = arguments.to.len() as u64;
     let progress = Progress::new("watching", frames.map(|frames| shows * frames));
-    let progress = Progress::new("watching", frames.map(|frames| shows * frames));
     let mut guard = Guard::new();
     let mut programs = Vec::new();
     for to in &arguments.to {
