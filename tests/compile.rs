@@ -314,9 +314,8 @@ fn levels_are_as_close_as_the_threshold_needs() {
         };
         vec![kind; count]
     };
-    let program = |count, bits| {
-        SensorProgram::new(&kinds(count), DriveMemory::Bits(bits), "bits", &request)
-    };
+    let program =
+        |count, bits| SensorProgram::new(&kinds(count), DriveMemory::Bits(bits), "bits", &request);
     for bits in [2, 4] {
         let Err(CompileError::Levels { needed, advice, .. }) = program(1, bits) else {
             panic!("{bits} bits")
@@ -330,7 +329,10 @@ fn levels_are_as_close_as_the_threshold_needs() {
     let Err(CompileError::Levels { advice, .. }) = program(2, 4) else {
         panic!("two kinds of four bits")
     };
-    assert!(advice.contains("--memory shared") && !advice.contains("bits:"), "{advice}");
+    assert!(
+        advice.contains("--memory shared") && !advice.contains("bits:"),
+        "{advice}"
+    );
 }
 
 fn weights(side: usize, bits: u32, most: i32) -> impl Strategy<Value = Kernel> {
@@ -468,7 +470,8 @@ fn shared_is_the_reference(kinds: &[CellKind], states: u64, seed: u64) -> (u64, 
     };
     let mut chip = Chip::new("chip", Exact, &code, &device, size, settings).unwrap();
     let mut text =
-        "response = \"identity\"\nmemory = \"raw-snap\"\nshared = true\nborder = \"zero\"\n".to_owned();
+        "response = \"identity\"\nmemory = \"raw-snap\"\nshared = true\nborder = \"zero\"\n"
+            .to_owned();
     for CellKind { kernel, on, off } in kinds {
         let rows: Vec<Vec<f64>> = { kernel.weights().rows().into_iter() }
             .map(|row| row.to_vec())
@@ -492,7 +495,10 @@ fn four_kinds(to: &str) -> Vec<CellKind> {
     assert!(sensor.shared);
     let to: Quantiser = to.parse().unwrap();
     let kind = |channel: &amacrine::reference::Channel| {
-        let quantised = to.quantise(&channel.kernels[0], Sum::Free, 0).unwrap().within_one();
+        let quantised = to
+            .quantise(&channel.kernels[0], Sum::Free, 0)
+            .unwrap()
+            .within_one();
         let light = 255.0 / quantised.scale;
         CellKind {
             kernel: quantised.levels,
@@ -509,7 +515,10 @@ fn four_kinds_fit_on_scamp5() {
     for (to, most) in [("ternary", 320), ("int-5", 1019)] {
         let (words, events) = shared_is_the_reference(&four_kinds(to), 20_000, 7);
         println!("{to}: {words} words a frame, {events} events");
-        assert!(words <= most && events > 100, "{to}: {words} words, {events} events");
+        assert!(
+            words <= most && events > 100,
+            "{to}: {words} words, {events} events"
+        );
     }
 }
 

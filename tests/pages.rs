@@ -142,7 +142,11 @@ fn every_step_of_the_guide() {
     let mut blocks = guide.split("\n```").skip(1).step_by(2);
     blocks.by_ref().for_each(|block| {
         let commands = block.strip_prefix('\n').unwrap_or_default();
-        steps.extend(commands.lines().filter(|line| line.starts_with("amacrine ")));
+        steps.extend(
+            commands
+                .lines()
+                .filter(|line| line.starts_with("amacrine ")),
+        );
     });
     assert!(steps.len() >= 10, "{steps:?}");
     for step in steps {

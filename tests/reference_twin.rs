@@ -348,8 +348,10 @@ fn run_shared<N: Number>(
         };
         Pixel::new(drawn.iter().zip(&seen).map(cell).collect())
     };
-    let mut pixels: Vec<(At, Pixel<N>)> =
-        first.indexed_iter().map(|(at, _)| (at, pixel(at))).collect();
+    let mut pixels: Vec<(At, Pixel<N>)> = first
+        .indexed_iter()
+        .map(|(at, _)| (at, pixel(at)))
+        .collect();
     let held = |pixels: &[(At, Pixel<N>)]| {
         let held = pixels.iter().map(|(_, pixel)| pixel.memory()).collect();
         Plane::from_shape_vec(first.dim(), held).unwrap()
@@ -392,7 +394,9 @@ fn run_shared<N: Number>(
         }
     }
     for (channel, run) in runs.iter_mut().enumerate() {
-        let cells = pixels.iter_mut().map(|(_, pixel)| &pixel.cells_mut()[channel]);
+        let cells = pixels
+            .iter_mut()
+            .map(|(_, pixel)| &pixel.cells_mut()[channel]);
         for cell in cells {
             run.lost += cell.lost;
             run.without_sign += cell.without_sign;

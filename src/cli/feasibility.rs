@@ -330,8 +330,8 @@ impl Arguments {
             let own = Kinds::read(name)?;
             all.names.extend(own.names);
             all.kernels.extend(own.kernels);
-            all.thresholds = { all.thresholds.take().zip(own.thresholds) }
-                .map(|(all, own)| [all, own].concat());
+            all.thresholds =
+                { all.thresholds.take().zip(own.thresholds) }.map(|(all, own)| [all, own].concat());
         }
         Ok(all)
     }

@@ -72,7 +72,10 @@ impl Kinds {
             kinds
                 .kernels
                 .push(workable(kernel, &format!("{name}, channel {i}"))?);
-            kinds.thresholds.iter_mut().for_each(|t| t.push(threshold * white));
+            kinds
+                .thresholds
+                .iter_mut()
+                .for_each(|t| t.push(threshold * white));
         }
         Ok(kinds)
     }
@@ -82,13 +85,15 @@ impl Kinds {
 fn plain(name: &str, channel: &Channel) -> miette::Result<(Kernel, f64)> {
     let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
         return Err(miette!(
-            help = "give every kind of cell one kernel; all pixels of the array run the same program",
+            help =
+                "give every kind of cell one kernel; all pixels of the array run the same program",
             "{name}: a channel has a pattern of kernels"
         ));
     };
     if channel.surrounds.is_some() {
         return Err(miette!(
-            help = "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
+            help =
+                "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
             "{name}: a channel sees through a resistor mesh, which is no program"
         ));
     }
@@ -113,7 +118,8 @@ fn is_sensor(name: &str) -> bool {
     let Ok(text) = source::text(path, "") else {
         return false;
     };
-    text.lines().any(|line| line.trim_start().starts_with("[[channel]]"))
+    text.lines()
+        .any(|line| line.trim_start().starts_with("[[channel]]"))
 }
 
 /// The kernels of a file or of a name, and how many axes they came with.

@@ -178,9 +178,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         };
         all.push(arguments.fall((name, design), readout.readout()?, &observation)?);
     }
-    if let (Some(path), [told], [threshold]) =
-        (&arguments.output, &all[..], &arguments.thresholds(&kinds)?[..])
-    {
+    if let (Some(path), [told], [threshold]) = (
+        &arguments.output,
+        &all[..],
+        &arguments.thresholds(&kinds)?[..],
+    ) {
         let scene = arguments.clip.name();
         let title = format!(
             "Where the events of {} went: {}, threshold {threshold}, {scene}",

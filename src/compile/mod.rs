@@ -49,7 +49,7 @@ pub use error::CompileError;
 pub use filter::Filter;
 pub use forecast::{Forecast, Signal};
 pub use naive_cost::naive_cost;
-pub use need::{MEMORY_BITS, Need};
+pub use need::{MEMORY_BITS, Need, carried};
 pub use noise::FilterNoise;
 pub use request::{Effort, Objective, Request};
 pub use sensor::{BitMemory, CellKind, DriveMemory, SLOTS, SensorProgram};

@@ -77,6 +77,16 @@ impl Need {
     }
 }
 
+/// How many kinds like those of a program the chip carries: its registers limit kinds with a
+/// memory each, its store all. The program has so many `kinds` in so many stored `words`.
+#[must_use]
+pub fn carried(memory: DriveMemory, device: &Device, (kinds, words): (usize, u64)) -> usize {
+    let each = words.max(1) as f64 / kinds.max(1) as f64;
+    let by_words = (device.value(Figure::Store) / each) as usize;
+    let by_registers = Need::most_kinds(memory, device);
+    by_registers.map_or(by_words, |most| most.min(by_words))
+}
+
 /// What to do about a program that this chip does not take: each way was compiled.
 pub(super) fn advice(
     error: CompileError,

@@ -294,7 +294,12 @@ impl Writer<'_> {
 
     /// Writes one kind's part of a frame: filter, and comparison with both thresholds.
     fn kind(&self, text: &mut String, i: usize, [on_bit, off_bit]: [&str; 2]) {
-        let (Some(own), Registers { scratch, threshold, .. }) = (self.own.get(i), self.registers)
+        let (
+            Some(own),
+            Registers {
+                scratch, threshold, ..
+            },
+        ) = (self.own.get(i), self.registers)
         else {
             return;
         };
@@ -309,20 +314,30 @@ impl Writer<'_> {
         line(&format!("scamp5_in({threshold}, -{off});"));
         line("bus(NEWS);");
         line(&format!("bus({scratch}, NEWS, {result});"));
-        line(&format!("where({scratch}, {threshold}); // -drive > threshold"));
+        line(&format!(
+            "where({scratch}, {threshold}); // -drive > threshold"
+        ));
         line(&format!("MOV({off_bit}, FLAG);"));
         if on != off {
             line("all();");
             line(&format!("scamp5_in({threshold}, -{on});"));
         }
-        line(&format!("where({result}, {threshold}); // drive > threshold"));
+        line(&format!(
+            "where({result}, {threshold}); // drive > threshold"
+        ));
         line(&format!("MOV({on_bit}, FLAG);"));
         line("all();");
     }
 
     /// Writes what collects the bits of so many kinds; after the last the memory becomes the light
     /// wherever any kind has fired.
-    fn collect(&self, text: &mut String, kinds: usize, before: &mut Option<&'static str>, last: bool) {
+    fn collect(
+        &self,
+        text: &mut String,
+        kinds: usize,
+        before: &mut Option<&'static str>,
+        last: bool,
+    ) {
         let bits: Vec<&str> = EVENTS[..kinds].iter().flatten().copied().collect();
         let mut any: Vec<&str> = before.iter().copied().collect();
         text.push('\n');
@@ -343,7 +358,10 @@ impl Writer<'_> {
                 "    WHERE({}); // where any kind fired, the memory becomes the light",
                 any.join(", ")
             );
-            let _ = writeln!(text, "    add({memory}, {memory}, {difference});\n    all();\n");
+            let _ = writeln!(
+                text,
+                "    add({memory}, {memory}, {difference});\n    all();\n"
+            );
         } else {
             let next = if *before == Some("R3") { "R4" } else { "R3" };
             let _ = writeln!(text, "    OR({next}, {});\n", any.join(", "));

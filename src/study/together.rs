@@ -10,9 +10,8 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Array},
-    compile::{DriveMemory, MEMORY_BITS, Need},
+    compile::{DriveMemory, MEMORY_BITS, carried},
     event::{Event, Packet},
-    isa::{Device, Figure},
     number::Format,
     program::stored,
     reference::{Description, MemoryRule},
@@ -135,7 +134,10 @@ impl Together {
         let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
         let silicon = Arithmetic::Silicon { seed };
         for arithmetic in [Arithmetic::Number(Format::F64), silicon] {
-            chips.push(self.compiled.chip(arithmetic, size, self.compiled.settings())?);
+            chips.push(
+                self.compiled
+                    .chip(arithmetic, size, self.compiled.settings())?,
+            );
         }
         let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
         for sensor in &mut sensors {
@@ -176,24 +178,18 @@ impl Together {
         }
     }
 
-    /// How many kinds like these the chip carries: its registers limit kinds with a memory each,
-    /// its store those with a shared one.
+    /// How many kinds like these the chip carries.
     #[must_use]
     pub fn carried(&self) -> usize {
-        let (device, kinds) = (&self.compiled.device, self.compiled.program.drives.len());
-        let by_words = by_words(&self.compiled, device, kinds);
-        match Need::most_kinds(self.memory, device) {
-            None => by_words,
-            Some(by_registers) => by_registers.min(by_words),
-        }
+        let Compiled {
+            device,
+            code,
+            program,
+            ..
+        } = &self.compiled;
+        let words = stored(&code.init, device) + stored(&code.frame, device);
+        carried(self.memory, device, (program.drives.len(), words.0))
     }
-}
-
-/// As many kinds as the store holds, of as many words each as those that were compiled.
-fn by_words(compiled: &Compiled, device: &Device, kinds: usize) -> usize {
-    let words = stored(&compiled.code.init, device) + stored(&compiled.code.frame, device);
-    let each = words.0.max(1) as f64 / kinds.max(1) as f64;
-    (device.value(Figure::Store) / each) as usize
 }
 
 /// The events of one kind, as a sensor of that kind alone has them.

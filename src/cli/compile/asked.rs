@@ -116,7 +116,8 @@ impl Asked {
             complain(&format!("note: {shown} {note}\n"));
         }
         if description.refractory.us > 0.0 {
-            let note = "has a refractory period; the program has none, a cell fires once a frame at most";
+            let note =
+                "has a refractory period; the program has none, a cell fires once a frame at most";
             complain(&format!("note: {shown} {note}\n"));
         }
         Self {

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Asked, Compiled, MIDDLE};
 use crate::{
     array::Errors,
-    compile::Forecast,
+    compile::{DriveMemory, Forecast, Need, carried},
     isa::{Analog, Device, Figure},
     plane::Plane,
     program::{Cost, for_each, stored},
@@ -72,8 +72,39 @@ impl Compiled {
             "energy_uj": self.energy_uj(device),
             "states": self.filter.states,
             "seconds": seconds,
+            "memory": self.memory.map(|memory| self.remembered(memory, device)),
+            "carried": self.memory.map(|memory| self.carried(memory, device)),
             "text": self.text,
         })
+    }
+
+    /// Words that the program takes of the chip's store.
+    fn stored(&self, device: &Device) -> u64 {
+        let code = &self.expansion.code;
+        (stored(&code.init, device) + stored(&code.frame, device)).0
+    }
+
+    /// Kinds like these that the chip carries.
+    fn carried(&self, memory: DriveMemory, device: &Device) -> usize {
+        carried(memory, device, (self.kernels.len(), self.stored(device)))
+    }
+
+    /// What the program remembers, and what that takes of the registers.
+    fn remembered(&self, memory: DriveMemory, device: &Device) -> String {
+        let kinds = self.kernels.len();
+        let what = match memory {
+            DriveMemory::Analogue => "the drive of each kind in an analogue register".to_owned(),
+            DriveMemory::Shared => {
+                "the pixel at the last event of any kind, in one register for all".to_owned()
+            }
+            DriveMemory::Bits(bits) => format!("the drive of each kind in {bits} bits"),
+        };
+        let needed = Need::new(memory, kinds).analogue;
+        format!(
+            "{what}: {needed} of {} analogue registers at least; the chip carries {} kinds like these",
+            Need::free(device),
+            self.carried(memory, device)
+        )
     }
 
     /// The least and the most that the words of a frame take, in us.
@@ -104,12 +135,17 @@ impl Compiled {
                 self.snake
             ),
         );
-        let kept = stored(&self.expansion.code.init, device).0
-            + stored(&self.expansion.code.frame, device).0;
         line(
             "store",
-            format!("{kept} words of {}", device.value(Figure::Store)),
+            format!(
+                "{} words of {}",
+                self.stored(device),
+                device.value(Figure::Store)
+            ),
         );
+        if let Some(memory) = self.memory {
+            line("memory", self.remembered(memory, device));
+        }
         let [least, most] = self.array_us(device);
         line(
             "time",

@@ -292,6 +292,8 @@ struct Compiled {
     noises: Vec<Added>,
     /// Halvings of the input, in each filter.
     halvings: Vec<u32>,
+    /// What a whole program remembers.
+    memory: Option<DriveMemory>,
 }
 
 /// The filter that is asked for, alone.
@@ -368,7 +370,11 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
     };
     let program = Program::parse("compiled", &compiled.text)?;
     let text = program.blessed(&expectation).into_diagnostic()?;
-    Ok(Compiled { text, ..compiled })
+    Ok(Compiled {
+        text,
+        memory: Some(memory),
+        ..compiled
+    })
 }
 
 /// A program of kinds that each have a memory of their own.

@@ -84,6 +84,7 @@ impl Proof<'_> {
             forecasts: Vec::new(),
             noises: noises(&filter, self.device, Analog(0), self.results, self.kernels),
             halvings: vec![filter.prescale],
+            memory: None,
             saturations,
             snake: naive_cost(self.kernels)?,
             results_in: self.results.to_vec(),
@@ -151,8 +152,9 @@ impl Proof<'_> {
                 words,
                 room,
                 chip: self.device.name().to_owned(),
-                advice: "ask for fewer kinds, search longer (--effort), or take fewer digits (--to)"
-                    .to_owned(),
+                advice:
+                    "ask for fewer kinds, search longer (--effort), or take fewer digits (--to)"
+                        .to_owned(),
             }
             .into();
         }

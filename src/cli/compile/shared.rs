@@ -55,6 +55,7 @@ pub(super) fn whole(
         noises: Vec::new(),
         filter: program.filter.clone(),
         halvings: program.filters.iter().map(|f| f.prescale).collect(),
+        memory: None,
     };
     for (i, filter) in program.filters.iter().enumerate() {
         let (kernels, results) = (&asked.kernels[i..=i], &program.drives[i..=i]);

@@ -286,7 +286,16 @@ fn program_table(arguments: &Arguments, programs: &[Program], kinds: usize) -> S
         let _ = writeln!(
             text,
             "\n{}, against {}\n{:<22} {:>6} {:>6} {:>7}  {:>6} {:>6} {:>7} {:>9}",
-            program.to, chip.against, "exact, then silicon", "F1", "kept", "events", "F1", "kept", "events", "threshold"
+            program.to,
+            chip.against,
+            "exact, then silicon",
+            "F1",
+            "kept",
+            "events",
+            "F1",
+            "kept",
+            "events",
+            "threshold"
         );
         for kind in &chip.kinds {
             let score = |score: &Likeness| {
