@@ -6,7 +6,7 @@
 //! | memory | analogue registers | one-bit registers |
 //! |---|---|---|
 //! | a drive of each kind (`analogue`) | `2 K + 2`: drives, memories, a threshold, a scratch | 2 |
-//! | the pixel, for all kinds (`shared`) | 5: the memory, the difference, three for filter and comparison | `2 min(K, 4)`, and 4 |
+//! | the pixel, for all kinds (`shared`) | 4: the memory, three for filter and comparison; 5 from the sixth kind on, with the light | `2 min(K, 5)`, and 2 |
 //! | N bits for each kind (`bits:N`) | `K + 3`: drives, a memory being read, a threshold, a scratch | `N K` of 8, and 5 |
 //!
 //! A filter with more registers than it needs takes fewer words, so what is free beyond that is
@@ -17,6 +17,7 @@ use super::{
     error::CompileError,
     request::{Effort, Objective, Request},
     sensor::{CellKind, DriveMemory, SensorProgram},
+    shared_memory::AT_A_TIME,
     walk,
 };
 use crate::isa::{Device, Figure};
@@ -43,7 +44,7 @@ impl Need {
                 bits: 0,
             },
             DriveMemory::Shared => Self {
-                analogue: 2 + walk::FEWEST_REGISTERS,
+                analogue: 1 + usize::from(kinds > AT_A_TIME) + walk::FEWEST_REGISTERS,
                 bits: 0,
             },
             DriveMemory::Bits(bits) => Self {

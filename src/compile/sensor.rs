@@ -82,8 +82,9 @@ pub struct SensorProgram {
     pub scale: f64,
     /// Scale of each drive; one filter gives all the same.
     pub scales: Vec<f64>,
-    /// With a shared memory, the register that the filters read: the light less the memory.
-    pub difference: Option<Analog>,
+    /// With a shared memory, the words before each filter, which leave the light less the memory
+    /// in the register of the drives.
+    pub difference: String,
     /// With a shared memory, the filter of each kind.
     pub filters: Vec<Filter>,
     /// The memory of each kind, where it is in bits.
@@ -181,7 +182,7 @@ impl SensorProgram {
             scale,
             scales: vec![scale; count],
             steps,
-            difference: None,
+            difference: String::new(),
             filters: Vec::new(),
         })
     }

@@ -2,15 +2,17 @@
 //! (`raw-snap`, shared; Eq. 2-4 of So & Wetzstein, arXiv 2504.13457).
 //!
 //! ```text
-//! D := light - M                        in the words of the capture itself
-//! kind by kind:  r := filter of D       ON where r > θ_on, OFF where -r > θ_off
-//! where any kind fired:  M := M + D     which is the light again
+//! kind by kind:  D := light - M         two words, which read the photodiode and do not reset it
+//!                r := filter of D       ON where r > θ_on, OFF where -r > θ_off
+//! where any kind fired:  M := light
+//! then the photodiode is reset, and all events are read out
 //! ```
 //!
-//! Two registers hold M and D for the whole frame, whatever the number of kinds; the filters have
-//! the others, one after the other. The first words of a filter read D in its place, so that no
-//! word copies it. The bits of four kinds wait for the readout, which comes after all analogue
-//! work; of more kinds, four at a time.
+//! M takes one register for the whole frame, whatever the number of kinds; the filters have the
+//! others, one after the other. The photodiode integrates on while they run, which is a hundredth
+//! of a frame or less, beside the readout. The bits of five kinds wait for the readout, which comes
+//! after all analogue work. More kinds are read out five at a time, so that the light of the frame
+//! is held in a register as well.
 
 use std::fmt::Write as _;
 
@@ -22,13 +24,22 @@ use super::{
     request::{Effort, Objective, Request},
     sensor::{CellKind, DriveMemory, SLOTS, SensorProgram, constants, largest_light, number},
 };
-use crate::isa::{Analog, Device, Figure, Primitive, Source, Target};
+use crate::isa::{Analog, Device, Figure};
 
 /// The one-bit registers of each kind that waits for its readout, ON and OFF.
-const EVENTS: [[&str; 2]; 4] = [["R5", "R6"], ["R7", "R8"], ["R9", "R10"], ["R1", "R2"]];
+const EVENTS: [[&str; 2]; AT_A_TIME] = [
+    ["R5", "R6"],
+    ["R7", "R8"],
+    ["R9", "R10"],
+    ["R1", "R2"],
+    ["R3", "R4"],
+];
 
-/// Words of a frame besides the filters: of each kind, and of all.
-const AROUND: (u64, u64) = (14, 16);
+/// Kinds whose bits wait for one readout.
+pub(super) const AT_A_TIME: usize = 5;
+
+/// Words besides the filters: of each kind, of a second threshold, and of all.
+const AROUND: (u64, u64, u64) = (11, 3, 16);
 
 /// The program of these kinds.
 pub(super) fn program(
@@ -42,40 +53,43 @@ pub(super) fn program(
     if all.len() < needed {
         return Err(CompileError::Kinds {
             count: kinds.len(),
-            memory: "one memory of the pixel, a difference, and three for filter and threshold",
+            memory: "one memory of the pixel, and three registers for filter and threshold",
             needed,
             free: all.len(),
             advice: String::new(),
         });
     }
-    let (work, held) = all.split_at(all.len() - 2);
+    let (memory, work) = all
+        .split_last()
+        .map_or((Analog(0), &all[..]), |(m, w)| (*m, w));
+    let light = (kinds.len() > AT_A_TIME).then(|| work[work.len() - 1]);
     let registers = Registers {
-        result: work[0],
+        drive: work[0],
         scratch: work[1],
         threshold: work[2],
-        difference: held[0],
-        memory: held[1],
+        light,
+        memory,
     };
-    let own = filters(kinds, &registers, request)?;
-    let scale = |own: &Own| device.value(Figure::LightScale) * own.filter.scale();
-    let scales: Vec<f64> = own.iter().map(scale).collect();
+    let filters = filters(kinds, &registers, request)?;
+    let scales: Vec<f64> = { filters.iter() }
+        .map(|filter| device.value(Figure::LightScale) * filter.scale())
+        .collect();
     let writer = Writer {
         device,
         kinds,
-        own: &own,
+        filters: &filters,
         scales: &scales,
         registers,
     };
-    let text = writer.text(title);
-    let filters: Vec<Filter> = own.iter().map(|own| own.filter.clone()).collect();
+    let (text, difference) = (writer.text(title), writer.difference());
     Ok(SensorProgram {
         text,
         filter: Filter::joined(&filters),
-        drives: own.iter().map(|own| own.result).collect(),
+        drives: vec![registers.drive; kinds.len()],
         scale: scales.first().copied().unwrap_or(1.0),
         scales,
         steps: Vec::new(),
-        difference: Some(registers.difference),
+        difference,
         filters,
     })
 }
@@ -83,19 +97,13 @@ pub(super) fn program(
 /// The registers of a frame.
 #[derive(Clone, Copy)]
 struct Registers {
-    /// Of each filter.
-    result: Analog,
+    /// The light less the memory, and what a filter makes of it.
+    drive: Analog,
     scratch: Analog,
     threshold: Analog,
-    difference: Analog,
+    /// The light of the frame, where the photodiode is not to be read for so long.
+    light: Option<Analog>,
     memory: Analog,
-}
-
-/// One kind's filter, from the difference on.
-struct Own {
-    filter: Filter,
-    /// Where its result is; the difference itself where that is the result.
-    result: Analog,
 }
 
 /// The filter of each kind. Where together they are too long for the chip's store, the longest are
@@ -104,51 +112,55 @@ fn filters(
     kinds: &[CellKind],
     registers: &Registers,
     request: &Request<'_>,
-) -> Result<Vec<Own>, CompileError> {
+) -> Result<Vec<Filter>, CompileError> {
     let device = request.device;
     let most = largest_light(device);
     let effort = Effort {
         states: request.effort.states / kinds.len().max(1) as u64,
     };
     let of = |kind: &CellKind, objective| {
-        let request = Request {
+        Request {
             kernels: std::slice::from_ref(&kind.kernel),
-            input: registers.result,
-            into: vec![registers.result],
-            keep: vec![registers.difference, registers.memory],
+            input: registers.drive,
+            into: vec![registers.drive],
+            keep: registers
+                .light
+                .into_iter()
+                .chain([registers.memory])
+                .collect(),
             border: true,
             range: Some((-most, most)),
             effort,
             objective,
             ..request.clone()
-        };
-        Ok(request.filter()?.from_difference(registers))
+        }
+        .filter()
     };
-    let mut own = Vec::with_capacity(kinds.len());
+    let mut own: Vec<Filter> = Vec::with_capacity(kinds.len());
     for (i, kind) in kinds.iter().enumerate() {
         // The same kernel has the same filter.
         let known = kinds[..i].iter().position(|k| k.kernel == kind.kernel);
         own.push(match known.and_then(|i| own.get(i)) {
-            Some(Own { filter, result }) => Own {
-                filter: filter.clone(),
-                result: *result,
-            },
+            Some(filter) => filter.clone(),
             None => of(kind, request.objective)?,
         });
     }
     let room = device.value(Figure::Store) as u64;
-    let words = |own: &[Own]| {
-        let filters: usize = own.iter().map(|own| own.filter.words.len()).sum();
-        filters as u64 + AROUND.0 * own.len() as u64 + AROUND.1
+    let twice = kinds.iter().filter(|kind| kind.on != kind.off).count() as u64;
+    let around = AROUND.0 * kinds.len() as u64 + AROUND.1 * twice + AROUND.2;
+    let words = |own: &[Filter]| {
+        let filters: usize = own.iter().map(|own| own.words.len()).sum();
+        filters as u64 + around
     };
     let mut longest: Vec<usize> = (0..own.len()).collect();
-    longest.sort_by_key(|i| std::cmp::Reverse(own[*i].filter.words.len()));
+    longest.sort_by_key(|i| std::cmp::Reverse(own[*i].words.len()));
     for i in longest {
         if words(&own) <= room || request.objective == Objective::Words {
             break;
         }
         let shorter = of(&kinds[i], Objective::Words)?;
-        if shorter.filter.words.len() < own[i].filter.words.len() {
+        let as_right = shorter.border || !own[i].border;
+        if as_right && shorter.words.len() < own[i].words.len() {
             own[i] = shorter;
         }
     }
@@ -165,34 +177,6 @@ fn filters(
 }
 
 impl Filter {
-    /// The same filter of the difference: its words read that register until they first store into
-    /// the one where the input was.
-    fn from_difference(mut self, registers: &Registers) -> Own {
-        let (input, difference) = (registers.result, registers.difference);
-        let mut stored = false;
-        for (word, live) in self.words.iter_mut().zip(&mut self.live) {
-            let Primitive::Bus { targets, sources } = word else {
-                continue;
-            };
-            if !stored {
-                for source in sources.iter_mut() {
-                    if *source == Source::Register(input) {
-                        *source = Source::Register(difference);
-                    }
-                }
-            }
-            stored |= targets.contains(&Target::Register(input));
-            if !stored {
-                live.retain(|register| *register != input);
-            }
-            live.extend([difference, registers.memory]);
-        }
-        Own {
-            result: if stored { input } else { difference },
-            filter: self,
-        }
-    }
-
     /// Several filters one after the other, as one: their words, the least of what they promise and
     /// the most of what they take.
     fn joined(all: &[Self]) -> Self {
@@ -214,7 +198,7 @@ impl Filter {
 struct Writer<'a> {
     device: &'a Device,
     kinds: &'a [CellKind],
-    own: &'a [Own],
+    filters: &'a [Filter],
     scales: &'a [f64],
     registers: Registers,
 }
@@ -233,31 +217,42 @@ impl Writer<'_> {
             text,
             "const slots = {SLOTS}; // the most that one readout can deliver\n\n"
         );
-        let [result, threshold, difference, memory] = [
-            self.registers.result,
-            self.registers.threshold,
-            self.registers.difference,
-            self.registers.memory,
-        ]
-        .map(|register| self.device.analog_name(register));
+        let name = |register: Analog| self.device.analog_name(register);
+        let Registers {
+            drive,
+            threshold,
+            memory,
+            light,
+            ..
+        } = self.registers;
+        let [drive, threshold, memory] = [drive, threshold, memory].map(name);
         let _ = writeln!(
             text,
-            "// {memory}: the light at the last event of any kind; {difference}: the light less that; {result}: what a\n// kernel makes of it; {threshold}: minus the threshold; ON and OFF in pairs of one-bit registers"
+            "// {memory}: the photodiode at the last event of any kind; {drive}: what has changed since, then what a\n// kernel makes of it; {threshold}: minus the threshold; ON and OFF in pairs of one-bit registers"
         );
         let _ = write!(
             text,
-            "\ninit {{\n    get_image({memory});\n}}\n\nframe {{\n    // get_image, and minus the memory on the same bus\n    bus(NEWS, PIX);\n    rpix();\n    rpix();\n    nop();\n    bus({difference}, NEWS, PIX, {memory});\n"
+            "\ninit {{\n    mov({memory}, PIX);\n    respix();\n}}\n\nframe {{\n"
         );
+        if let Some(light) = light.map(name) {
+            let _ = writeln!(
+                text,
+                "    mov({light}, PIX); // the light, through all readouts\n    respix();"
+            );
+        }
         let count = self.kinds.len();
-        // Which of R3 and R4 holds whether any kind before has fired.
-        let mut before: Option<&str> = None;
-        for start in (0..count).step_by(EVENTS.len()) {
-            let batch: Vec<usize> = (start..count.min(start + EVENTS.len())).collect();
+        // The bit that holds whether any kind before has fired.
+        let mut before = false;
+        for start in (0..count).step_by(AT_A_TIME) {
+            let batch: Vec<usize> = (start..count.min(start + AT_A_TIME)).collect();
             for (i, bits) in batch.iter().zip(EVENTS) {
                 self.kind(&mut text, *i, bits);
             }
-            let last = start + EVENTS.len() >= count;
-            self.collect(&mut text, batch.len(), &mut before, last);
+            self.collect(&mut text, batch.len(), before);
+            before = true;
+            if start + AT_A_TIME >= count {
+                self.remember(&mut text);
+            }
             for (i, [on, off]) in batch.iter().zip(EVENTS) {
                 let number = number(self.kinds, *i);
                 let _ = writeln!(text, "    scamp5_scan_events({on}, on{number}, slots);");
@@ -274,12 +269,10 @@ impl Writer<'_> {
         let _ = writeln!(text, "//! chip = {:?}", self.device.name());
         text += "//! image = \"pattern:disc?width=64&height=48\"\n//! frames = 8\n";
         let _ = writeln!(text, "//! channels = {}", self.kinds.len());
-        let halved: Vec<String> = self
-            .own
-            .iter()
-            .map(|own| own.filter.prescale.to_string())
+        let halved: Vec<String> = { self.filters.iter() }
+            .map(|filter| filter.prescale.to_string())
             .collect();
-        let reach = if self.own.iter().all(|own| own.filter.border) {
+        let reach = if self.filters.iter().all(|filter| filter.border) {
             "right up to the border"
         } else {
             "right where the kernels lie on the array, not at its border"
@@ -292,28 +285,40 @@ impl Writer<'_> {
         text
     }
 
+    /// What the light of a frame is read from.
+    fn light(&self) -> String {
+        let held = self.registers.light;
+        held.map_or("PIX".to_owned(), |light| self.device.analog_name(light))
+    }
+
+    /// The words before each filter: the light less the memory.
+    fn difference(&self) -> String {
+        let Registers { drive, memory, .. } = self.registers;
+        let [drive, memory] = [drive, memory].map(|register| self.device.analog_name(register));
+        let light = self.light();
+        format!("    bus(NEWS, {light});\n    bus({drive}, NEWS, {memory});\n")
+    }
+
     /// Writes one kind's part of a frame: filter, and comparison with both thresholds.
     fn kind(&self, text: &mut String, i: usize, [on_bit, off_bit]: [&str; 2]) {
-        let (
-            Some(own),
-            Registers {
-                scratch, threshold, ..
-            },
-        ) = (self.own.get(i), self.registers)
-        else {
-            return;
-        };
         let name = |register: Analog| self.device.analog_name(register);
-        let (result, scratch, threshold) = (name(own.result), name(scratch), name(threshold));
+        let Registers {
+            drive,
+            scratch,
+            threshold,
+            ..
+        } = self.registers;
+        let [drive, scratch, threshold] = [drive, scratch, threshold].map(name);
         let (on, off) = constants(self.kinds, i);
         let _ = writeln!(text, "\n    // kind {i}");
-        text.push_str(&own.filter.text(self.device, 4));
+        text.push_str(&self.difference());
+        text.push_str(&self.filters[i].text(self.device, 4));
         let mut line = |what: &str| {
             let _ = writeln!(text, "    {what}");
         };
         line(&format!("scamp5_in({threshold}, -{off});"));
         line("bus(NEWS);");
-        line(&format!("bus({scratch}, NEWS, {result});"));
+        line(&format!("bus({scratch}, NEWS, {drive});"));
         line(&format!(
             "where({scratch}, {threshold}); // -drive > threshold"
         ));
@@ -323,49 +328,48 @@ impl Writer<'_> {
             line(&format!("scamp5_in({threshold}, -{on});"));
         }
         line(&format!(
-            "where({result}, {threshold}); // drive > threshold"
+            "where({drive}, {threshold}); // drive > threshold"
         ));
         line(&format!("MOV({on_bit}, FLAG);"));
         line("all();");
     }
 
-    /// Writes what collects the bits of so many kinds; after the last the memory becomes the light
-    /// wherever any kind has fired.
-    fn collect(
-        &self,
-        text: &mut String,
-        kinds: usize,
-        before: &mut Option<&'static str>,
-        last: bool,
-    ) {
+    /// Writes what collects the bits of so many kinds in R11; with those of the kinds `before`, which
+    /// are there already.
+    fn collect(&self, text: &mut String, kinds: usize, before: bool) {
         let bits: Vec<&str> = EVENTS[..kinds].iter().flatten().copied().collect();
-        let mut any: Vec<&str> = before.iter().copied().collect();
         text.push('\n');
-        if bits.len() == 2 {
-            any.extend(&bits);
-        } else {
-            for (into, bits) in ["R11", "R0"].into_iter().zip(bits.chunks(4)) {
-                let _ = writeln!(text, "    OR({into}, {});", bits.join(", "));
-                any.push(into);
+        // No word may store where it reads, so that the sums go to and fro.
+        let (mut from, mut into) = ("R11", "R0");
+        let mut any = before;
+        let mut left = &bits[..];
+        while !left.is_empty() {
+            if !any {
+                (from, into) = ("R0", "R11");
             }
+            let (now, later) = left.split_at(left.len().min(if any { 3 } else { 4 }));
+            let held = any.then_some(from);
+            let all: Vec<&str> = held.into_iter().chain(now.iter().copied()).collect();
+            let _ = writeln!(text, "    OR({into}, {});", all.join(", "));
+            (from, into) = (into, from);
+            (any, left) = (true, later);
         }
-        if last {
-            let (difference, memory) = (self.registers.difference, self.registers.memory);
-            let [difference, memory] =
-                [difference, memory].map(|register| self.device.analog_name(register));
-            let _ = writeln!(
-                text,
-                "    WHERE({}); // where any kind fired, the memory becomes the light",
-                any.join(", ")
-            );
-            let _ = writeln!(
-                text,
-                "    add({memory}, {memory}, {difference});\n    all();\n"
-            );
-        } else {
-            let next = if *before == Some("R3") { "R4" } else { "R3" };
-            let _ = writeln!(text, "    OR({next}, {});\n", any.join(", "));
-            *before = Some(next);
+        if from != "R11" {
+            let _ = writeln!(text, "    MOV(R11, {from});");
         }
+    }
+
+    /// Writes what an event of any kind does to the memory, and the reset.
+    fn remember(&self, text: &mut String) {
+        let memory = self.device.analog_name(self.registers.memory);
+        let light = self.light();
+        let _ = writeln!(
+            text,
+            "    WHERE(R11); // where any kind fired, the memory becomes the light\n    mov({memory}, {light});\n    all();"
+        );
+        if self.registers.light.is_none() {
+            text.push_str("    respix();\n");
+        }
+        text.push('\n');
     }
 }

@@ -12,12 +12,8 @@ use crate::{
     },
     compile::{CellKind, DriveMemory, SensorProgram, Signal},
     isa::{Analog, Device, Figure},
-    plane::Plane,
     program::{Action, Code, Overrides, Program},
 };
-
-/// Words of a frame that make the difference: the capture, the memory on its last bus.
-const CAPTURE: usize = 5;
 
 pub(super) fn whole(
     arguments: &Arguments,
@@ -35,8 +31,8 @@ pub(super) fn whole(
     };
     let parsed = Program::parse("compiled", &program.text)?;
     let expansion = parsed.expand(device, &Overrides::default())?;
-    let difference = program.difference.ok_or_else(fault)?;
-    if !is_difference(&expansion.code, device, difference)? {
+    let drive = program.drives.first().copied().ok_or_else(fault)?;
+    if !is_difference(&program.difference, device, drive)? {
         return Err(fault());
     }
     let most = (254.0 * device.value(Figure::LightScale)).min(127.0);
@@ -60,14 +56,15 @@ pub(super) fn whole(
     for (i, filter) in program.filters.iter().enumerate() {
         let (kernels, results) = (&asked.kernels[i..=i], &program.drives[i..=i]);
         let text = filter.text(device, 0);
-        if !holds(&compiled.expansion.code, &text, device)? {
+        let words = format!("{}{text}", program.difference);
+        if !holds(&compiled.expansion.code, &words, device)? {
             return Err(fault());
         }
         let proof = Proof {
             kernels,
             device,
             results,
-            input: Input::Register(difference),
+            input: Input::Register(drive),
             inputs: Inputs {
                 registers: Interval::new(-most, most),
                 ..Inputs::default()
@@ -81,13 +78,13 @@ pub(super) fn whole(
         compiled.saturations += own.saturations;
         compiled.snake += own.snake;
         let signal = Signal::from_range((-most, most));
-        let registers = (difference, results);
+        let registers = (drive, results);
         compiled
             .forecasts
             .extend(filter.forecast(device, registers, kernels, signal));
         compiled
             .noises
-            .extend(noises(filter, device, difference, results, kernels));
+            .extend(noises(filter, device, drive, results, kernels));
     }
     let thresholds = asked.thresholds.iter().zip(&program.scales);
     compiled.thresholds = thresholds
@@ -96,22 +93,21 @@ pub(super) fn whole(
     Ok(compiled)
 }
 
-/// Whether the first words of a frame leave the light less the memory.
-fn is_difference(code: &Code, device: &Device, difference: Analog) -> miette::Result<bool> {
-    let capture = code.frame.get(..CAPTURE).unwrap_or_default();
+/// Whether these words leave the light less the memory: of two inputs one as it is, the other with
+/// its sign turned.
+fn is_difference(words: &str, device: &Device, drive: Analog) -> miette::Result<bool> {
+    let words = Program::parse("difference", words)?.expand(device, &Overrides::default())?;
     let settings = Settings::from_device(device);
-    let taps = taps::read(capture, device, settings, difference)
+    let taps = taps::read(&words.code.frame, device, settings, drive)
         .wrap_err("the program cannot be read back")?;
-    let light = device.value(Figure::LightScale);
-    let one = |weight: f64| Plane::from_elem((1, 1), weight);
-    let memories: Vec<Input> = { taps.taps.keys() }
-        .map(|(input, ..)| *input)
-        .filter(|input| *input != Input::Light)
+    let mut weights: Vec<f64> = { taps.taps.iter() }
+        .map(|((input, ..), weight)| match input {
+            Input::Light => weight.to_f64() / device.value(Figure::LightScale),
+            Input::Register(_) => weight.to_f64(),
+        })
         .collect();
-    Ok(match memories[..] {
-        [memory] => taps.kernel(Input::Light) == one(light) && taps.kernel(memory) == one(-1.0),
-        _ => false,
-    })
+    weights.sort_by(f64::total_cmp);
+    Ok(weights == [-1.0, 1.0])
 }
 
 /// Whether these words stand in the frame, one after the other.
