@@ -288,6 +288,51 @@ fn what_cannot_be_is_said() {
     let request = Request::new(&ones, &device).unwrap();
     let error = SensorProgram::new(&kinds, DriveMemory::Analogue, "three", &request).unwrap_err();
     assert!(error.to_string().ends_with("2 too few"), "{error}");
+    // Each way out that is named was compiled.
+    let CompileError::Kinds { advice, .. } = error else {
+        panic!("{error}")
+    };
+    for way in ["--memory shared", "the first 2", "--chip scamp5-wide"] {
+        assert!(advice.contains(way), "{advice}");
+    }
+    assert!(!advice.contains("bits"), "{advice}");
+}
+
+/// One-bit memories only with as many levels as the threshold needs.
+#[test]
+fn levels_are_as_close_as_the_threshold_needs() {
+    let device = Device::scamp5();
+    let kernels = [outer(&[1.0], &[1.0], 1.0)];
+    let mut request = Request::new(&kernels, &device).unwrap();
+    request.effort = Effort { states: 0 };
+    // Light in half LSB: a threshold of 2 LSB, a range of 127.5.
+    let kinds = |count| {
+        let kind = CellKind {
+            kernel: kernels[0].clone(),
+            on: 4.0,
+            off: 6.0,
+        };
+        vec![kind; count]
+    };
+    let program =
+        |count, bits| SensorProgram::new(&kinds(count), DriveMemory::Bits(bits), "bits", &request);
+    for bits in [2, 4] {
+        let Err(CompileError::Levels { needed, advice, .. }) = program(1, bits) else {
+            panic!("{bits} bits")
+        };
+        assert_eq!(needed, 5);
+        assert!(advice.contains("bits:5"), "{advice}");
+    }
+    let five = program(1, 5).unwrap();
+    assert!(five.steps[0].step / 2.0 <= 2.0);
+    // Two kinds have not five bits each: no number of bits is suggested.
+    let Err(CompileError::Levels { advice, .. }) = program(2, 4) else {
+        panic!("two kinds of four bits")
+    };
+    assert!(
+        advice.contains("--memory shared") && !advice.contains("bits:"),
+        "{advice}"
+    );
 }
 
 fn weights(side: usize, bits: u32, most: i32) -> impl Strategy<Value = Kernel> {
@@ -406,6 +451,124 @@ proptest! {
     }
 }
 
+/// A program of several kinds with one memory of the pixel, and the float model: their packets are
+/// the same, event by event. Returns the program's words a frame, and the number of events.
+fn shared_is_the_reference(kinds: &[CellKind], states: u64, seed: u64) -> (u64, usize) {
+    let device = Device::scamp5();
+    let kernels = [kinds[0].kernel.clone()];
+    let mut request = Request::new(&kernels, &device).unwrap();
+    request.effort = Effort { states };
+    let sensor = SensorProgram::new(kinds, DriveMemory::Shared, "shared", &request).unwrap();
+    assert!(sensor.filters.iter().all(|filter| filter.border));
+    let program = Program::parse("shared", &sensor.text).unwrap();
+    let code = program.expand(&device, &Overrides::default()).unwrap().code;
+    let clip = clip(seed);
+    let size = Size::of(&clip[0]);
+    let settings = Settings {
+        clip: true,
+        ..Settings::from_device(&device)
+    };
+    let mut chip = Chip::new("chip", Exact, &code, &device, size, settings).unwrap();
+    let mut text =
+        "response = \"identity\"\nmemory = \"raw-snap\"\nshared = true\nborder = \"zero\"\n"
+            .to_owned();
+    for CellKind { kernel, on, off } in kinds {
+        let rows: Vec<Vec<f64>> = { kernel.weights().rows().into_iter() }
+            .map(|row| row.to_vec())
+            .collect();
+        text += &format!(
+            "[[channel]]\nkernel = {rows:?}\nthreshold = {{ on = {on:?}, off = {off:?} }}\n"
+        );
+    }
+    let description = Description::parse("sensor", &text, &|_| unreachable!()).unwrap();
+    let mut reference = Reference::new(description, size, 0).unwrap();
+    let [a, b] = [watch(&mut chip, &clip), watch(&mut reference, &clip)];
+    assert_eq!(a, b, "{}", sensor.text);
+    (Cost::of(&code.frame, &device).words.0, a.events.len())
+}
+
+/// The kernels of the shipped sensor of four kinds, in few values.
+fn four_kinds(to: &str) -> Vec<CellKind> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("sensors/rgc-4-on-chip.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let sensor = Description::parse("rgc-4", &text, &|_| unreachable!()).unwrap();
+    assert!(sensor.shared);
+    let to: Quantiser = to.parse().unwrap();
+    let kind = |channel: &amacrine::reference::Channel| {
+        let quantised = to
+            .quantise(&channel.kernels[0], Sum::Free, 0)
+            .unwrap()
+            .within_one();
+        let light = 255.0 / quantised.scale;
+        CellKind {
+            kernel: quantised.levels,
+            on: channel.thresholds[0].on * light,
+            off: channel.thresholds[0].off * light,
+        }
+    };
+    sensor.channels.iter().map(kind).collect()
+}
+
+/// Four learned 5x5 kernels on six registers and 1024 words.
+#[test]
+fn four_kinds_fit_on_scamp5() {
+    for (to, most) in [("ternary", 320), ("int-5", 1019)] {
+        let (words, events) = shared_is_the_reference(&four_kinds(to), 20_000, 7);
+        println!("{to}: {words} words a frame, {events} events");
+        assert!(
+            words <= most && events > 100,
+            "{to}: {words} words, {events} events"
+        );
+    }
+}
+
+/// More kinds than one-bit registers wait for: the readout comes five at a time, and the light is
+/// held; one of them has a filter without a word.
+#[test]
+fn seven_kinds_are_read_five_at_a_time() {
+    let kernels = [
+        outer(&[1.0], &[1.0], 1.0),
+        outer(&[1.0, 2.0, 1.0], &[-1.0, 0.0, 1.0], 0.25),
+        outer(&[-1.0, 0.0, 1.0], &[1.0, 2.0, 1.0], 0.25),
+        outer(&[1.0, 1.0, 1.0], &[0.0, 1.0, 0.0], 0.25),
+        outer(&[1.0], &[0.5], 1.0),
+        outer(&[1.0, -2.0, 1.0], &[1.0, -2.0, 1.0], 0.125),
+        outer(&[1.0], &[-0.5, 0.0, 0.5], 1.0),
+    ];
+    for count in [1, 2, 3, 5, 7] {
+        let kinds: Vec<CellKind> = { kernels[..count].iter().enumerate() }
+            .map(|(i, kernel)| CellKind {
+                kernel: kernel.clone(),
+                on: 40.0 + i as f64,
+                off: 40.0,
+            })
+            .collect();
+        let (_, events) = shared_is_the_reference(&kinds, 500, count as u64);
+        assert!(events > 50, "{count} kinds: {events} events");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Any kinds, any thresholds, one memory.
+    #[test]
+    fn a_shared_memory_is_the_reference(
+        kernels in proptest::collection::vec(weights(5, 2, 2), 1..5),
+        thresholds in proptest::collection::vec((1u32..200, 1u32..200), 4),
+        equal: bool,
+        seed: u64,
+    ) {
+        let kind = |(kernel, (on, off)): (&Kernel, &(u32, u32))| CellKind {
+            kernel: kernel.clone(),
+            on: f64::from(*on) / 4.0,
+            off: f64::from(if equal { *on } else { *off }) / 4.0,
+        };
+        let kinds: Vec<CellKind> = kernels.iter().zip(&thresholds).map(kind).collect();
+        shared_is_the_reference(&kinds, 1000, seed);
+    }
+}
+
 /// A memory in bits, pixel by pixel: the range in equal steps, each its middle.
 fn in_bits(
     drives: &[Plane<f64>],
@@ -436,7 +599,9 @@ fn a_memory_in_bits_is_its_twin() {
     let device = Device::scamp5();
     let weights = outer(&[1.0, 2.0, 1.0], &[-1.0, 0.0, 1.0], 0.25);
     let clip = clip(3);
-    for (count, bits) in [(1, 1), (1, 4), (1, 8), (2, 3), (3, 2)] {
+    for (count, bits) in [(1, 3), (1, 4), (1, 8), (2, 4), (3, 2)] {
+        // As low as the levels allow.
+        let least = 14f64.max(256.0 / 2f64.powi(i32::from(bits)));
         let kinds: Vec<CellKind> = (0..count)
             .map(|i| CellKind {
                 kernel: if i == 1 {
@@ -444,8 +609,8 @@ fn a_memory_in_bits_is_its_twin() {
                 } else {
                     weights.clone()
                 },
-                on: 14.0 + f64::from(i),
-                off: 14.0 + f64::from(i),
+                on: least + f64::from(i),
+                off: least + f64::from(i),
             })
             .collect();
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();

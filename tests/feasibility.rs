@@ -406,16 +406,21 @@ fn several_kernels_are_a_chapter_each_and_one_program() {
     }
 }
 
-/// A file of several kernels, and more of them than the chip has registers for.
-#[test]
-fn kernels_that_do_not_fit_together_are_told_so() {
-    let folder = folder();
+/// Four kernels of three rows as an array.
+fn four_kernels(folder: &Path) {
     let plane = |k: i32| (0..9).map(move |i| f64::from((i + k) % 3 - 1) + f64::from(i == 4));
     let mut file = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     let head = "{'descr': '<f8', 'fortran_order': False, 'shape': (4, 3, 3), }";
     file.extend(format!("{head:<117}\n").bytes());
     file.extend((0..4).flat_map(plane).flat_map(f64::to_le_bytes));
-    fs::write(folder.path().join("k.npy"), file).unwrap();
+    fs::write(folder.join("k.npy"), file).unwrap();
+}
+
+/// A file of more kernels than the chip has registers for memories: they share one.
+#[test]
+fn four_kernels_share_a_memory() {
+    let folder = folder();
+    four_kernels(folder.path());
     let mut ask = ASK;
     (ask[2], ask[8]) = ("k.npy", "ternary");
     let more = ["--within", "5ms", "-o", "report.html", "--json"];
@@ -425,10 +430,69 @@ fn kernels_that_do_not_fit_together_are_told_so() {
         .collect();
     assert_eq!(names, ["k.npy[0]", "k.npy[1]", "k.npy[2]", "k.npy[3]"]);
     let together = &numbers["together"];
+    assert!(
+        together["headline"]
+            .as_str()
+            .unwrap()
+            .starts_with("Fit together")
+    );
+    let program = &together["fit"]["on_chip"];
+    assert_eq!(program["memory"], "one memory of the pixel for all kinds");
+    assert!(number(program, "/registers") <= 6.0);
+    assert!(number(program, "/carried") >= 4.0);
+    for kind in together["kinds"].as_array().unwrap() {
+        // What few values leave, without the chip's errors.
+        assert!(number(kind, "/exact/kept") > 0.5, "{kind}");
+        assert!(kind["kept"].is_number());
+    }
+    // What `compile` makes of them.
+    let compile =
+        "compile k.npy --to ternary --sum kept --threshold 40 --memory shared --effort 0.05";
+    let compiled = json(folder.path(), &compile.split(' ').collect::<Vec<_>>());
+    assert_eq!(program["frame_words"], compiled["words"]);
+    // And `quantise`, which runs them as well.
+    let quantise = format!(
+        "quantise k.npy --to ternary --sum kept --threshold 40 --effort 0.05 --within 5ms --scene {SCENE}"
+    );
+    let quantised = json(folder.path(), &quantise.split(' ').collect::<Vec<_>>());
+    let on_chip = &quantised["together"][0]["on_chip"];
+    assert_eq!(on_chip["words"], compiled["words"]);
+    for (i, kind) in on_chip["kinds"].as_array().unwrap().iter().enumerate() {
+        assert_eq!(kind["silicon"]["f1"], together["kinds"][i]["silicon"]["f1"]);
+    }
+    let source = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let page = Html::parse_document(&source);
+    is_readable(&page);
+    says_the_numbers(&page, &numbers);
+}
+
+/// More kernels than the chip has words for.
+#[test]
+fn kernels_that_do_not_fit_together_are_told_so() {
+    let folder = folder();
+    four_kernels(folder.path());
+    let chip = folder.path().join("small");
+    fs::create_dir(&chip).unwrap();
+    let device = "name = \"small\"\ntitle = \"a small store\"\nextends = \"scamp5\"\n\n[figure.store]\nwords = { value = 90, unit = \"words\", source = \"test\", evidence = \"guess\" }\n";
+    fs::write(chip.join("device.toml"), device).unwrap();
+    let mut ask = ASK;
+    (ask[2], ask[8]) = ("k.npy", "ternary");
+    let more = [
+        "--chip",
+        "small",
+        "--within",
+        "5ms",
+        "-o",
+        "report.html",
+        "--json",
+    ];
+    let numbers = json(folder.path(), &[&ask[..], &more].concat());
+    let together = &numbers["together"];
     assert_eq!(together["headline"], "Do not fit together");
     let why = together["fit"]["refused"].as_array().unwrap();
-    assert_eq!(why.len(), 2);
+    assert_eq!(why.len(), 3);
     assert!(why[0].as_str().unwrap().contains("registers"));
+    assert!(why[1].as_str().unwrap().contains("words"));
     let source = fs::read_to_string(folder.path().join("report.html")).unwrap();
     let page = Html::parse_document(&source);
     is_readable(&page);

@@ -710,6 +710,7 @@ fn what_has_no_tiles_is_the_full_model() {
     for (memory, channel) in [
         ("filtered-step", "mesh = { lambda = 3 }"),
         ("raw-snap", "kernel = \"csdvs-3\""),
+        ("raw-snap\"\nshared = true # \"", "kernel = \"csdvs-3\""),
     ] {
         let description = read(&text(memory, channel));
         let mut asked = question(&description, 0);

@@ -129,3 +129,42 @@ fn the_feasibility_of_a_disc() {
     let said: Vec<_> = said.trim().lines().map(str::trim_end).collect();
     assert_eq!(said, after(&page, command));
 }
+
+/// Every command of the guide, in the order in which they stand there; searches and scenes are
+/// made short.
+#[test]
+fn every_step_of_the_guide() {
+    let folder = folder();
+    let sensors = folder.path().join("sensors");
+    fs::create_dir(&sensors).unwrap();
+    let sensor = "sensors/rgc-4-on-chip.toml";
+    fs::write(folder.path().join(sensor), page(sensor)).unwrap();
+    let guide = page("docs/guides/from-kernel-to-chip.md");
+    let mut steps = Vec::new();
+    // Blocks without a language are commands; what they print, and what is refused, is text.
+    let mut blocks = guide.split("\n```").skip(1).step_by(2);
+    blocks.by_ref().for_each(|block| {
+        let commands = block.strip_prefix('\n').unwrap_or_default();
+        steps.extend(
+            commands
+                .lines()
+                .filter(|line| line.starts_with("amacrine ")),
+        );
+    });
+    assert!(steps.len() >= 10, "{steps:?}");
+    for step in steps {
+        let mut step = step.to_owned();
+        if step.contains("amacrine compile") || step.contains("quantise") && step.contains(',') {
+            step += " --effort 0.02";
+        }
+        if step.contains("amacrine quantise") && step.contains(',') {
+            step += " --scene pattern:disc?width=40&height=32&frames=6";
+        }
+        let said = printed(&folder, &step);
+        assert!(!said.is_empty(), "{step}");
+    }
+    // The four kernels have become a program, and events.
+    for file in ["four.scamp", "four.csv", "silicon.csv", "four.cpp"] {
+        assert!(folder.path().join(file).exists(), "{file}");
+    }
+}

@@ -1,6 +1,7 @@
 //! The float model against `reference::model`, one cell and one pair of frames at a time, to the
-//! bit: every memory rule with every polarity, refractory rule and border, one to three kinds of
-//! cells, 2x2 patterns, mismatch, leak, strays, slow photoreceptors, in every number format.
+//! bit: every memory rule (of pixels also shared by all kinds) with every polarity, refractory rule
+//! and border, one to three kinds of cells, 2x2 patterns, mismatch, leak, strays, slow
+//! photoreceptors, in every number format.
 //!
 //! What the sensor's rows tell is compared train by train (sign, count, place of the first,
 //! spacing), with the memory after each frame and what the report counts. Of events, voxels and
@@ -20,7 +21,10 @@ use amacrine::{
     reference::{
         BandSink, Border, Counts, Description, EventList, Interval, Limit, MemoryRule, Reference,
         Sink, Train, TrainRow, VoxelGrid,
-        model::{self, Cell, FilteredSnap, FilteredStep, PixelStep, RawSnap, Seen, Setting},
+        model::{
+            self, Cell, FilteredSnap, FilteredStep, MemoryModel, Pixel, PixelStep, RawSnap, Seen,
+            Setting,
+        },
     },
     scene::Frame,
     sensor::SensorError,
@@ -316,6 +320,91 @@ fn run<N: Number, M: model::MemoryModel>(
     Ok(run)
 }
 
+/// The model of every pixel whose kinds share a memory, for all channels.
+fn run_shared<N: Number>(
+    number: &N,
+    description: &Description,
+    signals: &[(f64, Plane<N::Held>)],
+    drawn: &[Drawn],
+) -> Vec<Run> {
+    let (mut from, first) = (signals[0].0, &signals[0].1);
+    let seen_by_all = |u: &Plane<N::Held>, memory: &Plane<N::Held>, floor: f64| {
+        let each = 0..drawn.len();
+        each.map(|channel| look(number, description, channel, (u, memory), floor))
+            .collect::<Vec<_>>()
+    };
+    let seen = seen_by_all(first, first, 0.0);
+    let pixel = |at: At| {
+        let cell = |(drawn, seen): (&Drawn, &Plane<Seen<N>>)| {
+            let setting = Setting {
+                number: *number,
+                on: drawn.on[at],
+                off: drawn.off[at],
+                leak: 0.0,
+                polarity: description.polarity,
+                refractory: description.refractory,
+            };
+            Cell::<N, RawSnap>::new(setting, from, seen[at], RawSnap::stored(&seen[at]))
+        };
+        Pixel::new(drawn.iter().zip(&seen).map(cell).collect())
+    };
+    let mut pixels: Vec<(At, Pixel<N>)> = first
+        .indexed_iter()
+        .map(|(at, _)| (at, pixel(at)))
+        .collect();
+    let held = |pixels: &[(At, Pixel<N>)]| {
+        let held = pixels.iter().map(|(_, pixel)| pixel.memory()).collect();
+        Plane::from_shape_vec(first.dim(), held).unwrap()
+    };
+    let values = held(&pixels).mapv(|m| number.value(m));
+    let start = || Run {
+        trains: Vec::new(),
+        memory: vec![values.clone()],
+        lost: 0,
+        without_sign: 0,
+    };
+    let mut runs: Vec<Run> = drawn.iter().map(|_| start()).collect();
+    for (index, (to, u)) in signals[1..].iter().enumerate() {
+        let (pair, to) = (index, *to);
+        let index = index as u64;
+        let interval = Interval { index, from, to };
+        from = to;
+        let memory = held(&pixels);
+        let seen = seen_by_all(u, &memory, 1e-8);
+        let mut trains = vec![Vec::new(); drawn.len()];
+        for (at, pixel) in &mut pixels {
+            let own: Vec<_> = seen.iter().map(|seen| seen[*at]).collect();
+            let told = pixel.see(&own, interval);
+            let cells = pixel.cells_mut().iter_mut().zip(drawn);
+            for ((told, (cell, drawn)), trains) in told.iter().zip(cells).zip(&mut trains) {
+                trains.extend(told.map(|train| (*at, train)));
+                let strays = drawn.strays[pair].iter();
+                for (_, stray) in strays.filter(|stray| stray.0 == *at) {
+                    if cell.hears(stray.first, told.as_ref(), interval) {
+                        let first = N::Real::from_f64(stray.first).to_f64();
+                        trains.push((*at, Train { first, ..*stray }));
+                    }
+                }
+            }
+        }
+        let values = held(&pixels).mapv(|m| number.value(m));
+        for (run, trains) in runs.iter_mut().zip(trains) {
+            run.trains.push(trains);
+            run.memory.push(values.clone());
+        }
+    }
+    for (channel, run) in runs.iter_mut().enumerate() {
+        let cells = pixels
+            .iter_mut()
+            .map(|(_, pixel)| &pixel.cells_mut()[channel]);
+        for cell in cells {
+            run.lost += cell.lost;
+            run.without_sign += cell.without_sign;
+        }
+    }
+    runs
+}
+
 /// Holds the sensor to the model, train by train and bit by bit; what the model said.
 fn judge<N: Number>(
     number: N,
@@ -345,7 +434,7 @@ fn judge<N: Number>(
             strays.push(told.strays(channel));
         }
     }
-    let mut runs = Vec::new();
+    let mut all_drawn = Vec::new();
     for (channel, strays) in strays.into_iter().enumerate() {
         let [on, off] = sensor.thresholds(channel).unwrap();
         let leak = sensor.leak(channel).unwrap();
@@ -368,14 +457,21 @@ fn judge<N: Number>(
             memory,
             strays,
         };
-        let run = match description.memory {
-            MemoryRule::RawSnap => run::<N, RawSnap>,
-            MemoryRule::FilteredSnap => run::<N, FilteredSnap>,
-            MemoryRule::FilteredStep => run::<N, FilteredStep>,
-            MemoryRule::AuthorsPixelStep => run::<N, PixelStep>,
-        };
-        runs.push(run(&number, description, channel, &signals, &drawn)?);
+        all_drawn.push(drawn);
     }
+    let run = match description.memory {
+        MemoryRule::RawSnap => run::<N, RawSnap>,
+        MemoryRule::FilteredSnap => run::<N, FilteredSnap>,
+        MemoryRule::FilteredStep => run::<N, FilteredStep>,
+        MemoryRule::AuthorsPixelStep => run::<N, PixelStep>,
+    };
+    let runs: Vec<Run> = if description.shared {
+        run_shared(&number, description, &signals, &all_drawn)
+    } else {
+        let each = all_drawn.iter().enumerate();
+        each.map(|(channel, drawn)| run(&number, description, channel, &signals, drawn))
+            .collect::<Result<_, _>>()?
+    };
 
     let mut counts = Counts::new(size, kinds);
     for (n, frame) in frames.iter().enumerate() {
@@ -467,6 +563,8 @@ fn sensors() -> impl Strategy<Value = String> {
     let memory = proptest::sample::select(vec![
         ("raw-snap", "filtered", "dead-time"),
         ("raw-snap", "pixel", "dead-time"),
+        ("raw-snap\"\nshared = true # \"", "filtered", "dead-time"),
+        ("raw-snap\"\nshared = true # \"", "pixel", "dead-time"),
         ("filtered-snap", "filtered", "dead-time"),
         ("filtered-snap", "pixel", "dead-time"),
         ("filtered-step", "filtered", "dead-time"),

@@ -192,6 +192,7 @@ fn a_still_scene_without_noise_is_silent_from_its_first_frame() {
     let rules = [
         "memory = \"raw-snap\"",
         "memory = \"raw-snap\"\npolarity = \"pixel\"",
+        "memory = \"raw-snap\"\nshared = true",
         "memory = \"filtered-snap\"",
         "memory = \"filtered-snap\"\npolarity = \"pixel\"",
         "memory = \"filtered-step\"",

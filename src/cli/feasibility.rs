@@ -8,7 +8,7 @@ use crate::{
     compare::metric::Short,
     compile::Effort,
     isa::Device,
-    kernel::{Kernel, quantise::Quantiser},
+    kernel::quantise::Quantiser,
     rig::guard::Warning,
     save::save,
     scene::{Observation, Scene, SceneError},
@@ -28,6 +28,7 @@ use super::{
     clip::Clip,
     content::Content,
     files::{Named, Output},
+    kernels::Kinds,
     light::{self, Shown},
     progress::Progress,
     quantiser::Total,
@@ -43,15 +44,14 @@ use super::{
     after_help = "Examples:\n  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility --kernel learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n  amacrine feasibility --kernel csdvs-3,sobel-x --threshold 40,100 -o report.html\n\nSeveral kernels: each on its own, and all of them in one program. The page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
 )]
 pub struct Arguments {
-    /// A kernel file (.toml or .npy), or the name of a built-in; or several of them, which are
-    /// to share a chip
+    /// A kernel file (.toml, .npy of shape (k,k) or (K,k,k)), the name of a built-in, or a sensor
+    /// file; or several of them, which are to share a chip
     #[arg(long, required = true, value_delimiter = ',', value_name = "KERNELS")]
     kernel: Vec<Named>,
     /// Events where kernel times light (0 to 255) moved by more than this: one number for all
-    /// kernels, or one for each
+    /// kernels, or one for each; a sensor file has its own
     #[arg(
         long,
-        required = true,
         allow_negative_numbers = true,
         value_delimiter = ',',
         value_name = "THRESHOLDS"
@@ -150,7 +150,7 @@ const SENSORS: usize = RUNGS.len() + 1;
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kernels = arguments.kernels()?;
+    let kinds = arguments.kernels()?;
     let device = Device::find(&arguments.chip)?;
     if let Some(what) = &arguments.explain {
         feasibility::explain::check(what, &device)?;
@@ -162,7 +162,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sensors = [
         SENSORS + 2 * (arguments.candidates.len() + 1),
         waterfall::SENSORS,
-        kernels.len() * SENSORS + 2,
+        kinds.kernels.len() * SENSORS + 2,
     ];
     budget::check_study(&*scene, sensors.into_iter().max().unwrap_or(SENSORS))?;
     let (frames, fps) = (scene.frames(), scene.fps());
@@ -170,7 +170,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
     let mut questions = Vec::new();
-    for ((name, kernel), threshold) in kernels.iter().zip(arguments.thresholds(kernels.len())?) {
+    let thresholds = arguments.thresholds(&kinds)?;
+    let kernels = kinds.names.iter().zip(&kinds.kernels);
+    for ((name, kernel), threshold) in kernels.zip(thresholds) {
         questions.push(Question {
             name,
             kernel,
@@ -316,37 +318,36 @@ impl Answer {
     }
 }
 
-/// The kernels of a file or of a name, each with a name of its own.
-fn named(name: &str) -> miette::Result<Vec<(String, Kernel)>> {
-    let (kernels, _) = super::kernels::read(name)?;
-    let several = kernels.len() > 1;
-    let own = |i| {
-        if several {
-            format!("{name}[{i}]")
-        } else {
-            name.to_owned()
-        }
-    };
-    let pairs = kernels.into_iter().enumerate();
-    Ok(pairs.map(|(i, kernel)| (own(i), kernel)).collect())
-}
-
 impl Arguments {
-    /// All kernels, each with its name.
-    fn kernels(&self) -> miette::Result<Vec<(String, Kernel)>> {
-        let mut all = Vec::new();
+    /// All kernels, each with its name, and their thresholds where a sensor file has them.
+    fn kernels(&self) -> miette::Result<Kinds> {
+        let mut all = Kinds {
+            names: Vec::new(),
+            kernels: Vec::new(),
+            thresholds: Some(Vec::new()),
+        };
         for name in &self.kernel {
-            all.extend(named(name)?);
+            let own = Kinds::read(name)?;
+            all.names.extend(own.names);
+            all.kernels.extend(own.kernels);
+            all.thresholds =
+                { all.thresholds.take().zip(own.thresholds) }.map(|(all, own)| [all, own].concat());
         }
         Ok(all)
     }
 
-    /// A threshold for each of so many kernels.
-    fn thresholds(&self, kernels: usize) -> miette::Result<Vec<f64>> {
-        match self.threshold[..] {
-            [all] => Ok(vec![all; kernels]),
-            ref each if each.len() == kernels => Ok(each.to_vec()),
-            ref other => Err(miette!(
+    /// A threshold for each kernel.
+    fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
+        let kernels = kinds.kernels.len();
+        match (&self.threshold[..], &kinds.thresholds) {
+            ([], Some(own)) => Ok(own.clone()),
+            ([], None) => Err(miette!(
+                help = "give --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
+                "feasibility needs a threshold"
+            )),
+            ([all], _) => Ok(vec![*all; kernels]),
+            (each, _) if each.len() == kernels => Ok(each.to_vec()),
+            (other, _) => Err(miette!(
                 help = "give one --threshold for all kernels, or one for each, in their order",
                 "{} thresholds for {kernels} kernels",
                 other.len()
@@ -357,10 +358,12 @@ impl Arguments {
     /// The command that gives the same page again, every default written out.
     fn command(&self) -> String {
         let mut text = format!(
-            "amacrine feasibility --kernel {} --threshold {}",
-            quoted(&list(&self.kernel)),
-            list(&self.threshold)
+            "amacrine feasibility --kernel {}",
+            quoted(&list(&self.kernel))
         );
+        if !self.threshold.is_empty() {
+            let _ = write!(text, " --threshold {}", list(&self.threshold));
+        }
         let mut add = |name: &str, value: &str| {
             let _ = write!(text, " --{name} {}", quoted(value));
         };

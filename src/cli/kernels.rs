@@ -7,8 +7,120 @@ use miette::miette;
 use crate::{
     kernel::{Kernel, KernelFileError, NUMPY},
     limit::KERNELS,
+    photoreceptor::Curve,
+    reference::{Channel, Description},
     source,
 };
+
+/// The kinds of cells that a kernel file, an array of kernels or a sensor file states.
+pub(super) struct Kinds {
+    /// What each is called.
+    pub names: Vec<String>,
+    /// The kernel of each.
+    pub kernels: Vec<Kernel>,
+    /// The threshold of each, in kernel times light (0 to 255); only of a sensor file.
+    pub thresholds: Option<Vec<f64>>,
+}
+
+impl Kinds {
+    /// Reads them.
+    ///
+    /// # Errors
+    /// When there is no such file, it holds no kernel, or a sensor's kinds are no kernels.
+    pub fn read(name: &str) -> miette::Result<Self> {
+        if Kernel::builtin(name).is_none() && is_sensor(name) {
+            let description = super::run::read_sensor(Path::new(name))?;
+            return Self::of_sensor(name, &description);
+        }
+        let (kernels, _) = read(name)?;
+        let names = match kernels.len() {
+            1 => vec![name.to_owned()],
+            n => (0..n).map(|i| format!("{name}[{i}]")).collect(),
+        };
+        Ok(Self {
+            names,
+            kernels,
+            thresholds: None,
+        })
+    }
+
+    fn of_sensor(name: &str, description: &Description) -> miette::Result<Self> {
+        let white = match description.response.curve {
+            Curve::Identity => 1.0,
+            Curve::Linear { white } => white,
+            Curve::Log { .. } | Curve::LinLog { .. } => {
+                return Err(miette!(
+                    help = "the chip's photodiode is linear: give a sensor with `response = {{ linear = … }}`",
+                    "{name}: its response is not linear"
+                ));
+            }
+        };
+        let several = description.channels.len() > 1;
+        let mut kinds = Self {
+            names: Vec::new(),
+            kernels: Vec::new(),
+            thresholds: Some(Vec::new()),
+        };
+        for (i, channel) in description.channels.iter().enumerate() {
+            let own = match &channel.name {
+                Some(own) => own.clone(),
+                None if several => format!("{name}[{i}]"),
+                None => name.to_owned(),
+            };
+            let (kernel, threshold) = plain(name, channel)?;
+            kinds.names.push(own);
+            kinds
+                .kernels
+                .push(workable(kernel, &format!("{name}, channel {i}"))?);
+            kinds
+                .thresholds
+                .iter_mut()
+                .for_each(|t| t.push(threshold * white));
+        }
+        Ok(kinds)
+    }
+}
+
+/// The kernel and the threshold of a channel that has one of each.
+fn plain(name: &str, channel: &Channel) -> miette::Result<(Kernel, f64)> {
+    let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
+        return Err(miette!(
+            help =
+                "give every kind of cell one kernel; all pixels of the array run the same program",
+            "{name}: a channel has a pattern of kernels"
+        ));
+    };
+    if channel.surrounds.is_some() {
+        return Err(miette!(
+            help =
+                "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
+            "{name}: a channel sees through a resistor mesh, which is no program"
+        ));
+    }
+    if threshold.on != threshold.off {
+        return Err(miette!(
+            help = "give both the same threshold; `amacrine compile --sensor` takes two",
+            "{name}: a channel has a threshold of {} for ON and {} for OFF",
+            threshold.on,
+            threshold.off
+        ));
+    }
+    Ok((kernel.clone(), threshold.on))
+}
+
+/// Whether a file is a sensor: its kinds stand under `[[channel]]`.
+fn is_sensor(name: &str) -> bool {
+    let path = Path::new(name);
+    // A pipe can be read once.
+    if path.extension().is_none_or(|ending| ending != "toml") || !path.is_file() {
+        return false;
+    }
+    let Ok(text) = source::text(path, "") else {
+        return false;
+    };
+    text.lines()
+        .any(|line| line.trim_start().starts_with("[[channel]]"))
+}
 
 /// The kernels of a file or of a name, and how many axes they came with.
 ///

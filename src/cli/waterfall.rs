@@ -9,6 +9,7 @@ use crate::{
     array::{Arithmetic, ArithmeticError},
     compare::fate::Fate,
     compile::Effort,
+    event::readout::Readout,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
     picture::share_text,
@@ -26,6 +27,7 @@ use super::{
     clip::Clip,
     content::Content,
     files::{Named, Output},
+    kernels::Kinds,
     light::{self, Shown},
     progress::Progress,
     quantiser::Total,
@@ -39,11 +41,12 @@ use super::{
     after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --rates 10,40,130 --chips 20\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8 --steps\n\ndocs/waterfall.md says what each cause is, how it is told from the others, and which sensors\nare run."
 )]
 pub struct Arguments {
-    /// A kernel file (.toml or .npy), or the name of a built-in
+    /// A kernel file (.toml, .npy of shape (k,k) or (K,k,k)), the name of a built-in, or a sensor
+    /// file, with its thresholds; of several kernels each is told, in a program of its own
     kernel: Named,
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
-    threshold: f64,
+    threshold: Option<f64>,
     /// How the kernel comes into few values
     #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Quantiser,
@@ -126,10 +129,20 @@ pub(super) const SENSORS: usize = 21 + 2 * RUNGS.len();
 /// Both answers as one object.
 #[derive(serde::Serialize)]
 struct Answers<'a> {
+    /// Where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
     #[serde(flatten)]
     steps: &'a Waterfall,
     #[serde(flatten)]
     rates: Option<&'a Rates>,
+}
+
+/// What became of one kernel's events.
+struct Told {
+    name: String,
+    steps: Waterfall,
+    rates: Option<Rates>,
 }
 
 /// Runs the verb.
@@ -138,100 +151,158 @@ struct Answers<'a> {
 /// When kernel, chip, readout or scene cannot be read, the kernel does not fit the chip, no
 /// event happens, or the picture cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let (kernels, _) = super::kernels::read(&arguments.kernel)?;
-    let [kernel] = &kernels[..] else {
+    let kinds = Kinds::read(&arguments.kernel)?;
+    let thresholds = arguments.thresholds(&kinds)?;
+    if arguments.output.is_some() && kinds.kernels.len() > 1 {
         return Err(miette!(
-            help = "give one of them, an array of shape (k,k)",
+            help = "give one of them, an array of shape (k,k), for --output",
             "{} holds {} kernels",
             arguments.kernel,
-            kernels.len()
+            kinds.kernels.len()
         ));
-    };
+    }
     let mut device = Device::find(&arguments.chip)?;
     for (figure, value) in &arguments.sets {
         device = device.what_if(*figure, *value)?;
     }
     let observation = Observation::new();
-    let open = || arguments.clip.open(&observation);
-    let mut scene = open()?;
     let readout = arguments.readout.open_compiled()?;
-    let question = Question {
-        design: Design {
+    let mut all = Vec::new();
+    for ((name, kernel), threshold) in kinds.names.iter().zip(&kinds.kernels).zip(thresholds) {
+        let design = Design {
             kernel,
-            threshold: arguments.threshold,
+            threshold,
             device: &device,
             effort: Effort::seconds(arguments.effort),
             seed: arguments.seed,
-        },
-        to: arguments.to,
-        sum: arguments.sum.into(),
-        arithmetic: arguments.format.with_seed(arguments.seed),
-        readout: readout.readout()?,
-        within: arguments.window.at(scene.fps()),
-    };
-    budget::check_study(&*scene, SENSORS)?;
-    let choice = Rated {
-        rates: arguments.rates.clone(),
-        chips: arguments.chips,
-        tiles: arguments.tiles.map(usize::from),
-        within: arguments.window.within,
-    };
-    let answers = Fall::new(question).and_then(|fall| {
-        let progress = Progress::new("watching", scene.frames());
-        let steps = fall.steps(&mut *scene, |_| progress.tick());
-        progress.finish();
-        let steps = steps?;
-        if arguments.steps {
-            return Ok((steps, None));
-        }
-        let progress = Progress::new("chips", None);
-        let rates = fall.rates(&choice, &open, &|| progress.tick());
-        progress.finish();
-        Ok((steps, Some(rates?)))
-    });
-    let mut warnings = Warning::of_scene(&observation, 255.0);
-    light::warn(&warnings);
-    let (mut steps, rates) = answers.map_err(|error| {
-        let what = format!("no waterfall of {} on {}", arguments.kernel, arguments.chip);
-        miette::Report::new(error).wrap_err(what)
-    })?;
-    light::warn(&steps.warnings);
-    warnings.append(&mut steps.warnings);
-    steps.warnings = warnings;
-    if let Some(path) = &arguments.output {
+        };
+        all.push(arguments.fall((name, design), readout.readout()?, &observation)?);
+    }
+    if let (Some(path), [told], [threshold]) = (
+        &arguments.output,
+        &all[..],
+        &arguments.thresholds(&kinds)?[..],
+    ) {
         let scene = arguments.clip.name();
         let title = format!(
-            "Where the events of {} went: {}, threshold {}, {scene}",
-            arguments.kernel, arguments.chip, arguments.threshold
+            "Where the events of {} went: {}, threshold {threshold}, {scene}",
+            arguments.kernel, arguments.chip
         );
-        path.draw(&match &rates {
+        path.draw(&match &told.rates {
             Some(rates) => rates.drawing(&title),
-            None => steps.drawing(&title),
+            None => told.steps.drawing(&title),
         })?;
     }
     if arguments.json {
-        let answers = Answers {
-            steps: &steps,
-            rates: rates.as_ref(),
+        let answers = |told: &Told| {
+            let answers = Answers {
+                name: (all.len() > 1).then_some(told.name.as_str()),
+                steps: &told.steps,
+                rates: told.rates.as_ref(),
+            };
+            serde_json::to_string(&Shown::new(&answers, &observation))
         };
-        let shown = Shown::new(&answers, &observation);
-        let json = serde_json::to_string(&shown).map_err(|e| miette!("{e}"))?;
+        let texts: Result<Vec<String>, _> = all.iter().map(answers).collect();
+        let texts = texts.map_err(|e| miette!("{e}"))?;
+        let json = match &texts[..] {
+            [one] => one.clone(),
+            several => format!("[{}]", several.join(",")),
+        };
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = light::of_kernels(&steps.warnings);
-    let _ = writeln!(
-        text,
-        "{}\nthat is the chip against a float sensor that decides once a frame too, as quantise and feasibility say it",
-        steps.likeness
-    );
-    text += &match &rates {
-        Some(rates) => rate_table(&steps, rates),
-        None => table(&steps, readout.name()),
-    };
+    let mut text = String::new();
+    for told in &all {
+        if all.len() > 1 {
+            let _ = writeln!(text, "== {}, in a program of its own", told.name);
+        }
+        text += &light::of_kernels(&told.steps.warnings);
+        let _ = writeln!(
+            text,
+            "{}\nthat is the chip against a float sensor that decides once a frame too, as quantise and feasibility say it",
+            told.steps.likeness
+        );
+        text += &match &told.rates {
+            Some(rates) => rate_table(&told.steps, rates),
+            None => table(&told.steps, readout.name()),
+        };
+        if all.len() > 1 {
+            text.push('\n');
+        }
+    }
+    if all.len() > 1 {
+        text += "what all of them keep in one program: amacrine quantise, or feasibility\n";
+    }
     text += &light::line(&observation);
     super::say(&text);
     Ok(())
+}
+
+impl Arguments {
+    /// A threshold for each kind.
+    fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
+        match (self.threshold, &kinds.thresholds) {
+            (Some(one), _) => Ok(vec![one; kinds.kernels.len()]),
+            (None, Some(own)) => Ok(own.clone()),
+            (None, None) => Err(miette!(
+                help = "give --threshold T, in kernel times light (0 to 255), or a sensor file, which has its own",
+                "a waterfall needs a threshold"
+            )),
+        }
+    }
+
+    /// Where the events of one kernel go.
+    fn fall(
+        &self,
+        (name, design): (&str, Design<'_>),
+        readout: Readout,
+        observation: &Observation,
+    ) -> miette::Result<Told> {
+        let open = || self.clip.open(observation);
+        let mut scene = open()?;
+        let question = Question {
+            design,
+            to: self.to,
+            sum: self.sum.into(),
+            arithmetic: self.format.with_seed(self.seed),
+            readout,
+            within: self.window.at(scene.fps()),
+        };
+        budget::check_study(&*scene, SENSORS)?;
+        let choice = Rated {
+            rates: self.rates.clone(),
+            chips: self.chips,
+            tiles: self.tiles.map(usize::from),
+            within: self.window.within,
+        };
+        let answers = Fall::new(question).and_then(|fall| {
+            let progress = Progress::new("watching", scene.frames());
+            let steps = fall.steps(&mut *scene, |_| progress.tick());
+            progress.finish();
+            let steps = steps?;
+            if self.steps {
+                return Ok((steps, None));
+            }
+            let progress = Progress::new("chips", None);
+            let rates = fall.rates(&choice, &open, &|| progress.tick());
+            progress.finish();
+            Ok((steps, Some(rates?)))
+        });
+        let mut warnings = Warning::of_scene(observation, 255.0);
+        light::warn(&warnings);
+        let (mut steps, rates) = answers.map_err(|error| {
+            let what = format!("no waterfall of {name} on {}", self.chip);
+            miette::Report::new(error).wrap_err(what)
+        })?;
+        light::warn(&steps.warnings);
+        warnings.append(&mut steps.warnings);
+        steps.warnings = warnings;
+        Ok(Told {
+            name: name.to_owned(),
+            steps,
+            rates,
+        })
+    }
 }
 
 /// A column for each rate.

@@ -49,27 +49,27 @@ pub enum CompileError {
     },
     /// Too few registers for a whole program.
     #[error(
-        "{count} kinds, each with {each}, a threshold and a scratch: {needed} analogue registers are needed, {free} are free: {} too few",
+        "{count} kinds, with {memory}: {needed} analogue registers are needed, {free} are free: {} too few",
         needed.saturating_sub(*free)
     )]
-    #[diagnostic(help(
-        "ask for fewer kinds, hold the memories in one-bit registers (--memory bits:2), or try a chip with more registers, such as --chip scamp5-wide"
-    ))]
+    #[diagnostic(help("{advice}"))]
     Kinds {
         /// How many kinds.
         count: usize,
-        /// What each of them needs.
-        each: &'static str,
+        /// What they need registers for.
+        memory: &'static str,
         /// Registers that they need.
         needed: usize,
         /// How many there are.
         free: usize,
+        /// What was tried and works.
+        advice: String,
     },
     /// Too few one-bit registers.
     #[error(
         "{count} memories of {bits} bits do not fit into the {free} one-bit registers that are free for them"
     )]
-    #[diagnostic(help("ask for fewer kinds or for fewer bits, one at least"))]
+    #[diagnostic(help("{advice}"))]
     Bits {
         /// How many memories.
         count: usize,
@@ -77,12 +77,32 @@ pub enum CompileError {
         bits: u8,
         /// One-bit registers that are free for memories.
         free: usize,
+        /// What was tried and works.
+        advice: String,
+    },
+    /// Memories in bits whose levels are farther apart than the threshold allows.
+    #[error(
+        "a memory of {bits} bits has levels {step:.1} LSB apart: what lies between two of them is up to {:.1} LSB from both, more than the threshold of {threshold:.2} LSB, and cells fire for ever; {needed} bits are needed for each kind",
+        step / 2.0
+    )]
+    #[diagnostic(help("{advice}"))]
+    Levels {
+        /// Bits of each memory.
+        bits: u8,
+        /// Bits that the threshold needs.
+        needed: u8,
+        /// The distance of two levels, LSB.
+        step: f64,
+        /// The lower of a kind's thresholds, LSB.
+        threshold: f64,
+        /// The least threshold that these bits serve, in kernel times light.
+        least: f64,
+        /// What was tried and works.
+        advice: String,
     },
     /// More words than the chip stores.
     #[error("the program has {words} instruction words, {} more than the {room} that {chip} holds", words - room)]
-    #[diagnostic(help(
-        "ask for fewer kinds or for a lower precision, search longer with --effort, or try a wider chip such as --chip scamp5-wide"
-    ))]
+    #[diagnostic(help("{advice}"))]
     Store {
         /// How many it has.
         words: u64,
@@ -90,6 +110,8 @@ pub enum CompileError {
         room: u64,
         /// Name of the chip.
         chip: String,
+        /// What was tried and works.
+        advice: String,
     },
     /// Nothing that the chip leaves of the signal.
     #[error(

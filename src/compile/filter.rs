@@ -42,6 +42,12 @@ impl Filter {
         text
     }
 
+    /// From kernel times input to the result: what the halvings leave of it.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        2f64.powi(-(self.prescale as i32))
+    }
+
     /// A solved plan behind `words`, which halve the input `prescale` times; its results are in
     /// `into`.
     pub(super) fn from_solved(

@@ -2,7 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::{allocate::ordinary_registers, error::CompileError, filter::Filter, request::Request};
+use super::{
+    allocate::ordinary_registers,
+    error::CompileError,
+    filter::Filter,
+    need::{MEMORY_BITS, Need, advice},
+    request::Request,
+    shared_memory,
+};
 use crate::{
     elementary,
     isa::{Analog, Device, Figure},
@@ -24,20 +31,24 @@ pub struct CellKind {
     pub off: f64,
 }
 
-/// The kind of memory for the drives of the last events.
+/// What a program remembers of the last events, and where.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DriveMemory {
-    /// In analogue registers, one for each kind.
+    /// The drive of each kind, in an analogue register of its own (`filtered-snap`).
     #[default]
     Analogue,
-    /// In so many one-bit registers for each kind: the range of the drive in equal steps, each
-    /// remembered as its middle. They do not decay, and leave analogue registers free.
+    /// The pixel at the last event of any kind, in one analogue register for all (`raw-snap` with
+    /// `shared = true`).
+    Shared,
+    /// The drive of each kind, in so many one-bit registers: the range of the drive in
+    /// equal steps, each remembered as its middle. They do not decay, and leave analogue registers
+    /// free; thresholds must be half a step at least.
     Bits(u8),
 }
 
 /// The one-bit registers that memories may take. R0 and R12 serve logic; R5, R6 and R11 the
 /// program.
-const MEMORY: [&str; 8] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
+const MEMORY: [&str; MEMORY_BITS] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
 
 /// The largest constant that the host can set with either sign, LSB.
 const LARGEST: f64 = 127.0;
@@ -62,20 +73,28 @@ const CAPTURE: (f64, f64) = (0.0, 127.0);
 pub struct SensorProgram {
     /// Source text of the program, its settings at the head.
     pub text: String,
-    /// The filter in it, from the capture to the drives.
+    /// The filter in it, from the capture to the drives; with a shared memory all filters, one
+    /// after the other.
     pub filter: Filter,
-    /// The register of each kind's drive.
+    /// The register of each kind's drive, after its filter.
     pub drives: Vec<Analog>,
-    /// Scale of a drive: LSB for each unit of kernel times light.
+    /// Scale of the first drive: LSB for each unit of kernel times light.
     pub scale: f64,
+    /// Scale of each drive; one filter gives all the same.
+    pub scales: Vec<f64>,
+    /// With a shared memory, the words before each filter, which leave the light less the memory
+    /// in the register of the drives.
+    pub difference: String,
+    /// With a shared memory, the filter of each kind.
+    pub filters: Vec<Filter>,
     /// The memory of each kind, where it is in bits.
     pub steps: Vec<BitMemory>,
 }
 
 impl SensorProgram {
-    /// Searches for the filter and writes the program around it: memory `filtered-snap`, one
-    /// decision a frame. `request` gives the chip, the effort and the seed; registers are chosen
-    /// here.
+    /// Searches for the filters and writes the program around them: one decision a frame, memory
+    /// `filtered-snap`, or shared `raw-snap`. `request` gives the chip, the objective, the effort
+    /// and the seed; kernels and registers are chosen here.
     ///
     /// # Errors
     /// When a weight is not dyadic, there are too few registers, or too many words.
@@ -85,6 +104,20 @@ impl SensorProgram {
         title: &str,
         request: &Request<'_>,
     ) -> Result<Self, CompileError> {
+        let built = Self::build(kinds, memory, title, request);
+        built.map_err(|error| advice(error, kinds, memory, request))
+    }
+
+    /// As [`SensorProgram::new`], with errors that advise nothing.
+    pub(super) fn build(
+        kinds: &[CellKind],
+        memory: DriveMemory,
+        title: &str,
+        request: &Request<'_>,
+    ) -> Result<Self, CompileError> {
+        if memory == DriveMemory::Shared {
+            return shared_memory::program(kinds, title, request);
+        }
         let device = request.device;
         let all = ordinary_registers(device);
         let count = kinds.len();
@@ -92,17 +125,16 @@ impl SensorProgram {
         // From the first register on: drives, a scratch; the threshold and the memories are last.
         let memories = all[all.len() - remembered..].to_vec();
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
-        let light = device.value(Figure::LightScale) * 255.0;
         let request = Request {
             kernels: &kernels,
             input: all[0],
             into: all[..count].to_vec(),
             keep: match memory {
-                DriveMemory::Analogue => memories.clone(),
                 DriveMemory::Bits(_) => Vec::new(),
+                DriveMemory::Analogue | DriveMemory::Shared => memories.clone(),
             },
             border: true,
-            range: Some((CAPTURE.0, light.clamp(1.0, CAPTURE.1))),
+            range: Some((CAPTURE.0, largest_light(device))),
             ..request.clone()
         };
         let filter = request.filter()?;
@@ -116,17 +148,21 @@ impl SensorProgram {
                 words,
                 room,
                 chip: device.name().to_owned(),
+                advice: String::new(),
             });
         }
-        let scale = device.value(Figure::LightScale) * 2f64.powi(-(filter.prescale as i32));
+        let scale = device.value(Figure::LightScale) * filter.scale();
         let steps: Vec<BitMemory> = match memory {
-            DriveMemory::Analogue => Vec::new(),
+            DriveMemory::Analogue | DriveMemory::Shared => Vec::new(),
             DriveMemory::Bits(bits) => {
                 let registers = MEMORY.chunks(usize::from(bits));
                 let steps = |(kind, own)| BitMemory::new(kind, scale, own);
                 kinds.iter().zip(registers).map(steps).collect()
             }
         };
+        for (kind, own) in kinds.iter().zip(&steps) {
+            own.check(kind, scale)?;
+        }
         let writer = Writer {
             steps: &steps,
             device,
@@ -144,9 +180,40 @@ impl SensorProgram {
             drives: all[..count].to_vec(),
             filter,
             scale,
+            scales: vec![scale; count],
             steps,
+            difference: String::new(),
+            filters: Vec::new(),
         })
     }
+}
+
+/// The largest light of a capture, LSB.
+pub(super) fn largest_light(device: &Device) -> f64 {
+    let light = device.value(Figure::LightScale) * 255.0;
+    light.clamp(1.0, CAPTURE.1)
+}
+
+/// The number of a kind in names, where there are several.
+pub(super) fn number(kinds: &[CellKind], i: usize) -> String {
+    if kinds.len() > 1 {
+        i.to_string()
+    } else {
+        String::new()
+    }
+}
+
+/// The names of a kind's ON and OFF thresholds.
+pub(super) fn constants(kinds: &[CellKind], i: usize) -> (String, String) {
+    let number = number(kinds, i);
+    if kinds[i].on == kinds[i].off {
+        let both = format!("threshold{number}");
+        return (both.clone(), both);
+    }
+    (
+        format!("on_threshold{number}"),
+        format!("off_threshold{number}"),
+    )
 }
 
 /// How many of `free` analogue registers hold memories of `count` kinds.
@@ -156,54 +223,89 @@ impl SensorProgram {
 fn memory_registers(memory: DriveMemory, count: usize, free: usize) -> Result<usize, CompileError> {
     // One register for each memory, or one in which bit memories are assembled in turn.
     let (remembered, each) = match memory {
-        DriveMemory::Analogue => (count, "a drive and a memory"),
-        DriveMemory::Bits(_) => (1, "a drive, and a memory"),
+        DriveMemory::Analogue | DriveMemory::Shared => (
+            count,
+            "a drive and a memory for each, a threshold and a scratch",
+        ),
+        DriveMemory::Bits(_) => (1, "a drive for each, a memory, a threshold and a scratch"),
     };
-    // Besides, a threshold and a scratch.
-    let needed = count + remembered + 2;
-    if free < needed {
+    let Need { analogue, bits } = Need::new(memory, count);
+    if free < analogue {
         return Err(CompileError::Kinds {
             count,
-            each,
-            needed,
+            memory: each,
+            needed: analogue,
             free,
+            advice: String::new(),
         });
     }
-    if let DriveMemory::Bits(bits) = memory
-        && !(1..=MEMORY.len()).contains(&(usize::from(bits) * count))
+    if let DriveMemory::Bits(own) = memory
+        && !(1..=MEMORY_BITS).contains(&bits)
     {
         return Err(CompileError::Bits {
             count,
-            bits,
-            free: MEMORY.len(),
+            bits: own,
+            free: MEMORY_BITS,
+            advice: String::new(),
         });
     }
     Ok(remembered)
 }
 
+/// The most bits that a memory is tried with.
+const MOST_BITS: u8 = 16;
+
 impl BitMemory {
-    /// Steps of a whole number of LSB where the range is wide enough: the host can set no others.
     fn new(kind: &CellKind, scale: f64, registers: &[&'static str]) -> Self {
+        let (low, step) = Self::range(kind, scale, registers.len() as i32);
+        Self {
+            low,
+            step,
+            registers: registers.to_vec(),
+        }
+    }
+
+    /// The lowest level's end, and the distance of levels, LSB, of so many bits: a whole number of
+    /// LSB where the range is wide enough, as the host can set no others.
+    fn range(kind: &CellKind, scale: f64, bits: i32) -> (f64, f64) {
         let sum = |sign: f64| -> f64 {
             let weights = kind.kernel.weights().iter();
             weights.filter(|w| **w * sign > 0.0).sum::<f64>() * 255.0 * scale
         };
         let (low, high) = (sum(-1.0), sum(1.0));
-        let step = (high - low) / 2f64.powi(registers.len() as i32);
+        let step = (high - low) / 2f64.powi(bits);
         let step = if step > 1.0 {
             // The largest constant that is added must lie within the host's range.
-            step.ceil()
-                .min(LARGEST / 2f64.powi(registers.len() as i32 - 1))
+            step.ceil().min(LARGEST / 2f64.powi(bits - 1))
         } else {
             // The next power of two; of a kernel of zeros, any.
             2f64.powi(elementary::log2(step).ceil().max(-16.0) as i32)
         };
-        Self {
-            // As far as the host can set it.
-            low: low.floor().max(-LARGEST),
-            step,
-            registers: registers.to_vec(),
+        // As far as the host can set it.
+        (low.floor().max(-LARGEST), step)
+    }
+
+    /// Checks that a drive that stays is silent: it is remembered as the middle of its step, from
+    /// which it may be half a step away.
+    fn check(&self, kind: &CellKind, scale: f64) -> Result<(), CompileError> {
+        let least = kind.on.min(kind.off);
+        let threshold = least * scale;
+        let serves = |step: f64| step / 2.0 <= threshold;
+        if serves(self.step) {
+            return Ok(());
         }
+        let bits = self.registers.len() as u8;
+        let needed = (bits + 1..MOST_BITS)
+            .find(|bits| serves(Self::range(kind, scale, i32::from(*bits)).1))
+            .unwrap_or(MOST_BITS);
+        Err(CompileError::Levels {
+            bits,
+            needed,
+            step: self.step,
+            threshold,
+            least: self.step / 2.0 / scale,
+            advice: String::new(),
+        })
     }
 }
 
@@ -225,7 +327,7 @@ impl Writer<'_> {
         let mut text = self.header(title);
         let name = |register: &Analog| self.device.analog_name(*register);
         for (i, kind) in self.kinds.iter().enumerate() {
-            let (on, off) = self.constants(i);
+            let (on, off) = constants(self.kinds, i);
             let _ = writeln!(text, "const {on} = {:?};", kind.on * self.scale);
             if off != on {
                 let _ = writeln!(text, "const {off} = {:?};", kind.off * self.scale);
@@ -297,23 +399,6 @@ impl Writer<'_> {
         text
     }
 
-    /// The names of a kind's ON and OFF thresholds.
-    fn constants(&self, i: usize) -> (String, String) {
-        let number = if self.kinds.len() > 1 {
-            i.to_string()
-        } else {
-            String::new()
-        };
-        if self.kinds[i].on == self.kinds[i].off {
-            let both = format!("threshold{number}");
-            return (both.clone(), both);
-        }
-        (
-            format!("on_threshold{number}"),
-            format!("off_threshold{number}"),
-        )
-    }
-
     fn filter_text(&self, text: &mut String) {
         let drive = self.device.analog_name(self.drives[0]);
         let _ = writeln!(text, "    get_image({drive});\n");
@@ -331,12 +416,8 @@ impl Writer<'_> {
             self.recall_bits(text, i);
         }
         let (threshold, scratch) = (name(self.threshold), name(self.scratch));
-        let (on, off) = self.constants(i);
-        let number = if self.kinds.len() > 1 {
-            i.to_string()
-        } else {
-            String::new()
-        };
+        let (on, off) = constants(self.kinds, i);
+        let number = number(self.kinds, i);
         let mut line = |what: &str| {
             let _ = writeln!(text, "    {what}");
         };

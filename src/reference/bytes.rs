@@ -15,6 +15,8 @@ impl<N: Number> Reference<N> {
         let (held, real) = (size_of::<N::Held>(), size_of::<N::Real>());
         let stepped = held + size_of::<i32>() + held;
         let memory = match description.memory {
+            // The picture and its distance are there once.
+            MemoryRule::RawSnap if description.shared => held,
             MemoryRule::RawSnap => 2 * held + held,
             MemoryRule::FilteredSnap => held,
             MemoryRule::FilteredStep => stepped,
@@ -33,7 +35,8 @@ impl<N: Number> Reference<N> {
             memory + sign + rests + leaks + thresholds + SHEET * sheets
         });
         let low_pass = 16 * usize::from(description.noise.cutoff_hz > 0.0);
-        let cell: usize = channels.sum::<usize>() + held + low_pass;
+        let picture = if description.shared { 2 * held } else { 0 };
+        let cell: usize = channels.sum::<usize>() + picture + held + low_pass;
         // Rims, and rows that are padded to whole cache lines.
         let padded = (size.height as u128 + 64) * (size.width as u128 + 128);
         padded * cell as u128

@@ -3,6 +3,7 @@
 //! | rule | holds | distance `d` | when a cell fires |
 //! |---|---|---|---|
 //! | `raw-snap` | pixels, `M(x)` | `W * (u - M)` | `M(x) := u(x)` (Eq. 2-4 of So & Wetzstein, arXiv 2504.13457) |
+//! | `raw-snap`, shared | pixels, one `M(x)` for all kinds | `W * (u - M)` | `M(x) := u(x)`, whichever kind fires at x |
 //! | `filtered-snap` | the filtered signal | `W * u - M` | `M(x) := (W * u)(x)`: one shot a frame on a chip |
 //! | `filtered-step` | the filtered signal | `W * u - M` | `M(x) += p N θ` (the released code, v2e) |
 //! | `authors-pixel-step` | pixels | `W * u - W_m * M` | `M(x) += p N θ` (the released code's old rule) |
@@ -31,6 +32,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(super) enum Memory<N: Number> {
     RawSnap {
+        /// Empty where all channels share the band's picture.
         pixels: Vec<N::Held>,
         /// The distances at the frame before, to recognise cells that fire for ever.
         before: Vec<N::Held>,

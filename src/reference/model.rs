@@ -20,6 +20,7 @@
 //!             (5)  u_i = (i θ - p d0) / (p (d - d0))     where the line from d0 to d meets i θ
 //!
 //! memory      (6)  M := u or S                    snaps                Eq. 4 of the paper
+//!                  M := u, for all kinds of x     snaps, shared: when any kind of x fires
 //!             (7)  M := M + p N θ                 steps                the released code, v2e
 //!
 //! polarity    (8)  p = sign(d), or sign(u - u')   u' when it last fired; Eq. 3 of the paper
@@ -34,6 +35,9 @@
 //! In (4) a crossing by equality fires, whatever rounding does to it ([`Real::TIE`]); (5) is
 //! ESIM's rule (Rebecq et al., `CoRL` 2018); (10) to (13) are the paper's supplement as its
 //! released code computes it.
+//!
+//! A shared memory makes one [`Pixel`] of the cells that lie at one place, one of each kind: all see
+//! the memory as it was before the frame, and (6) follows when all have decided.
 //!
 //! The cell is given its drive (1): the sum over pixels is a step of its own. Drives, memories
 //! and their differences are held in the number format and rounded once an operation; (3) to
@@ -268,6 +272,8 @@ pub struct Cell<N: Number, M> {
     fired: f64,
     /// When it last fired before the last interval, or by a noise event in it.
     rested: f64,
+    /// Whether it fired in the last interval, whatever became of its events.
+    crossed: bool,
     /// Crossings and noise events lost to the refractory period so far.
     pub lost: u64,
     /// How often it fired without a sign of its own (8), and so made no event.
@@ -288,6 +294,7 @@ impl<N: Number, M: MemoryModel> Cell<N, M> {
             pixel: first.signal,
             fired: f64::NEG_INFINITY,
             rested: f64::NEG_INFINITY,
+            crossed: false,
             lost: 0,
             without_sign: 0,
             rule: PhantomData,
@@ -315,13 +322,14 @@ impl<N: Number, M: MemoryModel> Cell<N, M> {
         let distance = |seen| number.real(M::distance(&number, seen, memory));
         let d0 = distance(&self.before) + fallen(elapsed - interval.duration());
         let d = distance(&seen) + fallen(elapsed);
-        (self.before, self.rested) = (seen, self.fired);
+        (self.before, self.rested, self.crossed) = (seen, self.fired, false);
         let authors = self.setting.refractory.rule == RefractoryRule::Authors;
         let events = if authors {
             self.authors(d.to_f64(), interval)?
         } else {
             M::Event::fires(d0, d, on, off)?
         };
+        self.crossed = true;
         let now = number.hold_real(number.real(M::stored(&seen)) + fallen(elapsed));
         M::Event::moves(&mut self.memory, &events, now);
         let events = self.signed(events, seen.signal)?;
@@ -415,5 +423,48 @@ impl<N: Number, M: MemoryModel> Cell<N, M> {
             first: (beta_r + alpha_r) / dt,
             spacing: alpha_r / dt,
         })
+    }
+}
+
+/// The cells of one pixel, one of each kind, which share one memory of it.
+#[derive(Clone, Debug)]
+pub struct Pixel<N: Number> {
+    cells: Vec<Cell<N, RawSnap>>,
+}
+
+impl<N: Number> Pixel<N> {
+    /// A pixel of these cells, which have seen their first frame and hold the same memory.
+    #[must_use]
+    pub const fn new(cells: Vec<Cell<N, RawSnap>>) -> Self {
+        Self { cells }
+    }
+
+    /// `M`: the signal of the pixel when any of its cells last fired.
+    ///
+    /// # Panics
+    /// When the pixel has no cells.
+    pub fn memory(&self) -> N::Held {
+        self.cells[0].memory()
+    }
+
+    /// The cells, in the order of their kinds.
+    pub fn cells_mut(&mut self) -> &mut [Cell<N, RawSnap>] {
+        &mut self.cells
+    }
+
+    /// Sees the later frame of an interval with every kind; returns their trains. The drives are
+    /// what each kernel makes of the signal less the memory before the frame.
+    pub fn see(&mut self, seen: &[Seen<N>], interval: Interval) -> Vec<Option<Train>> {
+        let cells = self.cells.iter_mut().zip(seen);
+        let trains = cells.map(|(cell, seen)| cell.see(*seen, interval));
+        let trains = trains.collect();
+        if self.cells.iter().any(|cell| cell.crossed) {
+            // (6), also in the cells that did not fire.
+            for (cell, seen) in self.cells.iter_mut().zip(seen) {
+                cell.memory = Memory::new(seen.signal);
+                cell.pixel = seen.signal;
+            }
+        }
+        trains
     }
 }

@@ -51,7 +51,8 @@ pub struct Reference<N: Number = F64> {
     sheets: Option<Sheets>,
     /// Rows and columns that the kernels reach beyond a pixel.
     reach: (usize, usize),
-    /// For each channel a pixel memory, or the signal's distance from it; none otherwise.
+    /// For each channel, or once for all that share it, a pixel memory, or the signal's distance
+    /// from it; none otherwise.
     pixels: Vec<Padded<N::Held>>,
     cut: Vec<Range<usize>>,
     bands: Vec<Band<N>>,
@@ -140,7 +141,12 @@ impl<N: Number> Reference<N> {
             ),
             pixels: if held_pixels {
                 let whole = Padded::new(size, 0..size.height, reach, N::ZERO);
-                vec![whole; description.channels.len()]
+                let memories = if description.shared {
+                    1
+                } else {
+                    description.channels.len()
+                };
+                vec![whole; memories]
             } else {
                 Vec::new()
             },
@@ -421,6 +427,8 @@ mod tests {
             "memory = \"filtered-step\"\nrefractory = { us = 300, rule = \"authors\" }",
             "memory = \"filtered-snap\"\npolarity = \"pixel\"\nrefractory = { us = 1500 }",
             "memory = \"raw-snap\"",
+            "memory = \"raw-snap\"\nshared = true\nrefractory = { us = 700 }",
+            "memory = \"raw-snap\"\nshared = true\npolarity = \"pixel\"",
         ]);
         let noise = proptest::sample::select(vec![
             "",

@@ -142,6 +142,7 @@ impl<'a> Design<'a> {
                 round_f32: false,
             },
             memory,
+            shared: false,
             polarity: PolarityRule::Filtered,
             border: Border::Zero,
             refractory: Refractory {
@@ -223,7 +224,7 @@ impl<'a> Design<'a> {
             kinds.push(other.kind()?);
         }
         let kernels: Vec<_> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
-        let mut request = Request::new(&kernels, self.device)?;
+        let mut request = Request::new(&kernels[..1], self.device)?;
         request.effort = self.effort;
         request.seed = self.seed;
         let program = SensorProgram::new(&kinds, memory, title, &request)?;

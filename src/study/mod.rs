@@ -9,5 +9,6 @@ pub mod quantisation;
 pub mod report;
 pub mod saturation;
 pub mod sweep;
+pub mod together;
 pub mod trade;
 pub mod waterfall;

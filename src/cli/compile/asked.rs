@@ -6,8 +6,9 @@ use miette::miette;
 
 use super::{super::complain, Arguments, Asked};
 use crate::{
+    compile::DriveMemory,
     photoreceptor::Curve,
-    reference::{Border, MemoryRule},
+    reference::{Border, MemoryRule, PolarityRule},
     rig::guard::{Guard, Warning},
 };
 
@@ -42,6 +43,7 @@ impl Asked {
             kernels,
             warnings: Vec::new(),
             stacked,
+            memory: None,
             title: format!(
                 "events of {}",
                 arguments
@@ -68,10 +70,27 @@ impl Asked {
                 ));
             }
         };
-        if description.memory != MemoryRule::FilteredSnap {
+        let one = description.channels.len() == 1;
+        let memory = match description.memory {
+            MemoryRule::FilteredSnap => DriveMemory::Analogue,
+            MemoryRule::RawSnap if description.shared || one => DriveMemory::Shared,
+            MemoryRule::RawSnap => {
+                return Err(miette!(
+                    help = "add `shared = true`: one memory of the pixel for all kinds takes one register",
+                    "{shown}: each kind has a memory of the pixel, and the pixel has not the registers"
+                ));
+            }
+            MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep => {
+                return Err(miette!(
+                    help = "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`, or with `memory = \"raw-snap\"` and `shared = true`, which holds any number of kinds",
+                    "{shown}: its memory steps"
+                ));
+            }
+        };
+        if description.polarity == PolarityRule::Pixel {
             return Err(miette!(
-                help = "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`",
-                "{shown}: its memory is not filtered-snap"
+                help = "give a sensor with `polarity = \"filtered\"`",
+                "{shown}: its events have the sign of the pixel, those of a compiled program that of the drive"
             ));
         }
         let mut kernels = Vec::new();
@@ -96,12 +115,18 @@ impl Asked {
             let note = "replicates the border; off the array the chip sees 0";
             complain(&format!("note: {shown} {note}\n"));
         }
+        if description.refractory.us > 0.0 {
+            let note =
+                "has a refractory period; the program has none, a cell fires once a frame at most";
+            complain(&format!("note: {shown} {note}\n"));
+        }
         Self {
             scales: vec![1.0; kernels.len()],
             kernels,
             warnings: Vec::new(),
             stacked: true,
             thresholds,
+            memory: Some(memory),
             title: description.name,
         }
         .prepared(arguments)

@@ -4,12 +4,11 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{Added, Asked, Compiled, MIDDLE};
+use super::{Asked, Compiled, MIDDLE};
 use crate::{
     array::Errors,
-    compile::{FilterNoise, Forecast},
+    compile::{DriveMemory, Forecast, Need, carried},
     isa::{Analog, Device, Figure},
-    kernel::Kernel,
     plane::Plane,
     program::{Cost, for_each, stored},
     study::feasibility::time,
@@ -52,7 +51,8 @@ impl Compiled {
             "registers": names(&self.registers()),
             "into": names(&self.results_in),
             "kernel": kernel,
-            "scale": self.scale,
+            "scale": self.scales.first(),
+            "scales": self.scales,
             "quantised_scales": asked.scales,
             "warnings": asked.warnings,
             "prescale_bits": self.filter.prescale,
@@ -68,36 +68,44 @@ impl Compiled {
             "holds_with_transfer_errors": self.ranged.then_some(self.filter.holds),
             "largest_input_lsb": 127.0 / self.filter.peak,
             "offset_stores": self.filter.offsets,
-            "noise_lsb": self.noise(asked, device),
+            "noise_lsb": self.noises,
             "predicted": self.forecasts,
             "energy_uj": self.energy_uj(device),
             "states": self.filter.states,
             "seconds": seconds,
+            "memory": self.memory.map(|memory| self.remembered(memory, device)),
+            "carried": self.memory.map(|memory| self.carried(memory, device)),
             "text": self.text,
         })
     }
 
-    /// What the filter adds to each result, and to the input for each.
-    pub(super) fn noise(&self, asked: &Asked, device: &Device) -> Vec<Added> {
-        let noises = self
-            .filter
-            .noise(device, Analog(0), MIDDLE, &self.results_in);
-        let added = |(noise, kernel): (FilterNoise, &Kernel)| {
-            let squares: f64 = kernel.weights().iter().map(|w| w * w).sum();
-            let gain = self.filter_scale() * squares.sqrt();
-            Added {
-                temporal: noise.temporal,
-                fixed: noise.fixed,
-                input_temporal: (gain > 0.0).then(|| noise.temporal / gain),
-                input_fixed: (gain > 0.0).then(|| noise.fixed / gain),
-            }
-        };
-        noises.into_iter().zip(&asked.kernels).map(added).collect()
+    /// Words that the program takes of the chip's store.
+    fn stored(&self, device: &Device) -> u64 {
+        let code = &self.expansion.code;
+        (stored(&code.init, device) + stored(&code.frame, device)).0
     }
 
-    /// From an input in LSB to a result in LSB, but for the kernel.
-    pub(super) fn filter_scale(&self) -> f64 {
-        2f64.powi(-(self.filter.prescale as i32))
+    /// Kinds like these that the chip carries.
+    fn carried(&self, memory: DriveMemory, device: &Device) -> usize {
+        carried(memory, device, (self.kernels.len(), self.stored(device)))
+    }
+
+    /// What the program remembers, and what that takes of the registers.
+    fn remembered(&self, memory: DriveMemory, device: &Device) -> String {
+        let kinds = self.kernels.len();
+        let what = match memory {
+            DriveMemory::Analogue => "the drive of each kind in an analogue register".to_owned(),
+            DriveMemory::Shared => {
+                "the pixel at the last event of any kind, in one register for all".to_owned()
+            }
+            DriveMemory::Bits(bits) => format!("the drive of each kind in {bits} bits"),
+        };
+        let needed = Need::new(memory, kinds).analogue;
+        format!(
+            "{what}: {needed} of {} analogue registers at least; the chip carries {} kinds like these",
+            Need::free(device),
+            self.carried(memory, device)
+        )
     }
 
     /// The least and the most that the words of a frame take, in us.
@@ -128,12 +136,17 @@ impl Compiled {
                 self.snake
             ),
         );
-        let kept = stored(&self.expansion.code.init, device).0
-            + stored(&self.expansion.code.frame, device).0;
         line(
             "store",
-            format!("{kept} words of {}", device.value(Figure::Store)),
+            format!(
+                "{} words of {}",
+                self.stored(device),
+                device.value(Figure::Store)
+            ),
         );
+        if let Some(memory) = self.memory {
+            line("memory", self.remembered(memory, device));
+        }
         let [least, most] = self.array_us(device);
         line(
             "time",
@@ -159,8 +172,9 @@ impl Compiled {
                 ),
             );
         }
-        for (thresholds, scale) in self.thresholds.iter().zip(&asked.scales) {
-            line("threshold", self.threshold(*thresholds, *scale, device));
+        let scales = self.scales.iter().zip(&asked.scales);
+        for (thresholds, (own, few)) in self.thresholds.iter().zip(scales) {
+            line("threshold", threshold(*thresholds, few / own, device));
         }
         line("range", self.range());
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
@@ -174,7 +188,7 @@ impl Compiled {
         for forecast in &self.forecasts {
             line("chip", survival(forecast));
         }
-        for added in self.noise(asked, device) {
+        for added in &self.noises {
             let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
             line(
                 "noise",
@@ -210,41 +224,20 @@ impl Compiled {
         text
     }
 
-    /// What the chip makes of a kernel's thresholds; `scale`: times its weights the kernel is
-    /// the one asked for.
-    pub(super) fn threshold(&self, thresholds: [f64; 2], scale: f64, device: &Device) -> String {
-        let step = Errors::from_device(device).input_step;
-        let held = thresholds.map(|lsb| (lsb / step).round_ties_even() * step);
-        let both = |[on, off]: [f64; 2], digits: usize| {
-            if on == off {
-                format!("{on:.digits$}")
-            } else {
-                format!("{on:.digits$} ON and {off:.digits$} OFF")
-            }
-        };
-        let lost = (0..2).any(|k| thresholds[k] > 0.0 && held[k] == 0.0);
-        let advice = if lost {
-            format!(
-                ": any change fires; take thresholds from {:.1} on, or a kernel that needs fewer halvings (--to)",
-                step / self.scale * scale
-            )
-        } else {
-            String::new()
-        };
-        format!(
-            "{} LSB of the result, on the chip {}{advice}",
-            both(thresholds, 3),
-            both(held, 0),
-        )
-    }
-
     /// Whether anything saturates, and what that costs.
     pub(super) fn range(&self) -> String {
         let range = match (self.saturations, self.filter.prescale) {
             (0, 0) => "nothing saturates".to_owned(),
-            (0, bits) => format!(
+            (0, bits) if self.halvings.len() == 1 => format!(
                 "nothing saturates; the input is halved {bits} times on the way, which costs {bits} bits"
             ),
+            (0, _) => {
+                let each: Vec<String> = self.halvings.iter().map(u32::to_string).collect();
+                format!(
+                    "nothing saturates; the difference is halved {} times on the way, which costs as many bits",
+                    each.join(", ")
+                )
+            }
             (n, _) => format!(
                 "{n} stores can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
                 127.0 / self.filter.peak
@@ -286,5 +279,32 @@ fn survival(forecast: &Forecast) -> String {
         Lsb(forecast.noise),
         Lsb(forecast.signal),
         Lsb(forecast.offset),
+    )
+}
+
+/// What the chip makes of a kernel's thresholds; `unit`: kernel times light for each LSB.
+fn threshold(thresholds: [f64; 2], unit: f64, device: &Device) -> String {
+    let step = Errors::from_device(device).input_step;
+    let held = thresholds.map(|lsb| (lsb / step).round_ties_even() * step);
+    let both = |[on, off]: [f64; 2], digits: usize| {
+        if on == off {
+            format!("{on:.digits$}")
+        } else {
+            format!("{on:.digits$} ON and {off:.digits$} OFF")
+        }
+    };
+    let lost = (0..2).any(|k| thresholds[k] > 0.0 && held[k] == 0.0);
+    let advice = if lost {
+        format!(
+            ": any change fires; take thresholds from {:.1} on, or a kernel that needs fewer halvings (--to)",
+            step * unit
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "{} LSB of the result, on the chip {}{advice}",
+        both(thresholds, 3),
+        both(held, 0),
     )
 }

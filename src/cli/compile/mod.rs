@@ -4,6 +4,7 @@ mod asked;
 mod compiled;
 mod front;
 mod proof;
+mod shared;
 
 use std::time::Instant;
 
@@ -21,7 +22,8 @@ use crate::{
         range::{Inputs, Interval},
     },
     compile::{
-        CellKind, DriveMemory, Effort, Filter, Forecast, Objective, Request, SensorProgram, Signal,
+        CellKind, DriveMemory, Effort, Filter, FilterNoise, Forecast, Objective, Request,
+        SensorProgram, Signal,
     },
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
@@ -35,7 +37,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 #[command(
-    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp"
+    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor sensors/rgc-4-on-chip.toml --to ternary -o four.scamp"
 )]
 pub struct Arguments {
     /// Kernels: files (.toml, .npy of shape (k,k) or (K,k,k)) or names of built-in ones
@@ -72,14 +74,11 @@ pub struct Arguments {
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
     threshold: Option<f64>,
-    /// Where the program remembers: `analogue` registers, or `bits:N` one-bit registers a kind
-    #[arg(
-        long,
-        default_value = "analogue",
-        value_name = "WHERE",
-        conflicts_with = "filter_only"
-    )]
-    memory: Remembered,
+    /// What the program remembers: the drive of each kind in `analogue` registers or in `bits:N`
+    /// one-bit registers, or in one analogue register the pixel at the last event of any kind,
+    /// `shared` by all (raw-snap) [default: as the sensor file says, else analogue]
+    #[arg(long, value_name = "WHERE", conflicts_with = "filter_only")]
+    memory: Option<Remembered>,
     /// How the program is written: in the language of programs/, or as C++ for the vendor's tools,
     /// which `asm` and `exec` read as well; an output that ends in .cpp is C++
     #[arg(long = "as", value_enum, default_value_t, value_name = "LANGUAGE")]
@@ -203,6 +202,27 @@ struct Asked {
     /// ON and OFF, in kernel times light.
     thresholds: Vec<(f64, f64)>,
     title: String,
+    /// What the sensor file remembers.
+    memory: Option<DriveMemory>,
+}
+
+impl Asked {
+    /// What the program is to remember.
+    fn remembered(&self, arguments: &Arguments) -> miette::Result<DriveMemory> {
+        let asked = arguments.memory.map(|memory| memory.0);
+        let Some(own) = self.memory else {
+            return Ok(asked.unwrap_or_default());
+        };
+        let is_shared = |memory: DriveMemory| memory == DriveMemory::Shared;
+        match asked {
+            Some(asked) if is_shared(asked) != is_shared(own) => Err(miette!(
+                help = "leave --memory out, or change the sensor's memory: `filtered-snap` for analogue and bits, `raw-snap` with `shared = true` for shared",
+                "the sensor file and --memory say different memories"
+            )),
+            Some(asked) => Ok(asked),
+            None => Ok(own),
+        }
+    }
 }
 
 /// `exact`, or a quantiser.
@@ -220,7 +240,7 @@ impl std::str::FromStr for To {
     }
 }
 
-/// `analogue`, or `bits:N`.
+/// `analogue`, `shared` or `bits:N`.
 #[derive(Clone, Copy, Debug)]
 struct Remembered(DriveMemory);
 
@@ -231,6 +251,9 @@ impl std::str::FromStr for Remembered {
         if name == "analogue" {
             return Ok(Self(DriveMemory::Analogue));
         }
+        if name == "shared" {
+            return Ok(Self(DriveMemory::Shared));
+        }
         let bits = name
             .strip_prefix("bits:")
             .and_then(|bits| bits.parse().ok());
@@ -239,7 +262,7 @@ impl std::str::FromStr for Remembered {
             .map(DriveMemory::Bits);
         memory.map(Self).ok_or_else(|| {
             format!(
-                "`{name}` is neither `analogue` nor `bits:N` with N from 1 to 8, such as bits:4"
+                "`{name}` is none of `analogue`, `shared` and `bits:N` with N from 1 to 8, such as bits:5"
             )
         })
     }
@@ -250,8 +273,8 @@ struct Compiled {
     text: String,
     expansion: Expansion,
     filter: Filter,
-    /// Weights by which the results differ from the kernels, a power of two.
-    scale: f64,
+    /// Weights by which each result differs from its kernel, powers of two.
+    scales: Vec<f64>,
     /// The kernels as read back from the program, without the scale.
     kernels: Vec<Plane<f64>>,
     /// What the results may be, in LSB.
@@ -265,6 +288,12 @@ struct Compiled {
     ranged: bool,
     /// What is predicted of each result on the chip.
     forecasts: Vec<Forecast>,
+    /// What the filter adds to each result.
+    noises: Vec<Added>,
+    /// Halvings of the input, in each filter.
+    halvings: Vec<u32>,
+    /// What a whole program remembers.
+    memory: Option<DriveMemory>,
 }
 
 /// The filter that is asked for, alone.
@@ -273,7 +302,7 @@ fn bare<'a>(
     asked: &'a Asked,
     device: &'a Device,
 ) -> miette::Result<Request<'a>> {
-    let mut request = request(arguments, asked, device)?;
+    let mut request = request(arguments, &asked.kernels, device)?;
     if !arguments.into.is_empty() {
         request.into = named(&arguments.into, device)?;
     }
@@ -296,7 +325,7 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
     let scale = 2f64.powi(-(filter.prescale as i32));
     let (low, high) = arguments.input.unwrap_or((0.0, 127.5));
     let proof = Proof {
-        asked,
+        kernels: &asked.kernels,
         device,
         results: &request.into,
         input: Input::Register(request.input),
@@ -325,10 +354,41 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
             off: *off,
         })
         .collect();
-    let request = request(arguments, asked, device)?;
-    let program = SensorProgram::new(&kinds, arguments.memory.0, &asked.title, &request)?;
+    let memory = asked.remembered(arguments)?;
+    let compiled = if memory == DriveMemory::Shared {
+        shared::whole(arguments, asked, &kinds, device)?
+    } else {
+        apart(arguments, asked, &kinds, memory, device)?
+    };
+    let words = |steps: &[Step]| Cost::of(steps, device).words.0;
+    let expectation = crate::program::Expectation {
+        words: Some(crate::program::ExpectedWords {
+            init: words(&compiled.expansion.code.init),
+            frame: words(&compiled.expansion.code.frame),
+        }),
+        ..crate::program::Expectation::default()
+    };
+    let program = Program::parse("compiled", &compiled.text)?;
+    let text = program.blessed(&expectation).into_diagnostic()?;
+    Ok(Compiled {
+        text,
+        memory: Some(memory),
+        ..compiled
+    })
+}
+
+/// A program of kinds that each have a memory of their own.
+fn apart(
+    arguments: &Arguments,
+    asked: &Asked,
+    kinds: &[CellKind],
+    memory: DriveMemory,
+    device: &Device,
+) -> miette::Result<Compiled> {
+    let request = request(arguments, &asked.kernels[..1], device)?;
+    let program = SensorProgram::new(kinds, memory, &asked.title, &request)?;
     let proof = Proof {
-        asked,
+        kernels: &asked.kernels,
         device,
         results: &program.drives,
         input: Input::Light,
@@ -350,25 +410,15 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
     compiled.thresholds = thresholds
         .map(|(on, off)| [on * program.scale, off * program.scale])
         .collect();
-    let words = |steps: &[Step]| Cost::of(steps, device).words.0;
-    let expectation = crate::program::Expectation {
-        words: Some(crate::program::ExpectedWords {
-            init: words(&compiled.expansion.code.init),
-            frame: words(&compiled.expansion.code.frame),
-        }),
-        ..crate::program::Expectation::default()
-    };
-    let program = Program::parse("compiled", &compiled.text)?;
-    compiled.text = program.blessed(&expectation).into_diagnostic()?;
     Ok(compiled)
 }
 
 fn request<'a>(
     arguments: &Arguments,
-    asked: &'a Asked,
+    kernels: &'a [Kernel],
     device: &'a Device,
 ) -> miette::Result<Request<'a>> {
-    let mut request = Request::new(&asked.kernels, device)?;
+    let mut request = Request::new(kernels, device)?;
     request.effort = Effort::seconds(arguments.effort);
     request.seed = arguments.seed;
     request.objective = match arguments.objective {
@@ -422,7 +472,7 @@ fn check_registers(request: &Request<'_>, asked: &Asked) -> miette::Result<()> {
 const MIDDLE: f64 = 64.0;
 
 /// Errors of the chip in one result, LSB.
-#[derive(serde::Serialize)]
+#[derive(Clone, Copy, serde::Serialize)]
 struct Added {
     temporal: f64,
     fixed: f64,
@@ -430,8 +480,30 @@ struct Added {
     input_fixed: Option<f64>,
 }
 
+/// What a filter adds to each result, and to the input for each.
+fn noises(
+    filter: &Filter,
+    device: &Device,
+    input: Analog,
+    results: &[Analog],
+    kernels: &[Kernel],
+) -> Vec<Added> {
+    let noises = filter.noise(device, input, MIDDLE, results);
+    let added = |(noise, kernel): (FilterNoise, &Kernel)| {
+        let squares: f64 = kernel.weights().iter().map(|w| w * w).sum();
+        let gain = filter.scale() * squares.sqrt();
+        Added {
+            temporal: noise.temporal,
+            fixed: noise.fixed,
+            input_temporal: (gain > 0.0).then(|| noise.temporal / gain),
+            input_fixed: (gain > 0.0).then(|| noise.fixed / gain),
+        }
+    };
+    noises.into_iter().zip(kernels).map(added).collect()
+}
+
 struct Proof<'a> {
-    asked: &'a Asked,
+    kernels: &'a [Kernel],
     device: &'a Device,
     results: &'a [Analog],
     input: Input,

@@ -2,7 +2,7 @@
 
 use miette::{WrapErr, miette};
 
-use super::{Compiled, Proof, TRACED};
+use super::{Compiled, Proof, TRACED, noises};
 use crate::{
     array::{
         Array as _, Chip, Exact, Input, Settings,
@@ -33,7 +33,7 @@ impl Proof<'_> {
         let settings = Settings::from_device(self.device);
         let mut kernels = Vec::new();
         let long = filter.words.len() > TRACED;
-        for (kernel, register) in self.asked.kernels.iter().zip(self.results) {
+        for (kernel, register) in self.kernels.iter().zip(self.results) {
             let (read, others) = if long {
                 (self.impulse(&expansion.code, *register)?, false)
             } else {
@@ -82,10 +82,13 @@ impl Proof<'_> {
             thresholds: Vec::new(),
             ranged: false,
             forecasts: Vec::new(),
+            noises: noises(&filter, self.device, Analog(0), self.results, self.kernels),
+            halvings: vec![filter.prescale],
+            memory: None,
             saturations,
-            snake: naive_cost(&self.asked.kernels)?,
+            snake: naive_cost(self.kernels)?,
             results_in: self.results.to_vec(),
-            scale: self.scale,
+            scales: vec![self.scale; self.kernels.len()],
             text,
             expansion,
             filter,
@@ -149,6 +152,9 @@ impl Proof<'_> {
                 words,
                 room,
                 chip: self.device.name().to_owned(),
+                advice:
+                    "ask for fewer kinds, search longer (--effort), or take fewer digits (--to)"
+                        .to_owned(),
             }
             .into();
         }

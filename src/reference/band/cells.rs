@@ -65,7 +65,11 @@ impl<N: Number> Cells<N> {
         }
         let memory = match description.memory {
             MemoryRule::RawSnap => Memory::RawSnap {
-                pixels,
+                pixels: if description.shared {
+                    Vec::new()
+                } else {
+                    pixels
+                },
                 before: vec![N::ZERO; cells],
             },
             MemoryRule::FilteredSnap => Memory::FilteredSnap {

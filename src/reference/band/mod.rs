@@ -34,6 +34,8 @@ pub(super) struct Band<N: Number> {
     /// The signal of the last frame, with the rim that the kernels reach.
     pub(super) signal: Padded<N::Held>,
     channels: Vec<Cells<N>>,
+    /// The memory of the pixels that all channels share; empty where each has its own.
+    picture: Vec<N::Held>,
     scratch: Scratch<N>,
     pub(super) report: Report,
 }
@@ -89,11 +91,19 @@ impl<N: Number> Band<N> {
         let channels = (0..plan.weights.len())
             .map(|channel| Cells::settle(plan, channel, &rows, (&signal, sheets), &mut scratch))
             .collect();
+        let picture = if plan.description.shared {
+            rows.clone()
+                .flat_map(|y| signal.inner(y).iter().copied())
+                .collect()
+        } else {
+            Vec::new()
+        };
         Ok(Self {
             rows,
             width,
             signal,
             channels,
+            picture,
             scratch,
             report: Report::default(),
         })
@@ -111,7 +121,11 @@ impl<N: Number> Band<N> {
     pub(super) fn memory_row(&self, plan: &Plan<N>, channel: usize, y: usize, out: &mut [N::Held]) {
         let range = self.range(y);
         match &self.channels[channel].memory {
-            Memory::RawSnap { pixels, .. } => out.copy_from_slice(&pixels[range]),
+            Memory::RawSnap { pixels, .. } => {
+                let shared = pixels.is_empty();
+                let pixels = if shared { &self.picture } else { pixels };
+                out.copy_from_slice(&pixels[range]);
+            }
             Memory::FilteredSnap { filtered, .. } => out.copy_from_slice(&filtered[range]),
             Memory::FilteredStep(stepped) | Memory::PixelStep(stepped) => {
                 let (on, off) = plan.thresholds[channel].row(y);
@@ -157,7 +171,8 @@ impl<N: Number> Band<N> {
                     range: self.range(y),
                 };
                 let (cells, scratch) = (&mut self.channels[channel], &mut self.scratch);
-                self.report.events += row.advance(cells, scratch, &mut self.report)?;
+                let picture = &mut self.picture;
+                self.report.events += row.advance(cells, picture, scratch, &mut self.report)?;
                 sink.row(&self.scratch.trains)?;
                 if plan.description.noise.fires() {
                     self.disturb(plan, channel, y, input.interval, sink)?;

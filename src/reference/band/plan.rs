@@ -123,8 +123,8 @@ fn home(homes: Option<&Homes>, y: usize, x: usize) -> (usize, usize) {
 pub(in crate::reference) struct IntervalInput<'a, N: Number> {
     /// The frame; `None` if the bands have its signal already.
     pub(in crate::reference) light: Option<Light<'a, N>>,
-    /// For each channel, where the memory holds pixels: the memory if it steps, the signal's
-    /// distance from it if it snaps.
+    /// For each channel, or once where all share a memory, where it holds pixels: the memory if
+    /// it steps, the signal's distance from it if it snaps.
     pub(in crate::reference) pixels: &'a [Padded<N::Held>],
     /// The resistive grids, for channels that see through one.
     pub(in crate::reference) sheets: Option<&'a Sheets>,
@@ -133,6 +133,13 @@ pub(in crate::reference) struct IntervalInput<'a, N: Number> {
     pub(in crate::reference) elapsed: f64,
     /// Whether the times of the events are wanted.
     pub(in crate::reference) times: bool,
+}
+
+impl<'a, N: Number> IntervalInput<'a, N> {
+    /// The pixels that a channel's kernel sees.
+    pub(super) fn pixels_of(&self, channel: usize) -> &'a Padded<N::Held> {
+        self.pixels.get(channel).unwrap_or(&self.pixels[0])
+    }
 }
 
 /// Implemented by hand: derived, it would require `N: Copy`.

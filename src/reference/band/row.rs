@@ -40,6 +40,7 @@ impl<N: Number> Row<'_, N> {
     pub fn advance(
         &self,
         cells: &mut Cells<N>,
+        picture: &mut [N::Held],
         scratch: &mut Scratch<N>,
         report: &mut Report,
     ) -> Result<u64, SensorError> {
@@ -55,7 +56,7 @@ impl<N: Number> Row<'_, N> {
         if self.is_authors() {
             self.fire_as_authors(cells, scratch)?;
         }
-        self.remember(cells, scratch, report)?;
+        self.remember(cells, picture, scratch, report)?;
         if !self.is_authors() && !cells.fired.is_empty() {
             events = Some(self.dead_time(cells, scratch, report));
         }
@@ -75,7 +76,8 @@ impl<N: Number> Row<'_, N> {
         sheets::row(number, self.input.sheets, at, drive, |drive| match memory {
             // The kernel is applied to the pixels' distance from the memory, u - M.
             Memory::RawSnap { .. } => {
-                weights.row(number, &self.input.pixels[self.channel], y, drive, parts);
+                let pixels = self.input.pixels_of(self.channel);
+                weights.row(number, pixels, y, drive, parts);
             }
             Memory::PixelStep(_) => weights.row(number, self.signal, y, drive, parts),
             Memory::FilteredSnap { .. } | Memory::FilteredStep(_) => {
@@ -133,7 +135,7 @@ impl<N: Number> Row<'_, N> {
             Memory::PixelStep(_) => {
                 // A description with this rule has a memory kernel for each channel.
                 if let Some(weights) = &self.plan.memory_weights[self.channel] {
-                    let pixels = &self.input.pixels[self.channel];
+                    let pixels = self.input.pixels_of(self.channel);
                     weights.row(number, pixels, self.y, memory, parts);
                     memory::distance(number, drive, memory, to);
                 }
@@ -188,10 +190,12 @@ impl<N: Number> Row<'_, N> {
         Err(self.uncountable(x, to[x]))
     }
 
-    /// (6) to (8): what the events do to the memory, and their sign where it is the pixel's own.
+    /// (6) to (8): what the events do to the memory (`picture` where all channels share it), and
+    /// their sign where it is the pixel's own.
     fn remember(
         &self,
         cells: &mut Cells<N>,
+        picture: &mut [N::Held],
         scratch: &mut Scratch<N>,
         report: &mut Report,
     ) -> Result<(), SensorError> {
@@ -227,15 +231,18 @@ impl<N: Number> Row<'_, N> {
                 }
             }
             Memory::RawSnap { pixels, before } => {
+                // The memory may already be that of another kind, which fired here: the distances
+                // are those from the memory before this frame.
+                let distances = self.input.pixels_of(self.channel).inner(self.y);
+                let pixels = if pixels.is_empty() { picture } else { pixels };
                 for (x, cell) in range.enumerate() {
                     let same = before[cell] == drive[x];
                     before[cell] = drive[x];
                     if trains.counts[x] == 0 {
                         continue;
                     }
-                    let now = self.signal.inner(self.y)[x];
-                    let own = number.real(number.sub(now, pixels[cell]));
-                    pixels[cell] = now;
+                    let own = number.real(distances[x]);
+                    pixels[cell] = self.signal.inner(self.y)[x];
                     // It fires again although neither its distance nor its pixel has changed.
                     report.livelocked += u64::from(same && own == N::Real::ZERO);
                     if self.plan.description.polarity == PolarityRule::Pixel {

@@ -33,6 +33,7 @@ impl Reader<'_> {
         let memory = section.word("memory", &MemoryRule::ALL)?;
         let memory = memory.unwrap_or(MemoryRule::FilteredStep);
         let refractory = refractory(memory, section.get("refractory"))?;
+        let shared = shared(memory, &section)?;
         let polarity = polarity(memory, &section)?;
         let noise = match section.get("noise") {
             Some(noise) => Noise::read(noise, memory, refractory.rule)?,
@@ -46,6 +47,7 @@ impl Reader<'_> {
             name: name.unwrap_or_else(|| stem(self.file).to_owned()),
             response: Response::read(section.need("response")?)?,
             memory,
+            shared,
             polarity,
             border: border.unwrap_or_default(),
             refractory,
@@ -135,6 +137,19 @@ fn refractory(memory: MemoryRule, section: Option<Node<'_>>) -> Read<Refractory>
     }
     let us = section.number("us")?;
     Ok(Refractory { us, rule })
+}
+
+/// Whether one memory serves all kinds: only a memory of pixels is the same for all of them.
+fn shared(memory: MemoryRule, section: &Section<'_>) -> Read<bool> {
+    let shared = section.flag("shared");
+    if shared && memory != MemoryRule::RawSnap {
+        return Err(wrong(
+            section.place_of("shared"),
+            "shared = true is for memory = \"raw-snap\": a picture of the pixels is the same for all kinds, a filtered signal is each kind's own",
+            "use memory = \"raw-snap\", or leave shared out",
+        ));
+    }
+    Ok(shared)
 }
 
 fn polarity(memory: MemoryRule, section: &Section<'_>) -> Read<PolarityRule> {

@@ -49,6 +49,12 @@ pub(super) const SENSOR: Table = Table::new(&[
     )
     .example("memory = \"filtered-step\""),
     Key::with_default(
+        "shared",
+        Kind::Flag,
+        "false",
+        "one memory of the pixel for all kinds, which any of them renews when it fires; with memory = \"raw-snap\"",
+    ),
+    Key::with_default(
         "polarity",
         Kind::Choice(POLARITY),
         "\"filtered\"",

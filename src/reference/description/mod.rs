@@ -5,6 +5,7 @@
 //! source = "where it came from"              # optional
 //! response = { linear = 255 }                # "identity", { log = … }, { lin-log = … }
 //! memory = "filtered-step"                   # "raw-snap", "filtered-snap", "filtered-step"
+//! shared = false                             # true: one memory for all kinds, with "raw-snap"
 //! polarity = "filtered"                      # or "pixel"
 //! border = "replicate"                       # or "zero"
 //! refractory = { us = 1000, rule = "dead-time" }   # or "authors"; without it: none

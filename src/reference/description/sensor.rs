@@ -16,6 +16,8 @@ pub struct Description {
     pub response: Response,
     /// What an event does to the memory.
     pub memory: MemoryRule,
+    /// Whether all kinds of a pixel have one memory of it; only with [`MemoryRule::RawSnap`].
+    pub shared: bool,
     /// Where an event's sign comes from.
     pub polarity: PolarityRule,
     /// What lies off the array.

@@ -5,25 +5,18 @@ use super::{
     Estimate, Feasibility, FeasibilityError, Question,
     chip::registers,
     readout::Busy,
-    runs::MEMORY,
     time::{self, Time},
 };
 use crate::{
-    array::{Arithmetic, Array},
-    compare::CompareError,
-    compile::DriveMemory,
-    event::{Event, Packet},
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser},
-    number::Format,
     program::stored,
-    rig,
     scene::{Frame, Scene},
-    sensor::Sensor,
     study::{
-        design::{Compiled, Design},
-        equivalent::{self, Ladder, Likeness},
+        design::Design,
+        equivalent::Likeness,
         quantisation::{Headline, Outcome},
+        together::{Together, name},
     },
 };
 
@@ -55,6 +48,10 @@ pub enum SharedFit {
 pub struct SharedProgram {
     /// Where the drives of the last events are kept.
     pub memory: String,
+    /// What its kinds are judged against.
+    pub against: String,
+    /// How many kinds like these the chip carries in that way.
+    pub carried: usize,
     /// Instruction words of the filters, which share what they can.
     pub filter_words: u64,
     /// Instruction words of a frame.
@@ -93,9 +90,6 @@ pub struct SharedKind {
     pub silicon: Option<Likeness>,
 }
 
-/// One-bit registers that memories may take.
-const BITS: usize = 8;
-
 impl Shared {
     /// Of questions that were answered, in the few values that were chosen for each; `of` is the
     /// one whose chip, exposure, effort and seed count.
@@ -115,31 +109,15 @@ impl Shared {
             quantised.push(question.design().quantise(to, question.sum)?);
         }
         let designs = levels(questions, &quantised);
-        let mut refused = Vec::new();
-        let mut found = None;
-        for memory in memories(designs.len()) {
-            let Some((first, others)) = designs.split_first() else {
-                break;
-            };
-            match first.compile_with(others, memory, "together") {
-                Ok(compiled) => {
-                    found = Some((memory, compiled));
-                    break;
-                }
-                Err(error) if error.is_refusal() => {
-                    refused.push(format!("{}: {error}", name(memory)));
-                }
-                Err(error) => return Err(error.into()),
-            }
-        }
+        let found = Together::compile(&designs, "together")?;
         let mut kinds: Vec<_> = answers.iter().map(SharedKind::new).collect();
         let fit = match found {
-            None => SharedFit::Refused(refused),
-            Some((memory, compiled)) => {
+            Err(refused) => SharedFit::Refused(refused),
+            Ok(together) => {
                 let shape = (scene.size().height, scene.fps());
-                let busy = judge(of, questions, &compiled, &mut kinds, scene, seen)?;
-                let time = time::time(of, &compiled, &busy, shape)?;
-                let program = SharedProgram::new(memory, &compiled, answers, time);
+                let busy = judge(of, questions, &together, &mut kinds, scene, seen)?;
+                let time = time::time(of, &together.compiled, &busy, shape)?;
+                let program = SharedProgram::new(&together, answers, time);
                 SharedFit::OnChip(Box::new(program))
             }
         };
@@ -161,94 +139,30 @@ fn levels<'a>(questions: &'a [Question<'_>], quantised: &'a [Quantised]) -> Vec<
         .collect()
 }
 
-/// The ways to remember so many drives, the better one first.
-fn memories(kinds: usize) -> Vec<DriveMemory> {
-    let bits = u8::try_from(BITS / kinds.max(1)).unwrap_or(1);
-    let in_bits = (bits > 0).then_some(DriveMemory::Bits(bits));
-    std::iter::once(DriveMemory::Analogue)
-        .chain(in_bits)
-        .collect()
-}
-
-fn name(memory: DriveMemory) -> String {
-    match memory {
-        DriveMemory::Analogue => "memories in analogue registers".to_owned(),
-        DriveMemory::Bits(bits) => format!("memories of {bits} bits each"),
-    }
-}
-
-/// Shows the scene to the float sensors and to the program, and judges every kernel; how many
-/// events of the kernel that has most in one frame there are to read, with the chip's errors.
+/// Shows the scene to the float sensor that the program stands for and to the program, and judges
+/// every kernel; how many events of the kernel that has most in one frame there are to read, with
+/// the chip's errors.
 fn judge(
     of: &Question<'_>,
     questions: &[Question<'_>],
-    compiled: &Compiled,
+    together: &Together,
     kinds: &mut [SharedKind],
     scene: &mut dyn Scene,
     seen: &mut dyn FnMut(&Frame),
 ) -> Result<Busy, FeasibilityError> {
-    let (size, fps) = (scene.size(), scene.fps());
-    let mut floats = Vec::new();
-    for question in questions {
-        let design = question.design();
-        floats.push(design.reference(size, MEMORY, Format::F64)?);
-        floats.extend(equivalent::sensors(&design, size, MEMORY)?);
-    }
-    let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
-    let silicon = Arithmetic::Silicon { seed: of.seed };
-    for arithmetic in [Arithmetic::Number(Format::F64), silicon] {
-        chips.push(compiled.chip(arithmetic, size, compiled.settings())?);
-    }
-    let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for sensor in &mut floats {
-        sensors.push(sensor);
-    }
-    for chip in &mut chips {
-        sensors.push(chip);
-    }
-    let mut frames = 0;
-    let packets = rig::watch(scene, &mut sensors, |frame| {
-        frames += 1;
-        seen(frame);
-    })?;
-    let (floats, chips) = packets.split_at(packets.len().saturating_sub(2));
+    let floats: Vec<Design<'_>> = questions.iter().map(Question::design).collect();
+    let (judged, frames) = together.judge(&floats, (of.within, of.seed), scene, seen)?;
     let mut busiest = Busy::default();
-    let each = floats.len() / questions.len().max(1);
-    for (i, (kind, floats)) in kinds.iter_mut().zip(floats.chunks(each.max(1))).enumerate() {
-        let [truth, rungs @ ..] = floats else {
-            continue;
-        };
-        let ladder = Ladder::new(truth.clone(), rungs, of.within, fps, of.seed)?;
-        let mut judged = chips.iter().map(|packet| own(packet, i)).map(|packet| {
-            let likeness = ladder.judge(&packet)?;
-            Ok::<_, CompareError>((packet, likeness))
-        });
-        kind.exact = judged.next().transpose()?.map(|(_, likeness)| likeness);
-        if let Some((packet, likeness)) = judged.next().transpose()? {
-            kind.headline = Some(likeness.into());
-            kind.silicon = Some(likeness);
-            let busy = Busy::new(&packet, frames);
-            if busy.busiest() >= busiest.busiest() {
-                busiest = busy;
-            }
+    for (kind, judged) in kinds.iter_mut().zip(judged) {
+        kind.exact = Some(judged.exact);
+        kind.headline = Some(judged.silicon.into());
+        kind.silicon = Some(judged.silicon);
+        let busy = Busy::new(&judged.packet, frames);
+        if busy.busiest() >= busiest.busiest() {
+            busiest = busy;
         }
     }
     Ok(busiest)
-}
-
-/// The events of one kind, as a sensor of that kind alone has them.
-fn own(packet: &Packet, kind: usize) -> Packet {
-    let mut own = Packet::new(packet.size, 1);
-    own.span = packet.span;
-    let events = packet.events.iter();
-    own.events = events
-        .filter(|event| usize::from(event.channel) == kind)
-        .map(|event| Event {
-            channel: 0,
-            ..*event
-        })
-        .collect();
-    own
 }
 
 impl SharedKind {
@@ -270,7 +184,8 @@ impl SharedKind {
 }
 
 impl SharedProgram {
-    fn new(memory: DriveMemory, compiled: &Compiled, answers: &[Feasibility], time: Time) -> Self {
+    fn new(together: &Together, answers: &[Feasibility], time: Time) -> Self {
+        let compiled = &together.compiled;
         let (device, code) = (&compiled.device, &compiled.code);
         let filter = &compiled.program.filter;
         let apart = answers.iter().map(|answer| match &answer.fit {
@@ -278,7 +193,9 @@ impl SharedProgram {
             super::Fit::Refused(_) => None,
         });
         Self {
-            memory: name(memory),
+            memory: name(together.memory),
+            against: together.against().to_owned(),
+            carried: together.carried(),
             filter_words: filter.words.len() as u64,
             frame_words: compiled.cost.words.0,
             frame_words_apart: apart.sum(),
@@ -340,12 +257,14 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
     (
         headline.to_owned(),
         format!(
-            "One program has all {count} kernels, with {}: {} words of the {} in the store, {} of {} analogue registers, at most {ceiling} for the {fps} that the scene asks for. {loss}",
+            "One program has all {count} kernels, with {}: {} words of the {} in the store, {} of {} analogue registers, at most {ceiling} for the {fps} that the scene asks for. The chip carries {} kinds like these in that way. Together they are judged against {}. {loss}",
             program.memory,
             program.stored_words,
             program.store.low,
             program.registers,
-            program.registers_of
+            program.registers_of,
+            program.carried,
+            program.against,
         ),
     )
 }

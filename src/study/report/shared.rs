@@ -73,7 +73,8 @@ fn program_table(program: &SharedProgram) -> Markup {
                 caption { "One program of all kernels, with " (program.memory) }
                 (number::head())
                 tbody {
-                    (number::counted("Words of the filters", "what they have in common is computed once", &number::plain(&at("filter_words"), program.filter_words as f64)))
+                    (number::counted("Kinds that the chip carries", "like these, in that way", &number::plain(&at("carried"), program.carried as f64)))
+                    (number::counted("Words of the filters", "what they have in common is computed once, unless they share a memory", &number::plain(&at("filter_words"), program.filter_words as f64)))
                     (number::counted("Words a frame", "filters, comparisons, memories, readout", &number::plain(&at("frame_words"), program.frame_words as f64)))
                     (number::counted("Words a frame, apart", "of the programs of each, added up", &number::maybe(&at("frame_words_apart"), program.frame_words_apart.map(|words| words as f64))))
                     (number::counted("Words stored", "with those of the first frame", &number::plain(&at("stored_words"), program.stored_words as f64)))

@@ -1,4 +1,6 @@
-//! `amacrine quantise`: a kernel in few values, and what that does to it.
+//! `amacrine quantise`: kernels in few values, and what that does to them.
+
+mod several;
 
 use std::fmt::Write;
 
@@ -29,6 +31,7 @@ use super::{
     clip::Clip,
     content::Content,
     files::{Named, Output},
+    kernels::Kinds,
     light,
     progress::Progress,
     quantiser::{Total, quantiser},
@@ -41,7 +44,8 @@ use super::{
     after_help = after_help()
 )]
 pub struct Arguments {
-    /// A kernel file (.toml or .npy), or the name of a built-in
+    /// A kernel file (.toml, .npy of shape (k,k) or (K,k,k)), the name of a built-in, or a sensor
+    /// file, with its thresholds
     kernel: Named,
     /// One quantiser, or several with commas between
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
@@ -64,12 +68,13 @@ pub struct Arguments {
     threshold: Option<f64>,
     #[command(flatten)]
     clip: Clip,
-    /// A shipped chip by name, or the folder of another, with --threshold
-    #[arg(long, default_value = "scamp5", requires = "threshold")]
-    chip: Named,
-    /// How long to search for each program, in seconds of two cores of 2024, with --threshold
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, requires = "threshold")]
-    effort: f64,
+    /// A shipped chip by name, or the folder of another, with a threshold [default: scamp5]
+    #[arg(long)]
+    chip: Option<Named>,
+    /// How long to search for each program, in seconds of two cores of 2024, with a threshold
+    /// [default: 1]
+    #[arg(long, value_parser = super::effort::seconds)]
+    effort: Option<f64>,
     #[command(flatten)]
     window: Window,
     /// Print one JSON object instead
@@ -80,7 +85,7 @@ pub struct Arguments {
 /// The end of its help.
 fn after_help() -> String {
     format!(
-        "Examples:\n  amacrine quantise rgc-5x5 --to ternary --sum zero\n  amacrine quantise learned.npy --to ternary,po2-3,int-5,csd-40,q3.4\n\nQuantisers: {}.\nA kernel becomes scale x levels; on a chip, divide the thresholds by the scale and run the levels.",
+        "Examples:\n  amacrine quantise rgc-5x5 --to ternary --sum zero\n  amacrine quantise learned.npy --to ternary,po2-3,int-5,csd-40,q3.4\n  amacrine quantise sensors/rgc-4-on-chip.toml --to ternary,int-5\n\nSeveral kernels are each quantised, and with a threshold run in one program.\nQuantisers: {}.\nA kernel becomes scale x levels; on a chip, divide the thresholds by the scale and run the levels.",
         quantise::known()
     )
 }
@@ -131,24 +136,20 @@ struct Json {
 /// When the kernel cannot be read or not quantised in any of the ways that were asked for, or a
 /// file not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    arguments.check()?;
-    let (kernels, _) = super::kernels::read(&arguments.kernel)?;
-    let [kernel] = &kernels[..] else {
-        return Err(miette!(
-            help = "give one of them, an array of shape (k,k)",
-            "{} holds {} kernels",
-            arguments.kernel,
-            kernels.len()
-        ));
+    let kinds = Kinds::read(&arguments.kernel)?;
+    let thresholds = arguments.thresholds(&kinds);
+    arguments.check(thresholds.is_some())?;
+    let [kernel] = &kinds.kernels[..] else {
+        return several::run(arguments, &kinds, thresholds.as_deref());
     };
-    let all = arguments.quantised(kernel)?;
+    let all = arguments.quantised(&arguments.kernel, kernel)?;
     let rows: Vec<Row> = { all.iter() }
         .map(|(to, quantised)| Row::new(*to, kernel, quantised.as_ref()))
         .collect();
     let observation = Observation::new();
-    let answer = match arguments.threshold {
-        Some(threshold) => Some(on_chip(arguments, kernel, threshold, &observation)?),
-        None => None,
+    let answer = match thresholds.as_deref() {
+        Some(&[threshold, ..]) => Some(on_chip(arguments, kernel, threshold, &observation)?),
+        Some([]) | None => None,
     };
     let warnings = match &answer {
         Some(answer) => answer.warnings.clone(),
@@ -194,8 +195,25 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 impl Arguments {
+    /// The threshold of each kind: one for all on the command line, or the sensor file's.
+    fn thresholds(&self, kinds: &Kinds) -> Option<Vec<f64>> {
+        match self.threshold {
+            Some(one) => Some(vec![one; kinds.kernels.len()]),
+            None => kinds.thresholds.clone(),
+        }
+    }
+
+    /// The chip's name or folder.
+    fn chip(&self) -> &str {
+        self.chip.as_deref().unwrap_or("scamp5")
+    }
+
+    fn effort(&self) -> Effort {
+        Effort::seconds(self.effort.unwrap_or(Effort::SECONDS))
+    }
+
     /// Refuses options that would be of no use.
-    fn check(&self) -> miette::Result<()> {
+    fn check(&self, has_threshold: bool) -> miette::Result<()> {
         if self.output.is_some() && self.to.len() != 1 {
             return Err(miette!(
                 help = "give one quantiser with --to",
@@ -203,12 +221,16 @@ impl Arguments {
                 self.to.len()
             ));
         }
-        if self.threshold.is_some() {
+        if has_threshold {
             return Ok(());
         }
-        let within = self.window.within.map(|_| "within");
+        let own = [
+            self.window.within.map(|_| "within"),
+            self.chip.as_ref().map(|_| "chip"),
+            self.effort.map(|_| "effort"),
+        ];
         let shown = self.clip.written().into_iter().map(|(name, _)| name);
-        match within.into_iter().chain(shown).next() {
+        match own.into_iter().flatten().chain(shown).next() {
             None => Ok(()),
             Some(name) => Err(miette!(
                 help = "give a threshold, too: then each is run on the chip",
@@ -221,7 +243,7 @@ impl Arguments {
     ///
     /// # Errors
     /// When it is not to be had in any of them.
-    fn quantised(&self, kernel: &Kernel) -> miette::Result<Vec<Tried>> {
+    fn quantised(&self, name: &str, kernel: &Kernel) -> miette::Result<Vec<Tried>> {
         let sum = self.sum.into();
         let mut all: Vec<Tried> = { self.to.iter() }
             .map(|to| (*to, to.quantise(kernel, sum, self.seed)))
@@ -229,7 +251,7 @@ impl Arguments {
         if all.iter().all(|(_, quantised)| quantised.is_err())
             && let Some((to, Err(error))) = all.drain(..).next()
         {
-            let what = format!("{} cannot be {to}", self.kernel);
+            let what = format!("{name} cannot be {to}");
             return Err(miette::Report::new(error).wrap_err(what));
         }
         Ok(all)
@@ -263,7 +285,7 @@ fn on_chip(
             "the threshold is {threshold}"
         ));
     }
-    let device = Device::find(&arguments.chip)?;
+    let device = Device::find(arguments.chip())?;
     let open = || arguments.clip.open(observation);
     let scene = open()?;
     let sensors = 1 + equivalent::RUNGS.len() + 3 * arguments.to.len();
@@ -276,7 +298,7 @@ fn on_chip(
         quantisers: &arguments.to,
         sum: arguments.sum.into(),
         device: &device,
-        effort: Effort::seconds(arguments.effort),
+        effort: arguments.effort(),
         seed: arguments.seed,
         within: arguments.window.at(fps),
     };
@@ -296,7 +318,7 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
     let scores = format!("{:>6} {:>9} {:>7}", "kept", "threshold", "events");
     let mut text = format!(
         "\non {}, against the float kernel's {} events on {} at {} frames/s (matched within {})\n{:<16} {:>6} {:>6} {:>6} {:>9}  {scores}  {scores}\n{:<16} {:>6} {:>6} {:>6} {:>9}  {:>24}  {:>24}\n",
-        arguments.chip,
+        arguments.chip(),
         answer.reference_events,
         arguments.clip.name(),
         equivalent::rate(answer.fps),

@@ -1,0 +1,329 @@
+//! Several kernels: each in few values, and all of them in one program.
+
+use std::fmt::Write as _;
+
+use miette::miette;
+
+use super::{Arguments, Row, drawn, erased, rows_of, short, table};
+use crate::{
+    cli::{budget, kernels::Kinds, light, progress::Progress},
+    isa::{Device, Figure},
+    kernel::quantise::{Quantised, Quantiser},
+    program::stored,
+    rig::guard::{Guard, Warning},
+    scene::{Observation, Scene as _},
+    study::{
+        design::{Design, DesignError},
+        equivalent::{self, Likeness, RUNGS},
+        together::{self, Together},
+    },
+};
+
+/// One kernel in few values.
+#[derive(serde::Serialize)]
+struct Kind {
+    name: String,
+    kernel: Vec<Vec<f64>>,
+    sum: f64,
+    quantised: Vec<Row>,
+}
+
+/// All kernels in one program, for one quantiser.
+#[derive(serde::Serialize)]
+struct Program {
+    to: String,
+    #[serde(flatten)]
+    outcome: Outcome,
+}
+
+#[derive(serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Outcome {
+    OnChip(Box<OnChip>),
+    Refused(Vec<String>),
+}
+
+/// What a program of all kernels costs and says.
+#[derive(serde::Serialize)]
+struct OnChip {
+    memory: String,
+    against: &'static str,
+    filter_words: u64,
+    words: u64,
+    stored_words: u64,
+    store: u64,
+    array_us: f64,
+    frames_per_s: f64,
+    frames_per_s_of_compute: f64,
+    carried: usize,
+    kinds: Vec<Judged>,
+}
+
+/// One kind of it.
+#[derive(serde::Serialize)]
+struct Judged {
+    name: String,
+    exact: Likeness,
+    silicon: Likeness,
+}
+
+#[derive(serde::Serialize)]
+struct Json {
+    kernels: Vec<Kind>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    together: Vec<Program>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    light: Option<serde_json::Value>,
+    warnings: Vec<Warning>,
+}
+
+/// Prints each kernel in few values, and with thresholds what all of them are in one program.
+///
+/// # Errors
+/// When a kernel is not to be had in any of the ways that were asked for, or the scene cannot be
+/// read.
+pub(super) fn run(
+    arguments: &Arguments,
+    kinds: &Kinds,
+    thresholds: Option<&[f64]>,
+) -> miette::Result<()> {
+    if arguments.output.is_some() || arguments.picture.is_some() {
+        return Err(miette!(
+            help = "give one of them, an array of shape (k,k), for --output and --picture",
+            "{} holds {} kernels",
+            arguments.kernel,
+            kinds.kernels.len()
+        ));
+    }
+    let (mut all, mut warnings) = (Vec::new(), Vec::new());
+    for (name, kernel) in kinds.names.iter().zip(&kinds.kernels) {
+        let tried = arguments.quantised(name, kernel)?;
+        warnings.extend(erased(kernel, &tried));
+        let rows = { tried.iter() }.map(|(to, few)| Row::new(*to, kernel, few.as_ref()));
+        all.push(Kind {
+            name: name.clone(),
+            kernel: rows_of(kernel.weights()),
+            sum: kernel.sum(),
+            quantised: rows.collect(),
+        });
+    }
+    let observation = Observation::new();
+    let mut programs = Vec::new();
+    if let Some(thresholds) = thresholds {
+        programs = together(arguments, (kinds, thresholds), &observation, &mut warnings)?;
+    }
+    if arguments.json {
+        let json = Json {
+            light: (!programs.is_empty()).then(|| light::json(&observation)),
+            kernels: all,
+            together: programs,
+            warnings,
+        };
+        let json = serde_json::to_string(&json).map_err(|e| miette!("{e}"))?;
+        crate::cli::say(&format!("{json}\n"));
+        return Ok(());
+    }
+    let mut text = light::of_kernels(&warnings);
+    for (kind, kernel) in all.iter().zip(&kinds.kernels) {
+        let _ = writeln!(text, "{}, sum {}", kind.name, short(kernel.sum()));
+        text += &drawn(kernel.weights());
+        text += &table(&kind.quantised);
+        text.push('\n');
+    }
+    if !programs.is_empty() {
+        text += &program_table(arguments, &programs, kinds.kernels.len());
+        text += &light::line(&observation);
+    }
+    crate::cli::say(&text);
+    Ok(())
+}
+
+/// All kernels in one program, for each quantiser, run beside the float sensor.
+fn together(
+    arguments: &Arguments,
+    (kinds, thresholds): (&Kinds, &[f64]),
+    observation: &Observation,
+    warnings: &mut Vec<Warning>,
+) -> miette::Result<Vec<Program>> {
+    let device = Device::find(arguments.chip())?;
+    let scene = arguments.clip.open(observation)?;
+    budget::check_study(&*scene, (RUNGS.len() + 1) * kinds.kernels.len() + 2)?;
+    let (frames, fps) = (scene.frames(), scene.fps());
+    drop(scene);
+    let mut floats = Vec::new();
+    for (kernel, threshold) in kinds.kernels.iter().zip(thresholds) {
+        floats.push(Design {
+            kernel,
+            threshold: *threshold,
+            device: &device,
+            effort: arguments.effort(),
+            seed: arguments.seed,
+        });
+    }
+    let shows = arguments.to.len() as u64;
+    let progress = Progress::new("watching", frames.map(|frames| shows * frames));
+    let mut guard = Guard::new();
+    let mut programs = Vec::new();
+    for to in &arguments.to {
+        let outcome = match few(arguments, *to, &floats)? {
+            Err(why) => Outcome::Refused(why),
+            Ok(few) => {
+                let mut scene = arguments.clip.open(observation)?;
+                let levels: Vec<Design<'_>> = { floats.iter().zip(&few) }
+                    .map(|(float, few)| float.in_levels(few))
+                    .collect();
+                match Together::compile(&levels, "together")? {
+                    Err(why) => Outcome::Refused(why),
+                    Ok(program) => {
+                        let within = arguments.window.at(fps);
+                        let judged = program.judge(
+                            &floats,
+                            (within, arguments.seed),
+                            &mut *scene,
+                            |frame| {
+                                guard.frame(frame);
+                                progress.tick();
+                            },
+                        );
+                        let (judged, _) = judged?;
+                        for (name, kind) in kinds.names.iter().zip(&judged) {
+                            guard.packet(&format!("{to} silicon, {name}"), &kind.packet);
+                        }
+                        let cost = program.compiled.cost;
+                        let code = &program.compiled.code;
+                        Outcome::OnChip(Box::new(OnChip {
+                            memory: together::name(program.memory),
+                            against: program.against(),
+                            filter_words: program.compiled.program.filter.words.len() as u64,
+                            words: cost.words.0,
+                            stored_words: (stored(&code.init, &device)
+                                + stored(&code.frame, &device))
+                            .0,
+                            store: device.value(Figure::Store) as u64,
+                            array_us: cost.array_us,
+                            frames_per_s: 1e6 / cost.micros(),
+                            frames_per_s_of_compute: 1e6 / cost.array_us,
+                            carried: program.carried(),
+                            kinds: { kinds.names.iter().zip(judged) }
+                                .map(|(name, kind)| Judged {
+                                    name: name.clone(),
+                                    exact: kind.exact,
+                                    silicon: kind.silicon,
+                                })
+                                .collect(),
+                        }))
+                    }
+                }
+            }
+        };
+        programs.push(Program {
+            to: to.to_string(),
+            outcome,
+        });
+    }
+    progress.finish();
+    let of_scene = Warning::of_scene(observation, 255.0);
+    let own = guard.warnings();
+    light::warn(&of_scene);
+    light::warn(&own);
+    warnings.splice(0..0, of_scene);
+    warnings.extend(own);
+    Ok(programs)
+}
+
+/// All kernels in these few values; or why one of them is not to be had in them.
+fn few(
+    arguments: &Arguments,
+    to: Quantiser,
+    floats: &[Design<'_>],
+) -> Result<Result<Vec<Quantised>, Vec<String>>, DesignError> {
+    let mut all = Vec::new();
+    for float in floats {
+        match float.quantise(to, arguments.sum.into()) {
+            Ok(few) => all.push(few),
+            Err(error @ DesignError::Quantise(_)) => return Ok(Err(vec![error.to_string()])),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(Ok(all))
+}
+
+/// A line for each program, and one for each of its kinds.
+fn program_table(arguments: &Arguments, programs: &[Program], kinds: usize) -> String {
+    let mut text = format!(
+        "all {kinds} kernels in one program on {}, on {}\n{:<16} {:>6} {:>6} {:>6} {:>9} {:>9} {:>8}  memory\n",
+        arguments.chip(),
+        arguments.clip.name(),
+        "quantiser",
+        "words",
+        "store",
+        "us",
+        "frames/s",
+        "computed",
+        "carries",
+    );
+    for program in programs {
+        let _ = match &program.outcome {
+            Outcome::Refused(why) => writeln!(text, "{:<16} {}", program.to, why.join(". ")),
+            Outcome::OnChip(chip) => writeln!(
+                text,
+                "{:<16} {:>6} {:>6} {:>6.1} {:>9.0} {:>9.0} {:>8}  {}",
+                program.to,
+                chip.words,
+                chip.stored_words,
+                chip.array_us,
+                chip.frames_per_s,
+                chip.frames_per_s_of_compute,
+                chip.carried,
+                chip.memory
+            ),
+        };
+    }
+    for program in programs {
+        let Outcome::OnChip(chip) = &program.outcome else {
+            continue;
+        };
+        let _ = writeln!(
+            text,
+            "\n{}, against {}\n{:<22} {:>6} {:>6} {:>7}  {:>6} {:>6} {:>7} {:>9}",
+            program.to,
+            chip.against,
+            "exact, then silicon",
+            "F1",
+            "kept",
+            "events",
+            "F1",
+            "kept",
+            "events",
+            "threshold"
+        );
+        for kind in &chip.kinds {
+            let score = |score: &Likeness| {
+                let ratio = score.event_ratio;
+                let ratio = ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
+                format!("{:>6.3} {:>6.3} {ratio:>7}", score.f1, score.kept)
+            };
+            let _ = writeln!(
+                text,
+                "{:<22} {}  {} {:>9}",
+                kind.name,
+                score(&kind.exact),
+                score(&kind.silicon),
+                kind.silicon.equivalent()
+            );
+        }
+    }
+    let fps = { programs.iter() }.find_map(|program| match &program.outcome {
+        Outcome::OnChip(chip) => chip.kinds.first().map(|kind| kind.exact),
+        Outcome::Refused(_) => None,
+    });
+    if let Some(score) = fps {
+        let _ = writeln!(
+            text,
+            "\nmatched within {} at {} frames/s. kept: what of F1 is more than accident. us: on the array; frames/s with all slots of the\nreadout, computed: without it. carries: kinds like these that the chip has registers and words for.",
+            crate::compare::metric::Short(score.window_us),
+            equivalent::rate(score.fps)
+        );
+    }
+    text
+}

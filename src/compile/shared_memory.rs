@@ -1,0 +1,375 @@
+//! Any number of kinds with one memory: the pixel as it was at the last event of any kind
+//! (`raw-snap`, shared; Eq. 2-4 of So & Wetzstein, arXiv 2504.13457).
+//!
+//! ```text
+//! kind by kind:  D := light - M         two words, which read the photodiode and do not reset it
+//!                r := filter of D       ON where r > θ_on, OFF where -r > θ_off
+//! where any kind fired:  M := light
+//! then the photodiode is reset, and all events are read out
+//! ```
+//!
+//! M takes one register for the whole frame, whatever the number of kinds; the filters have the
+//! others, one after the other. The photodiode integrates on while they run, which is a hundredth
+//! of a frame or less, beside the readout. The bits of five kinds wait for the readout, which comes
+//! after all analogue work. More kinds are read out five at a time, so that the light of the frame
+//! is held in a register as well.
+
+use std::fmt::Write as _;
+
+use super::{
+    allocate::ordinary_registers,
+    error::CompileError,
+    filter::Filter,
+    need::Need,
+    request::{Effort, Objective, Request},
+    sensor::{CellKind, DriveMemory, SLOTS, SensorProgram, constants, largest_light, number},
+};
+use crate::isa::{Analog, Device, Figure};
+
+/// The one-bit registers of each kind that waits for its readout, ON and OFF.
+const EVENTS: [[&str; 2]; AT_A_TIME] = [
+    ["R5", "R6"],
+    ["R7", "R8"],
+    ["R9", "R10"],
+    ["R1", "R2"],
+    ["R3", "R4"],
+];
+
+/// Kinds whose bits wait for one readout.
+pub(super) const AT_A_TIME: usize = 5;
+
+/// Words besides the filters: of each kind, of a second threshold, and of all.
+const AROUND: (u64, u64, u64) = (11, 3, 16);
+
+/// The program of these kinds.
+pub(super) fn program(
+    kinds: &[CellKind],
+    title: &str,
+    request: &Request<'_>,
+) -> Result<SensorProgram, CompileError> {
+    let device = request.device;
+    let all = ordinary_registers(device);
+    let needed = Need::new(DriveMemory::Shared, kinds.len()).analogue;
+    if all.len() < needed {
+        return Err(CompileError::Kinds {
+            count: kinds.len(),
+            memory: "one memory of the pixel, and three registers for filter and threshold",
+            needed,
+            free: all.len(),
+            advice: String::new(),
+        });
+    }
+    let (memory, work) = all
+        .split_last()
+        .map_or((Analog(0), &all[..]), |(m, w)| (*m, w));
+    let light = (kinds.len() > AT_A_TIME).then(|| work[work.len() - 1]);
+    let registers = Registers {
+        drive: work[0],
+        scratch: work[1],
+        threshold: work[2],
+        light,
+        memory,
+    };
+    let filters = filters(kinds, &registers, request)?;
+    let scales: Vec<f64> = { filters.iter() }
+        .map(|filter| device.value(Figure::LightScale) * filter.scale())
+        .collect();
+    let writer = Writer {
+        device,
+        kinds,
+        filters: &filters,
+        scales: &scales,
+        registers,
+    };
+    let (text, difference) = (writer.text(title), writer.difference());
+    Ok(SensorProgram {
+        text,
+        filter: Filter::joined(&filters),
+        drives: vec![registers.drive; kinds.len()],
+        scale: scales.first().copied().unwrap_or(1.0),
+        scales,
+        steps: Vec::new(),
+        difference,
+        filters,
+    })
+}
+
+/// The registers of a frame.
+#[derive(Clone, Copy)]
+struct Registers {
+    /// The light less the memory, and what a filter makes of it.
+    drive: Analog,
+    scratch: Analog,
+    threshold: Analog,
+    /// The light of the frame, where the photodiode is not to be read for so long.
+    light: Option<Analog>,
+    memory: Analog,
+}
+
+/// The filter of each kind. Where together they are too long for the chip's store, the longest are
+/// searched again for fewer words.
+fn filters(
+    kinds: &[CellKind],
+    registers: &Registers,
+    request: &Request<'_>,
+) -> Result<Vec<Filter>, CompileError> {
+    let device = request.device;
+    let most = largest_light(device);
+    let effort = Effort {
+        states: request.effort.states / kinds.len().max(1) as u64,
+    };
+    let of = |kind: &CellKind, objective| {
+        Request {
+            kernels: std::slice::from_ref(&kind.kernel),
+            input: registers.drive,
+            into: vec![registers.drive],
+            keep: registers
+                .light
+                .into_iter()
+                .chain([registers.memory])
+                .collect(),
+            border: true,
+            range: Some((-most, most)),
+            effort,
+            objective,
+            ..request.clone()
+        }
+        .filter()
+    };
+    let mut own: Vec<Filter> = Vec::with_capacity(kinds.len());
+    for (i, kind) in kinds.iter().enumerate() {
+        // The same kernel has the same filter.
+        let known = kinds[..i].iter().position(|k| k.kernel == kind.kernel);
+        own.push(match known.and_then(|i| own.get(i)) {
+            Some(filter) => filter.clone(),
+            None => of(kind, request.objective)?,
+        });
+    }
+    let room = device.value(Figure::Store) as u64;
+    let twice = kinds.iter().filter(|kind| kind.on != kind.off).count() as u64;
+    let around = AROUND.0 * kinds.len() as u64 + AROUND.1 * twice + AROUND.2;
+    let words = |own: &[Filter]| {
+        let filters: usize = own.iter().map(|own| own.words.len()).sum();
+        filters as u64 + around
+    };
+    let mut longest: Vec<usize> = (0..own.len()).collect();
+    longest.sort_by_key(|i| std::cmp::Reverse(own[*i].words.len()));
+    for i in longest {
+        if words(&own) <= room || request.objective == Objective::Words {
+            break;
+        }
+        let shorter = of(&kinds[i], Objective::Words)?;
+        let as_right = shorter.border || !own[i].border;
+        if as_right && shorter.words.len() < own[i].words.len() {
+            own[i] = shorter;
+        }
+    }
+    let words = words(&own);
+    if words > room {
+        return Err(CompileError::Store {
+            words,
+            room,
+            chip: device.name().to_owned(),
+            advice: String::new(),
+        });
+    }
+    Ok(own)
+}
+
+impl Filter {
+    /// Several filters one after the other, as one: their words, the least of what they promise and
+    /// the most of what they take.
+    fn joined(all: &[Self]) -> Self {
+        let together = |join: fn(&Self) -> usize| all.iter().map(join).max().unwrap_or(0);
+        Self {
+            words: all.iter().flat_map(|f| f.words.clone()).collect(),
+            live: all.iter().flat_map(|f| f.live.clone()).collect(),
+            prescale: together(|f| f.prescale as usize) as u32,
+            border: all.iter().all(|f| f.border),
+            peak: all.iter().map(|f| f.peak).fold(1.0, f64::max),
+            holds: all.iter().all(|f| f.holds),
+            offsets: all.iter().flat_map(|f| f.offsets.clone()).collect(),
+            states: all.iter().map(|f| f.states).sum(),
+        }
+    }
+}
+
+/// The text of a program, part by part.
+struct Writer<'a> {
+    device: &'a Device,
+    kinds: &'a [CellKind],
+    filters: &'a [Filter],
+    scales: &'a [f64],
+    registers: Registers,
+}
+
+impl Writer<'_> {
+    fn text(&self, title: &str) -> String {
+        let mut text = self.header(title);
+        for (i, (kind, scale)) in self.kinds.iter().zip(self.scales).enumerate() {
+            let (on, off) = constants(self.kinds, i);
+            let _ = writeln!(text, "const {on} = {:?};", kind.on * scale);
+            if off != on {
+                let _ = writeln!(text, "const {off} = {:?};", kind.off * scale);
+            }
+        }
+        let _ = write!(
+            text,
+            "const slots = {SLOTS}; // the most that one readout can deliver\n\n"
+        );
+        let name = |register: Analog| self.device.analog_name(register);
+        let Registers {
+            drive,
+            threshold,
+            memory,
+            light,
+            ..
+        } = self.registers;
+        let [drive, threshold, memory] = [drive, threshold, memory].map(name);
+        let _ = writeln!(
+            text,
+            "// {memory}: the photodiode at the last event of any kind; {drive}: what has changed since, then what a\n// kernel makes of it; {threshold}: minus the threshold; ON and OFF in pairs of one-bit registers"
+        );
+        let _ = write!(
+            text,
+            "\ninit {{\n    mov({memory}, PIX);\n    respix();\n}}\n\nframe {{\n"
+        );
+        if let Some(light) = light.map(name) {
+            let _ = writeln!(
+                text,
+                "    mov({light}, PIX); // the light, through all readouts\n    respix();"
+            );
+        }
+        let count = self.kinds.len();
+        // The bit that holds whether any kind before has fired.
+        let mut before = false;
+        for start in (0..count).step_by(AT_A_TIME) {
+            let batch: Vec<usize> = (start..count.min(start + AT_A_TIME)).collect();
+            for (i, bits) in batch.iter().zip(EVENTS) {
+                self.kind(&mut text, *i, bits);
+            }
+            self.collect(&mut text, batch.len(), before);
+            before = true;
+            if start + AT_A_TIME >= count {
+                self.remember(&mut text);
+            }
+            for (i, [on, off]) in batch.iter().zip(EVENTS) {
+                let number = number(self.kinds, *i);
+                let _ = writeln!(text, "    scamp5_scan_events({on}, on{number}, slots);");
+                let _ = writeln!(text, "    scamp5_scan_events({off}, off{number}, slots);");
+            }
+        }
+        text += "}\n";
+        text
+    }
+
+    fn header(&self, title: &str) -> String {
+        let mut text = String::new();
+        let _ = writeln!(text, "//! title = {title:?}");
+        let _ = writeln!(text, "//! chip = {:?}", self.device.name());
+        text += "//! image = \"pattern:disc?width=64&height=48\"\n//! frames = 8\n";
+        let _ = writeln!(text, "//! channels = {}", self.kinds.len());
+        let halved: Vec<String> = { self.filters.iter() }
+            .map(|filter| filter.prescale.to_string())
+            .collect();
+        let reach = if self.filters.iter().all(|filter| filter.border) {
+            "right up to the border"
+        } else {
+            "right where the kernels lie on the array, not at its border"
+        };
+        let _ = writeln!(
+            text,
+            "//!\n//! # Compiled. One memory of the pixel for all kinds, which any of them renews (raw-snap, shared):\n//! # each filters the light less it, halved {} times on the way so that no sum leaves the range.\n//! # The filters are {reach}.\n",
+            halved.join(", "),
+        );
+        text
+    }
+
+    /// What the light of a frame is read from.
+    fn light(&self) -> String {
+        let held = self.registers.light;
+        held.map_or("PIX".to_owned(), |light| self.device.analog_name(light))
+    }
+
+    /// The words before each filter: the light less the memory.
+    fn difference(&self) -> String {
+        let Registers { drive, memory, .. } = self.registers;
+        let [drive, memory] = [drive, memory].map(|register| self.device.analog_name(register));
+        let light = self.light();
+        format!("    bus(NEWS, {light});\n    bus({drive}, NEWS, {memory});\n")
+    }
+
+    /// Writes one kind's part of a frame: filter, and comparison with both thresholds.
+    fn kind(&self, text: &mut String, i: usize, [on_bit, off_bit]: [&str; 2]) {
+        let name = |register: Analog| self.device.analog_name(register);
+        let Registers {
+            drive,
+            scratch,
+            threshold,
+            ..
+        } = self.registers;
+        let [drive, scratch, threshold] = [drive, scratch, threshold].map(name);
+        let (on, off) = constants(self.kinds, i);
+        let _ = writeln!(text, "\n    // kind {i}");
+        text.push_str(&self.difference());
+        text.push_str(&self.filters[i].text(self.device, 4));
+        let mut line = |what: &str| {
+            let _ = writeln!(text, "    {what}");
+        };
+        line(&format!("scamp5_in({threshold}, -{off});"));
+        line("bus(NEWS);");
+        line(&format!("bus({scratch}, NEWS, {drive});"));
+        line(&format!(
+            "where({scratch}, {threshold}); // -drive > threshold"
+        ));
+        line(&format!("MOV({off_bit}, FLAG);"));
+        if on != off {
+            line("all();");
+            line(&format!("scamp5_in({threshold}, -{on});"));
+        }
+        line(&format!(
+            "where({drive}, {threshold}); // drive > threshold"
+        ));
+        line(&format!("MOV({on_bit}, FLAG);"));
+        line("all();");
+    }
+
+    /// Writes what collects the bits of so many kinds in R11; with those of the kinds `before`, which
+    /// are there already.
+    fn collect(&self, text: &mut String, kinds: usize, before: bool) {
+        let bits: Vec<&str> = EVENTS[..kinds].iter().flatten().copied().collect();
+        text.push('\n');
+        // No word may store where it reads, so that the sums go to and fro.
+        let (mut from, mut into) = ("R11", "R0");
+        let mut any = before;
+        let mut left = &bits[..];
+        while !left.is_empty() {
+            if !any {
+                (from, into) = ("R0", "R11");
+            }
+            let (now, later) = left.split_at(left.len().min(if any { 3 } else { 4 }));
+            let held = any.then_some(from);
+            let all: Vec<&str> = held.into_iter().chain(now.iter().copied()).collect();
+            let _ = writeln!(text, "    OR({into}, {});", all.join(", "));
+            (from, into) = (into, from);
+            (any, left) = (true, later);
+        }
+        if from != "R11" {
+            let _ = writeln!(text, "    MOV(R11, {from});");
+        }
+    }
+
+    /// Writes what an event of any kind does to the memory, and the reset.
+    fn remember(&self, text: &mut String) {
+        let memory = self.device.analog_name(self.registers.memory);
+        let light = self.light();
+        let _ = writeln!(
+            text,
+            "    WHERE(R11); // where any kind fired, the memory becomes the light\n    mov({memory}, {light});\n    all();"
+        );
+        if self.registers.light.is_none() {
+            text.push_str("    respix();\n");
+        }
+        text.push('\n');
+    }
+}
