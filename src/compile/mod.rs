@@ -23,6 +23,7 @@ mod beam;
 mod border_safe;
 mod digit;
 mod error;
+mod event_readout;
 mod filter;
 mod forecast;
 mod goals;
@@ -44,6 +45,7 @@ mod survival;
 mod walk;
 
 pub use error::CompileError;
+pub use event_readout::EventReadout;
 pub use filter::Filter;
 pub use forecast::{Forecast, Signal};
 pub use naive_cost::naive_cost;

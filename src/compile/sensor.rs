@@ -2,7 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::{allocate::ordinary_registers, error::CompileError, filter::Filter, request::Request};
+use super::{
+    allocate::ordinary_registers, error::CompileError, event_readout::EventReadout, filter::Filter,
+    request::Request,
+};
 use crate::{
     elementary,
     isa::{Analog, Device, Figure},
@@ -70,6 +73,15 @@ pub struct SensorProgram {
     pub scale: f64,
     /// The memory of each kind, where it is in bits.
     pub steps: Vec<BitMemory>,
+    registers: Registers,
+}
+
+/// The registers of a program beside those of its drives.
+#[derive(Clone, Debug)]
+struct Registers {
+    memories: Vec<Analog>,
+    threshold: Analog,
+    scratch: Analog,
 }
 
 impl SensorProgram {
@@ -127,25 +139,45 @@ impl SensorProgram {
                 kinds.iter().zip(registers).map(steps).collect()
             }
         };
-        let writer = Writer {
-            steps: &steps,
-            device,
-            kinds,
-            filter: &filter,
-            scale,
-            drives: &all[..count],
-            memories: &memories,
-            threshold: all[all.len() - remembered - 1],
-            scratch: all[count],
-        };
-        let text = writer.text(title);
-        Ok(Self {
-            text,
+        let mut program = Self {
+            text: String::new(),
             drives: all[..count].to_vec(),
             filter,
             scale,
             steps,
-        })
+            registers: Registers {
+                memories,
+                threshold: all[all.len() - remembered - 1],
+                scratch: all[count],
+            },
+        };
+        program.text = program.text_with(kinds, title, device, EventReadout::default());
+        Ok(program)
+    }
+
+    /// The text of the program with another readout; `kinds`, `title` and `device` are those that
+    /// it was made of.
+    #[must_use]
+    pub fn text_with(
+        &self,
+        kinds: &[CellKind],
+        title: &str,
+        device: &Device,
+        readout: EventReadout,
+    ) -> String {
+        Writer {
+            steps: &self.steps,
+            device,
+            kinds,
+            filter: &self.filter,
+            scale: self.scale,
+            drives: &self.drives,
+            memories: &self.registers.memories,
+            threshold: self.registers.threshold,
+            scratch: self.registers.scratch,
+            readout,
+        }
+        .text(title)
     }
 }
 
@@ -218,6 +250,7 @@ struct Writer<'a> {
     memories: &'a [Analog],
     threshold: Analog,
     scratch: Analog,
+    readout: EventReadout,
 }
 
 impl Writer<'_> {
@@ -234,10 +267,8 @@ impl Writer<'_> {
         if !self.steps.is_empty() {
             text += "const zero = 0; // what the drive is in the dark, LSB: on a chip, its transfer errors\n";
         }
-        let _ = write!(
-            text,
-            "const slots = {SLOTS}; // the most that one readout can deliver\n\n"
-        );
+        text += &self.readout.head();
+        text.push('\n');
         let list = |registers: &[Analog]| registers.iter().map(name).collect::<Vec<_>>().join(", ");
         let _ = writeln!(
             text,
@@ -360,10 +391,9 @@ impl Writer<'_> {
             line(&format!("neg({memory}, {drive});"));
         }
         line("all();");
-        line(&format!("scamp5_scan_events(R5, on{number}, slots);"));
-        line(&format!("scamp5_scan_events(R6, off{number}, slots);"));
+        self.readout.write(text, &number, &drive, &scratch);
         if in_bits {
-            line("OR(R5, R6); // where it fired, the memory becomes the drive");
+            text.push_str("    OR(R5, R6); // where it fired, the memory becomes the drive\n");
             self.remember_bits(text, i);
         }
     }

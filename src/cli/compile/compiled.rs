@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{Added, Asked, Compiled, MIDDLE};
+use super::{Added, Asked, Compiled, MIDDLE, readout::Readouts};
 use crate::{
     array::Errors,
     compile::{FilterNoise, Forecast},
@@ -61,6 +61,7 @@ impl Compiled {
             "array_us": cost.array_us,
             "array_us_range": self.array_us(device),
             "host_us": cost.host_us,
+            "readout": self.readouts.as_ref().map(Readouts::json),
             "results_lsb": results.collect::<Vec<_>>(),
             "thresholds_lsb": self.thresholds,
             "saturating_stores": self.saturations,
@@ -137,8 +138,9 @@ impl Compiled {
         line(
             "time",
             format!(
-                "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {:.1} us on the host with all slots: at most {:.0} frames/s, of compute alone {:.0}",
+                "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {:.1} us on the host with {}: at most {:.0} frames/s, of compute alone {:.0}",
                 cost.host_us,
+                self.readouts.as_ref().map_or("all slots", Readouts::words),
                 1e6 / cost.micros(),
                 1e6 / least
             ),
@@ -204,6 +206,10 @@ impl Compiled {
             "search",
             format!("{} states in {seconds:.1} s", self.filter.states),
         );
+        if let Some(readouts) = &self.readouts {
+            text.push('\n');
+            text.push_str(&readouts.table());
+        }
         text.push_str("\nregisters live over the filter's words\n");
         text.push_str(&self.chart(device));
         text

@@ -4,6 +4,7 @@ mod asked;
 mod compiled;
 mod front;
 mod proof;
+mod readout;
 
 use std::time::Instant;
 
@@ -35,7 +36,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 #[command(
-    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp"
+    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp\n  amacrine compile rgc-5x5 --to ternary --threshold 128 --events-per-frame 300 -o rgc.scamp"
 )]
 pub struct Arguments {
     /// Kernels: files (.toml, .npy of shape (k,k) or (K,k,k)) or names of built-in ones
@@ -80,6 +81,21 @@ pub struct Arguments {
         conflicts_with = "filter_only"
     )]
     memory: Remembered,
+    /// How many events the busiest frame is expected to have, all signs and kinds together: the
+    /// readout is chosen for them
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with_all = ["filter_only", "scene"],
+        value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000)
+    )]
+    events_per_frame: Option<u64>,
+    /// A clip, image folder, .npy or pattern, on which the events are counted instead
+    #[arg(long, conflicts_with = "filter_only")]
+    scene: Option<Named>,
+    /// How the events leave the chip
+    #[arg(long, value_enum, default_value_t, conflicts_with = "filter_only")]
+    readout: readout::Asking,
     /// How the program is written: in the language of programs/, or as C++ for the vendor's tools,
     /// which `asm` and `exec` read as well; an output that ends in .cpp is C++
     #[arg(long = "as", value_enum, default_value_t, value_name = "LANGUAGE")]
@@ -265,6 +281,8 @@ struct Compiled {
     ranged: bool,
     /// What is predicted of each result on the chip.
     forecasts: Vec<Forecast>,
+    /// The ways to read its events; of the filter alone none.
+    readouts: Option<readout::Readouts>,
 }
 
 /// The filter that is asked for, alone.
@@ -339,7 +357,10 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         },
         scale: program.scale,
     };
-    let mut compiled = proof.compiled(program.text, program.filter, false)?;
+    let (readout, readouts) = readout::planned(arguments, asked, &program, &kinds, device)?;
+    let text = program.text_with(&kinds, &asked.title, device, readout);
+    let mut compiled = proof.compiled(text, program.filter, false)?;
+    compiled.readouts = Some(readouts);
     let light = Signal::from_range((0.0, (254.0 * device.value(Figure::LightScale)).min(127.0)));
     let registers = (compiled.results_in[0], &compiled.results_in[..]);
     compiled.forecasts = compiled

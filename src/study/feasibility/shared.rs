@@ -4,7 +4,6 @@
 use super::{
     Estimate, Feasibility, FeasibilityError, Question,
     chip::registers,
-    readout::Busy,
     runs::MEMORY,
     time::{self, Time},
 };
@@ -16,7 +15,7 @@ use crate::{
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser},
     number::Format,
-    program::stored,
+    program::{readout::Demand, stored},
     rig,
     scene::{Frame, Scene},
     sensor::Sensor,
@@ -186,7 +185,7 @@ fn judge(
     kinds: &mut [SharedKind],
     scene: &mut dyn Scene,
     seen: &mut dyn FnMut(&Frame),
-) -> Result<Busy, FeasibilityError> {
+) -> Result<Demand, FeasibilityError> {
     let (size, fps) = (scene.size(), scene.fps());
     let mut floats = Vec::new();
     for question in questions {
@@ -212,7 +211,7 @@ fn judge(
         seen(frame);
     })?;
     let (floats, chips) = packets.split_at(packets.len().saturating_sub(2));
-    let mut busiest = Busy::default();
+    let mut busiest = Demand::default();
     let each = floats.len() / questions.len().max(1);
     for (i, (kind, floats)) in kinds.iter_mut().zip(floats.chunks(each.max(1))).enumerate() {
         let [truth, rungs @ ..] = floats else {
@@ -227,7 +226,7 @@ fn judge(
         if let Some((packet, likeness)) = judged.next().transpose()? {
             kind.headline = Some(likeness.into());
             kind.silicon = Some(likeness);
-            let busy = Busy::new(&packet, frames);
+            let busy = Demand::new(&packet, frames);
             if busy.busiest() >= busiest.busiest() {
                 busiest = busy;
             }
