@@ -20,6 +20,7 @@
 
 mod allocate;
 mod beam;
+pub mod bound;
 mod border_safe;
 mod digit;
 mod error;
@@ -32,6 +33,7 @@ mod naive_cost;
 mod noise;
 mod plan;
 mod plan_builder;
+mod register_levels;
 mod request;
 mod route;
 mod scale;

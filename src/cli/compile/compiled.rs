@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{Added, Asked, Compiled, MIDDLE, readout::Readouts};
+use super::{Added, Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
 use crate::{
     array::Errors,
-    compile::{FilterNoise, Forecast},
+    compile::{FilterNoise, Forecast, bound::LowerBound},
     isa::{Analog, Device, Figure},
     kernel::Kernel,
     plane::Plane,
@@ -55,6 +55,7 @@ impl Compiled {
             "quantised_scales": asked.scales,
             "warnings": asked.warnings,
             "prescale_bits": self.filter.prescale,
+            "bounds": self.bounds(asked).map(|bounds| bounds.json()),
             "filter_words": self.filter.words.len(),
             "snake_words": self.snake,
             "border": self.filter.border,
@@ -106,6 +107,17 @@ impl Compiled {
         time::array_us(frame, device).unwrap_or([Cost::of(frame, device).array_us; 2])
     }
 
+    /// Between which numbers the fewest words lie; none where the input is halved, as the bounds are
+    /// of the kernels themselves.
+    fn bounds(&self, asked: &Asked) -> Option<Bounds> {
+        let lower = || LowerBound::new(&asked.kernels);
+        (self.filter.prescale == 0).then(|| Bounds {
+            lower: lower(),
+            upper: self.filter.words.len(),
+            kernels: asked.kernels.len(),
+        })
+    }
+
     /// Microjoules that the words of a frame take: a word takes what it takes at the full rate.
     fn energy_uj(&self, device: &Device) -> f64 {
         let [least, _] = self.array_us(device);
@@ -128,6 +140,9 @@ impl Compiled {
                 self.snake
             ),
         );
+        if let Some(bounds) = self.bounds(asked) {
+            line("bound", bounds.words());
+        }
         let kept = stored(&self.expansion.code.init, device).0
             + stored(&self.expansion.code.frame, device).0;
         line(

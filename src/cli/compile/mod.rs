@@ -1,6 +1,7 @@
 //! `amacrine compile`: kernels to a program, and the proof.
 
 mod asked;
+mod bounds;
 mod compiled;
 mod front;
 mod proof;

@@ -5,10 +5,12 @@ use serde_json::json;
 
 use miette::miette;
 
-use super::{Arguments, Asked};
+use super::{
+    super::{budget, readout_table},
+    Arguments, Asked,
+};
 use crate::{
     array::Arithmetic,
-    cli::{budget, readout_table},
     compile::{CellKind, EventReadout, SensorProgram},
     event::Packet,
     isa::{Device, Figure},
