@@ -72,11 +72,18 @@ fn main() -> Outcome<()> {
         writeln!(file, "{}", row.line(class))?;
         rows.insert(class, row);
         if rows.len() % 100 == 0 {
-            eprintln!("{} classes, {:.0} s", rows.len(), began.elapsed().as_secs_f64());
+            eprintln!(
+                "{} classes, {:.0} s",
+                rows.len(),
+                began.elapsed().as_secs_f64()
+            );
         }
     }
     if rows.len() == classes().count() {
-        let all: String = rows.iter().map(|(class, row)| row.line(*class) + "\n").collect();
+        let all: String = rows
+            .iter()
+            .map(|(class, row)| row.line(*class) + "\n")
+            .collect();
         fs::write(CSV, format!("{HEAD}\n{all}"))?;
         fs::write(PAGE, page(&rows))?;
     }
@@ -170,7 +177,11 @@ fn picture(class: u16) -> String {
 }
 
 fn taps(class: u16) -> usize {
-    weights(class).iter().flatten().filter(|it| **it != 0).count()
+    weights(class)
+        .iter()
+        .flatten()
+        .filter(|it| **it != 0)
+        .count()
 }
 
 /// Shares of some numbers: the least, the median, the most.
@@ -206,7 +217,12 @@ fn page(rows: &BTreeMap<u16, Row>) -> String {
     for (words, own) in &of_words {
         let proved = own.iter().filter(|row| optimal(row)).count();
         let all = own.iter().map(|row| row.shortest.1).collect();
-        let _ = writeln!(text, "| {words} | {} | {proved} | {} |", own.len(), spread(all));
+        let _ = writeln!(
+            text,
+            "| {words} | {} | {proved} | {} |",
+            own.len(),
+            spread(all)
+        );
     }
     text += "\n## By taps\n\n| taps | classes | words, least to most | correlation, median | words for the silicon | correlation, median |\n|---|---|---|---|---|---|\n";
     let median = |mut all: Vec<f64>| {

@@ -33,8 +33,7 @@ use super::{
     quantiser::Total,
     quoted::quoted,
     readout::Choice,
-    readout_table,
-    waterfall,
+    readout_table, waterfall,
     window::Window,
 };
 

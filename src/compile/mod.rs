@@ -20,8 +20,8 @@
 
 mod allocate;
 mod beam;
-pub mod bound;
 mod border_safe;
+pub mod bound;
 mod digit;
 mod error;
 mod event_readout;

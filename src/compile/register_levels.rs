@@ -51,7 +51,10 @@ impl Request<'_> {
         let mut states = 0;
         let mut failed = None;
         for count in levels {
-            let better = |new: &Filter| best.as_ref().is_none_or(|old| self.key(new) < self.key(old));
+            let better = |new: &Filter| {
+                best.as_ref()
+                    .is_none_or(|old| self.key(new) < self.key(old))
+            };
             // Where fewer do not suffice, the first that do have the whole effort.
             let effort = match &best {
                 None if count > USUAL => self.effort,
@@ -67,7 +70,8 @@ impl Request<'_> {
                 Err(error) if failed.is_none() || count == all.len() => failed = Some(error),
                 Err(_) => {}
             }
-            if self.objective == Objective::Words && best.as_ref().is_some_and(|it| self.is_least(it))
+            if self.objective == Objective::Words
+                && best.as_ref().is_some_and(|it| self.is_least(it))
             {
                 break;
             }

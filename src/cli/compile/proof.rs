@@ -39,7 +39,8 @@ impl Proof<'_> {
             } else {
                 // A count overwrites a scratch with what depends on the place; the results, which
                 // stay as they are from the filter on, are read before it.
-                let counts = |step: &Step| matches!(step.action, Action::Host(Host::GlobalCount { .. }));
+                let counts =
+                    |step: &Step| matches!(step.action, Action::Host(Host::GlobalCount { .. }));
                 let end = steps.iter().position(counts).unwrap_or(steps.len());
                 let taps = taps::read(&steps[..end], self.device, settings, *register)
                     .wrap_err("the program cannot be read back")?;

@@ -72,8 +72,8 @@ pub(super) fn planned(
 ) -> miette::Result<(EventReadout, Readouts)> {
     let parsed = Program::parse("compiled", &program.text)?;
     let code = parsed.expand(device, &Overrides::default())?.code;
-    let array_us = time::array_us(&code.frame, device)
-        .unwrap_or([Cost::of(&code.frame, device).array_us; 2]);
+    let array_us =
+        time::array_us(&code.frame, device).unwrap_or([Cost::of(&code.frame, device).array_us; 2]);
     let mut not_known = vec![LINK];
     let mut rows = device.value(Figure::Height) as usize;
     let (demand, basis) = if let Some(events) = arguments.events_per_frame {

@@ -220,7 +220,13 @@ impl Reading {
             own.map(|part| (part.sum[0], usize::from(part.size), part.members))
                 .collect()
         };
-        let all = (0..=unread).map(|need| if need & !unread == 0 { of(need) } else { Vec::new() });
+        let all = (0..=unread).map(|need| {
+            if need & !unread == 0 {
+                of(need)
+            } else {
+                Vec::new()
+            }
+        });
         Self { all: all.collect() }
     }
 

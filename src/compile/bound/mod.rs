@@ -159,7 +159,9 @@ pub fn classes() -> impl Iterator<Item = u16> {
 fn symmetric(fewest: &[Option<u8>]) -> Vec<Option<u8>> {
     let of = |code: u16| {
         let own = orbit(code);
-        own.iter().filter_map(|code| fewest[usize::from(*code)]).min()
+        own.iter()
+            .filter_map(|code| fewest[usize::from(*code)])
+            .min()
     };
     (0..TERNARY as u16).map(of).collect()
 }

@@ -41,7 +41,10 @@ impl Plan {
 /// Index of the cheapest of the plans that lose nothing, by its longest time.
 #[must_use]
 pub fn choose(plans: &[Plan]) -> Option<usize> {
-    let lossless = plans.iter().enumerate().filter(|(_, it)| it.loses_nothing());
+    let lossless = plans
+        .iter()
+        .enumerate()
+        .filter(|(_, it)| it.loses_nothing());
     lossless
         .min_by(|(_, a), (_, b)| a.us[1].total_cmp(&b.us[1]))
         .map(|(at, _)| at)

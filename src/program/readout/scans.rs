@@ -35,7 +35,12 @@ impl Scans {
     }
 
     /// The cheapest readout that loses nothing, of a chip with these times of a slot, a row …
-    pub fn cheapest(&self, demand: &Demand, item: impl Fn(HostKind) -> f64, device: &Device) -> f64 {
+    pub fn cheapest(
+        &self,
+        demand: &Demand,
+        item: impl Fn(HostKind) -> f64,
+        device: &Device,
+    ) -> f64 {
         let ways = [Way::BusiestFrame, Way::BitPlanes, Way::Region];
         let plans = ways.into_iter().filter_map(|way| {
             let plan = self.plan(way, Some(demand), device)?;

@@ -8,12 +8,7 @@
 //! The tornado turns one number at a time: the chip of the seed with this number at the low and
 //! at the high end of its interval, all others at their values.
 
-use super::{
-    FeasibilityError, Question,
-    draw::Drawn,
-    named::Named,
-    time::Words,
-};
+use super::{FeasibilityError, Question, draw::Drawn, named::Named, time::Words};
 use crate::{
     array::{Arithmetic, Array},
     compare::CompareError,
