@@ -205,6 +205,31 @@ fn kinds_with_memories_in_bits_are_read_as_bits() {
     );
 }
 
+/// A kernel far below one LSB leaves nothing; in whole numbers it does.
+#[test]
+fn what_leaves_nothing_names_what_works() {
+    let folder = TempDir::new().unwrap();
+    let faint = "name = \"faint\"\nweights = [[0.000244140625, 0, -0.000244140625]]\n";
+    fs::write(folder.path().join("faint.toml"), faint).unwrap();
+    let compile = [
+        "compile",
+        "faint.toml",
+        "--filter-only",
+        "--input",
+        "0..1",
+        "--effort",
+        "0.02",
+    ];
+    let words = ["nothing of the kernel", "the nearest that works: --to "];
+    let said = refused(folder.path(), &compile, &words);
+    let name = said.split("--to ").nth(1).unwrap();
+    let name = name.split(',').next().unwrap();
+    let mut again = compile.to_vec();
+    again.extend(["--to", name]);
+    let worst = &json(folder.path(), &again)["predicted"][0]["correlation"];
+    assert!(worst.as_f64().unwrap() > 0.1, "{worst}");
+}
+
 /// The bounds of a filter: proved, or between two numbers.
 #[test]
 fn the_fewest_words_are_bounded() {

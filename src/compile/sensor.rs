@@ -314,7 +314,8 @@ impl Writer<'_> {
             "//!\n//! # Compiled. The light is halved {} times on the way, so that no sum leaves the range; the\n//! # filter is {reach}. The memory is the drive at the last event (filtered-snap).",
             self.filter.prescale,
         );
-        if let [kind] = self.kinds {
+        // A count writes to a register what depends on the place, so that no frame is read back.
+        if let ([kind], false) = (self.kinds, self.readout == EventReadout::Counts) {
             text += "//! [computes]\n//! kernel = [\n";
             for row in kind.kernel.weights().rows() {
                 let _ = writeln!(text, "//!     {:?},", row.to_vec());

@@ -6,6 +6,7 @@ use miette::miette;
 
 use super::{super::complain, Arguments, Asked};
 use crate::{
+    kernel::quantise::Quantiser,
     photoreceptor::Curve,
     reference::{Border, MemoryRule},
     rig::guard::{Guard, Warning},
@@ -13,6 +14,11 @@ use crate::{
 
 impl Asked {
     pub(super) fn read(arguments: &Arguments) -> miette::Result<Self> {
+        Self::as_given(arguments)?.prepared(arguments.to.0, arguments)
+    }
+
+    /// The kernels and thresholds as they are, before they are brought to few values.
+    pub(super) fn as_given(arguments: &Arguments) -> miette::Result<Self> {
         if let Some(path) = &arguments.sensor {
             return Self::of_sensor(path, arguments);
         }
@@ -36,7 +42,7 @@ impl Asked {
                 "the threshold is {threshold}"
             ));
         }
-        Self {
+        Ok(Self {
             thresholds: vec![(threshold, threshold); kernels.len()],
             scales: vec![1.0; kernels.len()],
             kernels,
@@ -51,8 +57,7 @@ impl Asked {
                     .collect::<Vec<_>>()
                     .join(", ")
             ),
-        }
-        .prepared(arguments)
+        })
     }
 
     pub(super) fn of_sensor(path: &Path, arguments: &Arguments) -> miette::Result<Self> {
@@ -96,21 +101,24 @@ impl Asked {
             let note = "replicates the border; off the array the chip sees 0";
             complain(&format!("note: {shown} {note}\n"));
         }
-        Self {
+        Ok(Self {
             scales: vec![1.0; kernels.len()],
             kernels,
             warnings: Vec::new(),
             stacked: true,
             thresholds,
             title: description.name,
-        }
-        .prepared(arguments)
+        })
     }
 
     /// With the weights that the program will have; the scale of each kernel goes into its
     /// thresholds.
-    pub(super) fn prepared(mut self, arguments: &Arguments) -> miette::Result<Self> {
-        let Some(to) = arguments.to.0 else {
+    pub(super) fn prepared(
+        mut self,
+        to: Option<Quantiser>,
+        arguments: &Arguments,
+    ) -> miette::Result<Self> {
+        let Some(to) = to else {
             return Ok(self);
         };
         let mut guard = Guard::new();

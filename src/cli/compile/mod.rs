@@ -4,6 +4,7 @@ mod asked;
 mod bounds;
 mod compiled;
 mod front;
+mod nearest;
 mod proof;
 mod readout;
 
@@ -175,11 +176,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.front {
         return front::print(arguments, &asked, &device);
     }
-    let mut compiled = if arguments.filter_only {
-        filter_only(arguments, &asked, &device)?
-    } else {
-        whole(arguments, &asked, &device)?
-    };
+    let mut compiled = compiled(arguments, &asked, &device)
+        .map_err(|refused| nearest::named(refused, arguments, &device))?;
     if arguments.is_cpp() {
         let program = Program::parse("compiled", &compiled.text)?;
         compiled.text = cpp(&program, &device)?;
@@ -284,6 +282,15 @@ struct Compiled {
     forecasts: Vec<Forecast>,
     /// The ways to read its events; of the filter alone none.
     readouts: Option<readout::Readouts>,
+}
+
+/// The filter alone, or the whole program.
+fn compiled(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+    if arguments.filter_only {
+        filter_only(arguments, asked, device)
+    } else {
+        whole(arguments, asked, device)
+    }
 }
 
 /// The filter that is asked for, alone.

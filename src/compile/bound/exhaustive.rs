@@ -279,7 +279,7 @@ impl Last {
             }
             // In NEWS; halved also in a register beside it.
             let others = kept.that_read(need);
-            if others.is_empty() {
+            if others.is_empty() || !state.is_of_registers(first) {
                 continue;
             }
             let mut each = |patterns: &[Pattern], stored: u64| {

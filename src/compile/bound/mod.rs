@@ -2,11 +2,11 @@
 //!
 //! A program here is one of the words that the compiler uses: a bus of up to four sources that
 //! stores in a register or in NEWS of the pixel or of a neighbour, or one of up to two that stores
-//! halves of the sum in two registers, or in a register and in NEWS. Registers are as many as it
-//! likes, so that a bound holds for every chip.
+//! halves of the sum in two registers, or in a register and in NEWS. None stores in NEWS where it
+//! reads NEWS. Registers are as many as it likes, so that a bound holds for every chip.
 //!
-//! Two bounds are taken together. Any kernel: in n words a value comes at most 2n - 2 pixels far (a
-//! word reads a neighbour's NEWS and stores in a neighbour's), and holds at most 4^n inputs.
+//! Two bounds are taken together. Any kernel: two words move a value by at most two pixels (one
+//! stores in a neighbour's NEWS, one reads a neighbour's), and n words sum at most 4^n inputs.
 //! Ternary 3x3 kernels: an [exhaustive search](exhaustive) of all programs of up to
 //! [`PROVED`] words, whose result is a table, `ternary.csv`; whatever is not in it takes more.
 
@@ -82,10 +82,7 @@ fn reach(kernel: &Kernel) -> u8 {
     let weights = kernel.weights();
     let taps = weights.indexed_iter().filter(|(_, weight)| **weight != 0.0);
     let far = taps.map(|((y, x), _)| y.abs_diff(rows) + x.abs_diff(columns));
-    let far = match far.max().unwrap_or(0) {
-        0 => 0,
-        far => far.div_ceil(2) + 1,
-    };
+    let far = 2 * far.max().unwrap_or(0).div_ceil(2);
     let size: f64 = weights.iter().map(|weight| weight.abs()).sum();
     let many = (0..64).find(|words| size <= 4f64.powi(*words));
     // Kernels have at most some hundred weights.
@@ -220,7 +217,7 @@ mod tests {
     fn what_is_far_or_heavy_takes_words() {
         let wide = Kernel::from_rows(&[vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]).unwrap();
         let bound = LowerBound::new(&[wide]);
-        assert_eq!((bound.words, bound.proof), (3, Proof::Reach));
+        assert_eq!((bound.words, bound.proof), (4, Proof::Reach));
         let heavy = Kernel::from_rows(&[vec![65.0]]).unwrap();
         assert_eq!(LowerBound::new(&[heavy]).words, 4);
         let identity = Kernel::from_rows(&[vec![1.0]]).unwrap();

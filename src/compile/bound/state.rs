@@ -104,6 +104,12 @@ impl State {
         all
     }
 
+    /// Whether a set of the sources has no NEWS cell, so that the word may store in NEWS: none stores
+    /// where it reads.
+    pub(super) fn is_of_registers(&self, part: &Subset) -> bool {
+        part.members >> self.registers.len() == 0
+    }
+
     /// Gives every state that one more word leads to.
     pub(super) fn expand(&self, see: &mut dyn FnMut(Self)) {
         for read in Self::subsets(&self.sources(), SOURCES) {
@@ -111,8 +117,9 @@ impl State {
                 continue;
             }
             let whole = map(&read.sum, |_, value| negate(value));
+            let from_registers = self.is_of_registers(&read);
             self.store(&read, Some(whole), None, 1, see);
-            for step in 0..5 {
+            for step in (0..5).filter(|_| from_registers) {
                 self.store(&read, None, Some(shifted(&whole, step)), 1, see);
             }
             if usize::from(read.size) > SOURCES_SPLIT {
@@ -120,7 +127,7 @@ impl State {
             }
             let half = map(&whole, |_, value| multiply(value, HALF));
             self.store(&read, Some(half), None, 2, see);
-            for step in 0..5 {
+            for step in (0..5).filter(|_| from_registers) {
                 self.store(&read, Some(half), Some(shifted(&half, step)), 1, see);
             }
         }
