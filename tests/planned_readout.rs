@@ -242,7 +242,7 @@ fn the_fewest_words_are_bounded() {
         .unwrap();
     };
     rows("box.toml", "[[1, 1, 1], [1, 1, 1], [1, 1, 1]]");
-    rows("odd.toml", "[[1, -1, 1], [-1, 1, 1], [0, 1, -1]]");
+    rows("odd.toml", "[[1, -2, 1], [-1, 1, 1], [0, 1, -1]]");
     let found = |kernel: &str| {
         let compile = [
             "compile",

@@ -29,6 +29,7 @@ mod filter;
 mod forecast;
 mod goals;
 mod linear_form;
+mod listed;
 mod naive_cost;
 mod noise;
 mod plan;

@@ -227,6 +227,7 @@ impl<'a> Request<'a> {
             seed: self.seed,
             states: effort.states,
             limits,
+            shortest: self.objective == Objective::Words,
         }
     }
 

@@ -8,13 +8,13 @@
 //! one of the 19,683 ternary kernels is one look-up. Forms are numbers of a
 //! [`field`](super::field).
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use rayon::prelude::*;
 
 use super::{
     field::{HALF, STEPS, add, multiply, of_ternary, subtract},
-    state::{SOURCES, SOURCES_SPLIT, State, Subset},
+    state::{CELLS, SOURCES, SOURCES_SPLIT, State, Subset},
 };
 
 /// Ternary 3x3 kernels.
@@ -30,7 +30,12 @@ pub struct Exhausted {
     /// The fewest words of each kernel, by its [code](super::code); none where no program of so
     /// many words makes it.
     pub fewest: Vec<Option<u8>>,
+    /// A shortest program of one of each class, where one was found.
+    pub programs: BTreeMap<u16, String>,
 }
+
+/// Kernels that were found, each with a program.
+type Codes = HashMap<u16, String>;
 
 /// The kernels as numbers of the field.
 struct Goals {
@@ -66,22 +71,37 @@ impl Goals {
 struct Pattern {
     cells: usize,
     factor: u64,
+    /// Where it was stored, and the cells in which it is seen, as a bit mask.
+    to: usize,
+    mask: u8,
+}
+
+impl Pattern {
+    fn written(&self) -> String {
+        let seen = (0..5).filter(|i| self.mask >> i & 1 == 1);
+        seen.map(|i| CELLS[i]).collect()
+    }
 }
 
 /// Every way in which one form in NEWS can be read, each once: the store may put it a step away.
 fn patterns() -> Vec<Pattern> {
     let mut known = HashSet::new();
     let mut all = Vec::new();
-    for to in STEPS[0] {
+    for (to, by) in STEPS[0].into_iter().enumerate() {
         for mask in 1u8..32 {
             let cells = mask.count_ones() as usize;
             if cells > SOURCES {
                 continue;
             }
             let seen = (0..5).filter(|i| mask >> i & 1 == 1);
-            let sum = seen.fold(0, |sum, i| add(sum, multiply(STEPS[0][i], to)));
+            let sum = seen.fold(0, |sum, i| add(sum, multiply(STEPS[0][i], by)));
             if known.insert((cells, sum)) {
-                all.push(Pattern { cells, factor: sum });
+                all.push(Pattern {
+                    cells,
+                    factor: sum,
+                    to,
+                    mask,
+                });
             }
         }
     }
@@ -95,6 +115,7 @@ fn patterns_and_register() -> Vec<Pattern> {
         .map(|pattern| Pattern {
             cells: pattern.cells + 1,
             factor: add(pattern.factor, 1),
+            ..pattern
         })
         .collect()
 }
@@ -116,14 +137,18 @@ pub fn fewest_words(words: u8) -> Exhausted {
         with_register: patterns_and_register(),
     };
     let mut fewest: Vec<Option<u8>> = vec![None; TERNARY];
-    let mut found = |code: u16, words: u8| {
+    let mut programs = BTreeMap::new();
+    let mut found = |code: u16, words: u8, program: String| {
         let old = &mut fewest[usize::from(code)];
-        *old = Some(old.map_or(words, |old| old.min(words)));
+        if old.is_none_or(|old| words < old) {
+            *old = Some(words);
+            programs.entry(super::canonical(code)).or_insert(program);
+        }
     };
     // The input itself, and minus the input.
-    for (number, words) in [(1, 0), (subtract(0, 1), 1)] {
+    for (number, words, program) in [(1, 0, ""), (subtract(0, 1), 1, "r0;")] {
         if let Some(code) = last.goals.find(number) {
-            found(code, words);
+            found(code, words, program.to_owned());
         }
     }
     let mut states = 0;
@@ -138,7 +163,7 @@ pub fn fewest_words(words: u8) -> Exhausted {
                 states += new.iter().map(|list| list.len() as u64).sum::<u64>();
                 let codes = { level.par_iter().zip(&new) }
                     .map(|(parent, new)| {
-                        let mut codes = HashSet::new();
+                        let mut codes = Codes::new();
                         let (mut at, mut next) = (0, new.iter().peekable());
                         parent.expand(&mut |state| {
                             if next.next_if(|own| **own == at).is_some() {
@@ -148,8 +173,8 @@ pub fn fewest_words(words: u8) -> Exhausted {
                         });
                         codes
                     })
-                    .reduce(HashSet::new, joined);
-                codes.into_iter().for_each(|code| found(code, before + 2));
+                    .reduce(Codes::new, joined);
+                sorted(codes).for_each(|(code, program)| found(code, before + 2, program));
                 break;
             }
             let mut known = HashSet::new();
@@ -165,24 +190,53 @@ pub fn fewest_words(words: u8) -> Exhausted {
         }
         states += level.len() as u64;
         let of_state = |state: &State| {
-            let mut codes = HashSet::new();
+            let mut codes = Codes::new();
             last.two(state, &mut codes);
             codes
         };
         let codes = level.par_iter().map(of_state);
-        let codes = codes.reduce(HashSet::new, joined);
-        codes.into_iter().for_each(|code| found(code, before + 2));
+        let codes = codes.reduce(Codes::new, joined);
+        sorted(codes).for_each(|(code, program)| found(code, before + 2, program));
     }
     Exhausted {
         words,
         states,
         fewest: super::symmetric(&fewest),
+        programs,
     }
 }
 
-fn joined(mut a: HashSet<u16>, b: HashSet<u16>) -> HashSet<u16> {
-    a.extend(b);
+fn joined(mut a: Codes, b: Codes) -> Codes {
+    for (code, program) in b {
+        insert(&mut a, code, program);
+    }
     a
+}
+
+fn insert(codes: &mut Codes, code: u16, program: String) {
+    let better = |old: &String| rank(&program) < rank(old);
+    if codes.get(&code).is_none_or(better) {
+        codes.insert(code, program);
+    }
+}
+
+/// Programs that the compiler can write down first, those of few registers first among them.
+fn rank(program: &str) -> (bool, usize, &str) {
+    let twice = |word: &str| {
+        let bytes = word.as_bytes();
+        bytes
+            .windows(2)
+            .any(|pair| pair[0] == pair[1] && pair[0].is_ascii_digit())
+    };
+    let stores = program.chars().filter(|c| "rhb".contains(*c)).count();
+    (program.split(';').any(twice), stores, program)
+}
+
+/// Of kernels of one class the one with the better program first.
+fn sorted(codes: Codes) -> impl Iterator<Item = (u16, String)> {
+    let mut all: Vec<_> = codes.into_iter().collect();
+    all.sort_by(|a, b| rank(&a.1).cmp(&rank(&b.1)).then(a.0.cmp(&b.0)));
+    all.into_iter()
 }
 
 /// For each state the children that no state before it has, by their place among its children.
@@ -237,7 +291,7 @@ impl Reading {
 
 impl Last {
     /// The kernels that two more words make.
-    fn two(&self, state: &State, codes: &mut HashSet<u16>) {
+    fn two(&self, state: &State, codes: &mut Codes) {
         let sources = state.sources();
         let any = State::subsets(&sources, SOURCES);
         let registers = &sources[..state.registers.len()];
@@ -250,11 +304,13 @@ impl Last {
             Reading::new(&some, state.unread),
             Reading::new(&kept, state.unread),
         );
-        let mut see = |number: u64| {
+        let mut see = |number: u64, words: &dyn Fn() -> [String; 2]| {
             if let Some(code) = self.goals.find(number) {
-                codes.insert(code);
+                let [first, second] = words();
+                insert(codes, code, format!("{}{first};{second};", state.program));
             }
         };
+        let next = state.next_value();
         for first in any.iter().filter(|part| part.size > 0) {
             let need = state.unread & !first.reads;
             let sum = first.sum[0];
@@ -262,18 +318,23 @@ impl Last {
             let splits = usize::from(first.size) <= SOURCES_SPLIT;
             // The first word stored in a register, whole or halved. What both read cancels.
             for &(other, size, members) in anywhere.that_read(need) {
+                let words = |from: &str, to: &str| {
+                    let read = state.written(first.members);
+                    let other = state.written(members);
+                    [format!("{from}{read}"), format!("{to}{next}{other}")]
+                };
                 if members & first.members == 0 {
                     let whole = subtract(sum, other);
-                    see(whole);
+                    see(whole, &|| words("r", "r"));
                     if size < SOURCES_SPLIT {
-                        see(multiply(whole, HALF));
+                        see(multiply(whole, HALF), &|| words("r", "h"));
                     }
                 }
                 if splits {
                     let part = subtract(half, other);
-                    see(part);
+                    see(part, &|| words("h", "r"));
                     if size < SOURCES_SPLIT {
-                        see(multiply(part, HALF));
+                        see(multiply(part, HALF), &|| words("h", "h"));
                     }
                 }
             }
@@ -282,25 +343,36 @@ impl Last {
             if others.is_empty() || !state.is_of_registers(first) {
                 continue;
             }
-            let mut each = |patterns: &[Pattern], stored: u64| {
+            let mut each = |patterns: &[Pattern], stored: u64, kind: &str, own: &str| {
                 for pattern in patterns {
                     let seen = multiply(stored, pattern.factor);
-                    for &(other, size, _) in others {
+                    for &(other, size, members) in others {
+                        let words = |to: &str| {
+                            let read = state.written(first.members);
+                            let cells = pattern.written();
+                            let other = state.written(members);
+                            let at = CELLS[pattern.to];
+                            [
+                                format!("{kind}{at}{read}"),
+                                format!("{to}{own}{other}{cells}"),
+                            ]
+                        };
                         if size + pattern.cells > SOURCES {
                             continue;
                         }
                         let result = subtract(seen, other);
-                        see(result);
+                        see(result, &|| words("r"));
                         if size + pattern.cells <= SOURCES_SPLIT {
-                            see(multiply(result, HALF));
+                            see(multiply(result, HALF), &|| words("h"));
                         }
                     }
                 }
             };
-            each(&self.patterns, sum);
+            each(&self.patterns, sum, "n", "");
             if splits {
-                each(&self.patterns, half);
-                each(&self.with_register, half);
+                let own = next.to_string();
+                each(&self.patterns, half, "b", "");
+                each(&self.with_register, half, "b", &own);
             }
         }
     }

@@ -19,10 +19,16 @@ pub use exhaustive::{Exhausted, TERNARY, fewest_words};
 use crate::kernel::Kernel;
 
 /// The exhaustive search has tried all programs of up to so many words.
-pub const PROVED: u8 = 4;
+pub const PROVED: u8 = 5;
 
-/// The kernels that it has found, one of those that differ by a turn or a mirror, and their fewest
-/// words.
+/// The kernels that it has found, one of those that differ by a turn or a mirror: the fewest words
+/// and a program of so many.
+///
+/// A program is its words, each ended by a semicolon: `r` stores in a register, `h` half of the sum
+/// in one, `n` in NEWS and `b` halves in both, after these two the cell in which it is seen; then
+/// what is read, a digit for the value of a register (0 the input, the others in the order of their
+/// stores), `.nesw` for the pixel's own NEWS cell and its neighbours'. It makes the kernel turned or
+/// mirrored.
 const TABLE: &str = include_str!("ternary.csv");
 
 /// Why no program is shorter.
@@ -120,7 +126,7 @@ pub fn weights(code: u16) -> [[i8; 3]; 3] {
 }
 
 /// The kernels that differ from this one by a turn or a mirror, itself among them.
-fn orbit(code: u16) -> [u16; 8] {
+pub(super) fn orbit(code: u16) -> [u16; 8] {
     let own = weights(code);
     std::array::from_fn(|g| {
         let mut code = 0;
@@ -163,22 +169,43 @@ fn symmetric(fewest: &[Option<u8>]) -> Vec<Option<u8>> {
     (0..TERNARY as u16).map(of).collect()
 }
 
-/// The fewest words of a class, where it is in the table.
-fn listed(canonical: u16) -> Option<u8> {
-    TABLE.lines().skip(1).find_map(|line| {
-        let (code, words) = line.split_once(',')?;
-        (code.parse() == Ok(canonical)).then(|| words.parse().ok())?
+/// The rows of the table: the class, its fewest words, and a program.
+fn rows() -> impl Iterator<Item = (u16, u8, &'static str)> {
+    TABLE.lines().skip(1).filter_map(|line| {
+        let (code, rest) = line.split_once(',')?;
+        let (words, program) = rest.split_once(',')?;
+        Some((code.parse().ok()?, words.parse().ok()?, program))
     })
 }
 
-/// The table of a search, as `ternary.csv` has it.
+/// The fewest words of a class, where it is in the table.
+fn listed(canonical: u16) -> Option<u8> {
+    let mut rows = rows();
+    rows.find(|row| row.0 == canonical).map(|row| row.1)
+}
+
+/// A shortest program of a kernel, turned or mirrored, where it is in the table.
+pub(super) fn program(code: u16) -> Option<&'static str> {
+    let canonical = canonical(code);
+    let mut rows = rows();
+    rows.find(|row| row.0 == canonical).map(|row| row.2)
+}
+
+/// The classes in the table, with their fewest words.
+#[cfg(test)]
+pub(super) fn listed_classes() -> impl Iterator<Item = (u16, u8)> {
+    rows().map(|row| (row.0, row.1))
+}
+
+/// The table of a search, as `ternary.csv` has it; a kernel of zeros is in none.
 #[must_use]
 pub fn table(found: &Exhausted) -> String {
-    let rows = classes().filter_map(|code| {
+    let rows = classes().filter(|code| *code != ZERO).filter_map(|code| {
         let words = found.fewest[usize::from(code)]?;
-        Some(format!("{code},{words}\n"))
+        let program = found.programs.get(&code)?;
+        Some(format!("{code},{words},{program}\n"))
     });
-    let mut text = "class,words\n".to_owned();
+    let mut text = "class,words,program\n".to_owned();
     text.extend(rows);
     text
 }
@@ -210,6 +237,87 @@ mod tests {
         for code in classes().filter(|code| *code != ZERO) {
             let table = listed(code).filter(|words| *words <= 3);
             assert_eq!(found.fewest[usize::from(code)], table, "{code}");
+        }
+    }
+
+    /// Every program of two and of three words, one by one, its forms as they are.
+    mod one_by_one {
+        use super::super::{super::linear_form::LinearForm, *};
+        use crate::compile::linear_form::NEWS_CELLS;
+
+        /// Values in registers, and what NEWS holds.
+        pub type Held = (Vec<LinearForm>, Option<LinearForm>);
+
+        pub fn expand((registers, news): &Held, see: &mut dyn FnMut(Held, bool)) {
+            let seen = |cell| news.iter().map(move |news: &LinearForm| news.shifted(cell));
+            let cells = NEWS_CELLS.into_iter().flat_map(seen);
+            let sources: Vec<LinearForm> = registers.iter().cloned().chain(cells).collect();
+            for mask in 1u32..1 << sources.len() {
+                if mask.count_ones() > 4 {
+                    continue;
+                }
+                let own = { 0..sources.len() }.filter(|i| mask >> i & 1 == 1);
+                let none = LinearForm::default();
+                let sum = own.fold(none, |sum, i| sum.plus(&sources[i], 1));
+                let may_store = mask >> registers.len() == 0;
+                let with = |more: &[&LinearForm]| {
+                    let more = more.iter().map(|form| (*form).clone());
+                    registers.iter().cloned().chain(more).collect::<Vec<_>>()
+                };
+                let whole = sum.times(-1);
+                see((with(&[&whole]), news.clone()), true);
+                for cell in NEWS_CELLS.into_iter().filter(|_| may_store) {
+                    see((with(&[]), Some(whole.shifted(cell))), false);
+                }
+                let Some(half) = whole.half().filter(|_| mask.count_ones() <= 2) else {
+                    continue;
+                };
+                see((with(&[&half, &half]), news.clone()), true);
+                for cell in NEWS_CELLS.into_iter().filter(|_| may_store) {
+                    see((with(&[&half]), Some(half.shifted(cell))), true);
+                }
+            }
+        }
+
+        pub fn code(form: &LinearForm, unit: i64) -> Option<u16> {
+            let mut code = ZERO;
+            for tap in form.taps() {
+                let is_near = tap.y.abs() < 2 && tap.x.abs() < 2;
+                let at = (3 * (tap.y + 1) + tap.x + 1) as u32;
+                match tap.weight {
+                    weight if is_near && weight == unit => code += 3u16.pow(at),
+                    weight if is_near && weight == -unit => code -= 3u16.pow(at),
+                    _ => return None,
+                }
+            }
+            Some(code)
+        }
+    }
+
+    /// The search, which looks at no program alone, against one that looks at each.
+    #[test]
+    fn the_search_finds_what_all_programs_of_three_words_make() {
+        use super::super::linear_form::LinearForm;
+        let unit = 8;
+        let mut made = std::collections::BTreeSet::new();
+        let start = (vec![LinearForm::unit(unit)], None);
+        one_by_one::expand(&start, &mut |first, _| {
+            one_by_one::expand(&first, &mut |second, _| {
+                one_by_one::expand(&second, &mut |(registers, _), in_register| {
+                    let last = registers.last().filter(|_| in_register);
+                    made.extend(last.and_then(|form| one_by_one::code(form, unit)));
+                });
+            });
+        });
+        let made: std::collections::BTreeSet<u16> = made.into_iter().map(canonical).collect();
+        let found = fewest_words(3);
+        for code in classes().filter(|code| *code != ZERO) {
+            // Of 0, 1 and 2 words there are programs of 3 as well, or none that matters.
+            match found.fewest[usize::from(code)] {
+                Some(3) => assert!(made.contains(&code), "{code} is not made"),
+                Some(_) => {}
+                None => assert!(!made.contains(&code), "{code} is made"),
+            }
         }
     }
 

@@ -28,7 +28,12 @@ pub(super) struct State {
     pub(super) unread: u8,
     /// Words so far.
     pub(super) words: u8,
+    /// The words, as the [table](super) has them.
+    pub(super) program: String,
 }
+
+/// The five NEWS cells as they are written: the pixel's own, then its neighbours'.
+pub(super) const CELLS: [char; 5] = ['.', 'n', 'e', 's', 'w'];
 
 /// Some of the sources, at most [`SOURCES`].
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +75,31 @@ impl State {
             news: None,
             unread: 0,
             words: 0,
+            program: String::new(),
         }
+    }
+
+    /// A set of the sources as it is written: the number of each value, counted over the words that
+    /// stored in a register, and a letter for each NEWS cell.
+    pub(super) fn written(&self, members: u32) -> String {
+        let mut text = String::new();
+        let mut number = 0;
+        for (i, held) in self.registers.iter().enumerate() {
+            number += usize::from(i > 0 && self.registers[i - 1].word != held.word);
+            if members >> i & 1 == 1 {
+                text += &number.to_string();
+            }
+        }
+        let cells = members >> self.registers.len();
+        text.extend((0..5).filter(|i| cells >> i & 1 == 1).map(|i| CELLS[i]));
+        text
+    }
+
+    /// The number that the next value in a register will have.
+    pub(super) fn next_value(&self) -> usize {
+        let mut words: Vec<u8> = self.registers.iter().map(|held| held.word).collect();
+        words.dedup();
+        words.len()
     }
 
     /// Everything that a word can read: the registers, then the five NEWS cells.
@@ -118,38 +147,42 @@ impl State {
             }
             let whole = map(&read.sum, |_, value| negate(value));
             let from_registers = self.is_of_registers(&read);
-            self.store(&read, Some(whole), None, 1, see);
+            self.store(&read, (Some(whole), None), "r", see);
             for step in (0..5).filter(|_| from_registers) {
-                self.store(&read, None, Some(shifted(&whole, step)), 1, see);
+                let to = format!("n{}", CELLS[step]);
+                self.store(&read, (None, Some(shifted(&whole, step))), &to, see);
             }
             if usize::from(read.size) > SOURCES_SPLIT {
                 continue;
             }
             let half = map(&whole, |_, value| multiply(value, HALF));
-            self.store(&read, Some(half), None, 2, see);
+            self.store(&read, (Some(half), None), "h", see);
             for step in (0..5).filter(|_| from_registers) {
-                self.store(&read, Some(half), Some(shifted(&half, step)), 1, see);
+                let to = format!("b{}", CELLS[step]);
+                self.store(&read, (Some(half), Some(shifted(&half, step))), &to, see);
             }
         }
     }
 
-    /// The state after a word that has read these sources.
+    /// The state after a word that has read these sources and stored this in a register (twice if
+    /// it is a half without NEWS) and in NEWS.
     fn store(
         &self,
         read: &Subset,
-        register: Option<Form>,
-        news: Option<Form>,
-        copies: usize,
+        (register, news): (Option<Form>, Option<Form>),
+        to: &str,
         see: &mut dyn FnMut(Self),
     ) {
         let word = self.words + 1;
         let mut next = Self {
             words: word,
+            program: format!("{}{to}{};", self.program, self.written(read.members)),
             unread: (self.unread & !read.reads) | 1 << word,
             ..self.clone()
         };
         if let Some(form) = register {
             let held = Held { form, word };
+            let copies = if to == "h" { 2 } else { 1 };
             next.registers.extend(std::iter::repeat_n(held, copies));
         }
         if let Some(form) = news {
