@@ -20,7 +20,7 @@ impl Asked {
     /// The kernels and thresholds as they are, before they are brought to few values.
     pub(super) fn as_given(arguments: &Arguments) -> miette::Result<Self> {
         if let Some(path) = &arguments.sensor {
-            return Self::of_sensor(path, arguments);
+            return Self::of_sensor(path);
         }
         let mut kernels = Vec::new();
         let mut stacked = arguments.kernels.len() > 1;
@@ -60,7 +60,7 @@ impl Asked {
         })
     }
 
-    pub(super) fn of_sensor(path: &Path, arguments: &Arguments) -> miette::Result<Self> {
+    pub(super) fn of_sensor(path: &Path) -> miette::Result<Self> {
         let description = super::super::run::read_sensor(path)?;
         let shown = path.display();
         let linear = match description.response.curve {

@@ -33,7 +33,9 @@ pub(super) fn named(refused: Report, arguments: &Arguments, device: &Device) -> 
     }
     match best {
         Some((name, words, correlation)) => miette!(
-            help = "the nearest that works: --to {name}, with a predicted correlation of {correlation:.2} in {words} words; or --objective words, which compiles it as it is",
+            help = format!(
+                "the nearest that works: --to {name}, with a predicted correlation of {correlation:.2} in {words} words; or --objective words, which compiles it as it is"
+            ),
             "{refused}"
         ),
         None => refused,
