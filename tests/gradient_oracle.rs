@@ -45,7 +45,10 @@ fn description(oracle: &mut Oracle) -> Description {
 /// A memory of pixels has no gradient here, and says so.
 fn refused(oracle: &mut Oracle) {
     let said = Model::<f64>::new(description(oracle), Size::new(9, 9), 0).unwrap_err();
-    assert!(said.to_string().contains("its memory holds pixels"), "{said}");
+    assert!(
+        said.to_string().contains("its memory holds pixels"),
+        "{said}"
+    );
 }
 
 /// Compares one file; returns the number of tensors in it.
@@ -144,12 +147,23 @@ fn compare(oracle: &mut Oracle, model: &Model<f64>, gradient: &Gradient<f64>) ->
     held(oracle, "grad_current_kernel_weight", &all, 1e-6);
     held(oracle, "grad_current_kernel_event_conv_weight", &all, 1e-6);
     // Its multipliers are single.
-    held(oracle, "grad_multiplier_curr", &channels[0].gains[..1], 1e-6);
+    held(
+        oracle,
+        "grad_multiplier_curr",
+        &channels[0].gains[..1],
+        1e-6,
+    );
     held(oracle, "grad_multiplier_mem", &channels[0].gains[1..], 1e-6);
     if oracle.has("grad_p_pos") {
         // A threshold is a nominal one, the same for all, times a place of the pattern.
         for (key, nominal, side) in [("pos", 0.05, 0), ("neg", 0.07, 1)] {
-            let own = |k: usize| if side == 0 { &channels[k].on } else { &channels[k].off };
+            let own = |k: usize| {
+                if side == 0 {
+                    &channels[k].on
+                } else {
+                    &channels[k].off
+                }
+            };
             let thresholds = &model.description().channels;
             let place = |k: usize, i: usize| {
                 let threshold = thresholds[k].thresholds[i];
@@ -161,7 +175,12 @@ fn compare(oracle: &mut Oracle, model: &Model<f64>, gradient: &Gradient<f64>) ->
             let by_place: Vec<f64> = (0..channels.len())
                 .flat_map(|k| own(k).iter().map(|g| g * nominal))
                 .collect();
-            held(oracle, &format!("grad_{key}_thres_nominal"), &by_nominal, 1e-6);
+            held(
+                oracle,
+                &format!("grad_{key}_thres_nominal"),
+                &by_nominal,
+                1e-6,
+            );
             held(oracle, &format!("grad_p_{key}"), &by_place, 1e-6);
         }
     }
@@ -178,8 +197,18 @@ fn compare(oracle: &mut Oracle, model: &Model<f64>, gradient: &Gradient<f64>) ->
         });
         let own = gaussian_gradients(&parts, &channels[0].kernels[0]).unwrap();
         for (i, sign) in [(0, 1.0), (1, -1.0)] {
-            held(oracle, &format!("grad_sigma_{}", i + 1), &[own[i].sigma], 1e-6);
-            held(oracle, &format!("grad_amp_{}", i + 1), &[sign * own[i].gain], 1e-6);
+            held(
+                oracle,
+                &format!("grad_sigma_{}", i + 1),
+                &[own[i].sigma],
+                1e-6,
+            );
+            held(
+                oracle,
+                &format!("grad_amp_{}", i + 1),
+                &[sign * own[i].gain],
+                1e-6,
+            );
         }
     }
     assert!(tensors > 0, "{}: no gradient was compared", oracle.name);

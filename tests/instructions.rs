@@ -106,10 +106,7 @@ fn drawn(device: &Device, sample: &Sample<'_>) -> RgbImage {
     chip.run_frame(Micros(0), &mut packet).unwrap();
     let behind = column(&chip, &effect.writes);
     let names: Vec<String> = cells.iter().map(|cell| cell.name(device)).collect();
-    let columns = [
-        ("before".to_owned(), before),
-        ("after".to_owned(), behind),
-    ];
+    let columns = [("before".to_owned(), before), ("after".to_owned(), behind)];
     strip(&sample.call, &names, &columns).unwrap()
 }
 

@@ -10,6 +10,7 @@ use amacrine::{
     },
     isa::Device,
     kernel::Kernel,
+    rng::Hash,
 };
 use filters::{correlations, filters};
 
@@ -145,6 +146,40 @@ fn more_registers_never_cost_words() {
                 "{name}: {many} words, {few} with fewer registers"
             );
         }
+    }
+}
+
+/// Random kernels in 3 to 8 registers: with one more there are no more words. Each count is the
+/// wide chip's, the others kept.
+#[test]
+fn one_register_more_never_costs_words() {
+    let wide: Device = Device::find("scamp5-wide").unwrap();
+    let registers: Vec<_> = "ABCDEFGHIJKL".chars().map(String::from).collect();
+    let registers: Vec<_> = { registers.iter() }
+        .map(|name| wide.value_of(name).and_then(|it| it.analog()).unwrap())
+        .collect();
+    for seed in 0..6u64 {
+        let side = if seed % 2 == 0 { 3 } else { 5 };
+        let weight = |at: usize| {
+            let draw = Hash::raw(seed).nth(at as u64).bits() >> 40;
+            f64::from((draw % if seed % 3 == 0 { 3 } else { 15 }) as u32)
+                - if seed % 3 == 0 { 1.0 } else { 7.0 }
+        };
+        let row = |y: usize| (0..side).map(|x| weight(y * side + x)).collect();
+        let rows: Vec<Vec<f64>> = (0..side).map(row).collect();
+        let kernels = [Kernel::from_rows(&rows).unwrap()];
+        let words = |count: usize| {
+            let mut request = Request::new(&kernels, &wide).unwrap();
+            request.effort = Effort { states: 3000 };
+            request.objective = Objective::Words;
+            request.keep = registers[count..].to_vec();
+            request.filter().unwrap().words.len()
+        };
+        let all: Vec<usize> = (3..=8).map(words).collect();
+        assert!(
+            all.is_sorted_by(|few, more| few >= more),
+            "{rows:?}: {all:?}"
+        );
     }
 }
 

@@ -155,6 +155,7 @@ fn read<D: Domain>(
             source,
             first_row,
             last_row,
+            ..
         } => {
             let bits = state.digital(*source);
             let rows = usize::from(*first_row)..(usize::from(*last_row) + 1).min(size.height);

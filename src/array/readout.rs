@@ -4,6 +4,8 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
+use std::ops::RangeInclusive;
+
 use multiversion::multiversion;
 
 use super::BitPlane;
@@ -49,6 +51,19 @@ impl Scan {
         let origin = Address::ORIGIN.at(size);
         scan.ambiguous = origin.is_some_and(|at| bits.get(at.y, at.x) && scan.found.contains(&at));
         scan
+    }
+
+    /// All set pixels of some rows, as the host finds them in whole rows of bits: row by row, each
+    /// from the right. None is missed, and none is ambiguous.
+    #[must_use]
+    pub fn of_rows(bits: &BitPlane, size: Size, rows: RangeInclusive<usize>) -> Self {
+        let rows = *rows.start()..(*rows.end() + 1).min(size.height);
+        let pixels = rows.flat_map(|y| (0..size.width).rev().map(move |x| At { y, x }));
+        Self {
+            found: pixels.filter(|at| bits.get(at.y, at.x)).collect(),
+            missed: 0,
+            ambiguous: false,
+        }
     }
 }
 
@@ -184,6 +199,19 @@ mod tests {
                 assert_eq!(row >> x & 1, column >> y & 1);
             }
         }
+    }
+
+    #[test]
+    fn rows_of_bits_are_found_row_by_row() {
+        let size = Size::new(4, 70);
+        let mut bits = BitPlane::zeros(size);
+        for (y, x) in [(0, 3), (1, 2), (1, 69), (3, 0)] {
+            bits.set(y, x, true);
+        }
+        let scan = Scan::of_rows(&bits, size, 1..=255);
+        let found: Vec<_> = scan.found.iter().map(|at| (at.y, at.x)).collect();
+        assert_eq!(found, [(1, 69), (1, 2), (3, 0)]);
+        assert_eq!((scan.missed, scan.ambiguous), (0, false));
     }
 
     proptest! {

@@ -34,7 +34,7 @@ use super::{
     quantiser::Total,
     quoted::quoted,
     readout::Choice,
-    waterfall,
+    readout_table, waterfall,
     window::Window,
 };
 
@@ -477,6 +477,15 @@ fn summary(all: &Feasibility) -> String {
             time.ceiling,
             time.ceiling_as_programmed,
         );
+        let rows = time.plans.iter().map(|plan| readout_table::Row {
+            way: plan.plan,
+            slots: plan.slots,
+            us: plan.time.ends(),
+            frames_s: plan.frames_s.ends(),
+            lost: Some(plan.lost),
+            is_chosen: plan.is_chosen,
+        });
+        let _ = write!(text, "\n{}", readout_table::table(rows));
     }
     if let Some(power) = &all.power {
         let mut unknown = Vec::new();

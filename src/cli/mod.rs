@@ -31,6 +31,7 @@ pub mod quantise;
 mod quantiser;
 mod quoted;
 mod readout;
+mod readout_table;
 mod recording;
 mod registers;
 pub mod report;

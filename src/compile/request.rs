@@ -1,4 +1,5 @@
-//! What is asked of the compiler, and the search for it: [`Request::filter`] is the entry.
+//! What is asked of the compiler, and the search for it: [`Request::filter`] is the entry, in
+//! [`register_levels`](super::register_levels).
 
 use super::{
     allocate::{RegisterFile, ordinary_registers},
@@ -15,12 +16,6 @@ use crate::{
     isa::{Analog, Device, Figure, Primitive, Source, Target},
     kernel::Kernel,
 };
-
-/// Registers that every search begins with, the narrowest shipped chip's; with more it goes on.
-const FEW: usize = 6;
-
-/// The most registers that a search is given.
-const MANY: usize = 12;
 
 /// How long to search, in states looked at: the result does not depend on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,46 +109,6 @@ impl<'a> Request<'a> {
         })
     }
 
-    /// Searches for the filter.
-    ///
-    /// # Errors
-    /// When a weight is not dyadic, or the registers do not suffice.
-    pub fn filter(&self) -> Result<Filter, CompileError> {
-        let mut all = ordinary_registers(self.device);
-        all.retain(|register| !self.keep.contains(register));
-        if all.len() <= FEW {
-            return self.filter_in(&all, self.effort);
-        }
-        // Those that cannot be chosen come first.
-        all.sort_by_key(|r| *r != self.input && !self.into.contains(r));
-        // What fewer registers give is there with more as well, so that more never cost words.
-        let few = self.filter_in(&all[..FEW], self.effort);
-        let Ok(few) = few else {
-            return self.filter_in(&all, self.effort);
-        };
-        all.truncate(MANY);
-        let states = if all.len() == MANY {
-            self.effort.states / 5
-        } else {
-            0
-        };
-        let many = self.filter_in(&all, Effort { states });
-        let states = few.states + many.as_ref().map_or(0, |many| many.states);
-        let key = |f: &Filter| {
-            (
-                self.border && !f.border,
-                !f.holds,
-                f.words.len(),
-                f.prescale,
-            )
-        };
-        let best = match many {
-            Ok(many) if key(&many) < key(&few) => many,
-            Ok(_) | Err(_) => few,
-        };
-        Ok(Filter { states, ..best })
-    }
-
     /// Filters none of which has both fewer words and more signal over noise than another, the
     /// shortest first.
     ///
@@ -174,7 +129,7 @@ impl<'a> Request<'a> {
     }
 
     /// The filter in these registers.
-    fn filter_in(&self, all: &[Analog], effort: Effort) -> Result<Filter, CompileError> {
+    pub(super) fn filter_in(&self, all: &[Analog], effort: Effort) -> Result<Filter, CompileError> {
         let (goals, unit) = goals(self.kernels)?;
         match self.objective {
             Objective::Words => self.shortest(&goals, unit, (all, effort)),
@@ -272,6 +227,7 @@ impl<'a> Request<'a> {
             seed: self.seed,
             states: effort.states,
             limits,
+            shortest: self.objective == Objective::Words,
         }
     }
 

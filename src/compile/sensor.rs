@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::{
     allocate::ordinary_registers,
     error::CompileError,
+    event_readout::EventReadout,
     filter::Filter,
     need::{MEMORY_BITS, Need, advice},
     request::Request,
@@ -89,6 +90,20 @@ pub struct SensorProgram {
     pub filters: Vec<Filter>,
     /// The memory of each kind, where it is in bits.
     pub steps: Vec<BitMemory>,
+    pub(super) registers: Registers,
+}
+
+/// The registers of a program beside those of its drives.
+#[derive(Clone, Debug)]
+pub(super) enum Registers {
+    /// With a memory for each kind.
+    Own {
+        memories: Vec<Analog>,
+        threshold: Analog,
+        scratch: Analog,
+    },
+    /// With one for all.
+    Shared(shared_memory::Registers),
 }
 
 impl SensorProgram {
@@ -163,20 +178,8 @@ impl SensorProgram {
         for (kind, own) in kinds.iter().zip(&steps) {
             own.check(kind, scale)?;
         }
-        let writer = Writer {
-            steps: &steps,
-            device,
-            kinds,
-            filter: &filter,
-            scale,
-            drives: &all[..count],
-            memories: &memories,
-            threshold: all[all.len() - remembered - 1],
-            scratch: all[count],
-        };
-        let text = writer.text(title);
-        Ok(Self {
-            text,
+        let mut program = Self {
+            text: String::new(),
             drives: all[..count].to_vec(),
             filter,
             scale,
@@ -184,7 +187,54 @@ impl SensorProgram {
             steps,
             difference: String::new(),
             filters: Vec::new(),
-        })
+            registers: Registers::Own {
+                memories,
+                threshold: all[all.len() - remembered - 1],
+                scratch: all[count],
+            },
+        };
+        program.text = program.text_with(kinds, title, device, EventReadout::default());
+        Ok(program)
+    }
+
+    /// The text of the program with another readout; `kinds`, `title` and `device` are those that
+    /// it was made of.
+    #[must_use]
+    pub fn text_with(
+        &self,
+        kinds: &[CellKind],
+        title: &str,
+        device: &Device,
+        readout: EventReadout,
+    ) -> String {
+        match &self.registers {
+            Registers::Own {
+                memories,
+                threshold,
+                scratch,
+            } => Writer {
+                steps: &self.steps,
+                device,
+                kinds,
+                filter: &self.filter,
+                scale: self.scale,
+                drives: &self.drives,
+                memories,
+                threshold: *threshold,
+                scratch: *scratch,
+                readout,
+            }
+            .text(title),
+            Registers::Shared(registers) => shared_memory::Writer {
+                device,
+                kinds,
+                filters: &self.filters,
+                scales: &self.scales,
+                registers: *registers,
+                readout,
+            }
+            .text(title),
+        }
     }
 }
 
@@ -320,6 +370,7 @@ struct Writer<'a> {
     memories: &'a [Analog],
     threshold: Analog,
     scratch: Analog,
+    readout: EventReadout,
 }
 
 impl Writer<'_> {
@@ -336,10 +387,8 @@ impl Writer<'_> {
         if !self.steps.is_empty() {
             text += "const zero = 0; // what the drive is in the dark, LSB: on a chip, its transfer errors\n";
         }
-        let _ = write!(
-            text,
-            "const slots = {SLOTS}; // the most that one readout can deliver\n\n"
-        );
+        text += &self.readout.head();
+        text.push('\n');
         let list = |registers: &[Analog]| registers.iter().map(name).collect::<Vec<_>>().join(", ");
         let _ = writeln!(
             text,
@@ -385,7 +434,8 @@ impl Writer<'_> {
             "//!\n//! # Compiled. The light is halved {} times on the way, so that no sum leaves the range; the\n//! # filter is {reach}. The memory is the drive at the last event (filtered-snap).",
             self.filter.prescale,
         );
-        if let [kind] = self.kinds {
+        // A count writes to a register what depends on the place, so that no frame is read back.
+        if let ([kind], false) = (self.kinds, self.readout == EventReadout::Counts) {
             text += "//! [computes]\n//! kernel = [\n";
             for row in kind.kernel.weights().rows() {
                 let _ = writeln!(text, "//!     {:?},", row.to_vec());
@@ -441,10 +491,10 @@ impl Writer<'_> {
             line(&format!("neg({memory}, {drive});"));
         }
         line("all();");
-        line(&format!("scamp5_scan_events(R5, on{number}, slots);"));
-        line(&format!("scamp5_scan_events(R6, off{number}, slots);"));
+        self.readout
+            .write(text, ["R5", "R6"], &number, (&drive, &scratch));
         if in_bits {
-            line("OR(R5, R6); // where it fired, the memory becomes the drive");
+            text.push_str("    OR(R5, R6); // where it fired, the memory becomes the drive\n");
             self.remember_bits(text, i);
         }
     }

@@ -19,10 +19,11 @@ use std::fmt::Write as _;
 use super::{
     allocate::ordinary_registers,
     error::CompileError,
+    event_readout::EventReadout,
     filter::Filter,
     need::Need,
     request::{Effort, Objective, Request},
-    sensor::{CellKind, DriveMemory, SLOTS, SensorProgram, constants, largest_light, number},
+    sensor::{self, CellKind, DriveMemory, SensorProgram, constants, largest_light, number},
 };
 use crate::isa::{Analog, Device, Figure};
 
@@ -80,10 +81,12 @@ pub(super) fn program(
         filters: &filters,
         scales: &scales,
         registers,
+        readout: EventReadout::default(),
     };
     let (text, difference) = (writer.text(title), writer.difference());
     Ok(SensorProgram {
         text,
+        registers: sensor::Registers::Shared(registers),
         filter: Filter::joined(&filters),
         drives: vec![registers.drive; kinds.len()],
         scale: scales.first().copied().unwrap_or(1.0),
@@ -95,8 +98,8 @@ pub(super) fn program(
 }
 
 /// The registers of a frame.
-#[derive(Clone, Copy)]
-struct Registers {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Registers {
     /// The light less the memory, and what a filter makes of it.
     drive: Analog,
     scratch: Analog,
@@ -195,16 +198,17 @@ impl Filter {
 }
 
 /// The text of a program, part by part.
-struct Writer<'a> {
-    device: &'a Device,
-    kinds: &'a [CellKind],
-    filters: &'a [Filter],
-    scales: &'a [f64],
-    registers: Registers,
+pub(super) struct Writer<'a> {
+    pub(super) device: &'a Device,
+    pub(super) kinds: &'a [CellKind],
+    pub(super) filters: &'a [Filter],
+    pub(super) scales: &'a [f64],
+    pub(super) registers: Registers,
+    pub(super) readout: EventReadout,
 }
 
 impl Writer<'_> {
-    fn text(&self, title: &str) -> String {
+    pub(super) fn text(&self, title: &str) -> String {
         let mut text = self.header(title);
         for (i, (kind, scale)) in self.kinds.iter().zip(self.scales).enumerate() {
             let (on, off) = constants(self.kinds, i);
@@ -213,19 +217,17 @@ impl Writer<'_> {
                 let _ = writeln!(text, "const {off} = {:?};", kind.off * scale);
             }
         }
-        let _ = write!(
-            text,
-            "const slots = {SLOTS}; // the most that one readout can deliver\n\n"
-        );
+        text += &self.readout.head();
+        text.push('\n');
         let name = |register: Analog| self.device.analog_name(register);
         let Registers {
             drive,
+            scratch,
             threshold,
             memory,
             light,
-            ..
         } = self.registers;
-        let [drive, threshold, memory] = [drive, threshold, memory].map(name);
+        let [drive, scratch, threshold, memory] = [drive, scratch, threshold, memory].map(name);
         let _ = writeln!(
             text,
             "// {memory}: the photodiode at the last event of any kind; {drive}: what has changed since, then what a\n// kernel makes of it; {threshold}: minus the threshold; ON and OFF in pairs of one-bit registers"
@@ -253,10 +255,10 @@ impl Writer<'_> {
             if start + AT_A_TIME >= count {
                 self.remember(&mut text);
             }
-            for (i, [on, off]) in batch.iter().zip(EVENTS) {
+            for (i, bits) in batch.iter().zip(EVENTS) {
                 let number = number(self.kinds, *i);
-                let _ = writeln!(text, "    scamp5_scan_events({on}, on{number}, slots);");
-                let _ = writeln!(text, "    scamp5_scan_events({off}, off{number}, slots);");
+                self.readout
+                    .write(&mut text, bits, &number, (&drive, &scratch));
             }
         }
         text += "}\n";

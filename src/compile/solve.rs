@@ -8,6 +8,7 @@ use super::{
     beam::{Heuristic, Task, search},
     border_safe::border_safe_plans,
     linear_form::LinearForm,
+    listed::listed,
     plan::{Plan, StoreErrors, Trace, Value},
     scale::scale,
     separable::{Factor, compose, factors},
@@ -31,6 +32,8 @@ pub(super) struct Problem {
     pub(super) states: u64,
     /// Where nothing may saturate: the range of the input, and the errors of the chip.
     pub(super) limits: Option<Limits>,
+    /// Whether the fewest words are sought, so that a plan of the table of them is taken.
+    pub(super) shortest: bool,
 }
 
 /// The range of an input, and the errors of the chip.
@@ -134,6 +137,16 @@ impl Problem {
     /// Searches for plans of at most `slack` words more than the best before them.
     fn searched(&self, slack: fn(usize) -> usize, all: &mut Vec<Solved>) -> Option<Solved> {
         let mut best = self.base();
+        if let (true, [goal]) = (self.shortest, &self.goals[..])
+            && let Some(proved) = listed(goal, self.unit).and_then(|plan| self.finish(plan))
+            && better(&proved, best.as_ref(), self.border)
+        {
+            // No search can make it shorter.
+            if proved.holds && (proved.border || !self.border) {
+                return Some(proved);
+            }
+            best = Some(proved);
+        }
         all.extend(best.clone());
         let mut seen = 0;
         let mut width = 4;

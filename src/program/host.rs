@@ -23,6 +23,15 @@ pub fn buffer(name: &str) -> Option<(Polarity, u8)> {
     Some((polarity, channel))
 }
 
+/// The polarity and channel of a buffer of bits that are events: it is called `on` or `off`, with
+/// a channel's number or without. Bits in a buffer of any other name are only looked at.
+fn event_buffer(name: &str) -> Option<(Polarity, u8)> {
+    let word = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    ["on", "off"]
+        .contains(&word.to_ascii_lowercase().as_str())
+        .then(|| buffer(name))?
+}
+
 /// The values of a statement, by position; defaults are already in.
 struct Values<'a>(&'a [Bound]);
 
@@ -167,6 +176,10 @@ fn operation(
             // A picture is of all rows.
             first_row: values.u16(2).unwrap_or(0),
             last_row: values.u16(3).unwrap_or(255),
+            events: match values.value(1) {
+                Some(Value::Word(name)) => event_buffer(name),
+                _ => None,
+            },
         },
         HostKind::ScanBoundingBox => Host::ScanBoundingBox {
             source: values.digital(0)?,
@@ -349,9 +362,13 @@ impl Host {
                 source,
                 first_row,
                 last_row,
+                events,
             } => {
+                let buffer = events.map_or("buffer".to_owned(), |(polarity, channel)| {
+                    buffer_name(polarity, channel)
+                });
                 format!(
-                    "scamp5_scan_dreg({}, buffer, {first_row}, {last_row})",
+                    "scamp5_scan_dreg({}, {buffer}, {first_row}, {last_row})",
                     d(source)
                 )
             }
@@ -426,18 +443,23 @@ fn events_text(
     slots: u32,
     reversed: Option<(bool, bool)>,
 ) -> String {
+    let name = buffer_name(polarity, channel);
+    let reversed = reversed.map_or_else(String::new, |(columns, rows)| {
+        format!(", {}, {}", u8::from(columns), u8::from(rows))
+    });
+    format!("scamp5_scan_events({source}, {name}, {slots}{reversed})")
+}
+
+/// The buffer of a sign and channel, as programs are written.
+fn buffer_name(polarity: Polarity, channel: u8) -> String {
     let name = match polarity {
         Polarity::On => "on",
         Polarity::Off => "off",
     };
-    let channel = match channel {
-        0 => String::new(),
-        channel => channel.to_string(),
-    };
-    let reversed = reversed.map_or_else(String::new, |(columns, rows)| {
-        format!(", {}, {}", u8::from(columns), u8::from(rows))
-    });
-    format!("scamp5_scan_events({source}, {name}{channel}, {slots}{reversed})")
+    match channel {
+        0 => name.to_owned(),
+        channel => format!("{name}{channel}"),
+    }
 }
 
 fn sum_text(a: &str, over: &SumOver) -> String {
@@ -481,5 +503,14 @@ mod tests {
         assert_eq!(buffer("OFF"), Some((Polarity::Off, 0)));
         assert_eq!(buffer("off_events13"), Some((Polarity::Off, 13)));
         assert_eq!(buffer("on256"), None);
+    }
+
+    #[test]
+    fn bits_are_events_in_a_buffer_that_says_so() {
+        assert_eq!(event_buffer("on"), Some((Polarity::On, 0)));
+        assert_eq!(event_buffer("off3"), Some((Polarity::Off, 3)));
+        for other in ["buffer", "once", "offset", "mem", "on256", ""] {
+            assert_eq!(event_buffer(other), None, "{other}");
+        }
     }
 }

@@ -18,6 +18,7 @@ mod host;
 mod operation;
 mod parse;
 mod print;
+pub mod readout;
 mod reference;
 mod sample;
 mod settings;

@@ -88,6 +88,9 @@ pub enum Host {
         first_row: u16,
         /// Last row, inclusive.
         last_row: u16,
+        /// The sign and kind of the events that the host makes of the set bits; none where it
+        /// only looks at them.
+        events: Option<(Polarity, u8)>,
     },
     /// The smallest box that holds every set pixel: its top right and bottom left corner.
     ScanBoundingBox {

@@ -151,6 +151,10 @@ fn channels(body: &[Step]) -> u8 {
         Action::Host(Host::ScanEvents { channel, .. } | Host::ScanEventsFrom { channel, .. }) => {
             channel.saturating_add(1)
         }
+        Action::Host(Host::ScanDigital {
+            events: Some((_, channel)),
+            ..
+        }) => channel.saturating_add(1),
         Action::Host(_) | Action::Word(_) => 0,
         Action::Repeat { body, .. } => channels(body),
     };

@@ -76,6 +76,19 @@ impl<D: RowOps> Chip<D> {
     }
 
     fn host(&mut self, operation: &Host, line: u32, t: Micros, packet: &mut Packet) {
+        if let Host::ScanDigital {
+            source,
+            first_row,
+            last_row,
+            events: Some((polarity, channel)),
+        } = *operation
+        {
+            let rows = usize::from(first_row)..=usize::from(last_row);
+            let scan = Scan::of_rows(self.state.digital(source), self.state.layout.size, rows);
+            self.ledger.events += scan.found.len() as u64;
+            deliver(&scan, polarity, channel, t, packet);
+            return;
+        }
         let mut scan = |source, polarity, channel, slots, from_left, from_bottom| {
             let bits = self.state.digital(source);
             let scan = Scan::new(bits, self.state.layout.size, slots, from_left, from_bottom);

@@ -7,6 +7,7 @@ use miette::miette;
 use super::{super::complain, Arguments, Asked};
 use crate::{
     compile::DriveMemory,
+    kernel::quantise::Quantiser,
     photoreceptor::Curve,
     reference::{Border, MemoryRule, PolarityRule},
     rig::guard::{Guard, Warning},
@@ -14,8 +15,13 @@ use crate::{
 
 impl Asked {
     pub(super) fn read(arguments: &Arguments) -> miette::Result<Self> {
+        Self::as_given(arguments)?.prepared(arguments.to.0, arguments)
+    }
+
+    /// The kernels and thresholds as they are, before they are brought to few values.
+    pub(super) fn as_given(arguments: &Arguments) -> miette::Result<Self> {
         if let Some(path) = &arguments.sensor {
-            return Self::of_sensor(path, arguments);
+            return Self::of_sensor(path);
         }
         let mut kernels = Vec::new();
         let mut stacked = arguments.kernels.len() > 1;
@@ -37,7 +43,7 @@ impl Asked {
                 "the threshold is {threshold}"
             ));
         }
-        Self {
+        Ok(Self {
             thresholds: vec![(threshold, threshold); kernels.len()],
             scales: vec![1.0; kernels.len()],
             kernels,
@@ -53,11 +59,10 @@ impl Asked {
                     .collect::<Vec<_>>()
                     .join(", ")
             ),
-        }
-        .prepared(arguments)
+        })
     }
 
-    pub(super) fn of_sensor(path: &Path, arguments: &Arguments) -> miette::Result<Self> {
+    pub(super) fn of_sensor(path: &Path) -> miette::Result<Self> {
         let description = super::super::run::read_sensor(path)?;
         let shown = path.display();
         let linear = match description.response.curve {
@@ -120,7 +125,7 @@ impl Asked {
                 "has a refractory period; the program has none, a cell fires once a frame at most";
             complain(&format!("note: {shown} {note}\n"));
         }
-        Self {
+        Ok(Self {
             scales: vec![1.0; kernels.len()],
             kernels,
             warnings: Vec::new(),
@@ -128,14 +133,17 @@ impl Asked {
             thresholds,
             memory: Some(memory),
             title: description.name,
-        }
-        .prepared(arguments)
+        })
     }
 
     /// With the weights that the program will have; the scale of each kernel goes into its
     /// thresholds.
-    pub(super) fn prepared(mut self, arguments: &Arguments) -> miette::Result<Self> {
-        let Some(to) = arguments.to.0 else {
+    pub(super) fn prepared(
+        mut self,
+        to: Option<Quantiser>,
+        arguments: &Arguments,
+    ) -> miette::Result<Self> {
+        let Some(to) = to else {
             return Ok(self);
         };
         let mut guard = Guard::new();

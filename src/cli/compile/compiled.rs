@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{Asked, Compiled, MIDDLE};
+use super::{Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
 use crate::{
     array::Errors,
-    compile::{DriveMemory, Forecast, Need, carried},
+    compile::{DriveMemory, Forecast, Need, bound::LowerBound, carried},
     isa::{Analog, Device, Figure},
     plane::Plane,
     program::{Cost, for_each, stored},
@@ -56,12 +56,14 @@ impl Compiled {
             "quantised_scales": asked.scales,
             "warnings": asked.warnings,
             "prescale_bits": self.filter.prescale,
+            "bounds": self.bounds(asked).map(|bounds| bounds.json()),
             "filter_words": self.filter.words.len(),
             "snake_words": self.snake,
             "border": self.filter.border,
             "array_us": cost.array_us,
             "array_us_range": self.array_us(device),
             "host_us": cost.host_us,
+            "readout": self.readouts.as_ref().map(Readouts::json),
             "results_lsb": results.collect::<Vec<_>>(),
             "thresholds_lsb": self.thresholds,
             "saturating_stores": self.saturations,
@@ -114,6 +116,18 @@ impl Compiled {
         time::array_us(frame, device).unwrap_or([Cost::of(frame, device).array_us; 2])
     }
 
+    /// Between which numbers the fewest words lie; none where the input is halved, as the bounds are
+    /// of the kernels themselves, and where each kernel has a filter of its own.
+    fn bounds(&self, asked: &Asked) -> Option<Bounds> {
+        let lower = || LowerBound::new(&asked.kernels);
+        let together = self.memory != Some(DriveMemory::Shared);
+        (together && self.filter.prescale == 0).then(|| Bounds {
+            lower: lower(),
+            upper: self.filter.words.len(),
+            kernels: asked.kernels.len(),
+        })
+    }
+
     /// Microjoules that the words of a frame take: a word takes what it takes at the full rate.
     fn energy_uj(&self, device: &Device) -> f64 {
         let [least, _] = self.array_us(device);
@@ -136,6 +150,9 @@ impl Compiled {
                 self.snake
             ),
         );
+        if let Some(bounds) = self.bounds(asked) {
+            line("bound", bounds.words());
+        }
         line(
             "store",
             format!(
@@ -151,8 +168,9 @@ impl Compiled {
         line(
             "time",
             format!(
-                "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {:.1} us on the host with all slots: at most {:.0} frames/s, of compute alone {:.0}",
+                "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {:.1} us on the host with {}: at most {:.0} frames/s, of compute alone {:.0}",
                 cost.host_us,
+                self.readouts.as_ref().map_or("all slots", Readouts::words),
                 1e6 / cost.micros(),
                 1e6 / least
             ),
@@ -219,6 +237,10 @@ impl Compiled {
             "search",
             format!("{} states in {seconds:.1} s", self.filter.states),
         );
+        if let Some(readouts) = &self.readouts {
+            text.push('\n');
+            text.push_str(&readouts.table());
+        }
         text.push_str("\nregisters live over the filter's words\n");
         text.push_str(&self.chart(device));
         text

@@ -1,9 +1,12 @@
 //! `amacrine compile`: kernels to a program, and the proof.
 
 mod asked;
+mod bounds;
 mod compiled;
 mod front;
+mod nearest;
 mod proof;
+mod readout;
 mod shared;
 
 use std::time::Instant;
@@ -37,7 +40,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 #[command(
-    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor sensors/rgc-4-on-chip.toml --to ternary -o four.scamp"
+    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp\n  amacrine compile rgc-5x5 --to ternary --threshold 128 --events-per-frame 300 -o rgc.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor sensors/rgc-4-on-chip.toml --to ternary -o four.scamp"
 )]
 pub struct Arguments {
     /// Kernels: files (.toml, .npy of shape (k,k) or (K,k,k)) or names of built-in ones
@@ -79,6 +82,21 @@ pub struct Arguments {
     /// `shared` by all (raw-snap) [default: as the sensor file says, else analogue]
     #[arg(long, value_name = "WHERE", conflicts_with = "filter_only")]
     memory: Option<Remembered>,
+    /// How many events the busiest frame is expected to have, all signs and kinds together: the
+    /// readout is chosen for them
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with_all = ["filter_only", "scene"],
+        value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000)
+    )]
+    events_per_frame: Option<u64>,
+    /// A clip, image folder, .npy or pattern, on which the events are counted instead
+    #[arg(long, conflicts_with = "filter_only")]
+    scene: Option<Named>,
+    /// How the events leave the chip
+    #[arg(long, value_enum, default_value_t, conflicts_with = "filter_only")]
+    readout: readout::Asking,
     /// How the program is written: in the language of programs/, or as C++ for the vendor's tools,
     /// which `asm` and `exec` read as well; an output that ends in .cpp is C++
     #[arg(long = "as", value_enum, default_value_t, value_name = "LANGUAGE")]
@@ -157,11 +175,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.front {
         return front::print(arguments, &asked, &device);
     }
-    let mut compiled = if arguments.filter_only {
-        filter_only(arguments, &asked, &device)?
-    } else {
-        whole(arguments, &asked, &device)?
-    };
+    let mut compiled = compiled(arguments, &asked, &device)
+        .map_err(|refused| nearest::named(refused, arguments, &device))?;
     if arguments.is_cpp() {
         let program = Program::parse("compiled", &compiled.text)?;
         compiled.text = cpp(&program, &device)?;
@@ -294,6 +309,17 @@ struct Compiled {
     halvings: Vec<u32>,
     /// What a whole program remembers.
     memory: Option<DriveMemory>,
+    /// The ways to read its events; of the filter alone none.
+    readouts: Option<readout::Readouts>,
+}
+
+/// The filter alone, or the whole program.
+fn compiled(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+    if arguments.filter_only {
+        filter_only(arguments, asked, device)
+    } else {
+        whole(arguments, asked, device)
+    }
 }
 
 /// The filter that is asked for, alone.
@@ -399,7 +425,10 @@ fn apart(
         },
         scale: program.scale,
     };
-    let mut compiled = proof.compiled(program.text, program.filter, false)?;
+    let (readout, readouts) = readout::planned(arguments, asked, &program, kinds, device)?;
+    let text = program.text_with(kinds, &asked.title, device, readout);
+    let mut compiled = proof.compiled(text, program.filter, false)?;
+    compiled.readouts = Some(readouts);
     let light = Signal::from_range((0.0, (254.0 * device.value(Figure::LightScale)).min(127.0)));
     let registers = (compiled.results_in[0], &compiled.results_in[..]);
     compiled.forecasts = compiled

@@ -13,7 +13,7 @@ use crate::{
     event::Packet,
     isa::{Analog, Figure},
     plane::{Plane, Size},
-    program::{Action, Code, Overrides, Program, Step},
+    program::{Action, Code, Host, Overrides, Program, Step},
     sensor::Sensor as _,
     unit::Micros,
 };
@@ -37,7 +37,12 @@ impl Proof<'_> {
             let (read, others) = if long {
                 (self.impulse(&expansion.code, *register)?, false)
             } else {
-                let taps = taps::read(steps, self.device, settings, *register)
+                // A count overwrites a scratch with what depends on the place; the results, which
+                // stay as they are from the filter on, are read before it.
+                let counts =
+                    |step: &Step| matches!(step.action, Action::Host(Host::GlobalCount { .. }));
+                let end = steps.iter().position(counts).unwrap_or(steps.len());
+                let taps = taps::read(&steps[..end], self.device, settings, *register)
                     .wrap_err("the program cannot be read back")?;
                 let others = taps.taps.keys().any(|(input, ..)| *input != self.input);
                 (taps.kernel(self.input), others)
@@ -85,6 +90,7 @@ impl Proof<'_> {
             noises: noises(&filter, self.device, Analog(0), self.results, self.kernels),
             halvings: vec![filter.prescale],
             memory: None,
+            readouts: None,
             saturations,
             snake: naive_cost(self.kernels)?,
             results_in: self.results.to_vec(),

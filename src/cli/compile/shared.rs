@@ -3,7 +3,7 @@
 
 use miette::{WrapErr, miette};
 
-use super::{Arguments, Asked, Compiled, Proof, noises, request};
+use super::{Arguments, Asked, Compiled, Proof, noises, readout, request};
 use crate::{
     array::{
         Input, Settings,
@@ -29,7 +29,15 @@ pub(super) fn whole(
             "the compiled program computes another kernel than asked for"
         )
     };
-    let parsed = Program::parse("compiled", &program.text)?;
+    if arguments.readout == readout::Asking::Sums {
+        return Err(miette!(
+            help = "give --readout counts, or --memory analogue for kinds that fit so",
+            "--readout sums: kinds that share a memory have their drives in one register, one after the other"
+        ));
+    }
+    let (readout, readouts) = readout::planned(arguments, asked, &program, kinds, device)?;
+    let text = program.text_with(kinds, &asked.title, device, readout);
+    let parsed = Program::parse("compiled", &text)?;
     let expansion = parsed.expand(device, &Overrides::default())?;
     let drive = program.drives.first().copied().ok_or_else(fault)?;
     if !is_difference(&program.difference, device, drive)? {
@@ -37,7 +45,7 @@ pub(super) fn whole(
     }
     let most = (254.0 * device.value(Figure::LightScale)).min(127.0);
     let mut compiled = Compiled {
-        text: program.text.clone(),
+        text,
         expansion,
         scales: program.scales.clone(),
         kernels: Vec::new(),
@@ -52,6 +60,7 @@ pub(super) fn whole(
         filter: program.filter.clone(),
         halvings: program.filters.iter().map(|f| f.prescale).collect(),
         memory: None,
+        readouts: Some(readouts),
     };
     for (i, filter) in program.filters.iter().enumerate() {
         let (kernels, results) = (&asked.kernels[i..=i], &program.drives[i..=i]);

@@ -8,7 +8,6 @@ use super::{
     choice::{Few, Table},
     named::FigureSummary,
     power::{Link, Load, Power},
-    readout::Busy,
     runs::{MEMORY, Runs},
     time::{self, Words},
     verdict::Verdict,
@@ -24,6 +23,7 @@ use crate::{
     },
     mesh::{self, Fitting},
     plane::Size,
+    program::readout::Demand,
     rig::guard::Warning,
     scene::{Frame, Scene, SceneError},
     study::{
@@ -96,8 +96,8 @@ pub fn ask(
         None => (None, None),
     };
     let snapshot = Snapshot::new(&runs.float, runs.silicon.as_ref(), &mut *open()?)?;
-    let busy =
-        { runs.silicon.as_ref() }.map_or_else(Busy::default, |packet| Busy::new(packet, frames));
+    let busy = { runs.silicon.as_ref() }
+        .map_or_else(Demand::default, |packet| Demand::new(packet, frames));
     let on_chip = |compiled: &Compiled| {
         let threshold = question.threshold / quantised.scale * compiled.program.scale;
         let time = time::time(question, compiled, &busy, (scene.height, scene.fps))?;

@@ -8,18 +8,13 @@
 //! The tornado turns one number at a time: the chip of the seed with this number at the low and
 //! at the high end of its interval, all others at their values.
 
-use super::{
-    FeasibilityError, Question,
-    draw::Drawn,
-    named::Named,
-    readout::{Busy, Scans},
-    time::Words,
-};
+use super::{FeasibilityError, Question, draw::Drawn, named::Named, time::Words};
 use crate::{
     array::{Arithmetic, Array},
     compare::CompareError,
     event::Packet,
-    isa::{Device, Evidence, Figure, HostKind},
+    isa::{Device, Evidence, Figure},
+    program::readout::{Demand, Scans},
     rig,
     scene::{Frame, Scene, SceneError, part::First},
     sensor::Sensor,
@@ -369,18 +364,13 @@ impl Trial<'_> {
     }
 
     /// Frames a second at most, of a chip with these numbers that says this.
-    fn frames_s(&self, value: &dyn Fn(Named) -> f64, busy: &Busy) -> f64 {
+    fn frames_s(&self, value: &dyn Fn(Named) -> f64, busy: &Demand) -> f64 {
         let Self { question, .. } = *self;
         let of = |figure| value(Named::Figure(figure));
-        let item = |kind| value(Named::Item(kind));
         let array = self.words.us(of(Figure::Clock), of(Figure::Launch));
         let scans = Scans::new(&self.program.code.frame, question.device, self.rows);
-        let readout = scans.cheapest(
-            busy,
-            item(HostKind::ScanEvents),
-            item(HostKind::ScanDigital),
-            question.device,
-        );
+        let item = |kind| value(Named::Item(kind));
+        let readout = scans.cheapest(busy, item, question.device);
         let exposure = question.exposure.map_or(0.0, |it| it.0 as f64);
         1e6 / question.order.frame(exposure, array, readout)
     }
@@ -403,7 +393,7 @@ impl Trial<'_> {
             ..
         } = ladder.judge(packet)?;
         let value = |named| chip.value(named, device);
-        let frames_s = self.frames_s(&value, &Busy::new(packet, frames));
+        let frames_s = self.frames_s(&value, &Demand::new(packet, frames));
         let [_, peak] = Named::Figure(Figure::Clock).ends(device);
         let watts = value(Named::Figure(Figure::Power));
         let worked = (self.words.count / peak * 1e-6 * self.fps).min(1.0);
@@ -437,7 +427,7 @@ impl Trial<'_> {
     ) -> Result<Vec<Turn>, CompareError> {
         let device = self.question.device;
         let kept_nominal = ladder.judge(nominal)?.kept;
-        let busy = Busy::new(nominal, self.frames);
+        let busy = Demand::new(nominal, self.frames);
         let mut turns = Vec::new();
         for (number, named) in numbers.iter().enumerate() {
             let Some(interval) = named.interval(device) else {

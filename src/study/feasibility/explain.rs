@@ -152,7 +152,7 @@ const LINKS: &[Link] = &[
     Link::new(
         "readout_us",
         "/fit/on_chip/time/readout",
-        "scans x slots for the busiest frame x time of a slot, or scans x rows x time of a row of bits where that is less",
+        "scans x slots for the busiest frame x time of a slot, or scans x rows x time of a row of bits where that is less: all rows, or those in which the scene has events",
         &["slots"],
     ),
     Link::new(
@@ -370,7 +370,7 @@ impl Chain<'_> {
 impl FigureSummary {
     /// Whether a chip computes with it.
     fn is_of_events(&self) -> bool {
-        let costs = ["clock.", "scan_", "store."];
+        let costs = ["clock.", "scan_", "global_", "store."];
         !costs.iter().any(|cost| self.figure.starts_with(cost))
     }
 }

@@ -9,6 +9,8 @@ pub enum Named {
     Figure(Figure),
     /// The time of each slot, sample or row of an operation of the host.
     Item(HostKind),
+    /// The time of a call of an operation of the host.
+    Call(HostKind),
 }
 
 impl Named {
@@ -30,11 +32,11 @@ impl Named {
                 figure,
                 Figure::Clock | Figure::Launch | Figure::Power | Figure::Pitch
             ),
-            Self::Item(_) => false,
+            Self::Item(_) | Self::Call(_) => false,
         }
     }
 
-    /// As `section.key`, or the operation's name and `item`.
+    /// As `section.key`, or the operation's name and `item` or `call`.
     #[must_use]
     pub fn name(self) -> String {
         match self {
@@ -43,6 +45,7 @@ impl Named {
                 format!("{section}.{key}")
             }
             Self::Item(kind) => format!("{}.item", HostKind::WORDS[kind as usize]),
+            Self::Call(kind) => format!("{}.call", HostKind::WORDS[kind as usize]),
         }
     }
 
@@ -51,7 +54,7 @@ impl Named {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Figure(figure) => figure.unit(),
-            Self::Item(_) => "us",
+            Self::Item(_) | Self::Call(_) => "us",
         }
     }
 
@@ -61,6 +64,7 @@ impl Named {
         match self {
             Self::Figure(figure) => Some(device.figure(figure)),
             Self::Item(kind) => device.host(kind).item.as_ref(),
+            Self::Call(kind) => Some(&device.host(kind).call),
         }
     }
 
@@ -112,8 +116,15 @@ impl FigureSummary {
         let mut named = Named::with_interval(device);
         let of_costs = [Figure::Clock, Figure::Launch, Figure::Power, Figure::Store];
         let items = [HostKind::ScanEvents, HostKind::ScanDigital];
-        let costs = of_costs.map(Named::Figure).into_iter();
-        for other in costs.chain(items.map(Named::Item)) {
+        let calls = [
+            HostKind::ScanBoundingBox,
+            HostKind::GlobalCount,
+            HostKind::GlobalSum,
+            HostKind::GlobalOr,
+        ];
+        let hosts = items.map(Named::Item).into_iter();
+        let costs = of_costs.map(Named::Figure).into_iter().chain(hosts);
+        for other in costs.chain(calls.map(Named::Call)) {
             if !named.contains(&other) {
                 named.push(other);
             }

@@ -212,8 +212,9 @@ mod tests {
     use super::*;
     use crate::{
         event::Packet,
+        program::readout::{Demand, Scans},
         study::feasibility::{
-            readout::{Busy, ReadoutOrder, Scans},
+            readout::ReadoutOrder,
             time::{Parts, Words},
         },
     };
@@ -223,7 +224,7 @@ mod tests {
         let time = Time::new(&Parts {
             words: Words::new(&[], &device).unwrap(),
             scans: Scans::new(&[], &device, 1),
-            busy: &Busy::new(&Packet::new(Size::new(1, 1), 1), 1),
+            busy: &Demand::new(&Packet::new(Size::new(1, 1), 1), 1),
             exposure: None,
             order: ReadoutOrder::Overlapped,
             fps,

@@ -4,13 +4,12 @@
 use super::{
     Estimate, Feasibility, FeasibilityError, Question,
     chip::registers,
-    readout::Busy,
     time::{self, Time},
 };
 use crate::{
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser},
-    program::stored,
+    program::{readout::Demand, stored},
     scene::{Frame, Scene},
     study::{
         design::Design,
@@ -149,15 +148,15 @@ fn judge(
     kinds: &mut [SharedKind],
     scene: &mut dyn Scene,
     seen: &mut dyn FnMut(&Frame),
-) -> Result<Busy, FeasibilityError> {
+) -> Result<Demand, FeasibilityError> {
     let floats: Vec<Design<'_>> = questions.iter().map(Question::design).collect();
     let (judged, frames) = together.judge(&floats, (of.within, of.seed), scene, seen)?;
-    let mut busiest = Busy::default();
+    let mut busiest = Demand::default();
     for (kind, judged) in kinds.iter_mut().zip(judged) {
         kind.exact = Some(judged.exact);
         kind.headline = Some(judged.silicon.into());
         kind.silicon = Some(judged.silicon);
-        let busy = Busy::new(&judged.packet, frames);
+        let busy = Demand::new(&judged.packet, frames);
         if busy.busiest() >= busiest.busiest() {
             busiest = busy;
         }

@@ -4,11 +4,14 @@ use super::{
     Question,
     estimate::Estimate,
     named::Named,
-    readout::{Busy, ReadoutOrder, ReadoutPlan, Scans, Way},
+    readout::{ReadoutOrder, ReadoutPlan, plans},
 };
 use crate::{
     isa::{Device, Evidence, Figure, FigureError},
-    program::{Cost, Step},
+    program::{
+        Cost, Step,
+        readout::{Demand, Scans, Way},
+    },
     study::design::Compiled,
     unit::Micros,
 };
@@ -139,7 +142,7 @@ pub(super) struct Parts<'a> {
     /// What is read out.
     pub scans: Scans,
     /// How many events there are to read.
-    pub busy: &'a Busy,
+    pub busy: &'a Demand,
     /// Where one was given.
     pub exposure: Option<Micros>,
     /// Whether the next frame is exposed meanwhile.
@@ -168,10 +171,6 @@ impl Time {
             ),
         )
         .made_of(device, &[Figure::Clock, Figure::Launch].map(Named::Figure));
-        let plans = parts.scans.plans(parts.busy, device);
-        let as_programmed = &plans[0];
-        let chosen = plans.iter().find(|plan| plan.is_chosen);
-        let chosen = chosen.unwrap_or(as_programmed);
         let exposure = parts.exposure.map(|exposure| {
             Estimate::one(
                 exposure.0 as f64,
@@ -195,6 +194,10 @@ impl Time {
             let rate = rate.with(&array).with(readout);
             exposure.iter().fold(rate, Estimate::with)
         };
+        let plans = plans(&parts.scans, parts.busy, device, ceiling);
+        let as_programmed = &plans[0];
+        let chosen = plans.iter().find(|plan| plan.is_chosen);
+        let chosen = chosen.unwrap_or(as_programmed);
         let readout = chosen.time.clone();
         let first = match order {
             ReadoutOrder::Overlapped => array.high + readout.high,
@@ -214,8 +217,8 @@ impl Time {
             ReadoutOrder::Sequential => period - readout.high,
         };
         Self {
-            ceiling: ceiling(&readout),
-            ceiling_as_programmed: ceiling(&as_programmed.time),
+            ceiling: chosen.frames_s.clone(),
+            ceiling_as_programmed: as_programmed.frames_s.clone(),
             readout_as_programmed: as_programmed.time.clone(),
             order,
             slots: parts.scans.slots,
@@ -238,7 +241,7 @@ impl Time {
 pub(super) fn time(
     question: &Question<'_>,
     program: &Compiled,
-    busy: &Busy,
+    busy: &Demand,
     (rows, fps): (usize, f64),
 ) -> Result<Time, FigureError> {
     let frame = &program.code.frame;
@@ -261,7 +264,7 @@ mod tests {
     /// Of 190 words and slots that nobody needs.
     fn time(exposure: Option<u64>, order: ReadoutOrder, fps: f64) -> Time {
         let device = Device::scamp5();
-        let busy = Busy::new(&Packet::new(Size::new(64, 64), 1), 2);
+        let busy = Demand::new(&Packet::new(Size::new(64, 64), 1), 2);
         Time::new(&Parts {
             words: Words {
                 count: 190.0,

@@ -1,0 +1,222 @@
+//! The readout of a compiled program: the ways to read its events, what each costs, and the one
+//! that it takes.
+
+use serde_json::json;
+
+use miette::miette;
+
+use super::{
+    super::{budget, readout_table},
+    Arguments, Asked,
+};
+use crate::{
+    array::Arithmetic,
+    compile::{CellKind, EventReadout, SensorProgram},
+    event::Packet,
+    isa::{Device, Figure},
+    program::{
+        Cost, Overrides, Program,
+        readout::{Demand, Plan, Scans, Way, choose},
+    },
+    rig,
+    scene::open,
+    sensor::Sensor,
+    study::{design, feasibility::time},
+};
+
+/// How a program reads its events out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Asking {
+    /// The cheapest that loses no expected event; all slots where nobody says how many to expect
+    #[default]
+    Auto,
+    /// Event by event: slots for the busiest frame
+    Slots,
+    /// Whole rows of bits
+    Planes,
+    /// The rows of bits in which the scene has events
+    Region,
+    /// The box around the events, and none of them
+    Box,
+    /// About how many events there are, and none of them
+    Counts,
+    /// A sum of the drive over the array, and no event
+    Sums,
+    /// Whether there is an event, and none of them
+    Any,
+}
+
+/// The ways to read a program's events, and the one that it takes.
+pub(super) struct Readouts {
+    plans: Vec<Plan>,
+    chosen: usize,
+    /// Words of a frame, as the least and the most time, us.
+    array_us: [f64; 2],
+    /// The most events of one sign and kind in a frame.
+    busiest: Option<u64>,
+    /// Who says how many events there are.
+    basis: String,
+    not_known: Vec<&'static str>,
+}
+
+/// What is always unknown.
+const LINK: &str = "what the host does with what it has read, and the link to a computer: no public figure, and in none of these times";
+
+/// Weighs the ways to read a program's events, and chooses.
+pub(super) fn planned(
+    arguments: &Arguments,
+    asked: &Asked,
+    program: &SensorProgram,
+    kinds: &[CellKind],
+    device: &Device,
+) -> miette::Result<(EventReadout, Readouts)> {
+    let parsed = Program::parse("compiled", &program.text)?;
+    let code = parsed.expand(device, &Overrides::default())?.code;
+    let array_us =
+        time::array_us(&code.frame, device).unwrap_or([Cost::of(&code.frame, device).array_us; 2]);
+    let mut not_known = vec![LINK];
+    let mut rows = device.value(Figure::Height) as usize;
+    let (demand, basis) = if let Some(events) = arguments.events_per_frame {
+        not_known.push("the rows in which events lie: give --scene instead for a region");
+        let demand = Demand::expected(events);
+        (Some(demand), format!("--events-per-frame {events}"))
+    } else if let Some(scene) = &arguments.scene {
+        let (packet, frames) = watched(arguments, asked, program, kinds, device)?;
+        rows = packet.size.height;
+        (Some(Demand::new(&packet, frames)), scene.to_string())
+    } else {
+        not_known.push("how many events a frame has: give --events-per-frame N or --scene");
+        (None, "nobody".to_owned())
+    };
+    let scans = Scans::new(&code.frame, device, rows);
+    let plans = scans.plans(demand.as_ref(), device);
+    let at = |way: Way| plans.iter().position(|plan| plan.way == way);
+    let slots = || at(Way::BusiestFrame).or_else(|| at(Way::AsProgrammed));
+    let chosen = match arguments.readout {
+        Asking::Auto if demand.is_none() => slots(),
+        Asking::Auto => choose(&plans),
+        Asking::Slots => slots(),
+        Asking::Planes => at(Way::BitPlanes),
+        Asking::Region => at(Way::Region),
+        Asking::Box => at(Way::BoundingBox),
+        Asking::Counts => at(Way::EventCounts),
+        Asking::Sums => at(Way::Sums),
+        Asking::Any => at(Way::AnyEvent),
+    };
+    let chosen = chosen.ok_or_else(|| {
+        miette!(
+            help = "give --scene, whose events are counted, or --readout planes",
+            "nobody says in which rows the events lie"
+        )
+    })?;
+    let plan = &plans[chosen];
+    let readout = match (plan.way, plan.slots, &plan.rows) {
+        (_, Some(slots), _) => EventReadout::Slots(slots as u32),
+        (_, _, Some(rows)) => EventReadout::BitPlanes(*rows.start() as u16, *rows.end() as u16),
+        (Way::BoundingBox, ..) => EventReadout::BoundingBox,
+        (Way::EventCounts, ..) => EventReadout::Counts,
+        (Way::Sums, ..) => EventReadout::Sums,
+        _ => EventReadout::Any,
+    };
+    let readouts = Readouts {
+        chosen,
+        array_us,
+        busiest: demand.as_ref().map(Demand::busiest),
+        basis,
+        not_known,
+        plans,
+    };
+    Ok((readout, readouts))
+}
+
+/// The events of the program on a scene, every one of them, with the chip's errors.
+fn watched(
+    arguments: &Arguments,
+    asked: &Asked,
+    program: &SensorProgram,
+    kinds: &[CellKind],
+    device: &Device,
+) -> miette::Result<(Packet, u64)> {
+    let name = arguments.scene.as_deref().unwrap_or_default();
+    let mut scene = open(name, &budget::opening(None))?;
+    let size = scene.size();
+    // Whole rows, so that no event goes missing for want of a slot.
+    let all = EventReadout::BitPlanes(0, u16::MAX);
+    let text = program.text_with(kinds, &asked.title, device, all);
+    let code = Program::parse("compiled", &text)?
+        .expand(device, &Overrides::default())?
+        .code;
+    let compiled = design::Compiled {
+        title: asked.title.clone(),
+        program: program.clone(),
+        cost: Cost::of(&code.frame, device),
+        code,
+        device: device.clone(),
+    };
+    let silicon = Arithmetic::Silicon {
+        seed: arguments.seed,
+    };
+    let mut chip = compiled.chip(silicon, size, compiled.settings())?;
+    let mut frames = 0;
+    let mut sensors: [&mut (dyn Sensor + Send); 1] = [&mut chip];
+    let packets = rig::watch(&mut *scene, &mut sensors, |_| frames += 1)?;
+    let empty = Packet::new(size, 1);
+    Ok((packets.into_iter().next().unwrap_or(empty), frames))
+}
+
+impl Readouts {
+    /// What the program reads, in a few words.
+    pub(super) fn words(&self) -> &'static str {
+        match self.plans[self.chosen].way {
+            Way::AsProgrammed => "all slots",
+            way => way.words(),
+        }
+    }
+
+    pub(super) fn json(&self) -> serde_json::Value {
+        let plan = |(at, plan): (usize, &Plan)| {
+            json!({
+                "plan": plan.way,
+                "calls": plan.calls,
+                "slots": plan.slots,
+                "rows": plan.rows.as_ref().map(|rows| [*rows.start(), *rows.end()]),
+                "us": plan.us,
+                "frames_s": plan.frames_s(self.array_us),
+                "carries": plan.way.carries(),
+                "lost": plan.lost,
+                "is_chosen": at == self.chosen,
+            })
+        };
+        let plans: Vec<_> = self.plans.iter().enumerate().map(plan).collect();
+        json!({
+            "chosen": self.plans[self.chosen].way,
+            "expected_by": self.basis,
+            "busiest": self.busiest,
+            "plans": plans,
+            "not_known": self.not_known,
+        })
+    }
+
+    /// The table for people, and what is not known.
+    pub(super) fn table(&self) -> String {
+        let row = |(at, plan): (usize, &Plan)| readout_table::Row {
+            way: plan.way,
+            slots: plan.slots,
+            us: plan.us,
+            frames_s: plan.frames_s(self.array_us),
+            lost: plan.lost,
+            is_chosen: at == self.chosen,
+        };
+        let mut text = readout_table::table(self.plans.iter().enumerate().map(row));
+        if let Some(busiest) = self.busiest {
+            text += &format!(
+                "for {busiest} events of one sign and kind in the busiest frame ({}); exposure is in no frame rate\n",
+                self.basis
+            );
+        }
+        for what in &self.not_known {
+            text += &format!("not known: {what}\n");
+        }
+        text
+    }
+}

@@ -1,0 +1,84 @@
+//! How a compiled program reads its events out.
+
+use std::fmt::Write as _;
+
+use super::SLOTS;
+
+/// How a compiled program reads its events out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventReadout {
+    /// Event by event, so many slots for each sign and kind.
+    Slots(u32),
+    /// Whole rows of bits, which the host takes as events: the first and the last row, counted
+    /// from the top.
+    BitPlanes(u16, u16),
+    /// The box around the events of each sign and kind.
+    BoundingBox,
+    /// An estimate of the number of events of each sign and kind.
+    Counts,
+    /// A sum of the drive of each kind.
+    Sums,
+    /// Whether there is any event of each sign and kind.
+    Any,
+}
+
+impl Default for EventReadout {
+    /// Event by event, as many as the chip has slots.
+    fn default() -> Self {
+        Self::Slots(SLOTS)
+    }
+}
+
+impl EventReadout {
+    /// The line at the head of a program.
+    pub(super) fn head(self) -> String {
+        match self {
+            Self::Slots(SLOTS) => {
+                format!("const slots = {SLOTS}; // the most that one readout can deliver\n")
+            }
+            Self::Slots(slots) => format!(
+                "const slots = {slots}; // of each sign and kind, for the busiest frame that is expected\n"
+            ),
+            Self::BitPlanes(first, last) => format!(
+                "// The events leave as bits, rows {first} to {last} of each sign and kind.\n"
+            ),
+            Self::BoundingBox => {
+                "// No event leaves: the box around those of each sign and kind does.\n".to_owned()
+            }
+            Self::Counts => {
+                "// No event leaves: about how many there are of each sign and kind does.\n"
+                    .to_owned()
+            }
+            Self::Sums => "// No event leaves: a sum of the drive of each kind does.\n".to_owned(),
+            Self::Any => {
+                "// No event leaves: whether there are any of each sign and kind does.\n".to_owned()
+            }
+        }
+    }
+
+    /// Writes the statements that read one kind out: its ON and its OFF events are in `bits`;
+    /// `number` is its channel as it stands in names.
+    pub(super) fn write(
+        self,
+        text: &mut String,
+        bits: [&str; 2],
+        number: &str,
+        (drive, scratch): (&str, &str),
+    ) {
+        for (register, sign) in bits.into_iter().zip(["on", "off"]) {
+            let statement = match self {
+                Self::Slots(_) => format!("scamp5_scan_events({register}, {sign}{number}, slots)"),
+                Self::BitPlanes(first, last) => {
+                    format!("scamp5_scan_dreg({register}, {sign}{number}, {first}, {last})")
+                }
+                Self::BoundingBox => format!("scamp5_scan_boundingbox({register}, {sign}{number})"),
+                Self::Counts => format!("scamp5_global_count({register}, {scratch})"),
+                Self::Any => format!("scamp5_global_or({register})"),
+                // One for both signs.
+                Self::Sums if sign == "on" => format!("scamp5_global_sum_16({drive})"),
+                Self::Sums => continue,
+            };
+            let _ = writeln!(text, "    {statement};");
+        }
+    }
+}

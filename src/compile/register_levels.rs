@@ -1,0 +1,120 @@
+//! The search over numbers of registers: a chip with more of them is never given a longer program.
+//!
+//! A search with more registers looks at other states, and may come out worse than one with fewer.
+//! With the words as the objective, what every smaller number of registers gives is therefore
+//! tried as well, with an effort that depends on that number alone: a chip is then given the best
+//! of all that its smaller sisters are given, and of a search of its own. Where the best has as few
+//! words as any program can have ([`bound`](super::bound)), no more is tried.
+
+use super::{
+    allocate::ordinary_registers,
+    bound::LowerBound,
+    error::CompileError,
+    filter::Filter,
+    request::{Effort, Objective, Request},
+};
+use crate::isa::Analog;
+
+/// The registers of the narrowest shipped chip: the search that has the whole effort.
+const USUAL: usize = 6;
+
+/// The most registers that a search is given.
+const MOST: usize = 12;
+
+/// What fewer words come after: whether it is right at the border where that is asked, and whether
+/// nothing saturates.
+type Key = (bool, bool, usize, u32);
+
+impl Request<'_> {
+    /// Searches for the filter.
+    ///
+    /// # Errors
+    /// When a weight is not dyadic, or the registers do not suffice.
+    pub fn filter(&self) -> Result<Filter, CompileError> {
+        let mut all = ordinary_registers(self.device);
+        all.retain(|register| !self.keep.contains(register));
+        // Those that cannot be chosen come first.
+        all.sort_by_key(|r| *r != self.input && !self.into.contains(r));
+        let pinned = |r: &&Analog| **r == self.input || self.into.contains(*r);
+        let fewest = all.iter().filter(pinned).count().max(1);
+        let usual = all.len().min(USUAL);
+        let mut levels = vec![usual];
+        match self.objective {
+            Objective::Words => {
+                levels.extend((fewest..usual).rev());
+                levels.extend(usual + 1..=all.len().min(MOST));
+            }
+            // The fewest words are not what is sought: of a wider chip's two the shorter is taken.
+            Objective::Silicon => levels.extend((all.len() > USUAL).then(|| all.len().min(MOST))),
+        }
+        let mut best: Option<Filter> = None;
+        let mut states = 0;
+        let mut failed = None;
+        for count in levels {
+            let better = |new: &Filter| {
+                best.as_ref()
+                    .is_none_or(|old| self.key(new) < self.key(old))
+            };
+            // Where fewer do not suffice, the first that do have the whole effort.
+            let effort = match &best {
+                None if count > USUAL => self.effort,
+                _ => self.share(count),
+            };
+            match self.filter_in(&all[..count], effort) {
+                Ok(filter) => {
+                    states += filter.states;
+                    if better(&filter) {
+                        best = Some(filter);
+                    }
+                }
+                Err(error) if failed.is_none() || count == all.len() => failed = Some(error),
+                Err(_) => {}
+            }
+            if self.objective == Objective::Words
+                && best.as_ref().is_some_and(|it| self.is_least(it))
+            {
+                break;
+            }
+        }
+        match (best, failed) {
+            (Some(best), _) => Ok(Filter { states, ..best }),
+            (None, Some(error)) => Err(error),
+            (None, None) => Err(Self::too_few(self.into.len(), all.len())),
+        }
+    }
+
+    /// The effort of a search in so many registers, the same on every chip: half of it for each
+    /// register less than usual.
+    fn share(&self, registers: usize) -> Effort {
+        let states = match registers {
+            0..=USUAL => self.effort.states >> (USUAL - registers),
+            MOST.. => self.effort.states / 5,
+            // The plans that need no search.
+            _ => 0,
+        };
+        Effort {
+            states: match self.objective {
+                Objective::Words => states,
+                // No smaller search comes beside it.
+                Objective::Silicon if registers <= USUAL => self.effort.states,
+                Objective::Silicon => states,
+            },
+        }
+    }
+
+    fn key(&self, filter: &Filter) -> Key {
+        (
+            self.border && !filter.border,
+            !filter.holds,
+            filter.words.len(),
+            filter.prescale,
+        )
+    }
+
+    /// Whether no program can be preferred to this one.
+    fn is_least(&self, filter: &Filter) -> bool {
+        let (is_short_of_border, is_beyond_range, words, bits) = self.key(filter);
+        let is_sound = !is_short_of_border && !is_beyond_range && bits == 0;
+        is_sound && words <= usize::from(LowerBound::new(self.kernels).words)
+    }
+}

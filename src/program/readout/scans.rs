@@ -1,0 +1,197 @@
+//! What a program reads out each frame, and what other ways to read the same would take.
+
+use super::{Demand, Plan, Way};
+use crate::{
+    isa::{Device, HostKind, Quantity},
+    program::{Action, Cost, Host, Step, host_us},
+};
+
+/// What a program reads out each frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scans {
+    /// Scans of events: one for each sign and kind.
+    pub count: u64,
+    /// Slots of each.
+    pub slots: u64,
+    /// Time of all that the host does besides, us.
+    pub rest: f64,
+    /// Rows that hold the scene.
+    pub rows: u64,
+}
+
+impl Scans {
+    /// Of a frame's program for a scene of so many rows.
+    #[must_use]
+    pub fn new(frame: &[Step], device: &Device, rows: usize) -> Self {
+        let mut found = (0, 0, 0.0);
+        collect(frame, device, &mut found);
+        let (count, slots, of_scans) = found;
+        Self {
+            count,
+            slots,
+            rest: (Cost::of(frame, device).host_us - of_scans).max(0.0),
+            rows: rows as u64,
+        }
+    }
+
+    /// The cheapest readout that loses nothing, of a chip with these times of a slot, a row …
+    pub fn cheapest(
+        &self,
+        demand: &Demand,
+        item: impl Fn(HostKind) -> f64,
+        device: &Device,
+    ) -> f64 {
+        let ways = [Way::BusiestFrame, Way::BitPlanes, Way::Region];
+        let plans = ways.into_iter().filter_map(|way| {
+            let plan = self.plan(way, Some(demand), device)?;
+            Some(self.us(&plan, item(way.host()), device))
+        });
+        plans.fold(f64::INFINITY, f64::min)
+    }
+
+    /// All ways to read so many events, in the order in which they are shown; without a demand
+    /// those whose size needs none.
+    #[must_use]
+    pub fn plans(&self, demand: Option<&Demand>, device: &Device) -> Vec<Plan> {
+        let ways = [
+            Way::AsProgrammed,
+            Way::BusiestFrame,
+            Way::NinetyNinePercent,
+            Way::BitPlanes,
+            Way::Region,
+            Way::BoundingBox,
+            Way::EventCounts,
+            Way::Sums,
+            Way::AnyEvent,
+        ];
+        let plans = ways.into_iter();
+        plans
+            .filter_map(|way| self.plan(way, demand, device))
+            .collect()
+    }
+
+    /// One way to read so many events; none where its size is not known.
+    #[must_use]
+    pub fn plan(&self, way: Way, demand: Option<&Demand>, device: &Device) -> Option<Plan> {
+        let fit = |slots: u64| slots.clamp(1, self.slots.max(1));
+        let slots = match way {
+            Way::AsProgrammed => Some(self.slots),
+            Way::BusiestFrame => Some(fit(demand?.busiest())),
+            Way::NinetyNinePercent => Some(fit(demand?.ninety_nine()?)),
+            _ => None,
+        };
+        let rows = match way {
+            Way::BitPlanes => Some(0..=self.rows.saturating_sub(1)),
+            Way::Region => Some(demand?.rows()?),
+            _ => None,
+        };
+        let lost = match slots {
+            Some(slots) => demand.map(|demand| demand.lost(slots)),
+            None if way.is_summary() => Some(1.0),
+            None => Some(0.0),
+        };
+        let mut plan = Plan {
+            way,
+            // A sum is of a drive, of which each kind has one; the others are of each sign.
+            calls: if way == Way::Sums {
+                self.count.div_ceil(2)
+            } else {
+                self.count
+            },
+            slots,
+            rows,
+            us: [0.0; 2],
+            lost,
+        };
+        let item = device.host(way.host()).item.as_ref();
+        let ends = item.map_or([0.0; 2], Quantity::ends);
+        plan.us = ends.map(|item| self.us(&plan, item, device));
+        Some(plan)
+    }
+
+    /// Time of a frame's readout, of one time for each slot or row.
+    fn us(&self, plan: &Plan, item: f64, device: &Device) -> f64 {
+        let call = device.host(plan.way.host()).call.value;
+        let rows = plan.rows.as_ref().map(|rows| rows.end() - rows.start() + 1);
+        let items = plan.slots.or(rows).unwrap_or(0);
+        self.rest + plan.calls as f64 * (call + items as f64 * item)
+    }
+}
+
+/// Scans of events, the most slots of one, and the time of all.
+fn collect(steps: &[Step], device: &Device, found: &mut (u64, u64, f64)) {
+    for step in steps {
+        match &step.action {
+            Action::Host(
+                host @ (Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. }),
+            ) => {
+                found.0 += 1;
+                found.1 = found.1.max(u64::from(*slots));
+                found.2 += host_us(host, device);
+            }
+            Action::Repeat { body, times } => {
+                for _ in 0..*times {
+                    collect(body, device, found);
+                }
+            }
+            Action::Host(_) | Action::Word(_) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::choose, *};
+
+    const SCANS: Scans = Scans {
+        count: 2,
+        slots: 4000,
+        rest: 1.0,
+        rows: 64,
+    };
+
+    #[test]
+    fn many_slots_cost_more_than_all_bits() {
+        let device = Device::scamp5();
+        let chosen = |most: u64| {
+            let plans = SCANS.plans(Some(&Demand::expected(most)), &device);
+            plans[choose(&plans).unwrap()].way
+        };
+        // 2 x 64 rows of 4 us at the most are 512 us, as 281 slots of 0.91 us for each sign.
+        assert_eq!(chosen(281), Way::BusiestFrame);
+        assert_eq!(chosen(282), Way::BitPlanes);
+        // More than the host's list holds: slots would lose some.
+        assert_eq!(chosen(5000), Way::BitPlanes);
+    }
+
+    #[test]
+    fn every_way_costs_what_the_chip_s_data_say() {
+        let device = Device::scamp5();
+        let plans = SCANS.plans(Some(&Demand::expected(20)), &device);
+        let us = |way| plans.iter().find(|plan| plan.way == way).map(|it| it.us);
+        let near = |way, [low, high]: [f64; 2]| {
+            let [least, most] = us(way).unwrap();
+            let off = (least - low).abs() + (most - high).abs();
+            assert!(off < 1e-9, "{way:?}: {least} to {most}");
+        };
+        near(Way::AsProgrammed, [1.0 + 2400.0, 1.0 + 7280.0]);
+        near(Way::BusiestFrame, [1.0 + 12.0, 1.0 + 36.4]);
+        near(Way::BitPlanes, [1.0 + 38.4, 1.0 + 512.0]);
+        near(Way::BoundingBox, [9.0, 9.0]);
+        near(Way::EventCounts, [29.0, 29.0]);
+        near(Way::Sums, [15.0, 15.0]);
+        near(Way::AnyEvent, [3.0, 3.0]);
+        // Which rows have events, and how many 99 % of the frames have, nobody has said.
+        assert_eq!((us(Way::Region), us(Way::NinetyNinePercent)), (None, None));
+    }
+
+    #[test]
+    fn without_a_demand_only_what_keeps_all_is_lossless() {
+        let device = Device::scamp5();
+        let plans = SCANS.plans(None, &device);
+        assert_eq!(plans[choose(&plans).unwrap()].way, Way::BitPlanes);
+        assert_eq!(plans[0].way, Way::AsProgrammed);
+        assert_eq!(plans[0].lost, None);
+        assert!(plans.iter().all(|plan| plan.way != Way::BusiestFrame));
+    }
+}

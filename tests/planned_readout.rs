@@ -1,0 +1,288 @@
+//! Proves that the readout of a compiled program is the one that was planned: the cheapest that
+//! loses nothing, at what the chip's data say it costs; that every way to read runs, and gives the
+//! same events as slots do; and that what is not known is said.
+
+#![cfg(feature = "cli")]
+
+mod common;
+
+use std::{fs, path::Path};
+
+use common::{good, json, refused};
+use serde_json::Value;
+use tempfile::TempDir;
+
+const SCENE: &str = "pattern:disc?width=48&height=40&frames=8";
+
+fn compile<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    let mut all = vec![
+        "compile",
+        "csdvs-3",
+        "--to",
+        "ternary",
+        "--threshold",
+        "24",
+        "--effort",
+        "0.02",
+    ];
+    all.extend(more);
+    all
+}
+
+fn plan<'a>(all: &'a Value, way: &str) -> &'a Value {
+    let plans = all["readout"]["plans"].as_array().unwrap();
+    let found = plans.iter().find(|plan| plan["plan"] == way);
+    found.unwrap_or_else(|| panic!("no {way}"))
+}
+
+fn ends(value: &Value) -> [f64; 2] {
+    [0, 1].map(|at| value[at].as_f64().unwrap())
+}
+
+#[track_caller]
+fn near(got: f64, want: f64) {
+    assert!((got / want - 1.0).abs() < 1e-9, "{got}, not {want}");
+}
+
+#[test]
+fn slots_are_taken_for_few_events_and_bits_for_many() {
+    let folder = TempDir::new().unwrap();
+    let asked = |events: &str| json(folder.path(), &compile(&["--events-per-frame", events]));
+    let few = asked("100");
+    assert_eq!(few["readout"]["chosen"], "busiest_frame");
+    assert!(few["text"].as_str().unwrap().contains("const slots = 100;"));
+    // 2 scans of slots of 0.3 to 0.91 us, and 1 us for each value that the host sets.
+    let [least, most] = ends(&plan(&few, "busiest_frame")["us"]);
+    near(most - least, 2.0 * 100.0 * (0.91 - 0.3));
+    near(few["host_us"].as_f64().unwrap(), most);
+    let rest = most - 182.0;
+    near(
+        ends(&plan(&few, "bit_planes")["us"])[1],
+        rest + 2.0 * 256.0 * 4.0,
+    );
+    near(ends(&plan(&few, "bounding_box")["us"])[1], rest + 2.0 * 4.0);
+    near(ends(&plan(&few, "sums")["us"])[1], rest + 14.0);
+    let array = ends(&few["array_us_range"]);
+    near(
+        ends(&plan(&few, "busiest_frame")["frames_s"])[0],
+        1e6 / (array[1] + most),
+    );
+    // From 1126 slots on all bits take less.
+    assert_eq!(asked("1125")["readout"]["chosen"], "busiest_frame");
+    let many = asked("1126");
+    assert_eq!(many["readout"]["chosen"], "bit_planes");
+    let text = many["text"].as_str().unwrap();
+    assert!(text.contains("scamp5_scan_dreg(R5, on, 0, 255);"), "{text}");
+    // More than the host's list holds would be lost; a summary loses all.
+    let share = |plan: &Value| plan["lost"].as_f64().unwrap();
+    near(share(plan(&asked("8000"), "busiest_frame")), 0.5);
+    near(share(plan(&few, "any_event")), 1.0);
+}
+
+#[test]
+fn what_nobody_says_is_not_guessed() {
+    let folder = TempDir::new().unwrap();
+    let all = json(folder.path(), &compile(&[]));
+    assert_eq!(all["readout"]["chosen"], "as_programmed");
+    assert!(all["readout"]["busiest"].is_null());
+    assert!(plan(&all, "as_programmed")["lost"].is_null());
+    let said = all["readout"]["not_known"].to_string();
+    assert!(said.contains("--events-per-frame"), "{said}");
+    let plans = all["readout"]["plans"].as_array().unwrap();
+    for unknown in ["busiest_frame", "ninety_nine_percent", "region"] {
+        assert!(plans.iter().all(|plan| plan["plan"] != unknown));
+    }
+    refused(
+        folder.path(),
+        &compile(&["--readout", "region"]),
+        &["rows", "--scene"],
+    );
+    refused(
+        folder.path(),
+        &["compile", "csdvs-3", "--filter-only", "--readout", "planes"],
+        &["--filter-only"],
+    );
+    let table = good(folder.path(), &compile(&["--events-per-frame", "100"]));
+    assert!(table.contains("* slots for the busiest frame"), "{table}");
+    assert!(table.contains("not known: "), "{table}");
+}
+
+/// The events of a program on the scene, in one order.
+fn events(folder: &Path, program: &str) -> Vec<String> {
+    let out = format!("{program}.csv");
+    let exec = [
+        "exec", program, "--image", SCENE, "--frames", "8", "--events", &out,
+    ];
+    good(folder, &exec);
+    let text = fs::read_to_string(folder.join(out)).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    lines.sort_unstable();
+    lines
+}
+
+#[test]
+fn every_way_runs_and_bits_are_the_same_events() {
+    let folder = TempDir::new().unwrap();
+    let written = |name: &str, more: &[&str]| {
+        let mut all = compile(more);
+        all.extend(["-o", name]);
+        json(folder.path(), &all)
+    };
+    written("slots.scamp", &[]);
+    let slots = events(folder.path(), "slots.scamp");
+    assert!(slots.len() > 50, "{} events", slots.len());
+    written("planes.scamp", &["--readout", "planes"]);
+    assert_eq!(events(folder.path(), "planes.scamp"), slots);
+    // On a scene the rows are counted, with the chip's errors; they hold the events without them.
+    let region = written("region.scamp", &["--scene", SCENE, "--readout", "region"]);
+    let rows = ends(&plan(&region, "region")["rows"]);
+    assert!(rows[0] >= 0.0 && rows[1] < 40.0, "{rows:?}");
+    assert_eq!(events(folder.path(), "region.scamp"), slots);
+    let chosen = written("chosen.scamp", &["--scene", SCENE]);
+    let lossless = chosen["readout"]["plans"].as_array().unwrap().iter();
+    let cheapest = lossless
+        .filter(|plan| plan["lost"] == 0.0)
+        .map(|plan| ends(&plan["us"])[1])
+        .fold(f64::INFINITY, f64::min);
+    near(chosen["host_us"].as_f64().unwrap(), {
+        // The time of the program is at the values of the chip's data, not at their ends.
+        let own = plan(&chosen, chosen["readout"]["chosen"].as_str().unwrap());
+        near(ends(&own["us"])[1], cheapest);
+        chosen["host_us"].as_f64().unwrap()
+    });
+    assert_eq!(events(folder.path(), "chosen.scamp"), slots);
+    for (way, statement) in [
+        ("box", "scamp5_scan_boundingbox(R5, on);"),
+        ("counts", "scamp5_global_count(R6, "),
+        ("sums", "scamp5_global_sum_16(A);"),
+        ("any", "scamp5_global_or(R6);"),
+    ] {
+        let name = format!("{way}.scamp");
+        let all = written(&name, &["--readout", way]);
+        assert!(all["text"].as_str().unwrap().contains(statement), "{way}");
+        let exec = ["exec", &name, "--image", SCENE, "--frames", "8"];
+        good(folder.path(), &exec);
+        good(folder.path(), &["asm", &name]);
+    }
+}
+
+/// Memories in bits, and several kinds: each kind is read in turn.
+#[test]
+fn kinds_with_memories_in_bits_are_read_as_bits() {
+    let folder = TempDir::new().unwrap();
+    let kinds = |name: &str, way: &str| {
+        let all = [
+            "compile",
+            "csdvs-3",
+            "sobel-x",
+            "--to",
+            "ternary",
+            "--threshold",
+            "60",
+            "--effort",
+            "0.02",
+            "--memory",
+            "bits:4",
+            "--readout",
+            way,
+            "-o",
+            name,
+        ];
+        json(folder.path(), &all)
+    };
+    kinds("slots.scamp", "slots");
+    let all = kinds("planes.scamp", "planes");
+    assert_eq!(plan(&all, "bit_planes")["calls"], 4);
+    assert!(
+        all["text"]
+            .as_str()
+            .unwrap()
+            .contains("scamp5_scan_dreg(R6, off1, 0, 255);")
+    );
+    assert_eq!(
+        events(folder.path(), "planes.scamp"),
+        events(folder.path(), "slots.scamp")
+    );
+}
+
+/// A kernel far below one LSB leaves nothing; in whole numbers it does.
+#[test]
+fn what_leaves_nothing_names_what_works() {
+    let folder = TempDir::new().unwrap();
+    let faint = "name = \"faint\"\nweights = [[0.000244140625, 0, -0.000244140625]]\n";
+    fs::write(folder.path().join("faint.toml"), faint).unwrap();
+    let compile = [
+        "compile",
+        "faint.toml",
+        "--filter-only",
+        "--input",
+        "0..1",
+        "--effort",
+        "0.02",
+    ];
+    let words = ["nothing of the kernel", "the nearest that works: --to "];
+    let said = refused(folder.path(), &compile, &words);
+    let name = said.split("--to ").nth(1).unwrap();
+    let name = name.split(',').next().unwrap();
+    let mut again = compile.to_vec();
+    again.extend(["--to", name]);
+    let worst = &json(folder.path(), &again)["predicted"][0]["correlation"];
+    assert!(worst.as_f64().unwrap() > 0.1, "{worst}");
+}
+
+/// The bounds of a filter: proved, or between two numbers.
+#[test]
+fn the_fewest_words_are_bounded() {
+    let folder = TempDir::new().unwrap();
+    let rows = |name: &str, text: &str| {
+        fs::write(
+            folder.path().join(name),
+            format!("name = \"{name}\"\nweights = {text}\n"),
+        )
+        .unwrap();
+    };
+    rows("box.toml", "[[1, 1, 1], [1, 1, 1], [1, 1, 1]]");
+    rows("odd.toml", "[[1, -2, 1], [-1, 1, 1], [0, 1, -1]]");
+    let found = |kernel: &str| {
+        let compile = [
+            "compile",
+            kernel,
+            "--filter-only",
+            "--objective",
+            "words",
+            "--effort",
+            "0.1",
+        ];
+        let said = good(folder.path(), &compile);
+        let numbers = json(folder.path(), &compile);
+        (numbers["bounds"].clone(), said)
+    };
+    let (box3, said) = found("box.toml");
+    assert_eq!((&box3["lower"], &box3["upper"]), (&4.into(), &4.into()));
+    assert_eq!(
+        (&box3["is_optimal"], &box3["proof"]),
+        (&true.into(), &"exhaustive".into())
+    );
+    assert!(
+        said.contains("optimal: no program of fewer words"),
+        "{said}"
+    );
+    let (odd, said) = found("odd.toml");
+    assert!(odd["lower"].as_u64() < odd["upper"].as_u64());
+    assert_eq!(odd["is_optimal"], false);
+    assert!(said.contains("between "), "{said}");
+    // Halved on the way, it is another kernel.
+    let halved = json(
+        folder.path(),
+        &[
+            "compile",
+            "box.toml",
+            "--filter-only",
+            "--input",
+            "0..127",
+            "--effort",
+            "0.02",
+        ],
+    );
+    assert!(halved["bounds"].is_null());
+}
