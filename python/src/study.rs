@@ -6,7 +6,10 @@ use amacrine::{
     array::{Arithmetic, ArithmeticError},
     compare::window,
     compile::SLOTS,
-    event::readout::{Readout, ReadoutError, settings::Description as ReadoutDescription},
+    event::readout::{
+        Readout,
+        settings::{Description as ReadoutDescription, ReadoutError},
+    },
     isa::Device,
     kernel::{
         Kernel,
@@ -19,11 +22,11 @@ use amacrine::{
     scene::kept::Kept,
     study::{
         design::Design,
-        feasibility::{self, readout::ReadoutOrder},
+        feasibility::{self as feasible, readout::ReadoutOrder},
         pilot::{Choice, Effect, Floats, Survey, plan::KEPT, rule},
         quantisation, report,
         trade::{Ask, Trade, trade as survey_all},
-        waterfall::{self, Fall},
+        waterfall::{self as falls, Fall},
     },
     unit::Micros,
 };
@@ -127,8 +130,8 @@ pub fn quantise(of: Named, to: Vec<String>, sum_to: &str, seed: u64) -> PyResult
             sum: quantised.kernel().sum(),
             taps: levels.iter().filter(|level| **level != 0.0).count(),
             response: Change::between(&kernel, &quantised.kernel()),
-            erased: { quantised.erasures(&kernel).iter() }
-                .map(ToString::to_string)
+            erased: { quantised.erasures(&kernel).into_iter() }
+                .map(|erasure| erasure.to_string())
                 .collect(),
         });
     }
@@ -145,10 +148,11 @@ pub fn on_chip(
     of: Named,
     to: Vec<String>,
     threshold: f64,
-    (sum_to, chip, seconds, seed): Search<'_>,
+    search: Search<'_>,
     scene: Shown<'_>,
     within_us: Option<u64>,
 ) -> PyResult<String> {
+    let (sum_to, chip, seconds, seed) = search;
     let (kernel, quantisers) = (kernel(&of)?, quantisers(to)?);
     let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
     check(threshold)?;
@@ -205,17 +209,21 @@ pub fn feasibility(
     py: Python<'_>,
     of: Vec<Named>,
     thresholds: Vec<f64>,
-    (to, candidates): (Option<&str>, Vec<String>),
-    (sum_to, chip, seconds, seed): Search<'_>,
+    levels: (Option<&str>, Vec<String>),
+    search: Search<'_>,
     scene: Shown<'_>,
-    (within_us, exposure_us): (Option<u64>, Option<u64>),
-    (link, overlapped): ([f64; 2], bool),
+    times: (Option<u64>, Option<u64>),
+    link: ([f64; 2], bool),
     chips: u64,
 ) -> PyResult<(String, String)> {
+    let (to, candidates) = levels;
+    let (sum_to, chip, seconds, seed) = search;
+    let (within_us, exposure_us) = times;
+    let (link, overlapped) = link;
     let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
     let to = to.map(quantiser).transpose()?;
     let candidates = match candidates.is_empty() {
-        true => feasibility::CANDIDATES.split(',').map(quantiser).collect(),
+        true => feasible::CANDIDATES.split(',').map(quantiser).collect(),
         false => quantisers(candidates),
     }?;
     let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
@@ -227,7 +235,7 @@ pub fn feasibility(
         let fps = source.open()?.fps();
         let questions: Vec<_> = { of.iter().zip(&kernels).zip(&thresholds) }
             .map(|((named, kernel), threshold)| {
-                Ok(feasibility::Question {
+                Ok(feasible::Question {
                     name: &named.0,
                     kernel,
                     threshold: *threshold,
@@ -254,13 +262,13 @@ pub fn feasibility(
             .collect::<Result<_, Report>>()?;
         let open = || source.open();
         if let [question] = &questions[..] {
-            let (answer, snapshot) = feasibility::ask(question, &open, |_| ())?;
+            let (answer, snapshot) = feasible::ask(question, &open, |_| ())?;
             return Ok((
                 serde_json::to_string(&answer),
                 report::page(&answer, &snapshot),
             ));
         }
-        let several = feasibility::ask_several(&questions, &open, |_| ())?;
+        let several = feasible::ask_several(&questions, &open, |_| ())?;
         let (several, snapshots) =
             several.ok_or_else(|| miette!("there is no kernel to ask about"))?;
         Ok((
@@ -277,9 +285,9 @@ pub fn feasibility(
 #[derive(Serialize)]
 struct Fallen<'a> {
     #[serde(flatten)]
-    steps: &'a waterfall::Waterfall,
+    steps: &'a falls::Waterfall,
     #[serde(flatten)]
-    rates: Option<&'a waterfall::Rates>,
+    rates: Option<&'a falls::Rates>,
 }
 
 /// Where the events of the float sensor go on the way to the chip: as JSON, and drawn.
@@ -288,13 +296,15 @@ pub fn waterfall(
     py: Python<'_>,
     of: Named,
     threshold: f64,
-    (to, domain): (&str, &str),
-    (sum_to, chip, seconds, seed): Search<'_>,
+    how: (&str, &str),
+    search: Search<'_>,
     scene: Shown<'_>,
     within_us: Option<u64>,
     rates: Option<Vec<f64>>,
-    (chips, tiles): (u64, Option<usize>),
+    sample: (u64, Option<usize>),
 ) -> PyResult<(String, String)> {
+    let ((to, domain), (chips, tiles)) = (how, sample);
+    let (sum_to, chip, seconds, seed) = search;
     let (kernel, to) = (kernel(&of)?, quantiser(to)?);
     let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
     let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
@@ -306,7 +316,7 @@ pub fn waterfall(
     );
     let answer = pool::work(py, || {
         let mut shown = source.open()?;
-        let fall = Fall::new(waterfall::Question {
+        let fall = Fall::new(falls::Question {
             design: Design {
                 kernel: &kernel,
                 threshold,
@@ -325,7 +335,7 @@ pub fn waterfall(
             let drawing = svg(&steps.drawing(&title));
             return Ok((steps, None, drawing));
         };
-        let choice = waterfall::Choice {
+        let choice = falls::Choice {
             rates,
             chips,
             tiles,
@@ -351,9 +361,10 @@ pub fn trade(
     scene: Shown<'_>,
     upsample: Option<f64>,
     formats: Vec<String>,
-    (within_us, sample, runs): (u64, f64, u32),
-    (verify, seed): (bool, u64),
+    sample: (u64, f64, u32),
+    how: (bool, u64),
 ) -> PyResult<String> {
+    let ((within_us, sample, runs), (verify, seed)) = (sample, how);
     let description = &sensor.get().description;
     let formats: Vec<Format> = { formats.iter() }
         .map(|name| name.parse().map_err(|e: FormatError| raised(e)))
