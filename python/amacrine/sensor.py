@@ -351,7 +351,7 @@ class Sensor(EventSensor):
         return self._native.name
 
     @cached_property
-    def channels(self) -> list[str]:  # type: ignore[override]
+    def channels(self) -> list[str]:
         named = self._native.channels
         return [str(i) if name is None else name for i, name in enumerate(named)]
 

@@ -12,6 +12,7 @@ mod names;
 mod pool;
 mod program;
 mod record;
+mod register;
 mod run;
 mod sensor;
 mod source;

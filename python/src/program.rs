@@ -8,7 +8,7 @@ use std::{
 use amacrine::{
     array::{Arithmetic, ArithmeticError, Array, Settings},
     event::Packet,
-    isa::{Analog, Device, Digital},
+    isa::Device,
     plane::{Plane, Size},
     program::{
         Action, Cost, Expansion, Host, Includes, Overrides, Program as Text, Step, included,
@@ -25,6 +25,7 @@ use crate::{
     error::{raised, refused},
     frames::{Borrowed, Frames},
     pool, record,
+    register::{named, registers},
 };
 
 /// A program, expanded on its chip.
@@ -296,64 +297,4 @@ fn reads_events(steps: &[Step]) -> bool {
         }
         Action::Repeat { body, .. } => reads_events(body),
     })
-}
-
-/// Something that every pixel has one of.
-#[derive(Clone, Copy)]
-enum Register {
-    Analog(Analog),
-    Digital(Digital),
-    Flag,
-}
-
-impl Register {
-    const fn is_bit(self) -> bool {
-        matches!(self, Self::Digital(_) | Self::Flag)
-    }
-
-    /// What it holds: LSB, or 0 and 1.
-    fn values(self, chip: &dyn Array) -> Plane<f64> {
-        let numbers = |bits: Plane<bool>| bits.mapv(|bit| f64::from(u8::from(bit)));
-        match self {
-            Self::Analog(register) => chip.analog(register),
-            Self::Digital(register) => numbers(chip.digital(register)),
-            Self::Flag => numbers(chip.flag()),
-        }
-    }
-}
-
-/// The registers of a chip with their names, FLAG last.
-fn registers(device: &Device) -> Vec<(String, Register)> {
-    let all = device.registers();
-    let analog = (0..).zip(&all.analog);
-    let digital = (0..).zip(&all.digital);
-    let analog = analog.map(|(i, _)| {
-        let register = Analog(i);
-        (device.analog_name(register), Register::Analog(register))
-    });
-    let digital = digital.map(|(i, _)| {
-        let register = Digital(i);
-        (device.digital_name(register), Register::Digital(register))
-    });
-    let flag = ("FLAG".to_owned(), Register::Flag);
-    analog.chain(digital).chain([flag]).collect()
-}
-
-/// The registers of these names.
-fn named(
-    all: &[(String, Register)],
-    names: Vec<String>,
-    device: &Device,
-) -> PyResult<Vec<(String, Register)>> {
-    let find = |name: String| {
-        let found = all.iter().find(|(known, _)| *known == name).cloned();
-        found.ok_or_else(|| {
-            let known: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
-            refused(
-                format!("{name}: no such register"),
-                format!("{} has {}", device.name(), known.join(" ")),
-            )
-        })
-    };
-    names.into_iter().map(find).collect()
 }
