@@ -3,7 +3,7 @@
 >>> import numpy as np, amacrine
 >>> sensor = amacrine.Sensor.from_file("rgc-4")
 >>> frames, fps = amacrine.load("pattern:bar?width=64&height=48&frames=8&fps=100")
->>> events = sensor.events(frames, fps)
+>>> events = sensor.events(frames, fps, scale=1)
 >>> events.dtype.names
 ('t', 'x', 'y', 'p', 'channel')
 

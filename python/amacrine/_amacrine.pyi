@@ -135,7 +135,7 @@ class Program:
     ]: ...
 
 def read(
-    path: _Path, from_: str | None, of: tuple[int, int] | None, /
+    path: _Path, kind: str | None, of: tuple[int, int] | None
 ) -> tuple[npt.NDArray[np.uint8], int, str]: ...
 def write(
     path: _Path,

@@ -39,6 +39,8 @@ class Answer:
         return cls(data, **more)
 
     def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
         try:
             return self[name]
         except KeyError:
@@ -46,8 +48,6 @@ class Answer:
             raise AttributeError(f"there is no {name}; there are {known}") from None
 
     def __getitem__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise KeyError(name)
         return _wrapped(self._data[name])
 
     def __iter__(self) -> Iterator[str]:

@@ -103,8 +103,9 @@ def load(
         frames: The first so many frames only.
 
     Returns:
-        Light from 0 to 255, (T,H,W), and frames per second: ``uint8`` where all of it is whole
-        numbers, else ``float64`` (give ``scale=1`` to whoever takes it).
+        Light from 0 to 255, (T,H,W), and frames per second. It is ``uint8`` where all of it is
+        whole numbers, else ``float64``, as that of most mp4 is: ``scale=1`` says that it is light
+        already.
     """
     return _amacrine.scene(scene, fps, scale, frames)
 

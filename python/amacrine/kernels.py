@@ -25,10 +25,17 @@ def kernels(given: Any) -> list[Kernel]:
     if isinstance(given, (str, Path)):
         return _named(given)
     if isinstance(given, (list, tuple)) and any(
-        isinstance(one, (str, Path)) or np.ndim(one) >= 2 for one in given
+        isinstance(one, (str, Path)) or _axes(one) >= 2 for one in given
     ):
         return [kernel for one in given for kernel in kernels(one)]
     return _planes(_array(given))
+
+
+def _axes(of: Any) -> int:
+    try:
+        return np.ndim(of)
+    except ValueError:
+        return 1
 
 
 def _array(given: Any) -> npt.NDArray[Any]:

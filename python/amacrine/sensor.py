@@ -520,7 +520,9 @@ def _all(given: Clips, watch: Callable[[int], T]) -> list[T]:
 
 def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
     """A table for each kernel."""
-    if isinstance(given, Mapping) or np.ndim(given) == 0:
+    if isinstance(given, Mapping) or (
+        not isinstance(given, (list, tuple)) and np.ndim(given) == 0
+    ):
         return [_threshold(given)] * count
     all = list(given)
     if len(all) != count:
@@ -534,10 +536,9 @@ def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
 def _threshold(given: Any) -> dict[str, Any]:
     if isinstance(given, Mapping):
         return dict(given)
-    if np.ndim(given) == 0:
-        return {"on": float(given), "off": float(given)}
-    if len(given) == 2:
-        return {"on": float(given[0]), "off": float(given[1])}
+    numbers = np.asarray(given, np.float64).ravel()
+    if numbers.size in (1, 2):
+        return {"on": float(numbers[0]), "off": float(numbers[-1])}
     raise Error(
         f"{given!r} is no threshold\n"
         "help: give a number, a pair (on, off), or a table with on, off and sigma"

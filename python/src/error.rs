@@ -25,7 +25,7 @@ pub fn refused(message: impl std::fmt::Display, help: impl std::fmt::Display) ->
 
 /// In words: the message with its causes, then what to do. Where a text is wrong, its lines are
 /// shown.
-fn told(report: &Report) -> String {
+pub fn told(report: &Report) -> String {
     let diagnostic: &(dyn Diagnostic + Send + Sync) = report.as_ref();
     let mut text = String::new();
     for cause in report.chain() {

@@ -86,11 +86,11 @@ fn load(path: &Path, npy: Option<Vec<u8>>, how: &Opening) -> Result<Loaded, Repo
 pub fn read<'py>(
     py: Python<'py>,
     path: PathBuf,
-    from: Option<&str>,
+    kind: Option<&str>,
     of: Option<(usize, usize)>,
 ) -> PyResult<(Bound<'py, PyArray1<u8>>, u8, String)> {
     let how = Opening {
-        format: format(from)?,
+        format: format(kind)?,
         size: size(of),
     };
     let read = pool::work(py, || {

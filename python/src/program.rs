@@ -22,7 +22,7 @@ use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
     chip::plane,
-    error::{raised, refused},
+    error::{raised, refused, told},
     frames::{Borrowed, Frames},
     pool, record,
     register::{named, registers},
@@ -123,7 +123,7 @@ impl Program {
     #[getter]
     fn warnings(&self) -> Option<String> {
         let warnings = self.program.warnings(&self.expansion)?;
-        Some(warnings.to_string())
+        Some(told(&Report::new(warnings)))
     }
 
     /// Whether it reads events out.
