@@ -124,6 +124,7 @@ class Program:
         fps: float,
         scale: float,
         domain: str | None,
+        clip: bool | None,
         seed: int,
         keep: list[str],
     ) -> tuple[

@@ -104,6 +104,7 @@ class Program:
         *,
         scale: float | None = None,
         domain: str | None = None,
+        clip: bool | None = None,
         seed: int = 0,
         keep: Sequence[str] = (),
     ) -> ProgramRun:
@@ -115,6 +116,8 @@ class Program:
             scale: What floats are multiplied by to be light from 0 to 255.
             domain: What cells hold: ``exact``, ``silicon``, ``f16``, ``q8.8``, …; else what the
                 program says, or ``exact``.
+            clip: Whether every store is limited to the range of a register; else what the program
+                says, or not.
             seed: Which chip and which noise, in ``silicon``.
             keep: Registers to be looked at after every frame, such as ``("A", "R5")``.
         """
@@ -125,7 +128,7 @@ class Program:
         if not 0.0 < rate < float("inf"):
             raise Error(f"{rate} frames a second is no rate\nhelp: give a number above 0")
         found = self._native.run(
-            given.clip(0), float(rate), given.scale, domain, seed, [str(name) for name in keep]
+            given.clip(0), float(rate), given.scale, domain, clip, seed, [str(name) for name in keep]
         )
         records, channels, lost, registers, films = found
         return ProgramRun(view(records, channels), registers, films, lost)

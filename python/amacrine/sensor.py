@@ -348,10 +348,12 @@ class Sensor(EventSensor):
 
     @property
     def name(self) -> str:
+        """What it is called."""
         return self._native.name
 
     @cached_property
     def channels(self) -> list[str]:
+        """The kinds of cells, by name."""
         named = self._native.channels
         return [str(i) if name is None else name for i, name in enumerate(named)]
 
@@ -426,10 +428,12 @@ class ChipSensor(EventSensor):
 
     @property
     def name(self) -> str:
+        """What it is called."""
         return self._native.title
 
     @property
     def channels(self) -> list[str]:
+        """The kinds of cells, by name."""
         return self._channels
 
     @property

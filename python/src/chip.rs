@@ -10,7 +10,8 @@ use amacrine::{
     program::{Cost, Overrides, Program as Text},
     reference::{Border, Description, MemoryRule},
     rig::guard::Warning,
-    study::design::Compiled,
+    sensor::Sensor,
+    study::design::{Compiled, DesignError},
 };
 use miette::{Report, miette};
 use numpy::{PyArray2, PyArrayMethods, ToPyArray};
@@ -18,6 +19,7 @@ use pyo3::prelude::*;
 
 use crate::{
     error::{raised, refused},
+    every::Every,
     pool,
     run::Run,
     watcher,
@@ -255,15 +257,14 @@ impl Chip {
         let arithmetic = arithmetic.with_seed(seed);
         let size = Size::new(size.0, size.1);
         let made = pool::work(py, || {
-            let settings = self.compiled.settings();
-            let chip = self.compiled.chip(arithmetic, size, settings)?;
-            let channels = amacrine::sensor::Sensor::channels(&*chip);
-            let sensor: Box<dyn amacrine::sensor::Sensor + Send> = if slots {
-                Box::new(chip)
-            } else {
-                Box::new(self.compiled.all_events(chip))
+            let chip = self.compiled.chip(arithmetic, size, self.compiled.settings())?;
+            let channels = chip.channels();
+            let sensor: Box<dyn Sensor + Send> = match (slots, channels) {
+                (true, _) => Box::new(chip),
+                (false, 1) => Box::new(self.compiled.all_events(chip)),
+                (false, _) => Box::new(Every::new(chip, &self.compiled.code.frame)),
             };
-            Ok::<_, amacrine::study::design::DesignError>((sensor, channels))
+            Ok::<_, DesignError>((sensor, channels))
         })?;
         let (sensor, channels) = made.map_err(raised)?;
         let watcher = Box::new(watcher::Events::new(sensor));

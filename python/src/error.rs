@@ -44,8 +44,15 @@ pub fn told(report: &Report) -> String {
         let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
             .with_links(false)
             .with_width(WIDTH);
-        if handler.render_report(&mut shown, diagnostic).is_ok() {
-            return format!("{text}\n\n{}", shown.trim_end());
+        // The message stands above already.
+        let start = if diagnostic.related().is_some() {
+            "Error:"
+        } else {
+            "   ╭─["
+        };
+        let rendered = handler.render_report(&mut shown, diagnostic);
+        if let (Ok(()), Some(at)) = (rendered, shown.find(start)) {
+            return format!("{text}\n{}", shown[at..].trim_end());
         }
     }
     if let Some(help) = diagnostic.help() {

@@ -6,6 +6,7 @@
 
 mod chip;
 mod error;
+mod every;
 mod files;
 mod frames;
 mod names;

@@ -149,6 +149,7 @@ impl Program {
         fps: f64,
         scale: f64,
         domain: Option<&str>,
+        clip: Option<bool>,
         seed: u64,
         keep: Vec<String>,
     ) -> PyResult<(
@@ -169,7 +170,7 @@ impl Program {
         };
         let registers = registers(&self.device);
         let kept = named(&registers, keep, &self.device)?;
-        let mut chip = pool::work(py, || self.chip_of(size, domain, seed))?.map_err(raised)?;
+        let mut chip = pool::work(py, || self.chip_of(size, domain, clip, seed))?.map_err(raised)?;
         let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
         let mut films: Vec<Vec<f64>> = vec![Vec::new(); kept.len()];
         for n in 0..count {
@@ -226,6 +227,7 @@ impl Program {
         &self,
         size: Size,
         domain: Option<&str>,
+        clip: Option<bool>,
         seed: u64,
     ) -> Result<Box<dyn Array + Send>, Report> {
         if !size.is_possible() {
@@ -238,7 +240,7 @@ impl Program {
         let name = domain.or(own.domain.as_deref()).unwrap_or("exact");
         let arithmetic: Arithmetic = name.parse().map_err(|e: ArithmeticError| e)?;
         let mut settings = Settings::from_device(&self.device);
-        settings.clip = own.clip.unwrap_or(settings.clip);
+        settings.clip = clip.or(own.clip).unwrap_or(settings.clip);
         settings.edge = own.edge.unwrap_or(settings.edge);
         let chip = arithmetic.with_seed(seed).chip(
             &self.program.file,

@@ -19,7 +19,7 @@ def sensor() -> amacrine.Sensor:
 
 
 MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
-    "even kernel": (lambda: amacrine.Sensor(np.ones((4, 4)), 1), "rows and columns must be odd"),
+    "even kernel": (lambda: amacrine.Sensor(np.ones((4, 4)), 1), "must be odd"),
     "kernel of text": (lambda: amacrine.Sensor(np.array(["a"]), 1), "floats or integers"),
     "kernel axes": (lambda: amacrine.Sensor(np.ones((2, 2, 3, 3)), 1), "(K,1,k,k)"),
     "kernel nan": (lambda: amacrine.Sensor(np.full((3, 3), np.nan), 1), "weights must be finite"),
@@ -36,7 +36,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "no scale": (lambda: sensor().events(GOOD / 255, 9), "scale=255 where they are 0 to 1"),
     "scale": (lambda: sensor().events(GOOD / 255, 9, scale=-1), "above 0"),
     "bool": (lambda: sensor().events(GOOD > 0, 9), "uint8, or floats with a scale"),
-    "nan": (lambda: sensor().events(GOOD / 0.0, 9, scale=1), "not finite"),
+    "nan": (lambda: sensor().events(GOOD + np.nan, 9, scale=1), "not finite"),
     "dark": (lambda: sensor().events(GOOD - 1.0, 9, scale=1), "below zero"),
     "bins": (lambda: sensor().voxels(GOOD, 9, bins=0), "at least one bin"),
     "window": (lambda: sensor().voxels(GOOD, 9, window=1), "give bins"),
@@ -47,7 +47,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "quantiser": (lambda: sensor().on_chip("int-99"), "int-"),
     "chip": (lambda: sensor().on_chip(chip="scamp6"), "there is no chip `scamp6`"),
-    "domain": (lambda: sensor().on_chip(domain="f12").events(GOOD, 9), "unknown domain `f12`"),
+    "domain": (lambda: _on_chip().with_domain("f12").events(GOOD, 9), "unknown domain `f12`"),
     "curve": (
         lambda: amacrine.Sensor("dvs", 1, response={"lin-log": {"knee": 20}}).on_chip(),
         "its response is not linear",
@@ -72,6 +72,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "feasibility": (lambda: amacrine.feasibility("dvs", -1), "the threshold is -1"),
     "frames short": (lambda: amacrine.trade(sensor(), GOOD[:2], fps=9), "three frames"),
 }
+
+
+def _on_chip() -> amacrine.ChipSensor:
+    return amacrine.compile("dvs", 16, effort=0.01)
 
 
 def _steps() -> Any:
@@ -110,14 +114,13 @@ def test_the_words_of_the_command_line(
     )
     with pytest.raises(amacrine.Error) as raised:
         amacrine.Sensor.from_file(file)
-    bare = "".join(c for c in str(raised.value) if c.isalnum())
-    words = ["unknown key `chanel`", "missing key `channel`"]
+    words = ["wrong.toml:3:3: unknown key `chanel`", "did you mean `channel`?"]
     for word in words:
         assert word in stated and word in str(raised.value)
-    assert "wrongtoml" in bare
 
 
-def test_an_interrupted_write_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(amacrine.Error):
-        amacrine.write(tmp_path / "none" / "x.npy", _events([3]))
-    assert not list(tmp_path.iterdir())
+def test_a_write_that_fails_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(amacrine.Error, match="x.npy"):
+        amacrine.write(tmp_path / "file" / "x.npy", _events([3]))
+    assert len(list(tmp_path.iterdir())) == 1
