@@ -59,7 +59,7 @@ fn main() -> io::Result<()> {
 
 /// The files that come with the program as a Rust slice: folder, name in it, text.
 fn bundled(root: &Path) -> io::Result<String> {
-    let mut rows = String::new();
+    let mut rows = Vec::new();
     for (folder, ending) in BUNDLED {
         let mut files = Vec::new();
         collect(&root.join(folder), &mut files)?;
@@ -72,12 +72,12 @@ fn bundled(root: &Path) -> io::Result<String> {
             let parts = inside.with_extension("");
             let parts = parts.iter().map(|name| name.to_string_lossy());
             let name = parts.collect::<Vec<_>>().join("/");
-            rows += &format!(
-                "({folder:?}, {name:?}, include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/{folder}/{name}.{ending}\"))),\n"
-            );
+            let path = format!("/{folder}/{name}.{ending}");
+            let text = format!("include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), {path:?}))");
+            rows.push(format!("({folder:?}, {name:?}, {text}),\n"));
         }
     }
-    Ok(format!("&[\n{rows}]"))
+    Ok(format!("&[\n{}]", rows.concat()))
 }
 
 /// The chips as a Rust slice: name, `device.toml`, and the other two files where there are any.

@@ -92,9 +92,7 @@ impl Chip {
                 levels.push((kind.kernel.clone(), 1.0));
                 continue;
             };
-            let quantised = to
-                .quantise(&kind.kernel, sum, asked.seed)
-                .map_err(raised)?;
+            let quantised = to.quantise(&kind.kernel, sum, asked.seed).map_err(raised)?;
             let erased = quantised.erasures(&kind.kernel).into_iter();
             notes.extend(erased.map(|it| Warning::erased(&to.to_string(), it).to_string()));
             let quantised = quantised.within_one();
@@ -257,7 +255,9 @@ impl Chip {
         let arithmetic = arithmetic.with_seed(seed);
         let size = Size::new(size.0, size.1);
         let made = pool::work(py, || {
-            let chip = self.compiled.chip(arithmetic, size, self.compiled.settings())?;
+            let chip = self
+                .compiled
+                .chip(arithmetic, size, self.compiled.settings())?;
             let channels = chip.channels();
             let sensor: Box<dyn Sensor + Send> = match (slots, channels) {
                 (true, _) => Box::new(chip),

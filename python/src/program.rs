@@ -170,7 +170,8 @@ impl Program {
         };
         let registers = registers(&self.device);
         let kept = named(&registers, keep, &self.device)?;
-        let mut chip = pool::work(py, || self.chip_of(size, domain, clip, seed))?.map_err(raised)?;
+        let mut chip =
+            pool::work(py, || self.chip_of(size, domain, clip, seed))?.map_err(raised)?;
         let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
         let mut films: Vec<Vec<f64>> = vec![Vec::new(); kept.len()];
         for n in 0..count {
@@ -209,7 +210,13 @@ impl Program {
             }
         }
         let records = PyArray1::from_vec(py, bytes);
-        Ok((records, packet.channels, packet.dropped.total(), last, every))
+        Ok((
+            records,
+            packet.channels,
+            packet.dropped.total(),
+            last,
+            every,
+        ))
     }
 }
 

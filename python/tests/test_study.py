@@ -48,7 +48,8 @@ def test_feasibility(program: Callable[..., str], tmp_path: Path) -> None:
         "csdvs-3", 20, to="ternary", candidates=["ternary"], scene=SCENE, effort=0.05, chips=1
     )
     of = answer.to_dict()
-    for name in ("verdict", "chosen", "fit", "streams", "over_chips", "power", "scene"):
+    assert len(stated) > 15
+    for name in set(stated) - {"command", "light", "warnings"}:
         assert of[name] == stated[name], name
     assert "<iframe srcdoc=" in answer._repr_html_()
     answer.save(tmp_path / "report.html")

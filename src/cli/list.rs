@@ -78,16 +78,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "a chip is a folder, and has no one text"
         ));
     };
-    match bundled::find(kind, name) {
-        Some(file) => super::say(file.text),
-        None => {
-            let known: Vec<&str> = bundled::all(kind).map(|file| file.name).collect();
-            return Err(miette!(
-                help = format!("there are {}", known.join(", ")),
-                "there is no {name} in {}",
-                kind.folder()
-            ));
-        }
-    }
+    let file = bundled::find(kind, name).ok_or_else(|| {
+        let known: Vec<&str> = bundled::all(kind).map(|file| file.name).collect();
+        miette!(
+            help = format!("there are {}", known.join(", ")),
+            "there is no {name} in {}",
+            kind.folder()
+        )
+    })?;
+    super::say(file.text);
     Ok(())
 }
