@@ -1,5 +1,7 @@
 //! The one exception, with the words of the command line.
 
+use std::fmt::Write as _;
+
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, Report};
 use pyo3::{PyErr, create_exception, exceptions::PyValueError};
 
@@ -56,7 +58,7 @@ pub fn told(report: &Report) -> String {
         }
     }
     if let Some(help) = diagnostic.help() {
-        text += &format!("\nhelp: {help}");
+        let _ = write!(text, "\nhelp: {help}");
     }
     text
 }

@@ -31,7 +31,7 @@ use crate::{
 /// A program, expanded on its chip.
 #[pyclass(frozen, module = "amacrine._amacrine")]
 pub struct Program {
-    program: Text,
+    source: Text,
     device: Device,
     expansion: Expansion,
 }
@@ -80,7 +80,7 @@ impl Program {
             let overrides: Overrides = constants.into_iter().collect();
             let expansion = program.expand(&device, &overrides)?;
             Ok(Self {
-                program,
+                source: program,
                 device,
                 expansion,
             })
@@ -90,12 +90,12 @@ impl Program {
 
     #[getter]
     fn text(&self) -> &str {
-        &self.program.text
+        &self.source.text
     }
 
     #[getter]
     fn file(&self) -> &str {
-        &self.program.file
+        &self.source.file
     }
 
     /// The name of the chip.
@@ -122,7 +122,7 @@ impl Program {
     /// What is to be warned of in its text, in words.
     #[getter]
     fn warnings(&self) -> Option<String> {
-        let warnings = self.program.warnings(&self.expansion)?;
+        let warnings = self.source.warnings(&self.expansion)?;
         Some(told(&Report::new(warnings)))
     }
 
@@ -136,7 +136,7 @@ impl Program {
     /// Frames a second that it states.
     #[getter]
     fn fps(&self) -> Option<f64> {
-        self.program.settings.fps
+        self.source.settings.fps
     }
 
     /// Shows it frames: the bytes of the records of events, the number of kinds, events that
@@ -243,14 +243,14 @@ impl Program {
                 "an array of {size}"
             ));
         }
-        let own = &self.program.settings;
+        let own = &self.source.settings;
         let name = domain.or(own.domain.as_deref()).unwrap_or("exact");
         let arithmetic: Arithmetic = name.parse().map_err(|e: ArithmeticError| e)?;
         let mut settings = Settings::from_device(&self.device);
         settings.clip = clip.or(own.clip).unwrap_or(settings.clip);
         settings.edge = own.edge.unwrap_or(settings.edge);
         let chip = arithmetic.with_seed(seed).chip(
-            &self.program.file,
+            &self.source.file,
             &self.expansion.code,
             &self.device,
             size,

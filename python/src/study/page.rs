@@ -36,9 +36,10 @@ pub fn feasibility(
     let (link, overlapped) = link;
     let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
     let to = to.map(quantiser).transpose()?;
-    let candidates = match candidates.is_empty() {
-        true => feasible::CANDIDATES.split(',').map(quantiser).collect(),
-        false => quantisers(candidates),
+    let candidates = if candidates.is_empty() {
+        feasible::CANDIDATES.split(',').map(quantiser).collect()
+    } else {
+        quantisers(candidates)
     }?;
     let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
     if !(1..=1024).contains(&chips) {
