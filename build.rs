@@ -1,6 +1,6 @@
 //! Names the build: a hash of the sources, and the compiler. No network, no repository: sources
-//! unpacked from crates.io give the same name as a checkout. And lists the chips of `isa/`, so
-//! that a new chip is a folder.
+//! unpacked from crates.io give the same name as a checkout. And lists the chips of `isa/` and the
+//! files that come with the program, so that a new chip is a folder and a new sensor is a file.
 
 use std::{
     env, fs, io,
@@ -9,7 +9,18 @@ use std::{
 };
 
 /// What is compiled in: the code, and the data that it includes.
-const SOURCES: [&str; 3] = ["src", "isa", "kernels"];
+const SOURCES: [&str; 7] = [
+    "src", "isa", "kernels", "sensors", "programs", "studies", "readouts",
+];
+
+/// Folders whose files are found by name, with what these end in.
+const BUNDLED: [(&str, &str); 5] = [
+    ("sensors", "toml"),
+    ("programs", "scamp"),
+    ("kernels", "toml"),
+    ("studies", "toml"),
+    ("readouts", "toml"),
+];
 
 fn main() -> io::Result<()> {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
@@ -42,7 +53,31 @@ fn main() -> io::Result<()> {
     println!("cargo::rustc-env=AMACRINE_TARGET={target}");
     let chips = chips(&root.join("isa"))?;
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
-    fs::write(out.join("chips.rs"), chips)
+    fs::write(out.join("chips.rs"), chips)?;
+    fs::write(out.join("bundled.rs"), bundled(&root)?)
+}
+
+/// The files that come with the program as a Rust slice: folder, name in it, text.
+fn bundled(root: &Path) -> io::Result<String> {
+    let mut rows = Vec::new();
+    for (folder, ending) in BUNDLED {
+        let mut files = Vec::new();
+        collect(&root.join(folder), &mut files)?;
+        files.sort();
+        for file in files {
+            if file.extension().is_none_or(|it| it != ending) {
+                continue;
+            }
+            let inside = file.strip_prefix(root.join(folder)).unwrap_or(&file);
+            let parts = inside.with_extension("");
+            let parts = parts.iter().map(|name| name.to_string_lossy());
+            let name = parts.collect::<Vec<_>>().join("/");
+            let path = format!("/{folder}/{name}.{ending}");
+            let text = format!("include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), {path:?}))");
+            rows.push(format!("({folder:?}, {name:?}, {text}),\n"));
+        }
+    }
+    Ok(format!("&[\n{}]", rows.concat()))
 }
 
 /// The chips as a Rust slice: name, `device.toml`, and the other two files where there are any.

@@ -26,6 +26,10 @@ bench:
 interop:
     .ci/interop
 
+# The Python package: built, tested, checked
+python:
+    .ci/python-package
+
 # All that takes in bytes under libFuzzer, so many seconds each
 fuzz SECONDS="60":
     .ci/fuzz {{SECONDS}}

@@ -19,6 +19,7 @@
 
 mod aligned;
 pub mod bits;
+pub mod bundled;
 pub mod catch_panic;
 pub mod config;
 pub mod elementary;

@@ -1,7 +1,7 @@
 //! What the samples of a scene mean, the same options for every verb that shows one; what is
 //! said of the light, and the warnings.
 
-use std::fmt::Write as _;
+use std::{fmt::Write as _, path::Path};
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -14,6 +14,9 @@ use crate::{
         bundled_with, open,
     },
 };
+
+/// The name of the bundled clip.
+const BUNDLED: &str = "bundled";
 
 /// `--range`, `--transfer` and `--scale`.
 #[derive(Clone, Debug, clap::Args)]
@@ -93,8 +96,8 @@ impl Samples {
     ) -> Result<Box<dyn Scene>, SceneError> {
         let options = self.opening(fps);
         let scene = match scene {
-            Some(scene) => open(scene, &options)?,
-            None => bundled_with(&options)?,
+            Some(scene) if scene != BUNDLED || Path::new(scene).exists() => open(scene, &options)?,
+            Some(_) | None => bundled_with(&options)?,
         };
         Ok(Box::new(Observed::new(scene, observation)))
     }

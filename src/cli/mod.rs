@@ -19,6 +19,7 @@ pub mod files;
 mod guards;
 mod kernels;
 mod light;
+pub mod list;
 pub mod merge;
 pub mod mesh;
 mod npy;
@@ -123,6 +124,8 @@ verbs! {
     Report => report,
     /// The keys of a kind of file as JSON Schema: sensor, kernel, study, readout, program, chip
     Schema => schema,
+    /// What comes with the program, by name: sensors, programs, kernels, studies, readouts, chips
+    List => list,
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -188,8 +191,8 @@ mod tests {
     use super::*;
 
     /// Arguments that are texts, and no names of files.
-    const TEXTS: [&str; 7] = [
-        "domain", "schedule", "title", "cost", "into", "keep", "explain",
+    const TEXTS: [&str; 8] = [
+        "domain", "schedule", "title", "cost", "into", "keep", "explain", "name",
     ];
 
     /// Every argument that is a path is of a kind that [`files::check`] finds.

@@ -7,8 +7,10 @@ use miette::miette;
 use super::{
     complain,
     files::{Input, Named},
+    list::bundled,
 };
 use crate::{
+    bundled::Kind,
     isa::{Device, Figure},
     limit::FAULTS,
     program::{Expansion, Includes, Overrides, Program, included},
@@ -64,8 +66,11 @@ impl Source {
 
     /// Reads the text, whatever is wrong with it.
     pub fn read(&self) -> miette::Result<Program> {
+        if let Some(file) = bundled(Kind::Program, &self.program) {
+            return Ok(Program::read(&file.path(), file.text));
+        }
         let file = self.program.display().to_string();
-        let help = "give the path of a program, such as programs/dvs/snap.scamp";
+        let help = "give the path of a program, or a name that `amacrine list programs` prints";
         let text = source::text(&self.program, help)?;
         let mut includes = Includes::new();
         self.include(&text, &mut includes);

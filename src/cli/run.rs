@@ -1,11 +1,12 @@
 //! `amacrine run`: a scene through a sensor file.
 
-use std::{cell::RefCell, ops::ControlFlow, path::Path};
+use std::{cell::RefCell, io, ops::ControlFlow, path::Path};
 
 use miette::{WrapErr, miette};
 use serde_json::json;
 
 use crate::{
+    bundled::Kind,
     event::{
         Packet,
         address::AddressWord,
@@ -33,6 +34,7 @@ use super::{
     files::{self, Input, Named, Output},
     guards::{RunGuard, white},
     light::{self, Samples},
+    list::bundled,
     progress::Progress,
     readout,
     without::Effects,
@@ -44,10 +46,10 @@ use super::{
     after_help = "Example: amacrine run --scene clips/vtest_256x256.apng --sensor sensors/rgc.toml --upsample 0.1 --events out/events.npy"
 )]
 pub struct Arguments {
-    /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), or pattern:NAME?key=value
+    /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), pattern:NAME?key=value, or bundled
     #[arg(long)]
     scene: Named,
-    /// The sensor file
+    /// The sensor file, or a name that `amacrine list sensors` prints
     #[arg(long)]
     sensor: Input,
     /// Frames per second, instead of what the scene says
@@ -209,13 +211,19 @@ fn watched(
     Ok(())
 }
 
-/// Reads a sensor file; the kernel files it names are looked for beside it.
+/// Reads a sensor file, or one that comes with the program; the kernel files it names are looked
+/// for beside it.
 ///
 /// # Errors
 /// When a file cannot be read, or is not what it should be.
 pub fn read_sensor(path: &Path) -> miette::Result<Description> {
+    if let Some(file) = bundled(Kind::Sensor, path) {
+        // None of them names another file.
+        let read = |_: &str| Err(io::ErrorKind::NotFound.into());
+        return Ok(Description::parse(&file.path(), file.text, &read)?);
+    }
     let shown = path.display().to_string();
-    let help = "give a sensor file; sensors/ has some to start from";
+    let help = "give a sensor file, or a name that `amacrine list sensors` prints";
     let text = source::text(path, help)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let named = RefCell::new(Vec::new());

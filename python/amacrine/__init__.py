@@ -1,0 +1,55 @@
+"""Event sensors with any receptive field: float models, and programs on a SCAMP-5 array.
+
+>>> import numpy as np, amacrine
+>>> sensor = amacrine.Sensor.from_file("rgc-4")
+>>> frames, fps = amacrine.load("pattern:bar?width=64&height=48&frames=8&fps=100")
+>>> events = sensor.events(frames, fps, scale=1)
+>>> events.dtype.names
+('t', 'x', 'y', 'p', 'channel')
+
+Frames are arrays of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W): ``uint8`` as they are, floats with an
+explicit ``scale`` to light from 0 to 255. Image coordinates: x to the right, y down. Times of
+events are whole microseconds. Whatever is wrong raises :class:`Error`, a ``ValueError``, with the
+words of the command line.
+"""
+
+from ._amacrine import Error, __version__, set_threads, threads
+from .answer import Answer
+from .events import EVENT, EVENT_OF_KINDS
+from .files import About, about, compare, read, write
+from .frames import load
+from .names import names, text
+from .program import Program, ProgramRun
+from .sensor import Caution, ChipSensor, EventSensor, Sensor, Stream, compile
+from .study import Quantised, feasibility, quantise, trade, waterfall
+
+__all__ = [
+    "EVENT",
+    "EVENT_OF_KINDS",
+    "About",
+    "Answer",
+    "Caution",
+    "ChipSensor",
+    "Error",
+    "EventSensor",
+    "Program",
+    "ProgramRun",
+    "Quantised",
+    "Sensor",
+    "Stream",
+    "__version__",
+    "about",
+    "compare",
+    "compile",
+    "feasibility",
+    "load",
+    "names",
+    "quantise",
+    "read",
+    "set_threads",
+    "text",
+    "threads",
+    "trade",
+    "waterfall",
+    "write",
+]

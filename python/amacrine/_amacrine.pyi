@@ -1,0 +1,198 @@
+"""The Rust half of the package; `tests/test_types.py` holds this page to it."""
+
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+
+_Path = str | PathLike[str]
+_Named = tuple[str, bytes | None]
+_Search = tuple[str, str, float, int]
+_Shown = tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]
+
+__version__: str
+
+class Error(ValueError):
+    """What is wrong, in the words of the command line: what was given, what was expected, and
+    what to do."""
+
+def set_threads(threads: int) -> None:
+    """Sets the number of threads from now on; 0 for as many as there are cores."""
+
+def threads() -> int:
+    """The number of threads."""
+
+def names(of: str) -> list[str]: ...
+def text(of: str, name: str) -> tuple[str, str] | None: ...
+@final
+class Sensor:
+    def __new__(
+        cls, file: str, text: str, arrays: dict[str, bytes], folder: _Path | None
+    ) -> Sensor: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def channels(self) -> list[str | None]: ...
+    def watch(
+        self,
+        size: tuple[int, int],
+        fps: float,
+        scale: float,
+        seed: int,
+        format: str,
+        max_events: int | None,
+    ) -> Run: ...
+    def on_chip(self, to: str, sum: str, chip: str, effort: float, seed: int) -> Chip: ...
+
+@final
+class Chip:
+    @property
+    def text(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def chip(self) -> str: ...
+    @property
+    def words(self) -> int: ...
+    @property
+    def array_us(self) -> float: ...
+    @property
+    def lsb(self) -> float: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def levels(self) -> list[tuple[npt.NDArray[np.float64], float]]: ...
+    def watch(
+        self,
+        size: tuple[int, int],
+        fps: float,
+        scale: float,
+        seed: int,
+        domain: str,
+        slots: bool,
+        max_events: int | None,
+    ) -> Run: ...
+
+@final
+class Run:
+    def events(self, frames: npt.NDArray[Any]) -> npt.NDArray[np.uint8]: ...
+    def counts(self, frames: npt.NDArray[Any], out: npt.NDArray[np.int32]) -> None: ...
+    def voxels(self, frames: npt.NDArray[Any], out: npt.NDArray[np.float32]) -> None: ...
+    def bins(
+        self,
+        frames: npt.NDArray[Any],
+        out: npt.NDArray[np.float32],
+        bins: int,
+        length: float,
+        apart: bool,
+    ) -> None: ...
+    @property
+    def seen(self) -> int: ...
+    @property
+    def dropped(self) -> int: ...
+
+@final
+class Program:
+    def __new__(
+        cls,
+        file: str,
+        text: str,
+        folder: _Path | None,
+        chip: str | None,
+        constants: dict[str, float],
+    ) -> Program: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def file(self) -> str: ...
+    @property
+    def chip(self) -> str: ...
+    @property
+    def words(self) -> tuple[int, int]: ...
+    @property
+    def micros(self) -> tuple[float, float]: ...
+    @property
+    def warnings(self) -> str | None: ...
+    @property
+    def reads_events(self) -> bool: ...
+    @property
+    def fps(self) -> float | None: ...
+    def run(
+        self,
+        frames: npt.NDArray[Any],
+        fps: float,
+        scale: float,
+        domain: str | None,
+        clip: bool | None,
+        seed: int,
+        keep: list[str],
+    ) -> tuple[
+        npt.NDArray[np.uint8],
+        int,
+        int,
+        dict[str, npt.NDArray[Any]],
+        dict[str, npt.NDArray[Any]],
+    ]: ...
+
+def read(
+    path: _Path, kind: str | None, of: tuple[int, int] | None
+) -> tuple[npt.NDArray[np.uint8], int, str]: ...
+def write(
+    path: _Path,
+    npy: bytes,
+    of: tuple[int, int] | None,
+    channels: int | None,
+    to: str | None,
+    compression: str,
+) -> None: ...
+def compare(
+    a: tuple[_Path, bytes | None],
+    b: tuple[_Path, bytes | None],
+    of: tuple[int, int] | None,
+    within_us: int | None,
+    fps: float | None,
+    bins: int,
+    seed: int,
+) -> str: ...
+def no_events(subject: str, frames: int) -> str: ...
+def scene(
+    name: str | None, fps: float | None, scale: float | None, frames: int | None
+) -> tuple[npt.NDArray[Any], float]: ...
+def quantise(of: _Named, to: list[str], sum_to: str, seed: int) -> str: ...
+def on_chip(
+    of: _Named,
+    to: list[str],
+    threshold: float,
+    search: _Search,
+    scene: _Shown,
+    within_us: int | None,
+) -> str: ...
+def feasibility(
+    of: list[_Named],
+    thresholds: list[float],
+    levels: tuple[str | None, list[str]],
+    search: _Search,
+    scene: _Shown,
+    times: tuple[int | None, int | None],
+    link: tuple[tuple[float, float], bool],
+    chips: int,
+) -> tuple[str, str]: ...
+def waterfall(
+    of: _Named,
+    threshold: float,
+    how: tuple[str, str],
+    search: _Search,
+    scene: _Shown,
+    within_us: int | None,
+    rates: list[float] | None,
+    sample: tuple[int, int | None],
+) -> tuple[str, str]: ...
+def trade(
+    sensor: Sensor,
+    scene: _Shown,
+    upsample: float | None,
+    formats: list[str],
+    sample: tuple[int, float, int],
+    how: tuple[bool, int],
+) -> str: ...

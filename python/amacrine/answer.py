@@ -1,0 +1,151 @@
+"""What a study says."""
+
+from __future__ import annotations
+
+import html
+import importlib
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+
+class Answer:
+    """What a study says, as the command line's ``--json`` has it.
+
+    Keys are attributes: ``answer.verdict``, or ``answer["verdict"]`` where a name is no word of
+    Python. Lists and numbers are plain. In a notebook it shows its report or its drawing.
+    """
+
+    def __init__(
+        self,
+        data: dict[str, Any],
+        *,
+        page: str | None = None,
+        drawing: str | None = None,
+        rows: str | None = None,
+    ) -> None:
+        self._data = data
+        self._page = page
+        self._drawing = drawing
+        self._rows = rows
+
+    @classmethod
+    def parse(cls, text: str, **more: str | None) -> Answer:
+        """From JSON."""
+        data = json.loads(text)
+        if isinstance(data, list):
+            return cls({"rows": data}, rows="rows")
+        return cls(data, **more)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except KeyError:
+            known = ", ".join(self._data)
+            raise AttributeError(f"there is no {name}; there are {known}") from None
+
+    def __getitem__(self, name: str) -> Any:
+        return _wrapped(self._data[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data)
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._data
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._data]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Answer) and self._data == other._data
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self._data, self._page, self._drawing, self._rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as plain dicts and lists."""
+        return self._data
+
+    def to_frame(self, key: str | None = None) -> Any:
+        """A list of it as a pandas data frame; the list that is its table where ``key`` is left
+        out. Needs pandas."""
+        key = self._rows if key is None else key
+        if key is None or not isinstance(self._data.get(key), list):
+            lists = [name for name, of in self._data.items() if isinstance(of, list)]
+            raise KeyError(f"{key} is no table; there are {', '.join(lists)}")
+        pandas = importlib.import_module("pandas")
+        return pandas.json_normalize(self._data[key])
+
+    @property
+    def page(self) -> str | None:
+        """The report, a page of HTML; none where the study has none."""
+        return self._page
+
+    @property
+    def drawing(self) -> str | None:
+        """The drawing, as SVG; none where the study has none."""
+        return self._drawing
+
+    def save(self, path: str | Path) -> None:
+        """Writes the report (.html), the drawing (.svg) or all of it (.json)."""
+        ending = Path(path).suffix.lower()
+        texts = {".html": self._page, ".svg": self._drawing, ".json": json.dumps(self._data)}
+        text = texts.get(ending)
+        if text is None:
+            has = ", ".join(name for name, of in texts.items() if of is not None)
+            raise ValueError(f"{path}: there is no {ending} of this; give {has}")
+        Path(path).write_text(text, encoding="utf-8")
+
+    def __repr__(self) -> str:
+        return f"Answer({', '.join(self._data)})"
+
+    def _repr_html_(self) -> str:
+        if self._page is not None:
+            whole = html.escape(self._page, quote=True)
+            return f'<iframe srcdoc="{whole}" width="100%" height="800" frameborder="0"></iframe>'
+        if self._drawing is not None:
+            return self._drawing
+        rows = self._data.get(self._rows) if self._rows else [self._data]
+        return _table(rows or [])
+
+
+def _again(
+    data: dict[str, Any], page: str | None, drawing: str | None, rows: str | None
+) -> Answer:
+    return Answer(data, page=page, drawing=drawing, rows=rows)
+
+
+def _wrapped(of: Any) -> Any:
+    if isinstance(of, dict):
+        return Answer(of)
+    if isinstance(of, list):
+        return [_wrapped(one) for one in of]
+    return of
+
+
+def _table(rows: list[Any]) -> str:
+    """Plain values as a table."""
+    plain = [
+        {name: of for name, of in row.items() if not isinstance(of, (dict, list))} for row in rows
+    ]
+    columns = list(dict.fromkeys(name for row in plain for name in row))
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{html.escape(_cell(row.get(c)))}</td>" for c in columns) + "</tr>"
+        for row in plain
+    )
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(of: Any) -> str:
+    if of is None:
+        return ""
+    return f"{of:.4g}" if isinstance(of, float) else str(of)

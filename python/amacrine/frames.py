@@ -1,0 +1,124 @@
+"""Frames as arrays, whatever they come from."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _amacrine
+from ._amacrine import Error
+
+SHAPES = "give an array of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
+
+
+class Clips(NamedTuple):
+    """Clips of one size."""
+
+    all: npt.NDArray[Any]
+    """Light before its scale, (B,T,H,W), of uint8, float32 or float64."""
+    scale: float
+    """What the numbers are multiplied by to be light from 0 to 255."""
+    batched: bool
+    """Whether the caller gave several clips."""
+
+    def clip(self, b: int) -> npt.NDArray[Any]:
+        """Clip `b`, (T,H,W), row by row; copied only where it does not lie so."""
+        return np.ascontiguousarray(self.all[b])
+
+    @property
+    def frames(self) -> int:
+        return int(self.all.shape[1])
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Height and width."""
+        return int(self.all.shape[2]), int(self.all.shape[3])
+
+
+def clips(frames: Any, scale: float | None) -> Clips:
+    """Frames of any of the shapes that are taken; arrays and tensors are not copied where they
+    are of a type that is read in place."""
+    try:
+        array = np.asarray(frames)
+    except (TypeError, RuntimeError, ValueError) as cause:
+        raise Error(
+            f"the frames are no array: {cause}\n"
+            "help: give a numpy array, or a tensor in memory without a gradient "
+            "(tensor.detach().cpu())"
+        ) from cause
+    array, scale = _numbers(array, scale)
+    match array.ndim:
+        case 3:
+            return Clips(array[np.newaxis], scale, batched=False)
+        case 4 if array.shape[1] == 1:
+            return Clips(array[np.newaxis, :, 0], scale, batched=False)
+        case 5 if array.shape[2] == 1:
+            return Clips(array[:, :, 0], scale, batched=True)
+    raise Error(f"frames of shape {array.shape} are no clip\nhelp: {SHAPES}")
+
+
+def _numbers(array: npt.NDArray[Any], scale: float | None) -> tuple[npt.NDArray[Any], float]:
+    kind, width = array.dtype.kind, array.dtype.itemsize
+    if kind not in "uif" or width > 8:
+        raise Error(
+            f"frames of dtype {array.dtype} are no light\n"
+            "help: give uint8, or floats with a scale"
+        )
+    if array.dtype == np.uint8:
+        return array, 1.0 if scale is None else float(scale)
+    if scale is None:
+        raise Error(
+            f"frames of dtype {array.dtype} have no scale of their own\n"
+            "help: say what they are multiplied by to be light from 0 to 255: scale=255 where "
+            "they are 0 to 1, scale=1 where they are 0 to 255"
+        )
+    if kind == "f":
+        exact = np.float64 if width == 8 else np.float32
+        return array.astype(exact, copy=False), float(scale)
+    numbers = array.astype(np.float64)
+    if width == 8 and not np.array_equal(numbers.astype(array.dtype), array):
+        raise Error(
+            "frames hold whole numbers that no float equals\nhelp: give numbers up to 2^53"
+        )
+    return numbers, float(scale)
+
+
+def load(
+    scene: str | None = None,
+    *,
+    fps: float | None = None,
+    scale: float | None = None,
+    frames: int | None = None,
+) -> tuple[npt.NDArray[Any], float]:
+    """A clip as an array.
+
+    Args:
+        scene: What ``amacrine run --scene`` takes: a clip (.mp4, .y4m, .gif, .apng), a folder of
+            pictures, a .npy of shape (T,H,W), ``pattern:NAME?key=value``, or ``bundled``, the clip
+            that comes with the package (the default).
+        fps: Frames per second, instead of what the scene says.
+        scale: What the numbers of a .npy are multiplied by; 255 where they are 0 to 1.
+        frames: The first so many frames only.
+
+    Returns:
+        Light from 0 to 255, (T,H,W), and frames per second. It is ``uint8`` where all of it is
+        whole numbers, else ``float64``, as that of most mp4 is: ``scale=1`` says that it is light
+        already.
+    """
+    return _amacrine.scene(scene, fps, scale, frames)
+
+
+def shown(
+    scene: Any, fps: float | None, scale: float | None
+) -> tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]:
+    """The scene of a study: its name, or frames."""
+    if scene is None or isinstance(scene, str):
+        return scene, None, fps, scale
+    if hasattr(scene, "__fspath__"):
+        return str(scene.__fspath__()), None, fps, scale
+    given = clips(scene, scale)
+    if given.batched:
+        raise Error("several clips where one is watched\nhelp: give an array of shape (T,H,W)")
+    return None, given.clip(0), fps, given.scale

@@ -1,0 +1,99 @@
+"""Kernels: arrays, files and names."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from ._amacrine import Error
+
+Kernels = Union[str, Path, npt.ArrayLike, Sequence[Any]]
+"""A kernel or several: a name, a file, an array of shape (k,k), (K,k,k) or (K,1,k,k), or a list of
+these. Row 0 is to the north; kernels are correlations, as the weights of `torch.nn.Conv2d`."""
+
+Kernel = Union[str, npt.NDArray[Any]]
+
+SHAPES = "give an array of shape (k,k), (K,k,k) or (K,1,k,k), k odd"
+
+
+def kernels(given: Any) -> list[Kernel]:
+    """Each kernel on its own: a name, or an array (k,k)."""
+    if isinstance(given, (str, Path)):
+        return _named(given)
+    if isinstance(given, (list, tuple)) and any(
+        isinstance(one, (str, Path)) or _axes(one) >= 2 for one in given
+    ):
+        return [kernel for one in given for kernel in kernels(one)]
+    return _planes(_array(given))
+
+
+def _axes(of: Any) -> int:
+    try:
+        return np.ndim(of)
+    except ValueError:
+        return 1
+
+
+def _array(given: Any) -> npt.NDArray[Any]:
+    try:
+        array = np.asarray(given)
+    except (TypeError, RuntimeError, ValueError) as cause:
+        raise Error(f"the kernels are no array: {cause}\nhelp: {SHAPES}") from cause
+    if array.dtype.kind not in "uif":
+        raise Error(f"kernels of dtype {array.dtype}\nhelp: give floats or integers")
+    # Whatever narrow format a network was trained in; no weight changes.
+    return array.astype(np.float64)
+
+
+def _planes(array: npt.NDArray[Any]) -> list[Kernel]:
+    if array.ndim == 4 and array.shape[1] == 1:
+        array = array[:, 0]
+    if array.ndim == 2:
+        return [array]
+    if array.ndim == 3:
+        return list(array)
+    raise Error(f"kernels of shape {array.shape}\nhelp: {SHAPES}")
+
+
+def _named(name: str | Path) -> list[Kernel]:
+    path = Path(name)
+    if path.suffix == ".npy" and path.is_file():
+        try:
+            return _planes(_array(np.load(path, allow_pickle=False)))
+        except (OSError, ValueError) as cause:
+            raise Error(f"{path}: {cause}\nhelp: {SHAPES}") from cause
+    return [str(name)]
+
+
+def npy(kernel: npt.NDArray[Any]) -> bytes:
+    """A kernel as the bytes of a `.npy`, which the library checks as it does a file's."""
+    file = io.BytesIO()
+    np.save(file, np.ascontiguousarray(kernel, dtype=np.float64), allow_pickle=False)
+    return file.getvalue()
+
+
+def named(given: Any) -> list[tuple[str, bytes | None]]:
+    """Each kernel for a study: what it is called, and its bytes unless it is built in."""
+    all: list[tuple[str, bytes | None]] = []
+    found = kernels(given)
+    for i, kernel in enumerate(found):
+        if not isinstance(kernel, str):
+            name = "the kernel" if len(found) == 1 else f"kernel {i}"
+            all.append((name, npy(kernel)))
+        elif Path(kernel).is_file():
+            all.append((kernel, Path(kernel).read_bytes()))
+        else:
+            all.append((kernel, None))
+    return all
+
+
+def one(given: Any) -> tuple[str, bytes | None]:
+    """The kernel where there may be one alone."""
+    found = named(given)
+    if len(found) != 1:
+        raise Error(f"{len(found)} kernels\nhelp: give one of them, an array of shape (k,k)")
+    return found[0]

@@ -1,0 +1,43 @@
+"""What comes with the package, by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from . import _amacrine
+from ._amacrine import Error
+
+
+def names(of: str) -> list[str]:
+    """The names of what comes with the package.
+
+    Args:
+        of: ``sensors``, ``programs``, ``kernels``, ``studies``, ``readouts`` or ``chips``.
+    """
+    return _amacrine.names(of)
+
+
+def text(of: str, name: str) -> str:
+    """The text of a file that comes with the package, such as ``text("sensors", "rgc-4")``."""
+    found = _amacrine.text(of, name)
+    if found is None:
+        raise Error(f"there is no {name} in {of}\nhelp: there are {', '.join(names(of))}")
+    return found[1]
+
+
+def opened(of: str, name: str | Path) -> tuple[str, str, Path | None]:
+    """A file by its path, else by its name among those that come with the package: what it is
+    called, its text, and the folder that paths in it are relative to."""
+    path = Path(name)
+    if path.is_file():
+        try:
+            return str(path), path.read_text(encoding="utf-8"), path.parent
+        except (OSError, UnicodeDecodeError) as cause:
+            raise Error(f"{path}: {cause}\nhelp: give a file of text that can be read") from cause
+    found = _amacrine.text(of, str(name))
+    if found is None:
+        raise Error(
+            f"{name}: no such file\nhelp: give the path of a file, or a name that comes with the "
+            f"package: {', '.join(names(of))}"
+        )
+    return *found, None

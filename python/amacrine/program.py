@@ -1,0 +1,141 @@
+"""Programs of the array."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy.typing as npt
+
+from . import _amacrine
+from ._amacrine import Error
+from .events import Events, view
+from .frames import clips
+from .names import opened
+
+FPS = 30.0
+"""Frames per second where neither the caller nor the program says so, as on the command line."""
+
+
+@dataclass(frozen=True)
+class ProgramRun:
+    """What a program gave."""
+
+    events: Events
+    """What it read out, as :attr:`amacrine.EVENT`; all at the times of frames."""
+    registers: dict[str, npt.NDArray[Any]]
+    """After the last frame, by name, (H,W): analogue registers as ``float64``, in LSB, registers of
+    one bit and ``FLAG`` as ``bool``."""
+    films: dict[str, npt.NDArray[Any]]
+    """The registers that were asked for after every frame, (T,H,W)."""
+    lost: int
+    """Events that found no slot of the readout."""
+
+    def __repr__(self) -> str:
+        return f"<ProgramRun: {len(self.events)} events, {self.lost} lost>"
+
+
+class Program:
+    """A program of the array, checked and expanded on its chip."""
+
+    def __init__(self, native: _amacrine.Program) -> None:
+        self._native = native
+        if native.warnings is not None:
+            warnings.warn(native.warnings, stacklevel=3)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | Path,
+        *,
+        chip: str | None = None,
+        constants: Mapping[str, float] | None = None,
+    ) -> Program:
+        """A program (.scamp, or C++ for the vendor's tools), or one that comes with the package by
+        name, such as ``"dvs/snap"``.
+
+        Args:
+            path: Path or name.
+            chip: A shipped chip by name, or the folder of another; else what the program says.
+            constants: Values of constants of the program.
+        """
+        file, text, folder = opened("programs", path)
+        return cls(_amacrine.Program(file, text, folder, chip, _numbers(constants)))
+
+    @classmethod
+    def from_text(
+        cls,
+        text: str,
+        *,
+        chip: str | None = None,
+        constants: Mapping[str, float] | None = None,
+    ) -> Program:
+        """The text of a program."""
+        file = "program.scamp"
+        return cls(_amacrine.Program(file, text, None, chip, _numbers(constants)))
+
+    @property
+    def text(self) -> str:
+        """Its text."""
+        return self._native.text
+
+    @property
+    def words(self) -> int:
+        """Instruction words of a frame."""
+        return self._native.words[1]
+
+    @property
+    def array_us(self) -> float:
+        """Microseconds of a frame on the array, without what the host does."""
+        return self._native.micros[0]
+
+    @property
+    def chip(self) -> str:
+        """The name of its chip."""
+        return self._native.chip
+
+    def run(
+        self,
+        frames: Any,
+        fps: float | None = None,
+        *,
+        scale: float | None = None,
+        domain: str | None = None,
+        clip: bool | None = None,
+        seed: int = 0,
+        keep: Sequence[str] = (),
+    ) -> ProgramRun:
+        """Shows it frames: the first runs ``init``, every later one ``frame``.
+
+        Args:
+            frames: Light, (T,H,W) or (T,1,H,W); the array has their size.
+            fps: Frames per second; else what the program says, or 30.
+            scale: What floats are multiplied by to be light from 0 to 255.
+            domain: What cells hold: ``exact``, ``silicon``, ``f16``, ``q8.8``, …; else what the
+                program says, or ``exact``.
+            clip: Whether every store is limited to the range of a register; else what the program
+                says, or not.
+            seed: Which chip and which noise, in ``silicon``.
+            keep: Registers to be looked at after every frame, such as ``("A", "R5")``.
+        """
+        given = clips(frames, scale)
+        if given.batched:
+            raise Error("several clips\nhelp: give an array of shape (T,H,W)")
+        rate = fps if fps is not None else self._native.fps or FPS
+        if not 0.0 < rate < float("inf"):
+            raise Error(f"{rate} frames a second is no rate\nhelp: give a number above 0")
+        found = self._native.run(
+            given.clip(0), float(rate), given.scale, domain, clip, seed, [str(name) for name in keep]
+        )
+        records, channels, lost, registers, films = found
+        return ProgramRun(view(records, channels), registers, films, lost)
+
+    def __repr__(self) -> str:
+        return f"<Program {self._native.file}: {self.words} words, {self.array_us:.1f} us>"
+
+
+def _numbers(constants: Mapping[str, float] | None) -> dict[str, float]:
+    return {name: float(number) for name, number in (constants or {}).items()}

@@ -1,0 +1,549 @@
+"""Sensors: frames in; events, counts, voxels out."""
+
+from __future__ import annotations
+
+import warnings
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from math import ceil
+from pathlib import Path
+from typing import Any, TypeVar, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _amacrine, toml
+from ._amacrine import Error
+from .events import Events, view
+from .frames import Clips, clips
+from .kernels import Kernel, Kernels, kernels as each, npy
+from .names import opened
+from .program import Program
+
+T = TypeVar("T")
+
+Thresholds = Union[float, Mapping[str, float], Sequence[Any], npt.NDArray[Any]]
+"""One for all kernels, or one for each: a number for both signs, a pair (on, off), or a table with
+the keys ``on``, ``off`` and ``sigma``."""
+
+MOST_SIDE = 1 << 15
+"""The longest side whose addresses an event's ``i2`` holds."""
+
+
+class Caution(UserWarning):
+    """What makes figures mean something else than they seem to: no event at all, a program that
+    cannot follow its sensor in something."""
+
+
+class EventSensor(ABC):
+    """What watches frames: a float sensor, or its program on a chip.
+
+    Each call switches the sensor on anew: its first frame sets the memory and makes no event.
+    Frame n is at n / fps seconds. Frames are arrays, or tensors in memory, of shape (T,H,W),
+    (T,1,H,W) or (B,T,1,H,W), ``uint8`` or floats with a ``scale``; those that lie row by row are
+    read in place. The interpreter is released meanwhile. The same frames give the same events, on
+    any number of threads.
+    """
+
+    @abstractmethod
+    def _watch(self, size: tuple[int, int], fps: float, scale: float) -> _amacrine.Run: ...
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """What it is called."""
+
+    @property
+    @abstractmethod
+    def channels(self) -> list[str]:
+        """The kinds of cells, by name."""
+
+    def events(self, frames: Any, fps: float, *, scale: float | None = None) -> Any:
+        """The events of a clip.
+
+        Args:
+            frames: Light, (T,H,W), (T,1,H,W) or (B,T,1,H,W).
+            fps: Frames per second.
+            scale: What floats are multiplied by to be light from 0 to 255.
+
+        Returns:
+            A structured array with the fields ``t`` (us), ``x``, ``y`` (pixels), ``p`` (1 for ON,
+            0 for OFF), ordered by time, and ``channel`` where there are several kinds of cells:
+            what ``numpy.load`` makes of the file that ``amacrine run --events`` writes. A list of
+            them where there are several clips.
+        """
+        return _one(self._events(clips(frames, scale), fps))
+
+    def _events(self, given: Clips, fps: float) -> tuple[list[Events], bool]:
+        if max(given.size) > MOST_SIDE:
+            raise Error(
+                f"a sensor of {given.size[1]}x{given.size[0]} pixels: the fields x and y hold no "
+                f"more than {MOST_SIDE}\nhelp: take a smaller scene"
+            )
+        kinds = len(self.channels)
+
+        def watch(b: int) -> Events:
+            run = self._watch(given.size, fps, given.scale)
+            return view(run.events(given.clip(b)), kinds)
+
+        all = _all(given, watch)
+        if given.frames > 1 and all and not any(len(events) for events in all):
+            warnings.warn(_amacrine.no_events(self.name, given.frames), Caution, stacklevel=3)
+        return all, given.batched
+
+    def counts(
+        self, frames: Any, fps: float, *, scale: float | None = None
+    ) -> npt.NDArray[np.int32]:
+        """Signed event counts between each two frames.
+
+        Returns:
+            ``int32`` of shape (T-1,K,H,W), or (B,T-1,K,H,W): ON less OFF of each of the K kinds
+            of cells.
+        """
+        given = clips(frames, scale)
+        pairs = max(given.frames - 1, 0)
+        shape = (len(given.all), pairs, len(self.channels), *given.size)
+        out = np.zeros(shape, np.int32)
+
+        def watch(b: int) -> None:
+            run = self._watch(given.size, fps, given.scale)
+            run.counts(given.clip(b), out[b].reshape(-1))
+
+        _all(given, watch)
+        return out if given.batched else out[0]
+
+    def voxels(
+        self,
+        frames: Any,
+        fps: float,
+        *,
+        bins: int | None = None,
+        window: float | None = None,
+        signed: bool = True,
+        scale: float | None = None,
+    ) -> npt.NDArray[np.float32]:
+        """Events in bins of time, each shared between the two nearest bins (bilinear).
+
+        Args:
+            frames: Light, (T,H,W), (T,1,H,W) or (B,T,1,H,W).
+            fps: Frames per second.
+            bins: Bins of a window, its first at the window's start and its last at its end, as in
+                Zhu et al., CVPR 2019. Left out: a bin for each frame, centred on it.
+            window: Length of a window, in seconds; the whole clip where it is left out.
+            signed: ON less OFF; else OFF and ON each have bins of their own.
+            scale: What floats are multiplied by to be light from 0 to 255.
+
+        Returns:
+            ``float32``, in events. Without ``bins`` (T,K,H,W), what ``amacrine run --voxels``
+            writes. With them (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where
+            not ``signed``. Of several clips with a leading axis (B,…).
+        """
+        given = clips(frames, scale)
+        kinds, size = len(self.channels), given.size
+        if bins is None:
+            if window is not None or not signed:
+                raise Error(
+                    "a bin for each frame has no window and no sides\n"
+                    "help: give bins, such as bins=9"
+                )
+            out = np.zeros((len(given.all), given.frames, kinds, *size), np.float32)
+
+            def watch(b: int) -> None:
+                run = self._watch(size, fps, given.scale)
+                run.voxels(given.clip(b), out[b].reshape(-1))
+
+            _all(given, watch)
+            return out if given.batched else out[0]
+        seconds = max(given.frames - 1, 0) / fps if fps > 0 else 0.0
+        length = seconds or 1.0 if window is None else float(window)
+        if bins < 1 or not 0.0 < length < float("inf"):
+            raise Error(
+                f"{bins} bins in a window of {length} s\n"
+                "help: give at least one bin, and a length above 0, in seconds"
+            )
+        # A rounding of the clip's length must not make a window of its own.
+        windows = max(ceil(seconds / length - 1e-9), 1)
+        signs = () if signed else (2,)
+        shape = (len(given.all), windows, kinds, *signs, bins, *size)
+        shared = np.zeros(shape, np.float32)
+
+        def share(b: int) -> None:
+            run = self._watch(size, fps, given.scale)
+            run.bins(given.clip(b), shared[b].reshape(-1), bins, length, not signed)
+
+        _all(given, share)
+        return shared if given.batched else shared[0]
+
+    def stream(self, fps: float, *, scale: float | None = None) -> Stream:
+        """A clip that comes part by part: memory and time go on from one part to the next."""
+        return Stream(self, fps, scale)
+
+
+class Stream:
+    """A sensor that watches a clip part by part."""
+
+    def __init__(self, sensor: EventSensor, fps: float, scale: float | None) -> None:
+        self._sensor, self._fps, self._scale = sensor, fps, scale
+        self._run: _amacrine.Run | None = None
+
+    def _next(self, frames: Any) -> tuple[_amacrine.Run, npt.NDArray[Any]]:
+        given = clips(frames, self._scale)
+        if given.batched:
+            raise Error("a stream is of one clip\nhelp: give an array of shape (T,H,W)")
+        if self._run is None:
+            self._run = self._sensor._watch(given.size, self._fps, given.scale)
+        return self._run, given.clip(0)
+
+    def events(self, frames: Any) -> Events:
+        """The events of the next frames."""
+        run, clip = self._next(frames)
+        return view(run.events(clip), len(self._sensor.channels))
+
+    def counts(self, frames: Any) -> npt.NDArray[np.int32]:
+        """The counts of the next frames, (n,K,H,W), one less of the very first."""
+        run, clip = self._next(frames)
+        pairs = len(clip) - (run.seen == 0)
+        out = np.zeros((max(pairs, 0), len(self._sensor.channels), *clip.shape[1:]), np.int32)
+        run.counts(clip, out.reshape(-1))
+        return out
+
+    def each(self, parts: Iterable[Any]) -> Iterator[Events]:
+        """The events of each part."""
+        return map(self.events, parts)
+
+    @property
+    def seen(self) -> int:
+        """Frames seen."""
+        return 0 if self._run is None else self._run.seen
+
+
+class Sensor(EventSensor):
+    """A float sensor: for each kind of cell a kernel, and a threshold on how far the filtered
+    signal moves.
+
+    Args:
+        kernels: (k,k), (K,k,k) or (K,1,k,k), k odd, row 0 to the north: the weights of a
+            convolution are taken as they are. Or the name of a built-in kernel, a kernel file, or
+            a list of any of these.
+        thresholds: One number, or one for each kernel, in the unit of the filtered signal; pairs
+            (on, off), or tables with ``on``, ``off`` and ``sigma`` (mismatch).
+        response: From light (0 to 255) to signal: ``"identity"``, ``{"linear": 255}`` (light/255,
+            the default), ``{"log": {"white": 255, "offset": 1e-5}}`` or ``{"lin-log": {"knee":
+            20}}``.
+        memory: What an event does to the memory: ``"filtered-step"`` (it moves by one threshold),
+            ``"filtered-snap"`` (it stores the filtered signal) or ``"raw-snap"``.
+        polarity: ``"filtered"`` or ``"pixel"``: where an event's sign comes from.
+        border: ``"replicate"`` or ``"zero"``: what kernels read off the array.
+        refractory: How long a cell is silent after an event, in us, or a table with ``us`` and
+            ``rule``.
+        noise: A table of what disturbs the cells, such as ``{"shot-hz": 5, "leak-hz": 0.1}``.
+        names: What the kinds of cells are called.
+        name: What the sensor is called.
+        seed: Chooses mismatch and noise.
+        format: The number format of signals, weights and memory: ``f64``, ``f32``, ``f16``,
+            ``bf16``, ``q8.8``, …
+        max_events: More events of a clip than this are an error.
+
+    ``docs/reference.md`` has the equations, and what noise there is.
+    """
+
+    def __init__(
+        self,
+        kernels: Kernels,
+        thresholds: Thresholds,
+        *,
+        response: str | Mapping[str, Any] | None = None,
+        memory: str = "filtered-step",
+        polarity: str | None = None,
+        border: str | None = None,
+        refractory: float | Mapping[str, Any] | None = None,
+        noise: Mapping[str, Any] | None = None,
+        names: Sequence[str] | None = None,
+        name: str = "sensor",
+        seed: int = 0,
+        format: str = "f64",
+        max_events: int | None = None,
+    ) -> None:
+        head = {
+            "name": name,
+            "response": {"linear": 255} if response is None else response,
+            "memory": memory,
+            "polarity": polarity,
+            "border": border,
+            "refractory": {"us": refractory} if np.isscalar(refractory) else refractory,
+            "noise": noise,
+        }
+        found = each(kernels)
+        limits = _thresholds(thresholds, len(found))
+        if names is not None and len(names) != len(found):
+            raise Error(f"{len(names)} names for {len(found)} kernels\nhelp: give one for each")
+
+        def text(kernel_of: Callable[[int, Kernel], Any]) -> str:
+            channels = (
+                "\n[[channel]]\n"
+                + toml.table(
+                    {
+                        "name": None if names is None else str(names[i]),
+                        "kernel": kernel_of(i, kernel),
+                        "threshold": limits[i],
+                    }
+                )
+                for i, kernel in enumerate(found)
+            )
+            return toml.table(head) + "".join(channels)
+
+        # What is wrong with an array is said of the array, not of a line of numbers.
+        arrays = {
+            f"kernels[{i}]": npy(kernel)
+            for i, kernel in enumerate(found)
+            if not isinstance(kernel, str)
+        }
+        checked = text(lambda i, kernel: kernel if isinstance(kernel, str) else f"kernels[{i}]")
+        self._native = _amacrine.Sensor("Sensor(…)", checked, arrays, Path())
+        self._text = text(lambda i, kernel: kernel)
+        self._seed, self._format, self._max_events = seed, format, max_events
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | Path,
+        *,
+        seed: int = 0,
+        format: str = "f64",
+        max_events: int | None = None,
+    ) -> Sensor:
+        """A sensor file, or one that comes with the package by name, such as ``"rgc-4"``
+        (:func:`amacrine.names` lists them)."""
+        file, text, folder = opened("sensors", path)
+        return cls._of_text(file, text, folder, (seed, format, max_events))
+
+    @classmethod
+    def from_text(
+        cls,
+        text: str,
+        *,
+        seed: int = 0,
+        format: str = "f64",
+        max_events: int | None = None,
+    ) -> Sensor:
+        """The text of a sensor file."""
+        return cls._of_text("sensor.toml", text, Path(), (seed, format, max_events))
+
+    @classmethod
+    def _of_text(
+        cls, file: str, text: str, folder: Path | None, how: tuple[int, str, int | None]
+    ) -> Sensor:
+        self = cls.__new__(cls)
+        self._native = _amacrine.Sensor(file, text, {}, folder)
+        self._text = text
+        self._seed, self._format, self._max_events = how
+        return self
+
+    def _watch(self, size: tuple[int, int], fps: float, scale: float) -> _amacrine.Run:
+        return self._native.watch(
+            size, float(fps), scale, self._seed, self._format, self._max_events
+        )
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self._native.name
+
+    @cached_property
+    def channels(self) -> list[str]:
+        """The kinds of cells, by name."""
+        named = self._native.channels
+        return [str(i) if name is None else name for i, name in enumerate(named)]
+
+    @property
+    def text(self) -> str:
+        """The sensor file: ``amacrine run --sensor`` takes it."""
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"<Sensor {self.name}: {', '.join(self.channels)}>"
+
+    def on_chip(
+        self,
+        to: str = "exact",
+        *,
+        domain: str = "silicon",
+        chip: str = "scamp5",
+        sum: str = "kept",
+        readout: str = "all",
+        effort: float = 1.0,
+        seed: int | None = None,
+    ) -> ChipSensor:
+        """Its cells as one program of a chip, watching the same frames.
+
+        Args:
+            to: The few values that kernels are brought to: a quantiser such as ``"ternary"`` or
+                ``"int-5"``, or ``"exact"`` for weights as they are.
+            domain: What the cells of the array hold: ``"silicon"`` (with the errors of the chip),
+                ``"exact"``, ``"f16"``, ``"q8.8"``, …
+            chip: A shipped chip by name, or the folder of another.
+            sum: What the quantised kernels must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
+            readout: ``"all"`` reads every event, ``"slots"`` at most 4000 in each scan, as the
+                program asks for; others are lost.
+            effort: How long to search for the program, in seconds of two cores of 2024.
+            seed: Which chip and which noise, and the seed of the search; the sensor's own where it
+                is left out.
+
+        The program takes one decision a frame, stores what was seen (``filtered-snap``) and sees 0
+        off the array: where the sensor is another, a :class:`Caution` says so.
+        """
+        if readout not in ("all", "slots"):
+            raise Error(f"`{readout}` is no readout\nhelp: give all or slots")
+        seed = self._seed if seed is None else seed
+        native = self._native.on_chip(to, sum, chip, float(effort), seed)
+        for note in native.notes:
+            warnings.warn(note, Caution, stacklevel=2)
+        how = (seed, domain, readout == "slots", self._max_events)
+        return ChipSensor(native, self.channels, how)
+
+
+class ChipSensor(EventSensor):
+    """A sensor as one program of a chip; :meth:`Sensor.on_chip` and :func:`compile` make it."""
+
+    def __init__(
+        self,
+        native: _amacrine.Chip,
+        channels: list[str],
+        how: tuple[int, str, bool, int | None],
+    ) -> None:
+        self._native, self._channels = native, channels
+        self._how = how
+
+    def _watch(self, size: tuple[int, int], fps: float, scale: float) -> _amacrine.Run:
+        seed, domain, slots, most = self._how
+        return self._native.watch(size, float(fps), scale, seed, domain, slots, most)
+
+    def with_domain(self, domain: str, *, seed: int | None = None) -> ChipSensor:
+        """The same program on cells that hold something else, or on another chip (``seed``)."""
+        own, _, slots, most = self._how
+        how = (own if seed is None else seed, domain, slots, most)
+        return ChipSensor(self._native, self._channels, how)
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self._native.title
+
+    @property
+    def channels(self) -> list[str]:
+        """The kinds of cells, by name."""
+        return self._channels
+
+    @property
+    def words(self) -> int:
+        """Instruction words of a frame."""
+        return self._native.words
+
+    @property
+    def array_us(self) -> float:
+        """Microseconds of a frame on the array, without readout."""
+        return self._native.array_us
+
+    @property
+    def lsb(self) -> float:
+        """LSB of the drive for each unit of level times light."""
+        return self._native.lsb
+
+    @property
+    def levels(self) -> list[tuple[npt.NDArray[np.float64], float]]:
+        """For each kind of cell the kernel that the chip computes, (k,k), and what it is to be
+        multiplied by to be the sensor's."""
+        return self._native.levels
+
+    @property
+    def notes(self) -> list[str]:
+        """In what it differs from the float sensor, and what few values have erased."""
+        return self._native.notes
+
+    @property
+    def text(self) -> str:
+        """The program, as ``amacrine exec`` takes it."""
+        return self._native.text
+
+    @property
+    def program(self) -> Program:
+        """The program, whose registers can be looked at."""
+        return Program.from_text(self.text, chip=self._native.chip)
+
+    def __repr__(self) -> str:
+        return f"<ChipSensor {self.name}: {self.words} words, {self.array_us:.1f} us>"
+
+
+def compile(
+    kernels: Kernels,
+    thresholds: Thresholds,
+    *,
+    to: str = "exact",
+    domain: str = "silicon",
+    chip: str = "scamp5",
+    sum: str = "kept",
+    effort: float = 1.0,
+    seed: int = 0,
+) -> ChipSensor:
+    """Kernels as one program of a chip, with the proof that it computes them.
+
+    Args:
+        kernels: As for :class:`Sensor`.
+        thresholds: Events where kernel times light (0 to 255) moved by more than this.
+        to: A quantiser, or ``"exact"``.
+
+    The rest is that of :meth:`Sensor.on_chip`.
+    """
+    sensor = Sensor(
+        kernels,
+        thresholds,
+        response="identity",
+        memory="filtered-snap",
+        border="zero",
+        name="compiled",
+        seed=seed,
+    )
+    return sensor.on_chip(to, domain=domain, chip=chip, sum=sum, effort=effort)
+
+
+def _one(of: tuple[list[T], bool]) -> list[T] | T:
+    all, batched = of
+    return all if batched else all[0]
+
+
+def _all(given: Clips, watch: Callable[[int], T]) -> list[T]:
+    """Every clip; several at a time, since a small one does not fill all threads."""
+    count = len(given.all)
+    if count == 1:
+        return [watch(0)]
+    with ThreadPoolExecutor(max_workers=max(1, min(count, _amacrine.threads()))) as pool:
+        return list(pool.map(watch, range(count)))
+
+
+def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
+    """A table for each kernel."""
+    if isinstance(given, Mapping) or (
+        not isinstance(given, (list, tuple)) and np.ndim(given) == 0
+    ):
+        return [_threshold(given)] * count
+    all = list(given)
+    if len(all) != count:
+        raise Error(
+            f"{len(all)} thresholds for {count} kernels\n"
+            "help: give one threshold for all kernels, or one for each, in their order"
+        )
+    return [_threshold(one) for one in all]
+
+
+def _threshold(given: Any) -> dict[str, Any]:
+    if isinstance(given, Mapping):
+        return dict(given)
+    numbers = np.asarray(given, np.float64).ravel()
+    if numbers.size in (1, 2):
+        return {"on": float(numbers[0]), "off": float(numbers[-1])}
+    raise Error(
+        f"{given!r} is no threshold\n"
+        "help: give a number, a pair (on, off), or a table with on, off and sigma"
+    )

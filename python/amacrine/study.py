@@ -1,0 +1,263 @@
+"""Studies: what a kernel, or a sensor, loses on a chip and in plainer models."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _amacrine
+from ._amacrine import Error
+from .answer import Answer
+from .frames import shown
+from .kernels import Kernels, named, one
+from .sensor import Sensor
+
+Scene = Any
+"""What is watched: frames, (T,H,W) or (T,1,H,W), with ``fps``; or what :func:`amacrine.load`
+takes; or None, the clip that comes with the package."""
+
+
+@dataclass(frozen=True)
+class Quantised:
+    """A kernel in few values: scale times levels."""
+
+    to: str
+    """The quantiser."""
+    levels: npt.NDArray[np.float64]
+    """What a chip computes with, (k,k)."""
+    scale: float
+    """What they are to be multiplied by; divide thresholds by it instead."""
+    relative_error: float
+    """|w - scale l| / |w|, root mean square."""
+    sum: float
+    """Its response to uniform light."""
+    taps: int
+    """Levels that are not 0."""
+    erased: tuple[str, ...]
+    """What few values have erased: a surround that is gone, levels that are lopsided."""
+
+    @property
+    def kernel(self) -> npt.NDArray[np.float64]:
+        """The kernel that levels and scale stand for."""
+        kernel: npt.NDArray[np.float64] = self.levels * self.scale
+        return kernel
+
+
+def quantise(
+    kernel: Kernels,
+    to: str | Sequence[str],
+    *,
+    threshold: float | None = None,
+    sum: str = "kept",
+    scene: Scene = None,
+    fps: float | None = None,
+    scale: float | None = None,
+    chip: str = "scamp5",
+    within: float | None = None,
+    effort: float = 1.0,
+    seed: int = 0,
+) -> Any:
+    """A kernel in few values, and what that does to it.
+
+    Args:
+        kernel: A name, a file, or an array (k,k).
+        to: A quantiser such as ``"ternary"``, ``"int-5"``, ``"po2-3"``, ``"q3.4"``; or several.
+        threshold: Compile each for the chip, and run it on a scene beside the float kernel: events
+            where kernel times light (0 to 255) moved by more than this.
+        sum: What the quantised kernel must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
+        scene: What they watch, with ``threshold``.
+
+    Returns:
+        A :class:`Quantised`, a list of them where several were asked for; with ``threshold`` an
+        :class:`Answer` whose table (``rows``) has words, us, what is kept and the threshold
+        equivalent of each.
+    """
+    given, several = one(kernel), not isinstance(to, str)
+    names = [to] if isinstance(to, str) else list(to)
+    if threshold is None:
+        if scene is not None or fps is not None or within is not None:
+            raise Error(
+                "a scene is of no use without a threshold\n"
+                "help: give a threshold, too: then each is run on the chip"
+            )
+        found = json.loads(_amacrine.quantise(given, names, sum, seed))
+        all = [_quantised(of) for of in found]
+        return all if several else all[0]
+    search = (sum, chip, float(effort), seed)
+    text = _amacrine.on_chip(
+        given, names, float(threshold), search, shown(scene, fps, scale), _micros(within)
+    )
+    return Answer.parse(text, rows="rows")
+
+
+def _quantised(of: dict[str, Any]) -> Quantised:
+    return Quantised(
+        to=of["to"],
+        levels=np.asarray(of["levels"], np.float64),
+        scale=of["scale"],
+        relative_error=of["relative_error"],
+        sum=of["sum"],
+        taps=of["taps"],
+        erased=tuple(of["erased"]),
+    )
+
+
+def feasibility(
+    kernels: Kernels,
+    thresholds: float | Sequence[float],
+    *,
+    to: str | None = None,
+    candidates: Sequence[str] = (),
+    sum: str = "kept",
+    scene: Scene = None,
+    fps: float | None = None,
+    scale: float | None = None,
+    chip: str = "scamp5",
+    exposure: float | None = None,
+    link_energy: tuple[float, float] = (1.0, 20.0),
+    overlapped: bool = True,
+    within: float | None = None,
+    chips: int = 32,
+    effort: float = 1.0,
+    seed: int = 0,
+) -> Answer:
+    """Whether kernels can run in the pixels of a chip, and what is lost: the page of ``amacrine
+    feasibility``.
+
+    Args:
+        kernels: As for :class:`Sensor`; several are to share a chip.
+        thresholds: Events where kernel times light (0 to 255) moved by more than this: one for all
+            kernels, or one for each.
+        to: The few values that the chip computes with; else the best of the candidates.
+        candidates: Rows of the table of quantisers; a usual list where it is empty.
+        scene: What is watched.
+        exposure: How long each frame is exposed, in seconds.
+        link_energy: The least and the most energy of a bit on the link, in pJ: an assumption.
+        overlapped: Whether the next frame is exposed while events are read.
+        within: Events match within so many seconds.
+        chips: Chips that are drawn from what the public data allow.
+
+    Returns:
+        All numbers; ``verdict``; ``page`` is the report, which a notebook shows and
+        ``save("report.html")`` writes. ``docs/feasibility.md`` says how each number is found.
+    """
+    given = named(kernels)
+    limits = [float(t) for t in np.atleast_1d(np.asarray(thresholds, np.float64))]
+    if len(limits) == 1:
+        limits *= len(given)
+    if len(limits) != len(given):
+        raise Error(
+            f"{len(limits)} thresholds for {len(given)} kernels\n"
+            "help: give one threshold for all kernels, or one for each, in their order"
+        )
+    low, high = link_energy
+    text, page = _amacrine.feasibility(
+        given,
+        limits,
+        (to, list(candidates)),
+        (sum, chip, float(effort), seed),
+        shown(scene, fps, scale),
+        (_micros(within), _micros(exposure)),
+        ((float(low), float(high)), overlapped),
+        chips,
+    )
+    return Answer.parse(text, page=page, rows="quantisation")
+
+
+def waterfall(
+    kernel: Kernels,
+    threshold: float,
+    to: str = "ternary",
+    *,
+    sum: str = "kept",
+    domain: str = "silicon",
+    rates: Sequence[float] | None = None,
+    steps: bool = False,
+    scene: Scene = None,
+    fps: float | None = None,
+    scale: float | None = None,
+    chip: str = "scamp5",
+    chips: int = 10,
+    tiles: int | None = None,
+    within: float | None = None,
+    effort: float = 1.0,
+    seed: int = 0,
+) -> Answer:
+    """Where the events of the float sensor go on the way to the chip, over frame rate and step by
+    step.
+
+    Args:
+        kernel: A name, a file, or an array (k,k).
+        threshold: Events where kernel times light (0 to 255) moved by more than this.
+        to: How the kernel comes into few values.
+        domain: What the cells of the array hold.
+        rates: Frames per second at which the same light is shown; four from the clip's own to the
+            most that the chip allows where they are left out.
+        steps: Tell only the steps at the clip's own rate, event by event.
+        chips: How many chips: seeds from ``seed`` on.
+        tiles: Tiles of the scene on which they are run; as many as take some seconds if left out.
+
+    Returns:
+        ``kept``, ``steps`` and, over frame rate, ``rates``; ``drawing`` is the picture, which a
+        notebook shows. ``docs/waterfall.md`` says what each cause is.
+    """
+    text, drawing = _amacrine.waterfall(
+        one(kernel),
+        float(threshold),
+        (to, domain),
+        (sum, chip, float(effort), seed),
+        shown(scene, fps, scale),
+        _micros(within),
+        None if steps else [float(rate) for rate in rates or ()],
+        (chips, tiles),
+    )
+    return Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates")
+
+
+def trade(
+    sensor: Sensor,
+    scene: Scene = None,
+    *,
+    fps: float | None = None,
+    scale: float | None = None,
+    upsample: float | None = None,
+    formats: Sequence[str] = ("f32", "f16", "bf16", "q16.16", "q8.8"),
+    within: float = 100e-6,
+    sample: float = 0.05,
+    runs: int = 1,
+    verify: bool = False,
+) -> Answer:
+    """Error against seconds, for every plainer model of a sensor in a scene.
+
+    Args:
+        sensor: The full model, with all its effects, in f64.
+        scene: What is watched, at least three frames.
+        upsample: Insert frames so that no pixel changes by more than this, in ln units.
+        formats: Number formats in place of the full model's.
+        within: An event that is moved by more seconds is changed.
+        sample: The part of the sensor that is run, above 0 and up to 1.
+        runs: How many runs of a model share what it took to know its error.
+        verify: Run every model on the whole scene, too.
+
+    Returns:
+        ``points``, a table with ``name``, ``error``, ``seconds``, ``on_front``, ``is_knee`` and
+        more; ``knee`` is the name of the best. ``docs/fidelity.md`` says what the limits mean.
+    """
+    text = _amacrine.trade(
+        sensor._native,
+        shown(scene, fps, scale),
+        upsample,
+        list(formats),
+        (round(within * 1e6), float(sample), runs),
+        (verify, sensor._seed),
+    )
+    return Answer.parse(text, rows="points")
+
+
+def _micros(seconds: float | None) -> int | None:
+    return None if seconds is None else round(seconds * 1e6)

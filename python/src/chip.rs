@@ -1,0 +1,287 @@
+//! A sensor as one program of a chip.
+
+use amacrine::{
+    array::{Arithmetic, ArithmeticError},
+    compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram},
+    isa::Device,
+    kernel::quantise::{Quantiser, QuantiserNameError, Sum},
+    photoreceptor::Curve,
+    plane::Size,
+    program::{Cost, Overrides, Program as Text},
+    reference::{Border, Description, MemoryRule},
+    rig::guard::Warning,
+    sensor::Sensor,
+    study::design::{Compiled, DesignError},
+};
+use miette::{Report, miette};
+use numpy::{PyArray2, PyArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+
+use crate::{
+    error::{raised, refused},
+    every::Every,
+    pool,
+    run::Run,
+    watcher,
+};
+
+/// How a sensor is to become a program.
+pub struct Asked<'a> {
+    /// A quantiser, or `exact`.
+    pub to: &'a str,
+    pub sum: &'a str,
+    pub chip: &'a str,
+    /// Seconds.
+    pub effort: f64,
+    pub seed: u64,
+}
+
+/// What kernels must sum to, by name.
+pub fn sum(name: &str) -> PyResult<Sum> {
+    match name {
+        "free" => Ok(Sum::Free),
+        "zero" => Ok(Sum::Zero),
+        "kept" => Ok(Sum::Kept),
+        _ => Err(refused(
+            format!("`{name}` is no sum"),
+            "give free, zero or kept",
+        )),
+    }
+}
+
+/// A quantiser by name.
+pub fn quantiser(name: &str) -> PyResult<Quantiser> {
+    name.parse().map_err(|e: QuantiserNameError| raised(e))
+}
+
+/// How long to search.
+pub fn effort(seconds: f64) -> PyResult<Effort> {
+    if (0.0..=3600.0).contains(&seconds) {
+        return Ok(Effort::seconds(seconds));
+    }
+    Err(refused(
+        format!("`{seconds}` is not a number of seconds from 0 to 3600"),
+        "give effort=1",
+    ))
+}
+
+/// A sensor as a program of a chip.
+#[pyclass(frozen, module = "amacrine._amacrine")]
+pub struct Chip {
+    compiled: Compiled,
+    /// The kernel of each kind as it is computed, and what it is to be multiplied by.
+    levels: Vec<(amacrine::kernel::Kernel, f64)>,
+    /// In what the program differs from the float sensor, and what few values have erased.
+    notes: Vec<String>,
+}
+
+impl Chip {
+    /// Brings the kernels to few values, finds a program for them, and reads it back.
+    pub fn new(description: &Description, asked: &Asked<'_>) -> PyResult<Self> {
+        let to = match asked.to {
+            "exact" => None,
+            name => Some(quantiser(name)?),
+        };
+        let sum = sum(asked.sum)?;
+        let device = Device::find(asked.chip).map_err(raised)?;
+        let effort = effort(asked.effort)?;
+        let (mut kinds, mut notes) = cells(description).map_err(raised)?;
+        let mut levels = Vec::new();
+        for kind in &mut kinds {
+            let Some(to) = to else {
+                levels.push((kind.kernel.clone(), 1.0));
+                continue;
+            };
+            let quantised = to.quantise(&kind.kernel, sum, asked.seed).map_err(raised)?;
+            let erased = quantised.erasures(&kind.kernel).into_iter();
+            notes.extend(erased.map(|it| Warning::erased(&to.to_string(), it).to_string()));
+            let quantised = quantised.within_one();
+            kind.on /= quantised.scale;
+            kind.off /= quantised.scale;
+            kind.kernel = quantised.levels.clone();
+            levels.push((quantised.levels, quantised.scale));
+        }
+        let compiled = compile(description, &kinds, &device, effort, asked.seed);
+        Ok(Self {
+            compiled: compiled.map_err(raised)?,
+            levels,
+            notes,
+        })
+    }
+}
+
+fn compile(
+    description: &Description,
+    kinds: &[CellKind],
+    device: &Device,
+    effort: Effort,
+    seed: u64,
+) -> Result<Compiled, Report> {
+    let kernels: Vec<_> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
+    let mut request = Request::new(&kernels, device)?;
+    request.effort = effort;
+    request.seed = seed;
+    let title = description.name.as_str();
+    let made: Result<_, CompileError> =
+        SensorProgram::new(kinds, DriveMemory::Analogue, title, &request);
+    let program = made?;
+    let text = Text::parse(title, &program.text)?;
+    let code = text.expand(device, &Overrides::default())?.code;
+    Ok(Compiled {
+        title: title.to_owned(),
+        cost: Cost::of(&code.frame, device),
+        program,
+        code,
+        device: device.clone(),
+    })
+}
+
+/// The cells of a sensor in kernel times light, 0 to 255; and in what a chip cannot follow it.
+fn cells(description: &Description) -> Result<(Vec<CellKind>, Vec<String>), Report> {
+    let name = &description.name;
+    let white = match description.response.curve {
+        Curve::Identity => 1.0,
+        Curve::Linear { white } => white,
+        Curve::Log { .. } | Curve::LinLog { .. } => {
+            return Err(miette!(
+                help = "the chip's photodiode is linear: give a sensor with `response = {{ linear = … }}`",
+                "{name}: its response is not linear"
+            ));
+        }
+    };
+    let mut kinds = Vec::new();
+    for channel in &description.channels {
+        let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
+            return Err(miette!(
+                help = "give every kind of cell one kernel; all pixels of the array run the same program",
+                "{name}: a channel has a pattern of kernels"
+            ));
+        };
+        if channel.surrounds.is_some() {
+            return Err(miette!(
+                help = "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
+                "{name}: a channel sees through a resistor mesh, which is no program"
+            ));
+        }
+        kinds.push(CellKind {
+            kernel: kernel.clone(),
+            on: threshold.on * white,
+            off: threshold.off * white,
+        });
+    }
+    let mut notes = Vec::new();
+    if description.memory != MemoryRule::FilteredSnap {
+        notes.push(format!(
+            "{name}: its memory is not filtered-snap; one decision a frame stores what was seen"
+        ));
+    }
+    if description.border == Border::Replicate {
+        notes.push(format!(
+            "{name} replicates the border; off the array the chip sees 0"
+        ));
+    }
+    if description.refractory.us > 0.0 {
+        notes.push(format!(
+            "{name} has a refractory period; the program has one decision a frame"
+        ));
+    }
+    Ok((kinds, notes))
+}
+
+#[pymethods]
+impl Chip {
+    /// The program.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.compiled.program.text
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.compiled.title
+    }
+
+    /// The name of the chip.
+    #[getter]
+    fn chip(&self) -> &str {
+        self.compiled.device.name()
+    }
+
+    /// Instruction words of a frame.
+    #[getter]
+    fn words(&self) -> u64 {
+        self.compiled.cost.words.0
+    }
+
+    /// Microseconds of a frame on the array, without readout.
+    #[getter]
+    fn array_us(&self) -> f64 {
+        self.compiled.cost.array_us
+    }
+
+    /// LSB for each unit of level times light.
+    #[getter]
+    fn lsb(&self) -> f64 {
+        self.compiled.program.scale
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    /// The levels of each kind, `(k, k)`, and what they are to be multiplied by.
+    #[getter]
+    fn levels<'py>(&self, py: Python<'py>) -> Vec<(Bound<'py, PyArray2<f64>>, f64)> {
+        let levels = self.levels.iter();
+        levels
+            .map(|(kernel, scale)| (plane(py, kernel.weights()), *scale))
+            .collect()
+    }
+
+    /// The chip at this size as switched on.
+    fn watch(
+        &self,
+        py: Python<'_>,
+        size: (usize, usize),
+        fps: f64,
+        scale: f64,
+        seed: u64,
+        domain: &str,
+        slots: bool,
+        max_events: Option<usize>,
+    ) -> PyResult<Run> {
+        let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
+        let arithmetic = arithmetic.with_seed(seed);
+        let size = Size::new(size.0, size.1);
+        let made = pool::work(py, || {
+            let chip = self
+                .compiled
+                .chip(arithmetic, size, self.compiled.settings())?;
+            let channels = chip.channels();
+            let sensor: Box<dyn Sensor + Send> = match (slots, channels) {
+                (true, _) => Box::new(chip),
+                (false, 1) => Box::new(self.compiled.all_events(chip)),
+                (false, _) => Box::new(Every::new(chip, &self.compiled.code.frame)),
+            };
+            Ok::<_, DesignError>((sensor, channels))
+        })?;
+        let (sensor, channels) = made.map_err(raised)?;
+        let watcher = Box::new(watcher::Events::new(sensor));
+        Run::new(watcher, (size, channels), fps, scale, max_events)
+    }
+}
+
+/// A plane as an array of its own, `(H, W)`.
+pub fn plane<'py, T: numpy::Element + Copy>(
+    py: Python<'py>,
+    plane: &amacrine::plane::Plane<T>,
+) -> Bound<'py, PyArray2<T>> {
+    let (height, width) = plane.dim();
+    let flat: Vec<T> = plane.iter().copied().collect();
+    let array = flat.to_pyarray(py);
+    // As many numbers as the plane has.
+    array
+        .reshape([height, width])
+        .unwrap_or_else(|_| PyArray2::zeros(py, [height, width], false))
+}

@@ -1,0 +1,49 @@
+//! The Rust half of the Python package: arrays in, arrays and JSON out.
+//!
+//! What a person meets (names, defaults, docstrings, shapes) is in `amacrine/`; here are the
+//! doors to the library. Frames are read where numpy holds them, results are handed over without
+//! a copy, and the interpreter is released while anything is computed.
+
+mod chip;
+mod error;
+mod every;
+mod files;
+mod frames;
+mod names;
+mod pool;
+mod program;
+mod record;
+mod register;
+mod run;
+mod sensor;
+mod source;
+mod study;
+mod watcher;
+
+use pyo3::{prelude::*, wrap_pyfunction};
+
+#[pymodule]
+fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("Error", py.get_type::<error::Error>())?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<sensor::Sensor>()?;
+    module.add_class::<chip::Chip>()?;
+    module.add_class::<run::Run>()?;
+    module.add_class::<program::Program>()?;
+    module.add_function(wrap_pyfunction!(pool::set_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(pool::threads, module)?)?;
+    module.add_function(wrap_pyfunction!(names::names, module)?)?;
+    module.add_function(wrap_pyfunction!(names::text, module)?)?;
+    module.add_function(wrap_pyfunction!(files::read, module)?)?;
+    module.add_function(wrap_pyfunction!(files::write, module)?)?;
+    module.add_function(wrap_pyfunction!(files::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(files::no_events, module)?)?;
+    module.add_function(wrap_pyfunction!(source::scene, module)?)?;
+    module.add_function(wrap_pyfunction!(study::quantise, module)?)?;
+    module.add_function(wrap_pyfunction!(study::on_chip, module)?)?;
+    module.add_function(wrap_pyfunction!(study::feasibility, module)?)?;
+    module.add_function(wrap_pyfunction!(study::waterfall, module)?)?;
+    module.add_function(wrap_pyfunction!(study::trade, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,79 @@
+//! Threads. Everything is computed in a pool of our own: a worker of a data loader is a fork of the
+//! process, in which the threads of any pool that was there before are gone.
+
+use std::{
+    mem, process,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::error::refused;
+
+struct Own {
+    process: u32,
+    pool: Arc<ThreadPool>,
+}
+
+static POOL: Mutex<Option<Own>> = Mutex::new(None);
+
+/// A pool of so many threads; 0 for as many as there are cores, or `RAYON_NUM_THREADS` says.
+fn build(threads: usize) -> PyResult<Arc<ThreadPool>> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|cause| {
+        refused(
+            format!("cannot start {threads} threads: {cause}"),
+            "ask for fewer",
+        )
+    })?;
+    Ok(Arc::new(pool))
+}
+
+fn pool() -> PyResult<Arc<ThreadPool>> {
+    let mut own = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = process::id();
+    if let Some(there) = own.as_ref().filter(|there| there.process == process) {
+        return Ok(Arc::clone(&there.pool));
+    }
+    let pool = build(0)?;
+    let new = Own {
+        process,
+        pool: Arc::clone(&pool),
+    };
+    // The threads of the parent's pool are not here: nobody must wait for them.
+    mem::forget(own.replace(new));
+    Ok(pool)
+}
+
+/// Does it on the pool, with the interpreter released.
+pub fn work<T: Send>(py: Python<'_>, what: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let pool = pool()?;
+    Ok(py.detach(|| pool.install(what)))
+}
+
+/// Sets the number of threads from now on; 0 for as many as there are cores.
+#[pyfunction]
+pub fn set_threads(threads: usize) -> PyResult<()> {
+    let own = Own {
+        process: process::id(),
+        pool: build(threads)?,
+    };
+    let before = POOL
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .replace(own);
+    if before
+        .as_ref()
+        .is_some_and(|it| it.process != process::id())
+    {
+        mem::forget(before);
+    }
+    Ok(())
+}
+
+/// The number of threads.
+#[pyfunction]
+pub fn threads() -> PyResult<usize> {
+    Ok(pool()?.current_num_threads())
+}

@@ -1,0 +1,309 @@
+//! Programs of the array.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use amacrine::{
+    array::{Arithmetic, ArithmeticError, Array, Settings},
+    event::Packet,
+    isa::Device,
+    plane::{Plane, Size},
+    program::{
+        Action, Cost, Expansion, Host, Includes, Overrides, Program as Text, Step, included,
+    },
+    source,
+    unit::Micros,
+};
+use miette::{Report, miette};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::{prelude::*, types::PyDict};
+
+use crate::{
+    chip::plane,
+    error::{raised, refused, told},
+    frames::{Borrowed, Frames},
+    pool, record,
+    register::{named, registers},
+};
+
+/// A program, expanded on its chip.
+#[pyclass(frozen, module = "amacrine._amacrine")]
+pub struct Program {
+    source: Text,
+    device: Device,
+    expansion: Expansion,
+}
+
+/// Files that vendor C++ asks for, as many as are looked for.
+const MOST: usize = 64;
+
+/// Reads the files that vendor C++ asks for, and those that they ask for, in a folder.
+fn include(text: &str, folder: &Path, includes: &mut Includes) {
+    for name in included(text) {
+        if includes.contains_key(&name) || includes.len() > MOST {
+            continue;
+        }
+        let path = name.replace('\\', "/");
+        let last = path.rsplit('/').next().unwrap_or(&path);
+        let tried = [path.as_str(), last].map(|path| folder.join(path));
+        let found = tried.iter().find(|path| path.is_file());
+        let Some(text) = found.and_then(|path| source::text(path, "").ok()) else {
+            continue;
+        };
+        includes.insert(name, text.as_str().into());
+        include(&text, folder, includes);
+    }
+}
+
+#[pymethods]
+impl Program {
+    /// The text of a program called `file`, on a chip, with constants of the caller.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        file: &str,
+        text: &str,
+        folder: Option<PathBuf>,
+        chip: Option<&str>,
+        constants: BTreeMap<String, f64>,
+    ) -> PyResult<Self> {
+        let made = pool::work(py, || {
+            let mut includes = Includes::new();
+            if let Some(folder) = &folder {
+                include(text, folder, &mut includes);
+            }
+            let program = Text::read_with(file, text, &includes);
+            let chip = chip.or(program.settings.chip.as_deref());
+            let device = Device::find(chip.unwrap_or("scamp5"))?;
+            let overrides: Overrides = constants.into_iter().collect();
+            let expansion = program.expand(&device, &overrides)?;
+            Ok(Self {
+                source: program,
+                device,
+                expansion,
+            })
+        })?;
+        made.map_err(|report: Report| raised(report))
+    }
+
+    #[getter]
+    fn text(&self) -> &str {
+        &self.source.text
+    }
+
+    #[getter]
+    fn file(&self) -> &str {
+        &self.source.file
+    }
+
+    /// The name of the chip.
+    #[getter]
+    fn chip(&self) -> &str {
+        self.device.name()
+    }
+
+    /// Instruction words of `init` and of `frame`.
+    #[getter]
+    fn words(&self) -> (u64, u64) {
+        let code = &self.expansion.code;
+        let words = |steps: &[Step]| Cost::of(steps, &self.device).words.0;
+        (words(&code.init), words(&code.frame))
+    }
+
+    /// Microseconds of a frame on the array, and with what the host does.
+    #[getter]
+    fn micros(&self) -> (f64, f64) {
+        let cost = Cost::of(&self.expansion.code.frame, &self.device);
+        (cost.array_us, cost.micros())
+    }
+
+    /// What is to be warned of in its text, in words.
+    #[getter]
+    fn warnings(&self) -> Option<String> {
+        let warnings = self.source.warnings(&self.expansion)?;
+        Some(told(&Report::new(warnings)))
+    }
+
+    /// Whether it reads events out.
+    #[getter]
+    fn reads_events(&self) -> bool {
+        let code = &self.expansion.code;
+        reads_events(&code.init) || reads_events(&code.frame)
+    }
+
+    /// Frames a second that it states.
+    #[getter]
+    fn fps(&self) -> Option<f64> {
+        self.source.settings.fps
+    }
+
+    /// Shows it frames: the bytes of the records of events, the number of kinds, events that
+    /// found no slot, registers after the last frame, and those of `keep` after every frame.
+    #[expect(clippy::type_complexity, reason = "what a run gives, once")]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        frames: &Bound<'py, PyAny>,
+        fps: f64,
+        scale: f64,
+        domain: Option<&str>,
+        clip: Option<bool>,
+        seed: u64,
+        keep: Vec<String>,
+    ) -> PyResult<(
+        Bound<'py, PyArray1<u8>>,
+        u8,
+        u64,
+        Bound<'py, PyDict>,
+        Bound<'py, PyDict>,
+    )> {
+        let borrowed = Borrowed::new(frames)?;
+        let (count, height, width) = borrowed.shape();
+        let size = Size::new(height, width);
+        let light = Light {
+            frames: borrowed.frames()?,
+            count,
+            fps,
+            scale,
+        };
+        let registers = registers(&self.device);
+        let kept = named(&registers, keep, &self.device)?;
+        let mut chip =
+            pool::work(py, || self.chip_of(size, domain, clip, seed))?.map_err(raised)?;
+        let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
+        let mut films: Vec<Vec<f64>> = vec![Vec::new(); kept.len()];
+        for n in 0..count {
+            let shown = pool::work(py, || {
+                self.show(&mut *chip, &light, n, &mut packet)?;
+                for ((_, register), film) in kept.iter().zip(&mut films) {
+                    film.extend(register.values(&*chip));
+                }
+                Ok(())
+            })?;
+            shown.map_err(|report: Report| raised(report))?;
+            py.check_signals()?;
+        }
+        let mut bytes = Vec::new();
+        record::append(&packet.events, packet.channels, &mut bytes);
+        let last = PyDict::new(py);
+        for (name, register) in &registers {
+            let values = register.values(&*chip);
+            if register.is_bit() {
+                last.set_item(name, plane(py, &values.mapv(|bit| bit != 0.0)))?;
+            } else {
+                last.set_item(name, plane(py, &values))?;
+            }
+        }
+        let every = PyDict::new(py);
+        for ((name, register), film) in kept.iter().zip(films) {
+            let shape = [count, height, width];
+            let wrong = |_| refused("a register is not of the frames' size", "report this");
+            if register.is_bit() {
+                let bits: Vec<bool> = film.into_iter().map(|bit| bit != 0.0).collect();
+                let bits = PyArray1::from_vec(py, bits).reshape(shape);
+                every.set_item(name, bits.map_err(wrong)?)?;
+            } else {
+                let film = PyArray1::from_vec(py, film).reshape(shape);
+                every.set_item(name, film.map_err(wrong)?)?;
+            }
+        }
+        let records = PyArray1::from_vec(py, bytes);
+        Ok((
+            records,
+            packet.channels,
+            packet.dropped.total(),
+            last,
+            every,
+        ))
+    }
+}
+
+/// The frames of a run.
+struct Light<'a> {
+    frames: Frames<'a>,
+    count: usize,
+    fps: f64,
+    scale: f64,
+}
+
+impl Program {
+    /// The array that it runs on, as `amacrine exec` makes it.
+    fn chip_of(
+        &self,
+        size: Size,
+        domain: Option<&str>,
+        clip: Option<bool>,
+        seed: u64,
+    ) -> Result<Box<dyn Array + Send>, Report> {
+        if !size.is_possible() {
+            return Err(miette!(
+                help = "height and width must be from 1 to 65536",
+                "an array of {size}"
+            ));
+        }
+        let own = &self.source.settings;
+        let name = domain.or(own.domain.as_deref()).unwrap_or("exact");
+        let arithmetic: Arithmetic = name.parse().map_err(|e: ArithmeticError| e)?;
+        let mut settings = Settings::from_device(&self.device);
+        settings.clip = clip.or(own.clip).unwrap_or(settings.clip);
+        settings.edge = own.edge.unwrap_or(settings.edge);
+        let chip = arithmetic.with_seed(seed).chip(
+            &self.source.file,
+            &self.expansion.code,
+            &self.device,
+            size,
+            settings,
+        );
+        chip.map_err(Report::new)
+    }
+
+    /// One frame: `init` with the first, `frame` with the others; bare statements with each.
+    fn show(
+        &self,
+        chip: &mut dyn Array,
+        light: &Light<'_>,
+        n: usize,
+        packet: &mut Packet,
+    ) -> Result<(), Report> {
+        let mut plane = Plane::zeros(packet.size.shape());
+        if let Some(plane) = plane.as_slice_mut() {
+            light.frames.light(n, light.scale, plane);
+        }
+        let seconds = n as f64 / light.fps;
+        let t = Micros::from_seconds(seconds);
+        if let Some((at, wrong)) = { plane.indexed_iter() }.find(|(_, light)| !light.is_finite()) {
+            return Err(miette!(
+                help = "give finite light",
+                "frame {n} of {}, x = {}, y = {}: the light is {wrong}",
+                light.count,
+                at.1,
+                at.0
+            ));
+        }
+        chip.begin_frame();
+        chip.expose(&plane)?;
+        if n > 0 {
+            let before = (n - 1) as f64 / light.fps;
+            chip.wait(seconds - before);
+        }
+        packet.span.1 = t;
+        if n == 0 && !self.expansion.bare {
+            chip.run_init(t, packet)?;
+        } else {
+            chip.run_frame(t, packet)?;
+        }
+        Ok(())
+    }
+}
+
+fn reads_events(steps: &[Step]) -> bool {
+    steps.iter().any(|step| match &step.action {
+        Action::Word(_) => false,
+        Action::Host(host) => {
+            matches!(host, Host::ScanEvents { .. } | Host::ScanEventsFrom { .. })
+        }
+        Action::Repeat { body, .. } => reads_events(body),
+    })
+}

@@ -1,0 +1,98 @@
+//! A float sensor: what a sensor file states.
+
+use std::{collections::BTreeMap, io, path::PathBuf};
+
+use amacrine::{
+    number::{Format, FormatError},
+    plane::Size,
+    reference::Description,
+    source,
+};
+use pyo3::prelude::*;
+
+use crate::{
+    chip::{self, Chip},
+    error::raised,
+    pool,
+    run::Run,
+    watcher,
+};
+
+/// A float sensor, checked.
+#[pyclass(frozen, module = "amacrine._amacrine")]
+pub struct Sensor {
+    pub description: Description,
+}
+
+#[pymethods]
+impl Sensor {
+    /// The text of a sensor file called `file`. What it names is in `arrays`, as the bytes of a
+    /// `.npy`, or a file in `folder`.
+    #[new]
+    fn new(
+        file: &str,
+        text: &str,
+        arrays: BTreeMap<String, Vec<u8>>,
+        folder: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        let read = |name: &str| match (arrays.get(name), &folder) {
+            (Some(bytes), _) => Ok(bytes.clone()),
+            (None, Some(folder)) => Ok(source::bytes(&folder.join(name), "")?),
+            (None, None) => Err(io::Error::from(io::ErrorKind::NotFound)),
+        };
+        let description = Description::parse(file, text, &read).map_err(raised)?;
+        Ok(Self { description })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.description.name
+    }
+
+    /// The names of the kinds of cells, where they have one.
+    #[getter]
+    fn channels(&self) -> Vec<Option<String>> {
+        let channels = self.description.channels.iter();
+        channels.map(|channel| channel.name.clone()).collect()
+    }
+
+    /// A sensor of this size as switched on.
+    fn watch(
+        &self,
+        py: Python<'_>,
+        size: (usize, usize),
+        fps: f64,
+        scale: f64,
+        seed: u64,
+        format: &str,
+        max_events: Option<usize>,
+    ) -> PyResult<Run> {
+        let format: Format = format.parse().map_err(|e: FormatError| raised(e))?;
+        let size = Size::new(size.0, size.1);
+        let description = self.description.clone();
+        let channels = description.channels.len() as u8;
+        let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
+        let watcher = watcher.map_err(raised)?;
+        Run::new(watcher, (size, channels), fps, scale, max_events)
+    }
+
+    /// Its cells as one program of a chip.
+    fn on_chip(
+        &self,
+        py: Python<'_>,
+        to: &str,
+        sum: &str,
+        chip: &str,
+        effort: f64,
+        seed: u64,
+    ) -> PyResult<Chip> {
+        let asked = chip::Asked {
+            to,
+            sum,
+            chip,
+            effort,
+            seed,
+        };
+        pool::work(py, || Chip::new(&self.description, &asked))?
+    }
+}

@@ -1,0 +1,211 @@
+//! Scenes: by name, or an array that the caller gives.
+
+use std::sync::Arc;
+
+use amacrine::{
+    memory::Budget,
+    plane::{Plane, Size},
+    scene::{
+        Coding, Frame, OpenOptions, Scene, SceneError, bundled_with,
+        kept::{Kept, Pixels},
+        open,
+    },
+};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::{
+    error::{raised, refused},
+    frames::{Borrowed, Frames},
+    pool,
+};
+
+/// What scenes are watched by a study.
+pub enum Source {
+    /// A file, a folder, a pattern; or the bundled clip.
+    Named(Option<String>, OpenOptions),
+    Given(Given),
+}
+
+/// Frames that the caller gave, kept as they were.
+#[derive(Clone)]
+pub struct Given {
+    numbers: Numbers,
+    size: Size,
+    frames: usize,
+    fps: f64,
+    scale: f64,
+    next: usize,
+}
+
+#[derive(Clone)]
+enum Numbers {
+    U8(Arc<[u8]>),
+    F32(Arc<[f32]>),
+    F64(Arc<[f64]>),
+}
+
+/// How scenes are opened.
+fn options(fps: Option<f64>, scale: Option<f64>) -> OpenOptions {
+    OpenOptions {
+        fps,
+        memory: Some(Budget::from_machine()),
+        coding: Coding {
+            scale,
+            ..Coding::default()
+        },
+    }
+}
+
+impl Source {
+    /// The scene of this name, or these frames.
+    pub fn new(
+        name: Option<String>,
+        frames: Option<&Bound<'_, PyAny>>,
+        fps: Option<f64>,
+        scale: Option<f64>,
+    ) -> PyResult<Self> {
+        let Some(frames) = frames else {
+            return Ok(Self::Named(name, options(fps, scale)));
+        };
+        let borrowed = Borrowed::new(frames)?;
+        let (count, height, width) = borrowed.shape();
+        let size = Size::new(height, width);
+        if !size.is_possible() {
+            return Err(refused(
+                format!("frames of {size} pixels"),
+                "width and height must be from 1 to 65536",
+            ));
+        }
+        let fps = fps.filter(|fps| *fps > 0.0 && fps.is_finite());
+        let fps = fps.ok_or_else(|| {
+            refused(
+                "the frames have no rate",
+                "give fps, a number above 0, in frames/s",
+            )
+        })?;
+        Ok(Self::Given(Given {
+            numbers: match borrowed.frames()? {
+                Frames::U8(all) => Numbers::U8(all.into()),
+                Frames::F32(all) => Numbers::F32(all.into()),
+                Frames::F64(all) => Numbers::F64(all.into()),
+            },
+            size,
+            frames: count,
+            fps,
+            scale: scale.unwrap_or(1.0),
+            next: 0,
+        }))
+    }
+
+    /// The scene from its start.
+    pub fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
+        match self {
+            Self::Named(Some(name), options) if name != "bundled" => open(name, options),
+            Self::Named(_, options) => bundled_with(options),
+            Self::Given(given) => Ok(Box::new(given.clone())),
+        }
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Named(Some(name), _) if name != "bundled" => name,
+            Self::Named(..) => "the bundled clip",
+            Self::Given(_) => "the frames given",
+        }
+    }
+}
+
+impl Scene for Given {
+    fn size(&self) -> Size {
+        self.size
+    }
+
+    fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    fn frames(&self) -> Option<u64> {
+        Some(self.frames as u64)
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        if self.next == self.frames {
+            return Ok(None);
+        }
+        let mut light = Plane::zeros(self.size.shape());
+        let frames = match &self.numbers {
+            Numbers::U8(all) => Frames::U8(all),
+            Numbers::F32(all) => Frames::F32(all),
+            Numbers::F64(all) => Frames::F64(all),
+        };
+        if let Some(light) = light.as_slice_mut() {
+            frames.light(self.next, self.scale, light);
+        }
+        let index = self.next as u64;
+        self.next += 1;
+        Ok(Some(Frame {
+            index,
+            seconds: index as f64 / self.fps,
+            light,
+        }))
+    }
+}
+
+/// The most bytes of a scene that is read whole.
+const MOST: usize = 8 << 30;
+
+/// All frames of a scene, `(T, H, W)` and frames a second: `uint8` where light is whole numbers
+/// from 0 to 255, else `float64`.
+#[pyfunction]
+pub fn scene<'py>(
+    py: Python<'py>,
+    name: Option<String>,
+    fps: Option<f64>,
+    scale: Option<f64>,
+    frames: Option<u64>,
+) -> PyResult<(Bound<'py, PyAny>, f64)> {
+    let source = Source::new(name, None, fps, scale)?;
+    let kept = pool::work(py, || {
+        let scene = source.open()?;
+        let mut scene = amacrine::scene::part::First::new(scene, frames.unwrap_or(u64::MAX));
+        Kept::new(&mut scene, MOST)
+    })?;
+    let kept = kept.map_err(raised)?.ok_or_else(|| {
+        refused(
+            format!("{} is too long to be held", source.name()),
+            "ask for fewer frames",
+        )
+    })?;
+    let (height, width) = kept.size().shape();
+    let shape = [kept.len(), height, width];
+    let all = 0..kept.len();
+    let whole = { all.clone() }.all(|n| matches!(kept.frame(n), Some((.., Pixels::Bytes(_)))));
+    let fps = amacrine::scene::Scene::fps(&kept.scene());
+    let wrong = |_| refused("the frames differ in size", "give a scene of one size");
+    if whole {
+        let mut bytes = Vec::with_capacity(shape.iter().product());
+        for n in all {
+            if let Some((.., Pixels::Bytes(row))) = kept.frame(n) {
+                bytes.extend_from_slice(row);
+            }
+        }
+        let array: Bound<'py, PyArray3<u8>> = PyArray1::from_vec(py, bytes)
+            .reshape(shape)
+            .map_err(wrong)?;
+        return Ok((array.into_any(), fps));
+    }
+    let mut numbers = Vec::with_capacity(shape.iter().product());
+    for n in all {
+        match kept.frame(n) {
+            Some((.., Pixels::Bytes(row))) => numbers.extend(row.iter().map(|b| f64::from(*b))),
+            Some((.., Pixels::Numbers(row))) => numbers.extend_from_slice(row),
+            None => {}
+        }
+    }
+    let array: Bound<'py, PyArray3<f64>> = PyArray1::from_vec(py, numbers)
+        .reshape(shape)
+        .map_err(wrong)?;
+    Ok((array.into_any(), fps))
+}

@@ -1,0 +1,92 @@
+//! Kernels in few values, alone and on a chip.
+
+use amacrine::{kernel::quantise::Change, plane::Plane, study::quantisation};
+use miette::Report;
+use pyo3::prelude::*;
+use serde::Serialize;
+
+use super::{Named, Search, Shown, check, device, kernel, quantisers, within};
+use crate::{
+    chip::{effort, sum},
+    error::raised,
+    files::json,
+    pool,
+};
+
+/// A kernel in few values.
+#[derive(Serialize)]
+struct Few {
+    to: String,
+    levels: Vec<Vec<f64>>,
+    scale: f64,
+    relative_error: f64,
+    sum: f64,
+    taps: usize,
+    response: Change,
+    erased: Vec<String>,
+}
+
+/// A kernel in few values, each quantiser with what is lost.
+#[pyfunction]
+pub fn quantise(of: Named, to: Vec<String>, sum_to: &str, seed: u64) -> PyResult<String> {
+    let kernel = kernel(&of)?;
+    let sum = sum(sum_to)?;
+    let mut all = Vec::new();
+    for to in quantisers(to)? {
+        let quantised = to.quantise(&kernel, sum, seed).map_err(|error| {
+            let what = format!("{} cannot be {to}", of.0);
+            raised(Report::new(error).wrap_err(what))
+        })?;
+        let levels = quantised.levels.weights();
+        all.push(Few {
+            to: to.to_string(),
+            levels: rows(levels),
+            scale: quantised.scale,
+            relative_error: quantised.relative_error(&kernel),
+            sum: quantised.kernel().sum(),
+            taps: levels.iter().filter(|level| **level != 0.0).count(),
+            response: Change::between(&kernel, &quantised.kernel()),
+            erased: { quantised.erasures(&kernel).into_iter() }
+                .map(|erasure| erasure.to_string())
+                .collect(),
+        });
+    }
+    json(&all)
+}
+
+/// Each quantiser compiled and run beside the float kernel.
+#[pyfunction]
+pub fn on_chip(
+    py: Python<'_>,
+    of: Named,
+    to: Vec<String>,
+    threshold: f64,
+    search: Search<'_>,
+    scene: Shown<'_>,
+    within_us: Option<u64>,
+) -> PyResult<String> {
+    let (sum_to, chip, seconds, seed) = search;
+    let (kernel, quantisers) = (kernel(&of)?, quantisers(to)?);
+    let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
+    check(threshold)?;
+    let source = scene.source()?;
+    let answer = pool::work(py, || {
+        let fps = source.open()?.fps();
+        let question = quantisation::Question {
+            kernel: &kernel,
+            threshold,
+            quantisers: &quantisers,
+            sum,
+            device: &device,
+            effort,
+            seed,
+            within: within(within_us, fps),
+        };
+        quantisation::ask(&question, &|| source.open(), |_| ()).map_err(Report::new)
+    })?;
+    json(&answer.map_err(|report: Report| raised(report))?)
+}
+
+fn rows(weights: &Plane<f64>) -> Vec<Vec<f64>> {
+    weights.rows().into_iter().map(|row| row.to_vec()).collect()
+}

@@ -1,0 +1,112 @@
+//! Studies: what a kernel loses on a chip. Answers are the library's own, as JSON.
+
+mod fall;
+mod few;
+mod front;
+mod page;
+
+pub use fall::waterfall;
+pub use few::{on_chip, quantise};
+pub use front::trade;
+pub use page::feasibility;
+
+use amacrine::{
+    compare::window,
+    compile::SLOTS,
+    event::readout::{
+        Readout,
+        settings::{Description as ReadoutDescription, ReadoutError},
+    },
+    isa::Device,
+    kernel::{Kernel, quantise::Quantiser},
+    unit::Micros,
+};
+use pyo3::prelude::*;
+
+use crate::{
+    chip::quantiser,
+    error::{raised, refused},
+    source::Source,
+};
+
+/// A kernel by name, or the bytes of its file.
+pub type Named = (String, Option<Vec<u8>>);
+
+fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
+    let kernel = match bytes {
+        Some(bytes) => Kernel::from_bytes(name, bytes).map_err(|error| {
+            use amacrine::kernel::KernelFileError::Wrong;
+            match error {
+                Wrong(faults) => raised(faults),
+                other => refused(
+                    format!("{name}: {other}"),
+                    "give an array of shape (k,k) or (K,k,k), k odd, of floats or integers",
+                ),
+            }
+        })?,
+        None => Kernel::builtin(name).ok_or_else(|| {
+            let known: Vec<_> = Kernel::builtin_names().collect();
+            refused(
+                format!("cannot read the kernel {name}: no such file"),
+                format!(
+                    "give a kernel file (.toml, .npy) or one of {}",
+                    known.join(", ")
+                ),
+            )
+        })?,
+    };
+    kernel.workable().map_err(|error| {
+        refused(
+            format!("{name}: {error}"),
+            "multiply the kernel by a number, and the threshold with it",
+        )
+    })?;
+    Ok(kernel)
+}
+
+fn quantisers(names: Vec<String>) -> PyResult<Vec<Quantiser>> {
+    names.iter().map(|name| quantiser(name)).collect()
+}
+
+fn device(name: &str) -> PyResult<Device> {
+    Device::find(name).map_err(raised)
+}
+
+/// The scan that a compiled program asks for.
+fn scan() -> Result<Readout, ReadoutError> {
+    let mut scan = ReadoutDescription::shipped("scan")?;
+    scan.set("slots", &SLOTS.to_string())?;
+    scan.readout()
+}
+
+/// How long to search, on which chip, with which seed.
+pub type Search<'a> = (&'a str, &'a str, f64, u64);
+
+fn check(threshold: f64) -> PyResult<()> {
+    if threshold > 0.0 && threshold.is_finite() {
+        return Ok(());
+    }
+    Err(refused(
+        format!("the threshold is {threshold}"),
+        "give a positive number, in units of kernel times light (0 to 255)",
+    ))
+}
+
+fn within(asked: Option<u64>, fps: f64) -> Micros {
+    asked.map_or_else(|| window::headline(fps), Micros)
+}
+
+/// What is shown: a name, or frames; frames a second, and the scale.
+#[derive(FromPyObject)]
+pub struct Shown<'py>(
+    Option<String>,
+    Option<Bound<'py, PyAny>>,
+    Option<f64>,
+    Option<f64>,
+);
+
+impl Shown<'_> {
+    fn source(&self) -> PyResult<Source> {
+        Source::new(self.0.clone(), self.1.as_ref(), self.2, self.3)
+    }
+}

@@ -1,0 +1,172 @@
+//! A sensor of any kind: light in; events, counts or voxels out.
+
+use amacrine::{
+    event::{Event, Packet, Polarity},
+    number::{Format, Number, Visitor},
+    plane::{Plane, Size},
+    reference::{Counts, Description, Reference, VoxelGrid},
+    scene::Frame,
+    sensor::{Sensor, SensorError},
+};
+
+/// What watches frames. A clip is watched by one of the three alone.
+pub trait Watcher: Send {
+    /// Appends what happened since the frame before.
+    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError>;
+
+    /// Signed counts of each kind and pixel since the frame before; the first frame has none.
+    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<(), SensorError>;
+
+    /// The bin of the frame before, which no later event can reach; before the first frame there
+    /// is none.
+    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<(), SensorError>;
+
+    /// The bin of the last frame.
+    fn last_voxels(&mut self, out: &mut [f32]);
+}
+
+/// The float model, in one number format.
+struct Float<N: Number> {
+    reference: Reference<N>,
+    counts: Counts,
+    grid: VoxelGrid,
+    begun: bool,
+}
+
+impl<N: Number> Watcher for Float<N> {
+    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        self.reference.watch(frame, packet)
+    }
+
+    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<(), SensorError> {
+        self.reference.watch_into(frame, &mut self.counts)?;
+        lay(self.counts.planes(), out, |count| count);
+        Ok(())
+    }
+
+    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<(), SensorError> {
+        self.reference.watch_into(frame, &mut self.grid)?;
+        if std::mem::replace(&mut self.begun, true) {
+            lay(self.grid.earlier(), out, |share| share as f32);
+            self.grid.advance();
+        }
+        Ok(())
+    }
+
+    fn last_voxels(&mut self, out: &mut [f32]) {
+        lay(self.grid.earlier(), out, |share| share as f32);
+    }
+}
+
+/// Planes one after the other.
+fn lay<T: Copy, U>(planes: &[Plane<T>], out: &mut [U], of: impl Fn(T) -> U) {
+    let all = planes.iter().flatten();
+    for (to, from) in out.iter_mut().zip(all) {
+        *to = of(*from);
+    }
+}
+
+/// The float model of a sensor.
+pub fn float(
+    description: Description,
+    size: Size,
+    seed: u64,
+    format: Format,
+) -> Result<Box<dyn Watcher>, SensorError> {
+    struct Make(Description, Size, u64);
+    impl Visitor for Make {
+        type Output = Result<Box<dyn Watcher>, SensorError>;
+
+        fn visit<N: Number>(self, number: N) -> Self::Output {
+            let Self(description, size, seed) = self;
+            let channels = description.channels.len();
+            Ok(Box::new(Float {
+                reference: Reference::with_number(number, description, size, seed)?,
+                counts: Counts::new(size, channels),
+                grid: VoxelGrid::new(size, channels),
+                begun: false,
+            }))
+        }
+    }
+    format.visit(Make(description, size, seed))
+}
+
+/// Any sensor of which only events are known: a program on the array.
+pub struct Events {
+    sensor: Box<dyn Sensor + Send>,
+    packet: Packet,
+    /// When the frame before was shown, in seconds.
+    before: Option<f64>,
+    /// The bin of the later frame, `[channel][y, x]`.
+    later: Vec<f32>,
+}
+
+impl Events {
+    pub fn new(sensor: Box<dyn Sensor + Send>) -> Self {
+        let packet = Packet::new(sensor.size(), sensor.channels());
+        let cells = packet.size.pixels() * usize::from(packet.channels);
+        Self {
+            sensor,
+            packet,
+            before: None,
+            later: vec![0.0; cells],
+        }
+    }
+
+    /// The events since the frame before, and when that was.
+    fn watch(&mut self, frame: &Frame) -> Result<Option<f64>, SensorError> {
+        self.packet.events.clear();
+        self.sensor.watch(frame, &mut self.packet)?;
+        Ok(self.before.replace(frame.seconds))
+    }
+
+    fn cell(&self, event: &Event) -> usize {
+        let Size { height, width } = self.packet.size;
+        let row = usize::from(event.channel) * height + usize::from(event.y);
+        row * width + usize::from(event.x)
+    }
+}
+
+impl Watcher for Events {
+    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
+        self.sensor.watch(frame, packet)
+    }
+
+    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<(), SensorError> {
+        self.watch(frame)?;
+        out.fill(0);
+        for event in &self.packet.events {
+            if let Some(count) = out.get_mut(self.cell(event)) {
+                *count += event.polarity.sign();
+            }
+        }
+        Ok(())
+    }
+
+    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<(), SensorError> {
+        let Some(before) = self.watch(frame)? else {
+            return Ok(());
+        };
+        out.copy_from_slice(&self.later);
+        self.later.fill(0.0);
+        for event in &self.packet.events {
+            let since = (event.t.seconds() - before) / (frame.seconds - before);
+            let later = since.clamp(0.0, 1.0) as f32;
+            let sign = if event.polarity == Polarity::On {
+                1.0
+            } else {
+                -1.0
+            };
+            let cell = self.cell(event);
+            if let (Some(earlier), Some(bin)) = (out.get_mut(cell), self.later.get_mut(cell)) {
+                *earlier += sign * (1.0 - later);
+                *bin += sign * later;
+            }
+        }
+        Ok(())
+    }
+
+    fn last_voxels(&mut self, out: &mut [f32]) {
+        out.copy_from_slice(&self.later);
+    }
+}

@@ -1,0 +1,47 @@
+"""What the tests share: the program of the command line, and small clips."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+from typing import Any, Callable
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+Frames = npt.NDArray[np.uint8]
+
+
+@pytest.fixture(scope="session")
+def program() -> Callable[..., str]:
+    """Runs the program of the command line; what it printed."""
+    path = Path(os.environ.get("AMACRINE", ROOT / "target/release/amacrine"))
+    if not path.is_file():
+        pytest.fail(f"no program at {path}: build it, or set AMACRINE")
+
+    def run(*words: Any, good: bool = True) -> str:
+        done = subprocess.run([path, *map(str, words)], capture_output=True, text=True)
+        assert (done.returncode == 0) == good, done.stderr
+        return done.stdout if good else done.stderr
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def frames() -> Frames:
+    """Twelve frames of texture that moves over an odd size, (T,H,W)."""
+    random = np.random.default_rng(5)
+    texture = random.integers(0, 256, (120, 160)).astype(np.uint8)
+    return np.stack([texture[n : n + 61, 2 * n : 2 * n + 83] for n in range(12)])
+
+
+def kernels(count: int, side: int = 5) -> npt.NDArray[np.float64]:
+    """Kernels without a sum, (K,1,k,k), as a convolution has them."""
+    random = np.random.default_rng(7)
+    weights = random.normal(size=(count, 1, side, side))
+    weights -= weights.mean(axis=(2, 3), keepdims=True)
+    return weights

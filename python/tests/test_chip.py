@@ -1,0 +1,119 @@
+"""Programs of the array, and sensors as programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Callable
+
+import amacrine
+import numpy as np
+import pytest
+from conftest import Frames, kernels
+
+FPS = 50.0
+
+
+@pytest.mark.parametrize("domain", ["exact", "silicon"])
+def test_a_program_is_that_of_exec(
+    domain: str, program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    np.save(tmp_path / "light.npy", frames)
+    (tmp_path / "snap.scamp").write_text(amacrine.text("programs", "dvs/snap"))
+    program(
+        "exec", tmp_path / "snap.scamp", "--image", tmp_path / "light.npy", "--fps", FPS,
+        "--domain", domain, "--seed", 4, "--frames", len(frames),
+        "--dump", tmp_path / "dump", "--events", tmp_path / "e.npy",
+    )
+    snap = amacrine.Program.from_file("dvs/snap")
+    run = snap.run(frames, FPS, domain=domain, seed=4, keep=["A", "R5"])
+    assert run.events.tobytes() == np.load(tmp_path / "e.npy").tobytes()
+    assert len(run.events) > 100
+    for name, values in run.registers.items():
+        want = np.load(tmp_path / "dump" / f"{name}.npy")
+        assert np.array_equal(values, want), name
+    assert run.films["A"].shape == frames.shape
+    assert run.films["R5"].dtype == bool
+    assert np.array_equal(run.films["A"][-1], run.registers["A"])
+
+
+def test_what_a_program_costs() -> None:
+    snap = amacrine.Program.from_file("dvs/snap")
+    assert snap.words > 0 and snap.array_us > 0 and snap.chip == "scamp5"
+    wide = amacrine.Program.from_file("dvs/snap", chip="scamp5-wide")
+    assert wide.chip == "scamp5-wide"
+    assert amacrine.Program.from_text("mov(A, B);").words == 2
+
+
+def chip(to: str, domain: str, **more: Any) -> tuple[amacrine.Sensor, amacrine.ChipSensor]:
+    sensor = amacrine.Sensor(
+        kernels(2, 3), 0.3, memory="filtered-snap", border="zero", name="two", seed=2
+    )
+    return sensor, sensor.on_chip(to, domain=domain, effort=0.05, **more)
+
+
+def test_a_sensor_on_the_chip_is_its_program(
+    program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    sensor, slots = chip("int-5", "exact", readout="slots")
+    run = slots.program.run(frames, FPS, domain="exact", clip=True)
+    events = slots.events(frames, FPS)
+    assert events.tobytes() == run.events.tobytes()
+    _, every = chip("int-5", "exact")
+    assert every.text == slots.text
+    assert len(every.events(frames, FPS)) >= len(events)
+    assert run.lost == 0
+    (tmp_path / "s.toml").write_text(sensor.text)
+    out = tmp_path / "s.scamp"
+    program(
+        "compile", "--sensor", tmp_path / "s.toml", "--to", "int-5", "--effort", 0.05,
+        "--seed", 2, "-o", out,
+    )
+    bare = [line for line in out.read_text().splitlines() if not line.startswith("//=")]
+    assert "\n".join(bare).strip() == slots.text.strip()
+
+
+def test_without_errors_it_is_the_float_sensor_of_its_levels(frames: Frames) -> None:
+    """One decision a frame: the same cells fire in the same frames."""
+    _, on_chip = chip("int-5", "exact")
+    levels = [levels for levels, _ in on_chip.levels]
+    thresholds = [0.3 * 255 / scale for _, scale in on_chip.levels]
+    float_ = amacrine.Sensor(
+        levels, thresholds, response="identity", memory="filtered-snap", border="zero"
+    )
+    fired = np.sign(float_.counts(frames, FPS))
+    got = on_chip.counts(frames, FPS)
+    inner = (slice(None), slice(None), slice(2, -2), slice(2, -2))
+    assert got.any() and (got[inner] == fired[inner]).mean() > 0.99
+
+
+def test_the_same_arrays_in_every_form(frames: Frames) -> None:
+    _, on_chip = chip("int-5", "silicon")
+    events = on_chip.events(frames, FPS)
+    assert events.dtype == amacrine.EVENT_OF_KINDS and len(events) > 100
+    counts = on_chip.counts(frames, FPS)
+    want = np.zeros_like(counts)
+    frame = np.rint(events["t"] * 1e-6 * FPS).astype(int) - 1
+    sign = np.where(events["p"] == 1, 1, -1)
+    np.add.at(want, (frame, events["channel"], events["y"], events["x"]), sign)
+    assert np.array_equal(counts, want)
+    voxels = on_chip.voxels(frames, FPS)
+    # All events are at the times of frames.
+    assert np.allclose(voxels[1:], counts, atol=2e-3) and not voxels[0].any()
+    again = on_chip.with_domain("silicon", seed=9).events(frames, FPS)
+    assert again.tobytes() != events.tobytes()
+    assert on_chip.events(frames, FPS).tobytes() == events.tobytes()
+    assert on_chip.words > 10 and on_chip.array_us > 1
+
+
+def test_what_the_chip_cannot_follow_is_said() -> None:
+    with pytest.warns(amacrine.Caution) as said:
+        amacrine.Sensor("csdvs-3", 0.1, refractory=500).on_chip("ternary", effort=0.05)
+    text = " ".join(str(one.message) for one in said)
+    assert "filtered-snap" in text and "replicates the border" in text and "refractory" in text
+
+
+def test_compile_is_a_program_of_kernels(frames: Frames) -> None:
+    compiled = amacrine.compile("csdvs-3", 16, to="ternary", effort=0.05)
+    assert "scamp5_scan_events" in compiled.text
+    run = compiled.program.run(frames, FPS)
+    assert run.events.dtype == amacrine.EVENT and len(run.events) > 0

@@ -1,0 +1,126 @@
+"""Every mistake is one exception, with what is wrong and what to do, in the words of the command
+line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Callable
+
+import amacrine
+import numpy as np
+import pytest
+from conftest import Frames, kernels
+
+GOOD = np.zeros((3, 8, 8), np.uint8)
+
+
+def sensor() -> amacrine.Sensor:
+    return amacrine.Sensor("dvs", 0.1)
+
+
+MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
+    "even kernel": (lambda: amacrine.Sensor(np.ones((4, 4)), 1), "must be odd"),
+    "kernel of text": (lambda: amacrine.Sensor(np.array(["a"]), 1), "floats or integers"),
+    "kernel axes": (lambda: amacrine.Sensor(np.ones((2, 2, 3, 3)), 1), "(K,1,k,k)"),
+    "kernel nan": (lambda: amacrine.Sensor(np.full((3, 3), np.nan), 1), "weights must be finite"),
+    "kernel name": (lambda: amacrine.Sensor("csdvs-55", 1), "neither built in nor a file"),
+    "thresholds": (lambda: amacrine.Sensor(kernels(3), [1, 2]), "2 thresholds for 3 kernels"),
+    "threshold": (lambda: amacrine.Sensor("dvs", 0), "above 0"),
+    "memory": (lambda: amacrine.Sensor("dvs", 1, memory="snap"), "filtered-step"),
+    "response": (lambda: amacrine.Sensor("dvs", 1, response={"lin": 2}), "unknown key `lin`"),
+    "format": (lambda: amacrine.Sensor("dvs", 1, format="f12").events(GOOD, 9), "f12"),
+    "sensor file": (lambda: amacrine.Sensor.from_file("rgc-5"), "rgc-4"),
+    "fps": (lambda: sensor().events(GOOD, 0), "0 frames a second is no rate"),
+    "axes": (lambda: sensor().events(GOOD[0], 9), "(T,H,W), (T,1,H,W) or (B,T,1,H,W)"),
+    "colour": (lambda: sensor().events(np.zeros((3, 3, 8, 8), "u1"), 9), "(3, 3, 8, 8)"),
+    "no scale": (lambda: sensor().events(GOOD / 255, 9), "scale=255 where they are 0 to 1"),
+    "scale": (lambda: sensor().events(GOOD / 255, 9, scale=-1), "above 0"),
+    "bool": (lambda: sensor().events(GOOD > 0, 9), "uint8, or floats with a scale"),
+    "nan": (lambda: sensor().events(GOOD + np.nan, 9, scale=1), "not finite"),
+    "dark": (lambda: sensor().events(GOOD - 1.0, 9, scale=1), "below zero"),
+    "bins": (lambda: sensor().voxels(GOOD, 9, bins=0), "at least one bin"),
+    "window": (lambda: sensor().voxels(GOOD, 9, window=1), "give bins"),
+    "size": (lambda: sensor().events(np.zeros((2, 0, 8), "u1"), 9), "cannot be addressed"),
+    "too many": (
+        lambda: amacrine.Sensor("dvs", 0.1, max_events=1).events(_steps(), 9),
+        "the event list is full: more than 1 events",
+    ),
+    "quantiser": (lambda: sensor().on_chip("int-99"), "int-"),
+    "chip": (lambda: sensor().on_chip(chip="scamp6"), "there is no chip `scamp6`"),
+    "domain": (lambda: _on_chip().with_domain("f12").events(GOOD, 9), "unknown domain `f12`"),
+    "curve": (
+        lambda: amacrine.Sensor("dvs", 1, response={"lin-log": {"knee": 20}}).on_chip(),
+        "its response is not linear",
+    ),
+    "program": (lambda: amacrine.Program.from_text("moov(A, B);"), "moov"),
+    "program file": (lambda: amacrine.Program.from_file("no/such"), "dvs/snap"),
+    "register": (
+        lambda: amacrine.Program.from_file("dvs/snap").run(GOOD, keep=["Z"]),
+        "Z: no such register",
+    ),
+    "no events": (lambda: amacrine.write("x.npy", np.zeros(3)), "the fields t, x, y and p"),
+    "backwards": (lambda: amacrine.write("x.npy", _events([5, 3])), "runs backwards"),
+    "extension": (lambda: amacrine.write("x.tiff", _events([3])), "known are"),
+    "file": (lambda: amacrine.read("no-such.npy"), "no-such.npy"),
+    "scene": (lambda: amacrine.load("no-such.mp4"), "no-such.mp4"),
+    "pattern": (lambda: amacrine.load("pattern:baar"), "baar"),
+    "names": (lambda: amacrine.names("cameras"), "sensors, programs"),
+    "levels": (lambda: amacrine.quantise("dvs", "int-99"), "int-"),
+    "of no use": (lambda: amacrine.quantise("dvs", "ternary", fps=3), "give a threshold, too"),
+    "two kernels": (lambda: amacrine.waterfall(kernels(2), 1), "give one of them"),
+    "kernel zero": (lambda: amacrine.quantise(np.zeros((3, 3)), "ternary"), "0"),
+    "feasibility": (lambda: amacrine.feasibility("dvs", -1), "the threshold is -1"),
+    "frames short": (lambda: amacrine.trade(sensor(), GOOD[:2], fps=9), "three frames"),
+}
+
+
+def _on_chip() -> amacrine.ChipSensor:
+    return amacrine.compile("dvs", 16, effort=0.01)
+
+
+def _steps() -> Any:
+    return np.stack([np.full((8, 8), 60 * n, np.uint8) for n in range(4)])
+
+
+def _events(times: list[int]) -> Any:
+    events = np.zeros(len(times), amacrine.EVENT)
+    events["t"] = times
+    return events
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_one_message(mistake: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    do, said = MISTAKES[mistake]
+    with pytest.raises(amacrine.Error) as raised:
+        do()
+    assert isinstance(raised.value, ValueError)
+    message = str(raised.value)
+    assert said in message, message
+    assert "help" in message, message
+    assert "\x1b" not in message
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_words_of_the_command_line(
+    program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    """The same file, refused by both: each line that the program says, Python says."""
+    file = tmp_path / "wrong.toml"
+    file.write_text('response = { linear = 255 }\nmemory = "filtered-step"\n[[chanel]]\n')
+    stated = program(
+        "run", "--scene", "pattern:bar", "--sensor", file, "--events", tmp_path / "e.npy",
+        good=False,
+    )
+    with pytest.raises(amacrine.Error) as raised:
+        amacrine.Sensor.from_file(file)
+    words = ["wrong.toml:3:3: unknown key `chanel`", "did you mean `channel`?"]
+    for word in words:
+        assert word in stated and word in str(raised.value)
+
+
+def test_a_write_that_fails_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(amacrine.Error, match="x.npy"):
+        amacrine.write(tmp_path / "file" / "x.npy", _events([3]))
+    assert len(list(tmp_path.iterdir())) == 1

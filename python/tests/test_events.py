@@ -1,0 +1,224 @@
+"""A sensor in Python is the sensor of the command line, to the bit."""
+
+from __future__ import annotations
+
+import multiprocessing
+from pathlib import Path
+from typing import Any, Callable
+
+import amacrine
+import numpy as np
+import pytest
+from conftest import Frames, kernels
+
+FPS = 120.0
+
+
+def of_program(
+    program: Callable[..., str], folder: Path, frames: Any, text: str, *more: Any
+) -> dict[str, Any]:
+    """Events, counts and voxels of the command line."""
+    np.save(folder / "scene.npy", frames)
+    (folder / "sensor.toml").write_text(text)
+    made = {name: folder / f"{name}.npy" for name in ("events", "counts", "voxels")}
+    outputs = [word for name, path in made.items() for word in (f"--{name}", path)]
+    scene, sensor = folder / "scene.npy", folder / "sensor.toml"
+    program("run", "--scene", scene, "--sensor", sensor, "--fps", FPS, *outputs, *more)
+    return {name: np.load(path) for name, path in made.items()}
+
+
+def sensors() -> dict[str, amacrine.Sensor]:
+    return {
+        "shipped": amacrine.Sensor.from_file("rgc-4", seed=3),
+        "one": amacrine.Sensor("csdvs-5", 0.1, seed=3),
+        "learned": amacrine.Sensor(
+            kernels(3),
+            [0.5, (0.4, 0.6), {"on": 0.5, "off": 0.5, "sigma": 0.05}],
+            memory="filtered-snap",
+            border="zero",
+            refractory=500,
+            noise={"shot-hz": 40},
+            names=["a", "b", "c"],
+            seed=3,
+        ),
+        "narrow": amacrine.Sensor(kernels(2), 0.5, format="q8.8", seed=3),
+    }
+
+
+@pytest.mark.parametrize("which", sensors())
+def test_what_the_program_writes(
+    which: str, program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    sensor = sensors()[which]
+    format = "q8.8" if which == "narrow" else "f64"
+    want = of_program(program, tmp_path, frames, sensor.text, "--seed", 3, "--format", format)
+    events = sensor.events(frames, FPS)
+    assert len(events) > 1000
+    assert events.dtype == want["events"].dtype
+    assert events.tobytes() == want["events"].tobytes()
+    counts = sensor.counts(frames, FPS)
+    assert counts.dtype == np.int32
+    assert np.array_equal(counts, want["counts"]) and counts.any()
+    voxels = sensor.voxels(frames, FPS)
+    assert voxels.dtype == np.float32
+    assert np.array_equal(voxels, want["voxels"]) and voxels.any()
+
+
+@pytest.mark.parametrize("dtype", ["f2", "f4", "f8", ">f4", "u2", "i4"])
+def test_numbers_with_a_scale(
+    dtype: str, program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    sensor = amacrine.Sensor("csdvs-3", 0.1)
+    given = (frames / 8).astype(dtype)
+    want = of_program(program, tmp_path, given, sensor.text, "--scale", 4)
+    assert sensor.events(given, FPS, scale=4).tobytes() == want["events"].tobytes()
+
+
+def test_dtypes() -> None:
+    assert amacrine.EVENT.descr == [("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "|i1")]
+    assert amacrine.EVENT_OF_KINDS.descr == [*amacrine.EVENT.descr, ("channel", "|u1")]
+
+
+class Tensor:
+    """Only the array protocol, as a tensor has it."""
+
+    def __init__(self, array: Any) -> None:
+        self.array = array
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        return self.array
+
+
+def test_shapes(frames: Frames) -> None:
+    sensor = amacrine.Sensor(kernels(2), 0.5)
+    want = sensor.events(frames, FPS).tobytes()
+    assert sensor.events(frames[:, None], FPS).tobytes() == want
+    assert sensor.events(Tensor(frames), FPS).tobytes() == want
+    scattered = np.asfortranarray(frames)
+    assert sensor.events(scattered, FPS).tobytes() == want
+    assert sensor.events(frames[:, ::-1, ::-1][:, ::-1, ::-1], FPS).tobytes() == want
+    other = frames[::-1]
+    batch = np.stack([frames, other, frames])[:, :, None]
+    several = sensor.events(batch, FPS)
+    assert [e.tobytes() for e in several] == [want, sensor.events(other, FPS).tobytes(), want]
+    counts = sensor.counts(batch, FPS)
+    assert counts.shape == (3, 11, 2, 61, 83)
+    assert np.array_equal(counts[1], sensor.counts(other, FPS))
+    voxels = sensor.voxels(batch, FPS)
+    assert voxels.shape == (3, 12, 2, 61, 83)
+    assert np.array_equal(voxels[1], sensor.voxels(other, FPS))
+    binned = sensor.voxels(batch, FPS, bins=5)
+    assert binned.shape == (3, 1, 2, 5, 61, 83)
+    assert np.array_equal(binned[1], sensor.voxels(other, FPS, bins=5))
+
+
+def test_few_frames(frames: Frames) -> None:
+    sensor = amacrine.Sensor("dvs", 0.1)
+    for few in (frames[:0], frames[:1]):
+        assert len(sensor.events(few, FPS)) == 0
+        assert sensor.counts(few, FPS).shape == (0, 1, 61, 83)
+        assert sensor.voxels(few, FPS).shape == (len(few), 1, 61, 83)
+
+
+def test_kernels_as_networks_have_them(frames: Frames) -> None:
+    weights = kernels(4)
+    want = amacrine.Sensor(weights, 0.5).events(frames, FPS).tobytes()
+    for given in (weights[:, 0], list(weights[:, 0]), weights[:, 0].tolist()):
+        assert amacrine.Sensor(given, 0.5).events(frames, FPS).tobytes() == want
+    narrow = amacrine.Sensor(weights.astype("f4"), 0.5)
+    wide = amacrine.Sensor(weights.astype("f4").astype("f8"), 0.5)
+    assert narrow.events(frames, FPS).tobytes() == wide.events(frames, FPS).tobytes()
+    alone = amacrine.Sensor(weights[1, 0], 0.5).events(frames, FPS)
+    of_one = amacrine.Sensor(weights, 0.5).events(frames, FPS)
+    of_one = of_one[of_one["channel"] == 1]
+    assert all(np.array_equal(np.sort(alone[n]), np.sort(of_one[n])) for n in ("t", "x", "y"))
+
+
+def test_any_number_of_threads(frames: Frames) -> None:
+    sensor = amacrine.Sensor(kernels(3), 0.5, noise={"shot-hz": 50})
+    large = np.tile(frames, (1, 4, 4))
+    before = amacrine.threads()
+    try:
+        said = []
+        for threads in (1, 2, 5):
+            amacrine.set_threads(threads)
+            assert amacrine.threads() == threads
+            said.append(
+                (
+                    sensor.events(large, FPS).tobytes(),
+                    sensor.counts(large, FPS).tobytes(),
+                    sensor.voxels(large, FPS).tobytes(),
+                    sensor.voxels(large, FPS, bins=4, window=0.03).tobytes(),
+                )
+            )
+    finally:
+        amacrine.set_threads(before)
+    assert said[0] == said[1] == said[2]
+
+
+def _count(frames: Frames) -> int:
+    return len(amacrine.Sensor("csdvs-5", 0.1).events(np.tile(frames, (1, 3, 3)), FPS))
+
+
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_fork_has_threads_of_its_own(frames: Frames) -> None:
+    """The workers of a data loader are forks: a pool that was there before has no threads in
+    them."""
+    want = _count(frames)
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map_async(_count, [frames] * 4).get(timeout=60) == [want] * 4
+
+
+def test_a_stream_goes_on(frames: Frames) -> None:
+    sensor = amacrine.Sensor.from_file("rgc-4")
+    want = sensor.events(frames, FPS)
+    stream = sensor.stream(FPS)
+    parts = [frames[:1], frames[1:2], frames[2:9], frames[9:]]
+    assert np.concatenate(list(stream.each(parts))).tobytes() == want.tobytes()
+    assert stream.seen == 12
+    stream = sensor.stream(FPS)
+    counts = np.concatenate([stream.counts(part) for part in parts])
+    assert np.array_equal(counts, sensor.counts(frames, FPS))
+
+
+@pytest.mark.parametrize("signed", [True, False])
+@pytest.mark.parametrize(("bins", "window"), [(9, None), (5, 0.03), (1, 0.05)])
+def test_bins_are_those_of_the_equation(
+    bins: int, window: float | None, signed: bool, frames: Frames
+) -> None:
+    """An event at t of a window from 0 to w gives 1 - |b - t (bins - 1) / w| to bin b."""
+    sensor = amacrine.Sensor(kernels(2), 0.5)
+    events = sensor.events(frames, FPS)
+    seconds = 11 / FPS
+    length = window or seconds
+    windows = int(np.ceil(seconds / length - 1e-9))
+    want = np.zeros((windows, 2, 2, bins, 61, 83))
+    for event in events:
+        since = event["t"] * 1e-6 / length
+        w = min(int(since), windows - 1)
+        at = min(max((since - w) * (bins - 1), 0), bins - 1)
+        for b in range(bins):
+            share = max(0.0, 1 - abs(b - at))
+            want[w, event["channel"], event["p"], b, event["y"], event["x"]] += share
+    if signed:
+        want = want[:, :, 1] - want[:, :, 0]
+    got = sensor.voxels(frames, FPS, bins=bins, window=window, signed=signed)
+    assert got.shape == want.shape
+    np.testing.assert_allclose(got, want, atol=1e-4)
+
+
+def test_a_sensor_that_never_fires_says_so(frames: Frames) -> None:
+    with pytest.warns(amacrine.Caution, match="no event at all in 12 frames"):
+        amacrine.Sensor("dvs", 50.0).events(frames, FPS)
+
+
+def test_sensors_come_by_name(tmp_path: Path, frames: Frames) -> None:
+    assert "rgc-4" in amacrine.names("sensors")
+    sensor = amacrine.Sensor.from_file("rgc-4")
+    assert sensor.channels == ["change", "centre-on", "vertical edges", "horizontal edges"]
+    copy = tmp_path / "copy.toml"
+    copy.write_text(amacrine.text("sensors", "rgc-4"))
+    again = amacrine.Sensor.from_file(copy)
+    assert again.events(frames, FPS).tobytes() == sensor.events(frames, FPS).tobytes()
+    for name in amacrine.names("sensors"):
+        amacrine.Sensor.from_file(name)

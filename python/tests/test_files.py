@@ -1,0 +1,94 @@
+"""Event files, and packets compared, as the command line has them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Callable
+
+import amacrine
+import numpy as np
+import pytest
+from conftest import Frames, kernels
+
+FPS = 120.0
+
+
+@pytest.fixture(scope="module")
+def events(frames: Frames) -> Any:
+    return amacrine.Sensor("csdvs-5", 0.1).events(frames, FPS)
+
+
+@pytest.mark.parametrize("ending", ["npy", "csv", "evt2", "evt3", "aedat4", "dat", "hdf5", "parquet"])
+def test_files_come_back(ending: str, tmp_path: Path, events: Any) -> None:
+    path = tmp_path / f"events.{ending}"
+    amacrine.write(path, events, size=(61, 83))
+    again = amacrine.read(path)
+    assert again.dtype == amacrine.EVENT
+    # EVT3 may order ties by rows.
+    order = ["t", "y", "x", "p"]
+    assert np.array_equal(np.sort(again, order=order), np.sort(events, order=order))
+
+
+def test_what_a_file_says(tmp_path: Path, events: Any) -> None:
+    path = tmp_path / "events.npy"
+    amacrine.write(path, events, size=(61, 83))
+    about = amacrine.about(path)
+    assert about.size == (61, 83) and about.size_known and about.channels == 1
+    assert np.array_equal(np.load(path), events)
+    np.save(path, events)
+    bare = amacrine.about(path)
+    assert not bare.size_known and bare.size == (events["y"].max() + 1, events["x"].max() + 1)
+
+
+def test_kinds_are_kept(tmp_path: Path, frames: Frames) -> None:
+    events = amacrine.Sensor(kernels(3), 0.5).events(frames, FPS)
+    path = tmp_path / "kinds.npy"
+    amacrine.write(path, events, channels=5)
+    assert amacrine.read(path).tobytes() == events.tobytes()
+    assert amacrine.about(path).channels == 5
+    with pytest.raises(amacrine.Error, match="channel"):
+        amacrine.write(tmp_path / "kinds.evt2", events)
+
+
+def test_any_fields(tmp_path: Path, events: Any) -> None:
+    other = np.zeros(len(events), [("p", "?"), ("y", ">u4"), ("x", "<u8"), ("t", "<u4")])
+    for name in ("t", "x", "y", "p"):
+        other[name] = events[name]
+    amacrine.write(tmp_path / "other.npy", other)
+    assert amacrine.read(tmp_path / "other.npy").tobytes() == events.tobytes()
+
+
+def test_compare_is_that_of_the_program(
+    program: Callable[..., str], tmp_path: Path, frames: Frames, events: Any
+) -> None:
+    judged = amacrine.Sensor("csdvs-5", 0.12).events(frames, FPS)
+    a, b = tmp_path / "a.npy", tmp_path / "b.npy"
+    amacrine.write(a, events, size=(61, 83))
+    amacrine.write(b, judged, size=(61, 83))
+    stated = json.loads(program("compare", a, b, "--json"))
+    for answer in (
+        amacrine.compare(a, b),
+        amacrine.compare(events, judged, size=(61, 83)),
+        amacrine.compare(str(a), judged),
+    ):
+        of = answer.to_dict()
+        for name in ("kept", "f1", "floor", "window_us"):
+            assert of["headline"][name] == stated["headline"][name], name
+        for name in ("events", "on", "off", "matched", "precision", "recall", "time_error_us"):
+            assert of[name] == stated[name], name
+        for name, score in of["ruler"].items():
+            assert score["value"] == stated["ruler"][name]["value"], name
+    same = amacrine.compare(events, events)
+    assert same.equal and same.headline.kept == 1
+    assert 0 < amacrine.compare(events, judged, within=1e-3).headline.kept < 1
+
+
+def test_a_clip_is_an_array(tmp_path: Path, frames: Frames) -> None:
+    clip, fps = amacrine.load()
+    assert clip.shape == (72, 256, 256) and clip.dtype == np.uint8 and fps == 10
+    np.save(tmp_path / "light.npy", frames / 255)
+    light, fps = amacrine.load(str(tmp_path / "light.npy"), fps=50, scale=200)
+    assert light.dtype == np.float64 and fps == 50
+    np.testing.assert_array_equal(light, frames / 255 * 200)
+    assert len(amacrine.load(frames=3)[0]) == 3

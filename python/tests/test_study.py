@@ -1,0 +1,91 @@
+"""Studies give the numbers of the command line."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+from typing import Any, Callable
+
+import amacrine
+import numpy as np
+import pytest
+
+SCENE = "pattern:disc?width=48&height=40&frames=12&fps=50"
+
+
+def test_quantise(program: Callable[..., str]) -> None:
+    stated = json.loads(program("quantise", "rgc-5x5", "--to", "ternary,int-5", "--json"))
+    few = amacrine.quantise("rgc-5x5", ["ternary", "int-5"])
+    for one, row in zip(few, stated["quantised"], strict=True):
+        assert one.to == row["to"] and one.scale == row["scale"]
+        assert one.levels.tolist() == row["levels"]
+        assert one.relative_error == row["relative_error"]
+    alone = amacrine.quantise(few[1].kernel, "int-5")
+    assert alone.relative_error < 1e-12
+    np.testing.assert_allclose(alone.kernel, few[1].kernel)
+
+
+def test_quantise_on_the_chip(program: Callable[..., str]) -> None:
+    words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05)
+    stated = json.loads(program("quantise", "csdvs-3", "--to", "ternary", *words, "--json"))
+    answer = amacrine.quantise("csdvs-3", ["ternary"], threshold=20, scene=SCENE, effort=0.05)
+    assert answer.to_dict()["rows"] == stated["chip"]["rows"]
+    frames, fps = amacrine.load(SCENE)
+    scale = None if frames.dtype == np.uint8 else 1
+    same = amacrine.quantise(
+        "csdvs-3", ["ternary"], threshold=20, scene=frames, fps=fps, scale=scale, effort=0.05
+    )
+    assert same == answer
+    assert "ternary" in answer._repr_html_()
+
+
+def test_feasibility(program: Callable[..., str], tmp_path: Path) -> None:
+    words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05, "--chips", 1)
+    to = ("--to", "ternary", "--candidates", "ternary")
+    stated = json.loads(program("feasibility", "--kernel", "csdvs-3", *words, *to, "--json"))
+    answer = amacrine.feasibility(
+        "csdvs-3", 20, to="ternary", candidates=["ternary"], scene=SCENE, effort=0.05, chips=1
+    )
+    of = answer.to_dict()
+    assert len(stated) > 15
+    for name in set(stated) - {"command", "light", "warnings"}:
+        assert of[name] == stated[name], name
+    assert "<iframe srcdoc=" in answer._repr_html_()
+    answer.save(tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
+    assert pickle.loads(pickle.dumps(answer)) == answer
+    with pytest.raises(AttributeError, match="verdict"):
+        answer.verdicts
+
+
+def test_waterfall(program: Callable[..., str], tmp_path: Path) -> None:
+    words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05, "--steps")
+    stated = json.loads(program("waterfall", "csdvs-3", "--to", "ternary", *words, "--json"))
+    answer = amacrine.waterfall("csdvs-3", 20, "ternary", scene=SCENE, effort=0.05, steps=True)
+    of = answer.to_dict()
+    for name in ("kept", "float_events", "chip_events", "steps", "program"):
+        assert of[name] == stated[name], name
+    assert answer._repr_html_().startswith("<svg")
+    answer.save(tmp_path / "fall.svg")
+    with pytest.raises(ValueError, match="there is no .html"):
+        answer.save(tmp_path / "fall.html")
+
+
+def test_trade() -> None:
+    scene = "pattern:grating?width=64&height=64&frames=20&fps=100"
+    answer = amacrine.trade(amacrine.Sensor.from_file("rgc"), scene, formats=["f32"])
+    names = [point.name for point in answer.points]
+    assert "the full model" in names and "f32" in names
+    assert answer.knee in names
+    assert any(point.on_front for point in answer.points)
+
+
+def test_a_table_is_a_data_frame() -> None:
+    pandas = pytest.importorskip("pandas")
+    answer = amacrine.Answer({"rows": [{"to": "a", "fit": {"words": 3}}]}, rows="rows")
+    frame = answer.to_frame()
+    assert isinstance(frame, pandas.DataFrame)
+    assert frame["fit.words"].tolist() == [3]
+    with pytest.raises(KeyError, match="rows"):
+        answer.to_frame("none")

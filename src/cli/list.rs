@@ -1,0 +1,91 @@
+//! `amacrine list`: what comes with the program, by name, and the text of each.
+
+use std::path::Path;
+
+use miette::miette;
+
+use crate::{
+    bundled::{self, File, Kind},
+    isa::Device,
+};
+
+/// What `list` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine list sensors\n  amacrine list sensors rgc-4 > mine.toml\n  amacrine run --scene bundled --sensor rgc-4\n\nWherever a file of one of these kinds is read, a name will do; a file of that name goes first."
+)]
+pub struct Arguments {
+    /// Of which kind
+    of: Of,
+    /// Print the text of this one instead
+    name: Option<String>,
+}
+
+/// A kind of thing that comes with the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Of {
+    /// Float sensors: `run --sensor NAME`
+    Sensors,
+    /// Programs of the array: `exec NAME`
+    Programs,
+    /// Kernels: `compile NAME`
+    Kernels,
+    /// Studies, to start from
+    Studies,
+    /// Readouts: `run --readout NAME`
+    Readouts,
+    /// Chips: `exec PROGRAM --chip NAME`
+    Chips,
+}
+
+impl Of {
+    /// The files; chips are folders.
+    const fn kind(self) -> Option<Kind> {
+        match self {
+            Self::Sensors => Some(Kind::Sensor),
+            Self::Programs => Some(Kind::Program),
+            Self::Kernels => Some(Kind::Kernel),
+            Self::Studies => Some(Kind::Study),
+            Self::Readouts => Some(Kind::Readout),
+            Self::Chips => None,
+        }
+    }
+}
+
+/// What comes with the program under the name that stands for a file; one that is there goes first.
+pub(super) fn bundled(kind: Kind, path: &Path) -> Option<File> {
+    let name = path.to_str().filter(|_| !path.exists())?;
+    bundled::find(kind, name)
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When there is nothing of this name.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let kind = arguments.of.kind();
+    let Some(name) = &arguments.name else {
+        let names: Vec<&str> = match kind {
+            Some(kind) => bundled::all(kind).map(|file| file.name).collect(),
+            None => Device::shipped().collect(),
+        };
+        super::say(&(names.join("\n") + "\n"));
+        return Ok(());
+    };
+    let Some(kind) = kind else {
+        return Err(miette!(
+            help = "`amacrine schema chip` has the keys of a chip of your own",
+            "a chip is a folder, and has no one text"
+        ));
+    };
+    let file = bundled::find(kind, name).ok_or_else(|| {
+        let known: Vec<&str> = bundled::all(kind).map(|file| file.name).collect();
+        miette!(
+            help = format!("there are {}", known.join(", ")),
+            "there is no {name} in {}",
+            kind.folder()
+        )
+    })?;
+    super::say(file.text);
+    Ok(())
+}

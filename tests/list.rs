@@ -1,0 +1,66 @@
+//! What comes with the program is found by name, from an empty folder; a file of that name goes
+//! first. Against: the files of the sources, and the same commands with their paths.
+
+mod common;
+
+use std::{fs, path::Path};
+
+use common::{good, json, refused};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+#[test]
+fn names_stand_for_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let names = good(folder, &["list", "sensors"]);
+    assert!(names.lines().any(|name| name == "rgc-4"), "{names}");
+    assert!(names.lines().any(|name| name == "authors/dvs"), "{names}");
+    for of in ["programs", "kernels", "studies", "readouts", "chips"] {
+        assert!(good(folder, &["list", of]).lines().count() > 1, "{of}");
+    }
+    let text = good(folder, &["list", "sensors", "rgc-4"]);
+    let file = Path::new(ROOT).join("sensors/rgc-4.toml");
+    assert_eq!(text, fs::read_to_string(&file).unwrap());
+    let run = |sensor: &str| {
+        let scene = "pattern:bar?width=40&height=30&frames=6";
+        json(folder, &["run", "--scene", scene, "--sensor", sensor])
+    };
+    let named = run("rgc-4");
+    assert_eq!(named, run(file.to_str().unwrap()));
+    good(folder, &["exec", "dvs/snap"]);
+    good(folder, &["asm", "snap"]);
+}
+
+#[test]
+fn the_bundled_clip_has_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = ["run", "--scene", "bundled", "--sensor", "dvs"];
+    assert_eq!(json(folder.path(), &run)["frames"], 72);
+}
+
+#[test]
+fn a_file_goes_before_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("dvs"), "memory = 3").unwrap();
+    let scene = ["run", "--scene", "pattern:bar", "--sensor"];
+    let with = |name| [&scene[..], &[name]].concat();
+    refused(folder, &with("dvs"), &["dvs:1:"]);
+    refused(folder, &with("dvss"), &["dvss", "amacrine list sensors"]);
+    refused(
+        folder,
+        &["exec", "snapp"],
+        &["snapp", "amacrine list programs"],
+    );
+    refused(
+        folder,
+        &["list", "sensors", "dvss"],
+        &["there is no dvss", "rgc-4"],
+    );
+    refused(
+        folder,
+        &["list", "chips", "scamp5"],
+        &["a chip is a folder"],
+    );
+}
