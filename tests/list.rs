@@ -48,7 +48,19 @@ fn a_file_goes_before_a_name() {
     let with = |name| [&scene[..], &[name]].concat();
     refused(folder, &with("dvs"), &["dvs:1:"]);
     refused(folder, &with("dvss"), &["dvss", "amacrine list sensors"]);
-    refused(folder, &["exec", "snapp"], &["snapp", "amacrine list programs"]);
-    refused(folder, &["list", "sensors", "dvss"], &["there is no dvss", "rgc-4"]);
-    refused(folder, &["list", "chips", "scamp5"], &["a chip is a folder"]);
+    refused(
+        folder,
+        &["exec", "snapp"],
+        &["snapp", "amacrine list programs"],
+    );
+    refused(
+        folder,
+        &["list", "sensors", "dvss"],
+        &["there is no dvss", "rgc-4"],
+    );
+    refused(
+        folder,
+        &["list", "chips", "scamp5"],
+        &["a chip is a folder"],
+    );
 }

@@ -18,12 +18,32 @@ fn each_kind_begins_with_a_file_that_works() {
     let scene = "pattern:bar?width=40&height=30&frames=6";
     good(
         folder,
-        &["run", "--scene", scene, "--sensor", "my-sensor.toml", "--readout", "my-readout.toml"],
+        &[
+            "run",
+            "--scene",
+            scene,
+            "--sensor",
+            "my-sensor.toml",
+            "--readout",
+            "my-readout.toml",
+        ],
     );
-    good(folder, &["compile", "my-kernel.toml", "--to", "ternary", "--filter-only"]);
+    good(
+        folder,
+        &[
+            "compile",
+            "my-kernel.toml",
+            "--to",
+            "ternary",
+            "--filter-only",
+        ],
+    );
     good(folder, &["asm", "my-program.scamp", "--chip", "my-chip"]);
     good(folder, &["sweep", "my-study.toml", "frames=2", "--space"]);
-    good(folder, &["new", "sensor", "deep/in/four.toml", "--from", "rgc-4"]);
+    good(
+        folder,
+        &["new", "sensor", "deep/in/four.toml", "--from", "rgc-4"],
+    );
     assert!(folder.join("deep/in/sensor.schema.json").exists());
 }
 
@@ -63,11 +83,26 @@ fn nothing_is_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     fs::write(folder.join("mine.toml"), "my own").unwrap();
-    refused(folder, &["new", "sensor", "mine"], &["mine.toml is there already"]);
-    assert_eq!(fs::read_to_string(folder.join("mine.toml")).unwrap(), "my own");
+    refused(
+        folder,
+        &["new", "sensor", "mine"],
+        &["mine.toml is there already"],
+    );
+    assert_eq!(
+        fs::read_to_string(folder.join("mine.toml")).unwrap(),
+        "my own"
+    );
     assert_eq!(fs::read_dir(folder).unwrap().count(), 1);
-    refused(folder, &["new", "sensor", "a", "--from", "nothing"], &["there is no nothing", "rgc-4"]);
-    refused(folder, &["new", "chip", "a", "--from", "scamp5"], &["it extends it"]);
+    refused(
+        folder,
+        &["new", "sensor", "a", "--from", "nothing"],
+        &["there is no nothing", "rgc-4"],
+    );
+    refused(
+        folder,
+        &["new", "chip", "a", "--from", "scamp5"],
+        &["it extends it"],
+    );
 }
 
 #[test]
@@ -76,11 +111,17 @@ fn shells_and_manuals_know_every_verb() {
     let folder = folder.path();
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let text = good(folder, &["completions", shell]);
-        assert!(text.contains("feasibility") && text.contains("fidelity"), "{shell}");
+        assert!(
+            text.contains("feasibility") && text.contains("fidelity"),
+            "{shell}"
+        );
     }
     good(folder, &["man", "-o", "man1"]);
     let page = fs::read_to_string(folder.join("man1/amacrine-run.1")).unwrap();
-    assert!(page.contains("fidelity") && page.starts_with(".ie"), "{page}");
+    assert!(
+        page.contains("fidelity") && page.starts_with(".ie"),
+        "{page}"
+    );
     let verbs = fs::read_to_string(folder.join("man1/amacrine.1")).unwrap();
     for verb in ["feasibility", "quantise", "sweep"] {
         assert!(verbs.contains(verb), "{verb}");

@@ -90,9 +90,7 @@ impl Chip {
                 levels.push((kind.kernel.clone(), 1.0));
                 continue;
             };
-            let quantised = to
-                .quantise(&kind.kernel, sum, asked.seed)
-                .map_err(raised)?;
+            let quantised = to.quantise(&kind.kernel, sum, asked.seed).map_err(raised)?;
             let erased = quantised.erasures(&kind.kernel).into_iter();
             notes.extend(erased.map(|it| Warning::erased(&to.to_string(), it).to_string()));
             let quantised = quantised.within_one();

@@ -121,8 +121,8 @@ pub fn write(
     };
     let all = [Compression::Lz4, Compression::Zstd, Compression::None];
     let compression = all.into_iter().find(|it| it.name() == compression);
-    let compression = compression
-        .ok_or_else(|| refused("unknown compression", "give lz4, zstd or none"))?;
+    let compression =
+        compression.ok_or_else(|| refused("unknown compression", "give lz4, zstd or none"))?;
     let how = Opening {
         format: None,
         size: size(of),

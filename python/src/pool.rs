@@ -63,7 +63,10 @@ pub fn set_threads(threads: usize) -> PyResult<()> {
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
         .replace(own);
-    if before.as_ref().is_some_and(|it| it.process != process::id()) {
+    if before
+        .as_ref()
+        .is_some_and(|it| it.process != process::id())
+    {
         mem::forget(before);
     }
     Ok(())

@@ -207,7 +207,13 @@ impl Program {
             }
         }
         let records = PyArray1::from_vec(py, bytes);
-        Ok((records, packet.channels, packet.dropped.total(), last, every))
+        Ok((
+            records,
+            packet.channels,
+            packet.dropped.total(),
+            last,
+            every,
+        ))
     }
 }
 

@@ -191,8 +191,9 @@ pub fn scene<'py>(
                 bytes.extend_from_slice(row);
             }
         }
-        let array: Bound<'py, PyArray3<u8>> =
-            PyArray1::from_vec(py, bytes).reshape(shape).map_err(wrong)?;
+        let array: Bound<'py, PyArray3<u8>> = PyArray1::from_vec(py, bytes)
+            .reshape(shape)
+            .map_err(wrong)?;
         return Ok((array.into_any(), fps));
     }
     let mut numbers = Vec::with_capacity(shape.iter().product());

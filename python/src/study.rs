@@ -485,4 +485,3 @@ fn traded(
     };
     survey_all(&family, &ask)
 }
-

@@ -19,7 +19,12 @@ pub struct Arguments {
 #[expect(clippy::unnecessary_wraps, reason = "all verbs are alike")]
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut text = Vec::new();
-    generate(arguments.shell, &mut super::command(), "amacrine", &mut text);
+    generate(
+        arguments.shell,
+        &mut super::command(),
+        "amacrine",
+        &mut text,
+    );
     super::say(&String::from_utf8_lossy(&text));
     Ok(())
 }

@@ -30,7 +30,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut pages = vec![("amacrine".to_owned(), all.clone())];
     for verb in all.get_subcommands() {
         let name = format!("amacrine-{}", verb.get_name());
-        pages.push((name.clone(), verb.clone().name(name.clone()).bin_name(name)));
+        let called = format!("amacrine {}", verb.get_name());
+        let page = verb.clone().display_name(name.clone()).bin_name(called);
+        pages.push((name, page));
     }
     let path = |name: &str| arguments.output.join(format!("{name}.1"));
     files::writes(pages.iter().map(|(name, _)| path(name)))?;
@@ -43,7 +45,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             file.write_all(&text)
         })?;
     }
-    let (pages, folder) = (all.get_subcommands().count() + 1, arguments.output.display());
+    let (pages, folder) = (
+        all.get_subcommands().count() + 1,
+        arguments.output.display(),
+    );
     super::say(&format!("wrote    {pages} pages in {folder}\n"));
     Ok(())
 }

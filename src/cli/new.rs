@@ -79,11 +79,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 /// The file, and its schema where editors know what to do with one.
-fn begun(
-    kind: Kind,
-    arguments: &Arguments,
-    name: &Path,
-) -> miette::Result<Vec<(PathBuf, String)>> {
+fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(PathBuf, String)>> {
     let from = arguments.from.as_deref().unwrap_or(plain(kind));
     let file = bundled::find(kind, from).ok_or_else(|| {
         let known: Vec<&str> = bundled::all(kind).map(|file| file.name).collect();
@@ -141,7 +137,8 @@ fn with_keys(file: &File, schema: &Json) -> String {
     if others.is_empty() {
         return file.text.to_owned();
     }
-    let others = format!("# What else may stand here, with what holds where it does not:\n{others}");
+    let others =
+        format!("# What else may stand here, with what holds where it does not:\n{others}");
     // Keys behind a table would be the table's.
     let table = file.text.starts_with('[').then_some(0);
     let table = table.or_else(|| file.text.find("\n[").map(|at| at + 1));

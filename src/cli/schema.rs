@@ -4,7 +4,8 @@ use serde_json::Value as Json;
 
 use super::{content::Content, files::Output};
 use crate::{
-    bundled, config::schema, event::readout, isa, kernel, program, reference, save::save, study::sweep,
+    bundled, config::schema, event::readout, isa, kernel, program, reference, save::save,
+    study::sweep,
 };
 
 /// What `schema` is asked to do.
