@@ -2,6 +2,7 @@
 
 pub mod asm;
 mod budget;
+mod changed;
 mod clip;
 pub mod compare;
 pub mod compile;
