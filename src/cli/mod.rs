@@ -2,9 +2,11 @@
 
 pub mod asm;
 mod budget;
+mod changed;
 mod clip;
 pub mod compare;
 pub mod compile;
+pub mod completions;
 pub mod content;
 pub mod convert;
 pub mod demo;
@@ -20,8 +22,10 @@ mod guards;
 mod kernels;
 mod light;
 pub mod list;
+pub mod man;
 pub mod merge;
 pub mod mesh;
+pub mod new;
 mod npy;
 mod opened;
 pub mod packets;
@@ -126,6 +130,12 @@ verbs! {
     Schema => schema,
     /// What comes with the program, by name: sensors, programs, kernels, studies, readouts, chips
     List => list,
+    /// A file to start from: sensor, kernel, study, readout, program, chip
+    New => new,
+    /// What a shell needs to complete the command line
+    Completions => completions,
+    /// A manual page for each verb
+    Man => man,
 }
 
 /// Parses the command line, runs the verb, prints what went wrong.
@@ -160,6 +170,11 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(report) => print::failed(&report),
     }
+}
+
+/// The whole command line.
+fn command() -> clap::Command {
+    Arguments::command()
 }
 
 /// The first example of each verb.

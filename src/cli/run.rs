@@ -28,6 +28,7 @@ use crate::{
 
 use super::{
     budget,
+    changed::Changes,
     content::Content,
     event_output::EventOutput,
     fidelity::{Fidelity, Source, make},
@@ -52,6 +53,8 @@ pub struct Arguments {
     /// The sensor file, or a name that `amacrine list sensors` prints
     #[arg(long)]
     sensor: Input,
+    #[command(flatten)]
+    changes: Changes,
     /// Frames per second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
@@ -114,6 +117,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let observation = Observation::new();
     let samples = &arguments.samples;
     let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
+    let shown = || -> Result<Box<dyn Scene>, SceneError> {
+        // What is seen of it is noted in the run itself.
+        let unseen = Observation::new();
+        let scene = samples.open(Some(&arguments.scene), arguments.fps, &unseen)?;
+        upsample::by_contrast(scene, arguments.upsample)
+    };
+    let (description, rated) = arguments.changes.of(description, arguments.seed, &shown)?;
+    if let Some(line) = rated.filter(|_| !arguments.json) {
+        super::say(&line);
+    }
     if !arguments.fidelity.is_auto() {
         let shown = arguments.sensor.display().to_string();
         let description = arguments.without.leave_out(&shown, &description)?;
@@ -195,6 +208,9 @@ fn watched(
         let mut json = watched.json(arguments, description);
         json["light"] = light::json(observation);
         json["warnings"] = json!(warnings);
+        if let Some(rate) = arguments.changes.json(description) {
+            json["rate"] = rate;
+        }
         if let Some(plan) = plan {
             json["fidelity"] = arguments.fidelity.json(plan)?;
         }

@@ -4,7 +4,8 @@ use serde_json::Value as Json;
 
 use super::{content::Content, files::Output};
 use crate::{
-    config::schema, event::readout, isa, kernel, program, reference, save::save, study::sweep,
+    bundled, config::schema, event::readout, isa, kernel, program, reference, save::save,
+    study::sweep,
 };
 
 /// What `schema` is asked to do.
@@ -22,7 +23,7 @@ pub struct Arguments {
 
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Kind {
+pub enum Kind {
     /// sensors/*.toml
     Sensor,
     /// kernels/*.toml
@@ -37,7 +38,8 @@ enum Kind {
     Chip,
 }
 
-fn schema_for(kind: Kind) -> Json {
+/// The schema of a kind of file.
+pub(super) fn schema_for(kind: Kind) -> Json {
     match kind {
         Kind::Sensor => schema::file(&reference::keys::FILE),
         Kind::Kernel => schema::file(&kernel::FILE),
@@ -45,6 +47,32 @@ fn schema_for(kind: Kind) -> Json {
         Kind::Readout => schema::file(&readout::settings::FILE),
         Kind::Program => program::json_schema(),
         Kind::Chip => isa::keys::json_schema(),
+    }
+}
+
+impl Kind {
+    /// What comes with the program of this kind; chips are folders.
+    pub(super) const fn bundled(self) -> Option<bundled::Kind> {
+        match self {
+            Self::Sensor => Some(bundled::Kind::Sensor),
+            Self::Kernel => Some(bundled::Kind::Kernel),
+            Self::Study => Some(bundled::Kind::Study),
+            Self::Readout => Some(bundled::Kind::Readout),
+            Self::Program => Some(bundled::Kind::Program),
+            Self::Chip => None,
+        }
+    }
+
+    /// Its name on the command line.
+    pub(super) const fn word(self) -> &'static str {
+        match self {
+            Self::Sensor => "sensor",
+            Self::Kernel => "kernel",
+            Self::Study => "study",
+            Self::Readout => "readout",
+            Self::Program => "program",
+            Self::Chip => "chip",
+        }
     }
 }
 

@@ -42,8 +42,8 @@ mod voxel;
 
 pub use counts::{CountBand, Counts};
 pub use description::{
-    Border, Channel, Description, MemoryRule, PolarityRule, ReadFile, Refractory, RefractoryRule,
-    Threshold, keys,
+    Border, Channel, Description, MemoryRule, OpenError, PolarityRule, ReadFile, Refractory,
+    RefractoryRule, Threshold, keys,
 };
 pub use firing::{Firing, FiringBand};
 pub use list::{EventList, Limit, ListBand, WhenFull};

@@ -6,6 +6,7 @@ pub mod feasibility;
 pub mod front;
 pub mod pilot;
 pub mod quantisation;
+pub mod rate;
 pub mod report;
 pub mod saturation;
 pub mod sweep;

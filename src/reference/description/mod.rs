@@ -25,12 +25,14 @@ mod channel;
 mod check;
 mod kernels;
 pub mod keys;
+mod open;
 mod reader;
 mod rules;
 mod sensor;
 
 pub use self::{
     channel::{Channel, Threshold},
+    open::OpenError,
     reader::ReadFile,
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
     sensor::Description,

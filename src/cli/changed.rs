@@ -1,0 +1,102 @@
+//! `--kernel`, `--threshold` and `--rate`: a sensor file with other receptive fields, thresholds,
+//! or with thresholds for a rate of events.
+
+use miette::{WrapErr, miette};
+
+use super::{files::Named, kernels};
+use crate::{
+    reference::{Channel, Description},
+    scene::{Scene, SceneError},
+    study::rate,
+};
+
+/// What is other than in the sensor file.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct Changes {
+    /// These kernels in place of the file's, a kind of cell for each: a file (.toml, .npy of shape
+    /// (k,k) or (K,k,k)) or a built-in
+    #[arg(long, value_name = "KERNELS")]
+    kernel: Option<Named>,
+    /// This threshold in place of the file's, for ON and OFF
+    #[arg(long, value_name = "THRESHOLD", conflicts_with = "rate")]
+    threshold: Option<f64>,
+    /// Thresholds for so many events per pixel and second, all kinds together: the file's, all
+    /// times the same number
+    #[arg(long, value_name = "EVENTS")]
+    rate: Option<f64>,
+}
+
+impl Changes {
+    /// The sensor as it is asked for, and a line that says which thresholds were found.
+    ///
+    /// # Errors
+    /// When a kernel cannot be read, a threshold is not above 0, or no threshold gives the rate.
+    pub(super) fn of(
+        &self,
+        mut sensor: Description,
+        seed: u64,
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    ) -> miette::Result<(Description, Option<String>)> {
+        if let Some(name) = &self.kernel {
+            let (kernels, _) = kernels::read(name)?;
+            let Some(first) = sensor.channels.first().cloned() else {
+                return Ok((sensor, None));
+            };
+            if first.surrounds.is_some() || first.thresholds.len() != 1 {
+                return Err(miette!(
+                    help =
+                        "give a sensor file whose first kind has a kernel of its own, such as rgc",
+                    "--kernel {name}: the first kind of the sensor has a mesh or a pattern in place of a kernel"
+                ));
+            }
+            let several = kernels.len() > 1;
+            let kinds = kernels.into_iter().enumerate().map(|(k, kernel)| Channel {
+                name: several.then(|| format!("kernel {k}")),
+                kernels: vec![kernel],
+                ..first.clone()
+            });
+            sensor.channels = kinds.collect();
+        }
+        if let Some(threshold) = self.threshold {
+            if !(threshold > 0.0 && threshold.is_finite()) {
+                return Err(miette!(
+                    help = "give a finite number above 0, in units of the response",
+                    "--threshold {threshold}"
+                ));
+            }
+            for own in sensor
+                .channels
+                .iter_mut()
+                .flat_map(|kind| &mut kind.thresholds)
+            {
+                (own.on, own.off) = (threshold, threshold);
+            }
+        }
+        let Some(asked) = self.rate else {
+            return Ok((sensor, None));
+        };
+        let found = rate::factor(&sensor, asked, seed, open).wrap_err("--rate")?;
+        let sensor = rate::times(&sensor, found.factor);
+        let thresholds = thresholds(&sensor).map(|own| format!("{own:.5}"));
+        let thresholds: Vec<String> = thresholds.collect();
+        let line = format!(
+            "rate     {asked} events per pixel and second asked for: threshold {} gives {:.4}\n",
+            thresholds.join(", "),
+            found.rate
+        );
+        Ok((sensor, Some(line)))
+    }
+
+    /// The rate that was asked for, and the thresholds for it.
+    pub(super) fn json(&self, sensor: &Description) -> Option<serde_json::Value> {
+        let thresholds: Vec<f64> = thresholds(sensor).collect();
+        let asked = self.rate?;
+        Some(serde_json::json!({"asked": asked, "thresholds": thresholds}))
+    }
+}
+
+/// The thresholds of ON events.
+fn thresholds(sensor: &Description) -> impl Iterator<Item = f64> {
+    let all = sensor.channels.iter().flat_map(|kind| &kind.thresholds);
+    all.map(|own| own.on)
+}

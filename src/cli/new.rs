@@ -1,0 +1,149 @@
+//! `amacrine new`: a file to start from, with what else may stand in it.
+
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+
+use miette::miette;
+use serde_json::Value as Json;
+
+use super::{files, schema};
+use crate::{
+    bundled::{self, File, Kind},
+    save::save,
+};
+
+/// What `new` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine new sensor mine\n  amacrine new program edges --from convolve/sobel\n  amacrine new chip wide\n\nA sensor, kernel, study or readout is NAME.toml with a copy of its JSON Schema beside it, which editors complete and check it by; what may stand in it besides is in comments. A program is NAME.scamp. A chip is a folder whose device.toml says only where it differs from another."
+)]
+pub struct Arguments {
+    /// What to begin
+    kind: schema::Kind,
+    /// Its path, without the ending
+    name: String,
+    /// Begin with this one of `amacrine list` instead of a plain one
+    #[arg(long, value_name = "NAME")]
+    from: Option<String>,
+}
+
+/// A chip that differs from another in a few numbers.
+const CHIP: &str = include_str!("../../isa/scamp5-wide/device.toml");
+
+/// Of each kind, the one that is copied where none is asked for.
+const fn plain(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Sensor => "rgc",
+        Kind::Program => "dvs/snap",
+        Kind::Kernel => "rgc-5x5",
+        Kind::Study => "formats",
+        Kind::Readout => "arbiter",
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When there is nothing of the name to begin with, when a file of the new name is there already,
+/// or cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let name = Path::new(&arguments.name);
+    let written = match arguments.kind.bundled() {
+        None => {
+            if arguments.from.is_some() {
+                return Err(miette!(
+                    help = "its first key is `extends`: write the other chip's name there",
+                    "a new chip is not copied from another: it extends it"
+                ));
+            }
+            vec![(name.join("device.toml"), CHIP.to_owned())]
+        }
+        Some(kind) => begun(kind, arguments, name)?,
+    };
+    let first = written.first().map(|(path, _)| path);
+    if let Some(path) = first.filter(|path| path.exists()) {
+        return Err(miette!(
+            help = "give another name; nothing was written",
+            "{} is there already",
+            path.display()
+        ));
+    }
+    files::writes(written.iter().map(|(path, _)| path))?;
+    for (path, text) in written {
+        save(&path, |file| file.write_all(text.as_bytes()))?;
+        super::say(&format!("wrote    {}\n", path.display()));
+    }
+    Ok(())
+}
+
+/// The file, and its schema where editors know what to do with one.
+fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(PathBuf, String)>> {
+    let from = arguments.from.as_deref().unwrap_or(plain(kind));
+    let file = bundled::find(kind, from).ok_or_else(|| {
+        let known: Vec<&str> = bundled::all(kind).map(|file| file.name).collect();
+        miette!(
+            help = format!("there are {}", known.join(", ")),
+            "there is no {from} in {}",
+            kind.folder()
+        )
+    })?;
+    let path = named(name, kind.extension());
+    if kind == Kind::Program {
+        return Ok(vec![(path, file.text.to_owned())]);
+    }
+    let word = arguments.kind.word();
+    let beside = format!("{word}.schema.json");
+    let schema = schema::schema_for(arguments.kind);
+    let text = format!("#:schema ./{beside}\n{}", with_keys(&file, &schema));
+    let mut written = vec![(path, text)];
+    let beside = name.with_file_name(beside);
+    // All of a kind have the same: one that is there was written by a version of its own.
+    if !beside.exists() {
+        written.push((beside, format!("{schema:#}\n")));
+    }
+    Ok(written)
+}
+
+/// A path with an ending, if it has not got it.
+fn named(name: &Path, ending: &str) -> PathBuf {
+    if name.extension().is_some_and(|own| own == ending) {
+        return name.to_owned();
+    }
+    let mut path = name.as_os_str().to_owned();
+    path.push(format!(".{ending}"));
+    path.into()
+}
+
+/// A file's text with the keys that it does not have, in comments, before its first table.
+fn with_keys(file: &File, schema: &Json) -> String {
+    let own: toml::Table = file.text.parse().unwrap_or_default();
+    let mut others = String::new();
+    let properties = schema["properties"].as_object();
+    for (key, about) in properties.into_iter().flatten() {
+        let plain = about["type"] != "object" && about["type"] != "array";
+        if own.contains_key(key) || !plain {
+            continue;
+        }
+        let value = match &about["default"] {
+            Json::Null => "…".to_owned(),
+            default => default.to_string(),
+        };
+        let says = about["description"].as_str().unwrap_or_default();
+        // Writing to a string cannot fail.
+        let _ = writeln!(others, "# {key} = {value}    # {}", says.replace('\n', " "));
+    }
+    if others.is_empty() {
+        return file.text.to_owned();
+    }
+    let others =
+        format!("# What else may stand here, with what holds where it does not:\n{others}");
+    // Keys behind a table would be the table's.
+    let table = file.text.starts_with('[').then_some(0);
+    let table = table.or_else(|| file.text.find("\n[").map(|at| at + 1));
+    match table {
+        Some(at) => format!("{}{others}\n{}", &file.text[..at], &file.text[at..]),
+        None => format!("{}\n{others}", file.text),
+    }
+}

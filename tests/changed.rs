@@ -1,0 +1,87 @@
+//! `run --kernel`, `--threshold` and `--rate` are what a sensor file with other kernels and
+//! thresholds is. Against: such files, and the number of events that comes of them.
+
+mod common;
+
+use std::fs;
+
+use common::{good, json, refused};
+use ndarray::Array3;
+
+const SCENE: &str = "pattern:noise?width=40&height=30&frames=12&fps=50&speed=40";
+
+fn sensor(kernel: &str, threshold: &str) -> String {
+    format!(
+        "response = {{ linear = 255 }}\nmemory = \"filtered-step\"\n[[channel]]\nkernel = {kernel}\nthreshold = {{ on = {threshold}, off = {threshold} }}\n"
+    )
+}
+
+#[test]
+fn other_kernels_and_thresholds_are_another_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("a.toml"), sensor("[[1]]", "0.3")).unwrap();
+    fs::write(folder.join("b.toml"), sensor("\"sobel-x\"", "0.7")).unwrap();
+    let run = |sensor: &str, more: &[&str]| {
+        let asked = ["run", "--scene", SCENE, "--sensor", sensor, "--events"];
+        good(folder, &[&asked[..], &["e.npy"], more].concat());
+        fs::read(folder.join("e.npy")).unwrap()
+    };
+    let changed = run("a.toml", &["--kernel", "sobel-x", "--threshold", "0.7"]);
+    assert!(changed.len() > 2000);
+    assert_eq!(changed, run("b.toml", &[]));
+    let kernels = Array3::from_shape_fn((2, 3, 3), |(k, y, x)| (k + y) as f64 - x as f64);
+    ndarray_npy::write_npy(folder.join("k.npy"), &kernels).unwrap();
+    let asked = [
+        "run", "--scene", SCENE, "--sensor", "a.toml", "--kernel", "k.npy",
+    ];
+    let two = json(folder, &asked);
+    assert_eq!(two["channels"], 2, "{two}");
+}
+
+#[test]
+fn a_rate_is_reached() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let asked = ["run", "--scene", SCENE, "--sensor", "rgc-4", "--rate", "12"];
+    let said = json(folder, &asked);
+    let (pixels, seconds) = (40.0 * 30.0, 11.0 / 50.0);
+    let rate = said["events"].as_f64().unwrap() / pixels / seconds;
+    assert!((rate / 12.0 - 1.0).abs() < 0.05, "{rate}: {said}");
+    assert_eq!(said["rate"]["asked"], 12.0);
+    assert_eq!(said["rate"]["thresholds"].as_array().unwrap().len(), 4);
+    assert!(good(folder, &asked).contains("asked for: threshold"));
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = ["run", "--scene", SCENE, "--sensor", "dvs"];
+    let with = |more: &[&'static str]| [&run[..], more].concat();
+    refused(
+        folder,
+        &with(&["--rate", "1e9"]),
+        &["--rate", "at any threshold"],
+    );
+    refused(
+        folder,
+        &with(&["--threshold", "0"]),
+        &["--threshold 0", "above 0"],
+    );
+    refused(
+        folder,
+        &with(&["--kernel", "nothing"]),
+        &["cannot read the kernel nothing"],
+    );
+    let mesh = [
+        "run",
+        "--scene",
+        SCENE,
+        "--sensor",
+        "csdvs-mesh",
+        "--kernel",
+        "dvs",
+    ];
+    refused(folder, &mesh, &["has a mesh or a pattern"]);
+}

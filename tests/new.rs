@@ -1,0 +1,130 @@
+//! What `new` writes is a file that the other verbs take, from an empty folder, with a schema that
+//! holds it; nothing that is there is overwritten. Completions and manual pages name every verb.
+//! Against: the verbs themselves, a JSON Schema validator.
+
+mod common;
+
+use std::fs;
+
+use common::{good, refused};
+
+#[test]
+fn each_kind_begins_with_a_file_that_works() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for kind in ["sensor", "kernel", "study", "readout", "program", "chip"] {
+        good(folder, &["new", kind, &format!("my-{kind}")]);
+    }
+    let scene = "pattern:bar?width=40&height=30&frames=6";
+    good(
+        folder,
+        &[
+            "run",
+            "--scene",
+            scene,
+            "--sensor",
+            "my-sensor.toml",
+            "--readout",
+            "my-readout.toml",
+        ],
+    );
+    good(
+        folder,
+        &[
+            "compile",
+            "my-kernel.toml",
+            "--to",
+            "ternary",
+            "--filter-only",
+        ],
+    );
+    good(folder, &["asm", "my-program.scamp", "--chip", "my-chip"]);
+    good(folder, &["sweep", "my-study.toml", "frames=2", "--space"]);
+    good(
+        folder,
+        &["new", "sensor", "deep/in/four.toml", "--from", "rgc-4"],
+    );
+    assert!(folder.join("deep/in/sensor.schema.json").exists());
+}
+
+#[test]
+fn the_schema_beside_it_holds_and_the_comments_are_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in ["sensor", "kernel", "study", "readout"] {
+        good(folder.path(), &["new", kind, kind]);
+        let read = |file: String| fs::read_to_string(folder.path().join(file)).unwrap();
+        let text = read(format!("{kind}.toml"));
+        let first = format!("#:schema ./{kind}.schema.json\n");
+        assert!(text.starts_with(&first), "{text}");
+        let schema = serde_json::from_str(&read(format!("{kind}.schema.json"))).unwrap();
+        let holds = |text: &str| {
+            let file: toml::Table = text.parse().unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let file = serde_json::to_value(file).unwrap();
+            let wrong = jsonschema::validate(&schema, &file);
+            assert!(wrong.is_ok(), "{kind}: {wrong:?}\n{text}");
+        };
+        holds(&text);
+        // Each comment with a value is a line that may stand there.
+        for line in text.lines().filter_map(|line| line.strip_prefix("# ")) {
+            let Some((key, rest)) = line.split_once(" = ") else {
+                continue;
+            };
+            let value = rest.split("    # ").next().unwrap();
+            if value == "…" || key.contains(' ') {
+                continue;
+            }
+            holds(&text.replace(&format!("# {line}"), &format!("{key} = {value}")));
+        }
+    }
+}
+
+#[test]
+fn nothing_is_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("mine.toml"), "my own").unwrap();
+    refused(
+        folder,
+        &["new", "sensor", "mine"],
+        &["mine.toml is there already"],
+    );
+    assert_eq!(
+        fs::read_to_string(folder.join("mine.toml")).unwrap(),
+        "my own"
+    );
+    assert_eq!(fs::read_dir(folder).unwrap().count(), 1);
+    refused(
+        folder,
+        &["new", "sensor", "a", "--from", "nothing"],
+        &["there is no nothing", "rgc-4"],
+    );
+    refused(
+        folder,
+        &["new", "chip", "a", "--from", "scamp5"],
+        &["it extends it"],
+    );
+}
+
+#[test]
+fn shells_and_manuals_know_every_verb() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let text = good(folder, &["completions", shell]);
+        assert!(
+            text.contains("feasibility") && text.contains("fidelity"),
+            "{shell}"
+        );
+    }
+    good(folder, &["man", "-o", "man1"]);
+    let page = fs::read_to_string(folder.join("man1/amacrine-run.1")).unwrap();
+    assert!(
+        page.contains("fidelity") && page.starts_with(".ie"),
+        "{page}"
+    );
+    let verbs = fs::read_to_string(folder.join("man1/amacrine.1")).unwrap();
+    for verb in ["feasibility", "quantise", "sweep"] {
+        assert!(verbs.contains(verb), "{verb}");
+        assert!(folder.join(format!("man1/amacrine-{verb}.1")).exists());
+    }
+}
