@@ -206,7 +206,7 @@ fn page(rows: &BTreeMap<u16, Row>) -> String {
     );
     let _ = write!(
         text,
-        "Of {} classes the shortest program is proved to be optimal: every program of fewer words was tried, whatever its registers (`cargo run --release --example atlas -- --prove`). Of the others it lies between `lower` and `words`. A correlation is predicted from the chip's data, in part a guess, at the best of five input amplitudes (`silicon.md`).\n\n",
+        "Of {} classes the shortest program is proved to be optimal: every program of fewer words was tried, whatever its registers (`cargo run --release --example atlas -- --prove 5`). Of the others it lies between `lower` and `words`. A correlation is predicted from the chip's data, in part a guess, at the best of five input amplitudes (`silicon.md`).\n\n",
         rows.values().filter(optimal).count()
     );
     text += "## Words of the shortest program\n\n| words | classes | proved optimal | correlation, least | median | most |\n|---|---|---|---|---|---|\n";
