@@ -80,7 +80,9 @@ fn asked<R: Real>(count: usize) -> Vec<R> {
 
 fn flat<R>(gradient: &Gradient<R>) -> Vec<f64> {
     let channels = gradient.channels.iter();
-    channels.flat_map(|c| c.kernels.iter().flatten().copied()).collect()
+    channels
+        .flat_map(|c| c.kernels.iter().flatten().copied())
+        .collect()
 }
 
 impl Bench {
@@ -110,7 +112,10 @@ impl Bench {
             let own = model.backward(&seen, &ask, rule).expect("as before");
             std::hint::black_box(own.channels.len());
         });
-        let held = seen.bytes() + model.working_bytes() + size_of_val(&light[..]) + size_of_val(&voxels[..]);
+        let held = seen.bytes()
+            + model.working_bytes()
+            + size_of_val(&light[..])
+            + size_of_val(&voxels[..]);
         let rate = PAIRS / both.median;
         let goal = GOAL / kinds as f64;
         println!(
@@ -133,7 +138,8 @@ impl Bench {
             let apart = apart.fold(0.0, f64::max) / most;
             println!(
                 "{:<22}    {:.1} times the plain version's {pace:.0} pairs/s; gradients {apart:.0e} apart",
-                "", rate / pace
+                "",
+                rate / pace
             );
             let most = if size_of::<R>() > 4 { 1e-9 } else { 1e-3 };
             assert!(apart < most, "the plain version has another gradient");

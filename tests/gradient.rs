@@ -35,7 +35,9 @@ fn kernel(side: usize, seed: u64) -> String {
         own + 0.05 * random(seed, n as u64)
     };
     let row = |y: usize| {
-        let row: Vec<_> = (0..side).map(|x| format!("{:?}", weight(y * side + x))).collect();
+        let row: Vec<_> = (0..side)
+            .map(|x| format!("{:?}", weight(y * side + x)))
+            .collect();
         format!("[{}]", row.join(", "))
     };
     let rows: Vec<_> = (0..side).map(row).collect();
@@ -86,12 +88,18 @@ fn times(frames: usize) -> Vec<f64> {
 
 /// A loss: random weights on all that comes out.
 fn weights<R: Float>(seed: u64, count: usize) -> Vec<R> {
-    (0..count as u64).map(|n| R::from_f64(random(seed, n))).collect()
+    (0..count as u64)
+        .map(|n| R::from_f64(random(seed, n)))
+        .collect()
 }
 
 const SENSORS: [(&str, &str, bool); 9] = [
     ("step", "memory = \"filtered-step\"", false),
-    ("dead time", "memory = \"filtered-step\"\nrefractory = { us = 1000 }", false),
+    (
+        "dead time",
+        "memory = \"filtered-step\"\nrefractory = { us = 1000 }",
+        false,
+    ),
     (
         "authors' rule",
         "memory = \"filtered-step\"\nrefractory = { us = 1000, rule = \"authors\" }",
@@ -103,9 +111,21 @@ const SENSORS: [(&str, &str, bool); 9] = [
         false,
     ),
     ("snap", "memory = \"filtered-snap\"", false),
-    ("snap and rest", "memory = \"filtered-snap\"\nrefractory = { us = 6000 }", false),
-    ("zero border", "memory = \"filtered-step\"\nborder = \"zero\"", false),
-    ("pattern", "memory = \"filtered-step\"\nrefractory = { us = 500 }", true),
+    (
+        "snap and rest",
+        "memory = \"filtered-snap\"\nrefractory = { us = 6000 }",
+        false,
+    ),
+    (
+        "zero border",
+        "memory = \"filtered-step\"\nborder = \"zero\"",
+        false,
+    ),
+    (
+        "pattern",
+        "memory = \"filtered-step\"\nrefractory = { us = 500 }",
+        true,
+    ),
     ("logarithm", "memory = \"filtered-step\"", false),
 ];
 
@@ -113,14 +133,20 @@ fn sensor((name, rules, pattern): (&str, &str, bool), response: &str, channels: 
     let mut text = format!("response = {response}\n{rules}\n");
     for k in 0..channels as u64 {
         if pattern {
-            let kernels: Vec<_> = (0..4).map(|n| kernel(3 + 2 * (n % 2), 10 * k + n as u64)).collect();
+            let kernels: Vec<_> = (0..4)
+                .map(|n| kernel(3 + 2 * (n % 2), 10 * k + n as u64))
+                .collect();
             text += &format!(
                 "[[channel]]\npattern = \"2x2\"\nkernel = [{}]\nthreshold = [{}]\n",
                 kernels.join(", "),
                 "{ on = 0.05, off = 0.07 }, { on = 0.06, off = 0.06 }, { on = 0.08, off = 0.04 }, { on = 0.05, off = 0.05, sigma = 0.01 }"
             );
         } else {
-            let more = if name == "logarithm" { "log-temporal = true" } else { "" };
+            let more = if name == "logarithm" {
+                "log-temporal = true"
+            } else {
+                ""
+            };
             text += &channel(5, 10 * k, more);
         }
     }
@@ -133,7 +159,9 @@ fn is_the_reference<R: Float>(text: &str, white: f64, clips: usize, size: Size) 
     let light = pan::<R>(clips, FRAMES, size, white);
     let times = times(FRAMES);
     let model = Model::<R>::new(describe(text), size, 3).unwrap();
-    let seen = model.forward(Clips::new(&light, &times, size).unwrap()).unwrap();
+    let seen = model
+        .forward(Clips::new(&light, &times, size).unwrap())
+        .unwrap();
     let [_, frames, channels, ..] = seen.shape();
     assert!(seen.events() > 100, "{} events\n{text}", seen.events());
     let planes = |clip: usize, n: usize, each: usize| {
@@ -152,7 +180,9 @@ fn is_the_reference<R: Float>(text: &str, white: f64, clips: usize, size: Size) 
                 seconds: times[n],
                 light: Plane::from_shape_vec(size.shape(), light).unwrap(),
             };
-            reference.watch_into(&frame, &mut (&mut counts, &mut grid)).unwrap();
+            reference
+                .watch_into(&frame, &mut (&mut counts, &mut grid))
+                .unwrap();
             if n == 0 {
                 continue;
             }
@@ -162,7 +192,12 @@ fn is_the_reference<R: Float>(text: &str, white: f64, clips: usize, size: Size) 
             let own = &seen.voxels()[planes(clip, n - 1, frames)];
             let theirs = grid.earlier().iter().flatten().map(|v| R::from_f64(*v));
             for (own, theirs) in own.iter().zip(theirs) {
-                assert_eq!(own.to_f64(), theirs.to_f64(), "clip {clip}, bin {}\n{text}", n - 1);
+                assert_eq!(
+                    own.to_f64(),
+                    theirs.to_f64(),
+                    "clip {clip}, bin {}\n{text}",
+                    n - 1
+                );
             }
             grid.advance();
         }
@@ -186,7 +221,12 @@ fn forward_is_the_reference() {
         is_the_reference::<f64>(&text, 255.0, 1, Size::new(9, 33));
         is_the_reference::<f32>(&text, 255.0, 1, Size::new(9, 33));
     }
-    is_the_reference::<f32>(&sensor(SENSORS[2], "\"identity\"", 16), 1.0, 1, Size::new(6, 7));
+    is_the_reference::<f32>(
+        &sensor(SENSORS[2], "\"identity\"", 16),
+        1.0,
+        1,
+        Size::new(6, 7),
+    );
 }
 
 /// One cell that sees its own pixel alone, and a smooth stand-in for it: what counts whole events
@@ -308,10 +348,15 @@ impl StandIn {
             if !up && !down {
                 continue;
             }
-            let (sign, theta) = if up { (1.0, theta[0]) } else { (-1.0, theta[1]) };
+            let (sign, theta) = if up {
+                (1.0, theta[0])
+            } else {
+                (-1.0, theta[1])
+            };
             let start = memory + sign * theta / 2.0;
             // Where the drive goes at even speed, the mean of the time of an event.
-            let stride = (self.silence * (1.0 - 1e-9) / Self::DT * (to - from).abs() / theta).ceil();
+            let stride =
+                (self.silence * (1.0 - 1e-9) / Self::DT * (to - from).abs() / theta).ceil();
             let count = (to - start) / theta / stride.max(1.0);
             let middle = ((start - from) / (to - from) + 1.0) / 2.0;
             loss += count * (voxels[n - 1] * (1.0 - middle) + voxels[n] * middle);
@@ -385,7 +430,11 @@ impl StandIn {
 fn wander(seed: u64, frames: usize) -> Vec<f64> {
     let mut light = vec![1.0];
     for n in 1..frames {
-        let size = if random(seed, 3 * n as u64) > 0.0 { 0.9 } else { 0.25 };
+        let size = if random(seed, 3 * n as u64) > 0.0 {
+            0.9
+        } else {
+            0.25
+        };
         light.push(light[n - 1] + size * random(seed, 3 * n as u64 + 1));
     }
     light
@@ -405,7 +454,11 @@ fn each_rule_is_the_derivative_of_its_stand_in() {
         ("authors", "filtered-step", 0.0),
         ("authors", "filtered-step", 1100.0),
     ] {
-        let word = if kind == "authors" { "authors" } else { "dead-time" };
+        let word = if kind == "authors" {
+            "authors"
+        } else {
+            "dead-time"
+        };
         let text = |gain: f64| {
             format!(
                 "response = \"identity\"\nmemory = \"{memory}\"\nrefractory = {{ us = {us:?}, rule = \"{word}\" }}\n[[channel]]\nkernel = [[{gain:?}]]\nthreshold = {{ on = {:?}, off = {:?} }}",
@@ -438,8 +491,11 @@ fn each_rule_is_the_derivative_of_its_stand_in() {
                 let gradient = model.backward(&seen, &ask, rule).unwrap();
                 let us = us * 1e-6;
                 let stand_in = StandIn::new(kind, rule, us, &light, THETA);
-                let counted: Vec<i32> =
-                    stand_in.base.iter().map(|p| (p.sign * p.kept) as i32).collect();
+                let counted: Vec<i32> = stand_in
+                    .base
+                    .iter()
+                    .map(|p| (p.sign * p.kept) as i32)
+                    .collect();
                 assert_eq!(seen.counts(), counted, "{kind}, {us}, {rule:?}, {seed}");
                 events += seen.events();
                 silent += counted.iter().filter(|n| **n == 0).count();
@@ -455,11 +511,15 @@ fn each_rule_is_the_derivative_of_its_stand_in() {
                     );
                 };
                 for n in 0..FRAMES {
-                    near(&format!("light {n}"), gradient.light.as_ref().unwrap()[n], &|h| {
-                        let mut light = light.clone();
-                        light[n] += h;
-                        stand_in.loss(&light, THETA, ask)
-                    });
+                    near(
+                        &format!("light {n}"),
+                        gradient.light.as_ref().unwrap()[n],
+                        &|h| {
+                            let mut light = light.clone();
+                            light[n] += h;
+                            stand_in.loss(&light, THETA, ask)
+                        },
+                    );
                 }
                 let own = &gradient.channels[0];
                 near("the kernel", own.kernels[0][[0, 0]], &|h| {
@@ -476,7 +536,10 @@ fn each_rule_is_the_derivative_of_its_stand_in() {
             }
         }
     }
-    assert!(cases > 230 && events > 2000 && silent > 1000, "{cases} {events} {silent}");
+    assert!(
+        cases > 230 && events > 2000 && silent > 1000,
+        "{cases} {events} {silent}"
+    );
 }
 
 /// The gradient is linear in what the loss asks, and the light's is that of the kernel turned round:
@@ -491,8 +554,13 @@ fn kernel_and_light_are_adjoint() {
         let text = sensor(which, "\"identity\"", 2);
         let description = describe(&text);
         let light = pan::<f64>(2, 4, size, 1.0);
-        let (times, model) = (times(4), Model::<f64>::new(description.clone(), size, 0).unwrap());
-        let seen = model.forward(Clips::new(&light, &times, size).unwrap()).unwrap();
+        let (times, model) = (
+            times(4),
+            Model::<f64>::new(description.clone(), size, 0).unwrap(),
+        );
+        let seen = model
+            .forward(Clips::new(&light, &times, size).unwrap())
+            .unwrap();
         let voxels = weights(5, seen.voxels().len());
         let ask = Ask {
             voxels: Some(&voxels),
@@ -523,19 +591,32 @@ fn kernel_and_light_are_adjoint() {
 fn flat<R>(gradient: &Gradient<R>) -> Vec<f64> {
     let channels = gradient.channels.iter();
     channels
-        .flat_map(|c| c.kernels.iter().flatten().chain(&c.on).chain(&c.off).copied())
+        .flat_map(|c| {
+            c.kernels
+                .iter()
+                .flatten()
+                .chain(&c.on)
+                .chain(&c.off)
+                .copied()
+        })
         .collect()
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let most = b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / most
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+        / most
 }
 
 fn batch<R: Float>(text: &str, size: Size, clips: usize) -> (Model<R>, Forward<R>, Vec<R>) {
     let light = pan::<R>(clips, 6, size, 1.0);
     let model = Model::<R>::new(describe(text), size, 0).unwrap();
-    let seen = model.forward(Clips::new(&light, &times(6), size).unwrap()).unwrap();
+    let seen = model
+        .forward(Clips::new(&light, &times(6), size).unwrap())
+        .unwrap();
     let voxels = weights(5, seen.voxels().len());
     (model, seen, voxels)
 }
@@ -553,9 +634,14 @@ fn single_precision_is_near_to_double() {
         let own = single.backward(&seen, &ask, single.rule()).unwrap();
         let counts = seen.counts().to_vec();
         // The same clips, as single precision holds them.
-        let light: Vec<f64> = pan::<f32>(2, 6, size, 1.0).into_iter().map(f64::from).collect();
+        let light: Vec<f64> = pan::<f32>(2, 6, size, 1.0)
+            .into_iter()
+            .map(f64::from)
+            .collect();
         let double = Model::<f64>::new(describe(&text), size, 0).unwrap();
-        let seen = double.forward(Clips::new(&light, &times(6), size).unwrap()).unwrap();
+        let seen = double
+            .forward(Clips::new(&light, &times(6), size).unwrap())
+            .unwrap();
         let voxels: Vec<f64> = voxels.into_iter().map(f64::from).collect();
         let ask = Ask {
             voxels: Some(&voxels),
@@ -568,7 +654,11 @@ fn single_precision_is_near_to_double() {
         // One cell in twenty thousand may lie within rounding of a threshold.
         let most = if other == 0 { 1e-4 } else { 1e-2 };
         others += other;
-        assert!(apart < most, "{}: {other} counts differ, {apart:e}", which.0);
+        assert!(
+            apart < most,
+            "{}: {other} counts differ, {apart:e}",
+            which.0
+        );
     }
     assert!(others <= 2, "{others} counts differ");
 }
@@ -609,9 +699,13 @@ fn a_batch_is_its_clips() {
     let part = voxels.len() / 3;
     let mut sum = vec![0.0; flat(&all).len()];
     for (n, light) in light.chunks(6 * size.pixels()).enumerate() {
-        let own = model.forward(Clips::new(light, &times(6), size).unwrap()).unwrap();
+        let own = model
+            .forward(Clips::new(light, &times(6), size).unwrap())
+            .unwrap();
         assert_eq!(own.voxels(), &seen.voxels()[n * part..][..part]);
-        let own = model.backward(&own, &ask(&voxels[n * part..][..part]), Rule::Through).unwrap();
+        let own = model
+            .backward(&own, &ask(&voxels[n * part..][..part]), Rule::Through)
+            .unwrap();
         for (sum, own) in sum.iter_mut().zip(flat(&own)) {
             *sum += own;
         }
@@ -624,7 +718,12 @@ fn a_batch_is_its_clips() {
 fn what_is_not_finite_is_named() {
     let (text, size) = (sensor(SENSORS[1], "\"identity\"", 2), Size::new(5, 4));
     let (model, seen, voxels) = batch::<f32>(&text, size, 2);
-    let said = |ask: &Ask<'_, f32>| model.backward(&seen, ask, Rule::Through).unwrap_err().to_string();
+    let said = |ask: &Ask<'_, f32>| {
+        model
+            .backward(&seen, ask, Rule::Through)
+            .unwrap_err()
+            .to_string()
+    };
     let [_, frames, channels, ..] = seen.shape();
     let mut bad = voxels.clone();
     bad[((frames + 2) * channels + 1) * 20 + 2 * 4 + 3] = f32::NAN;
@@ -647,22 +746,35 @@ fn what_is_not_finite_is_named() {
         voxels: Some(&large),
         ..Ask::default()
     };
-    assert!(said(&ask).starts_with("the gradient of the kernel of channel 0 has "), "{}", said(&ask));
+    assert!(
+        said(&ask).starts_with("the gradient of the kernel of channel 0 has "),
+        "{}",
+        said(&ask)
+    );
     let ask = Ask {
         voxels: Some(&voxels[1..]),
         ..Ask::default()
     };
-    assert!(said(&ask).contains("has 479 values, and 480, [2, 6, 2, 5, 4], were expected"), "{}", said(&ask));
+    assert!(
+        said(&ask).contains("has 479 values, and 480, [2, 6, 2, 5, 4], were expected"),
+        "{}",
+        said(&ask)
+    );
 
     let mut light = pan::<f32>(2, 6, size, 1.0);
     light[(6 + 4) * 20 + 4 + 2] = f32::NAN;
-    let said = model.forward(Clips::new(&light, &times(6), size).unwrap()).unwrap_err();
+    let said = model
+        .forward(Clips::new(&light, &times(6), size).unwrap())
+        .unwrap_err();
     let want = "the light (clips, frames, rows, columns): clip 1, frame 4, y = 1, x = 2: the light is NaN, which is not finite";
     assert_eq!(said.to_string(), want);
     let short = Clips::new(&light[1..], &times(6), size).unwrap_err();
     assert!(matches!(short, GradientError::Shape { .. }), "{short}");
     for times in [&[0.0][..], &[0.0, 0.0], &[f64::NAN, 0.0], &[]] {
-        assert!(matches!(Clips::new(&light, times, size), Err(GradientError::Time { .. })));
+        assert!(matches!(
+            Clips::new(&light, times, size),
+            Err(GradientError::Time { .. })
+        ));
     }
 }
 
@@ -670,8 +782,14 @@ fn what_is_not_finite_is_named() {
 fn what_has_no_gradient_is_refused() {
     for (more, want) in [
         ("memory = \"raw-snap\"", "its memory holds pixels"),
-        ("memory = \"filtered-snap\"\npolarity = \"pixel\"", "the pixel's own change"),
-        ("memory = \"filtered-step\"\nnoise = { leak-hz = 1 }", "it has noise"),
+        (
+            "memory = \"filtered-snap\"\npolarity = \"pixel\"",
+            "the pixel's own change",
+        ),
+        (
+            "memory = \"filtered-step\"\nnoise = { leak-hz = 1 }",
+            "it has noise",
+        ),
     ] {
         let text = format!("response = \"identity\"\n{more}\n{}", channel(3, 0, ""));
         let said = Model::<f32>::new(describe(&text), Size::new(4, 4), 0).unwrap_err();
@@ -705,7 +823,11 @@ fn phase_averaged(rules: &str, theta: f64, want: &[Rule]) -> Vec<(f64, f64)> {
     let loss = |description: &Description| -> f64 {
         let one = |n| {
             let seen = phased(description, n).forward(clips).unwrap();
-            seen.voxels().iter().zip(&asked).map(|(v, w)| v * w).sum::<f64>()
+            seen.voxels()
+                .iter()
+                .zip(&asked)
+                .map(|(v, w)| v * w)
+                .sum::<f64>()
         };
         (0..PHASES).map(one).sum::<f64>() / PHASES as f64
     };
@@ -739,10 +861,19 @@ fn phase_averaged(rules: &str, theta: f64, want: &[Rule]) -> Vec<(f64, f64)> {
                 *mean += own / PHASES as f64;
             }
         }
-        let lengths = (dot(&mean, &mean).sqrt(), dot(&differences, &differences).sqrt());
-        found.push((dot(&mean, &differences) / (lengths.0 * lengths.1), lengths.0 / lengths.1));
+        let lengths = (
+            dot(&mean, &mean).sqrt(),
+            dot(&differences, &differences).sqrt(),
+        );
+        found.push((
+            dot(&mean, &differences) / (lengths.0 * lengths.1),
+            lengths.0 / lengths.1,
+        ));
     }
-    println!("{rules}, threshold {theta}, {:.2} events a pixel and pair: {want:?}: (cosine, length) {found:.3?}", first.rate());
+    println!(
+        "{rules}, threshold {theta}, {:.2} events a pixel and pair: {want:?}: (cosine, length) {found:.3?}",
+        first.rate()
+    );
     found
 }
 
@@ -786,14 +917,21 @@ fn a_rate_is_met_and_held() {
     let clips = Clips::new(&light, &times, size).unwrap();
     for target in [0.02, 0.3] {
         let rated = rate_threshold(&describe(&text), clips, 0, target).unwrap();
-        assert!((rated.rate / target - 1.0).abs() < 0.02, "{target}: {}", rated.rate);
+        assert!(
+            (rated.rate / target - 1.0).abs() < 0.02,
+            "{target}: {}",
+            rated.rate
+        );
         let model = Model::<f64>::new(rated.description, size, 0).unwrap();
         assert_eq!(model.forward(clips).unwrap().rate(), rated.rate);
     }
     let still = vec![0.5; light.len()];
     let still = Clips::new(&still, &times, size).unwrap();
     let said = rate_threshold(&describe(&text), still, 0, 0.02).unwrap_err();
-    assert!(said.to_string().contains("no thresholds make 0.02 events"), "{said}");
+    assert!(
+        said.to_string().contains("no thresholds make 0.02 events"),
+        "{said}"
+    );
     assert!(rate_threshold(&describe(&text), clips, 0, 0.0).is_err());
 
     // A step along the surface keeps the rate, where a step along the gradient does not.
@@ -812,7 +950,13 @@ fn a_rate_is_met_and_held() {
     });
     let own = ConstantRate::new(&rated.description, &events, &events).unwrap();
     assert!((own.price - 1.0).abs() < 1e-12);
-    assert!(own.kernels.iter().flatten().flatten().all(|v| v.abs() < 1e-9 * own.events.abs()));
+    assert!(
+        own.kernels
+            .iter()
+            .flatten()
+            .flatten()
+            .all(|v| v.abs() < 1e-9 * own.events.abs())
+    );
     let along = ConstantRate::new(&rated.description, &loss, &events).unwrap();
     let dot = |a: &Plane<f64>, b: &Plane<f64>| (a * b).sum();
     let step = 0.02 / dot(&along.kernels[0][0], &along.kernels[0][0]).sqrt();
@@ -825,14 +969,26 @@ fn a_rate_is_met_and_held() {
             let weights = channel.kernels[0].weights() + &by;
             channel.kernels[0] = amacrine::kernel::Kernel::new(weights).unwrap();
         }
-        let scale = if scale { elementary::exp(-more / along.events) } else { 1.0 };
-        for threshold in description.channels.iter_mut().flat_map(|c| &mut c.thresholds) {
+        let scale = if scale {
+            elementary::exp(-more / along.events)
+        } else {
+            1.0
+        };
+        for threshold in description
+            .channels
+            .iter_mut()
+            .flat_map(|c| &mut c.thresholds)
+        {
             threshold.on *= scale;
             threshold.off *= scale;
         }
         let model = Model::<f64>::new(description, size, 0).unwrap();
         (model.forward(clips).unwrap().rate() / rated.rate - 1.0).abs()
     };
-    println!("rate moves by {} with the thresholds held, {} along", moved(false), moved(true));
+    println!(
+        "rate moves by {} with the thresholds held, {} along",
+        moved(false),
+        moved(true)
+    );
     assert!(moved(true) < 0.03);
 }

@@ -45,7 +45,10 @@ fn description(oracle: &mut Oracle) -> Description {
 /// A memory of pixels has no gradient here, and says so.
 fn refused(oracle: &mut Oracle) {
     let said = Model::<f64>::new(description(oracle), Size::new(9, 9), 0).unwrap_err();
-    assert!(said.to_string().contains("its memory holds pixels"), "{said}");
+    assert!(
+        said.to_string().contains("its memory holds pixels"),
+        "{said}"
+    );
 }
 
 /// Compares one file; returns the number of tensors in it.
@@ -123,10 +126,16 @@ fn compare(oracle: &mut Oracle, model: &Model<f64>, gradient: &Gradient<f64>) ->
         let four = &channels[k].kernels;
         let sum = || four[1..].iter().fold(four[0].clone(), |sum, one| sum + one);
         let own = oracle.is("svk").then(|| four.clone());
-        own.unwrap_or_else(|| vec![sum()]).iter().flatten().copied().collect()
+        own.unwrap_or_else(|| vec![sum()])
+            .iter()
+            .flatten()
+            .copied()
+            .collect()
     };
     let all: Vec<f64> = (0..channels.len()).flat_map(kernels).collect();
-    let sum = channels[0].kernels[1..].iter().fold(channels[0].kernels[0].clone(), |sum, one| sum + one);
+    let sum = channels[0].kernels[1..]
+        .iter()
+        .fold(channels[0].kernels[0].clone(), |sum, one| sum + one);
     let mut tensors = 0;
     let mut held = |oracle: &mut Oracle, key: &str, ours: &[f64], terms: f64| {
         if !oracle.has(key) {
@@ -151,7 +160,13 @@ fn compare(oracle: &mut Oracle, model: &Model<f64>, gradient: &Gradient<f64>) ->
     if oracle.has("grad_p_pos") {
         // A threshold is a nominal one, the same for all, times a place of the pattern.
         for (key, nominal, side) in [("pos", 0.05, 0), ("neg", 0.07, 1)] {
-            let own = |k: usize| if side == 0 { &channels[k].on } else { &channels[k].off };
+            let own = |k: usize| {
+                if side == 0 {
+                    &channels[k].on
+                } else {
+                    &channels[k].off
+                }
+            };
             let thresholds = &model.description().channels;
             let place = |k: usize, i: usize| {
                 let threshold = thresholds[k].thresholds[i];
@@ -166,7 +181,12 @@ fn compare(oracle: &mut Oracle, model: &Model<f64>, gradient: &Gradient<f64>) ->
             let terms = (0..channels.len()).flat_map(|k| (0..4).map(move |i| (k, i)));
             let terms = terms.map(|(k, i)| (own(k)[i] * place(k, i)).abs());
             let terms = terms.fold(0.0, f64::max);
-            held(oracle, &format!("grad_{key}_thres_nominal"), &by_nominal, terms);
+            held(
+                oracle,
+                &format!("grad_{key}_thres_nominal"),
+                &by_nominal,
+                terms,
+            );
             held(oracle, &format!("grad_p_{key}"), &by_place, 0.0);
         }
     }
@@ -183,8 +203,18 @@ fn compare(oracle: &mut Oracle, model: &Model<f64>, gradient: &Gradient<f64>) ->
         });
         let own = gaussian_gradients(&parts, &sum).unwrap();
         for (i, sign) in [(0, 1.0), (1, -1.0)] {
-            held(oracle, &format!("grad_sigma_{}", i + 1), &[own[i].sigma], 0.0);
-            held(oracle, &format!("grad_amp_{}", i + 1), &[sign * own[i].gain], 0.0);
+            held(
+                oracle,
+                &format!("grad_sigma_{}", i + 1),
+                &[own[i].sigma],
+                0.0,
+            );
+            held(
+                oracle,
+                &format!("grad_amp_{}", i + 1),
+                &[sign * own[i].gain],
+                0.0,
+            );
         }
     }
     assert!(tensors > 0, "{}: no gradient was compared", oracle.name);

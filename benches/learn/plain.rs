@@ -52,7 +52,10 @@ impl Plain {
     /// The gradients of the kernels, one after the other.
     pub fn run(&self, light: &[f64], times: &[f64], asked: &[f64]) -> Vec<f64> {
         let pixels = self.size.pixels();
-        let signal: Vec<Planes> = light.chunks(pixels).map(|l| map(l, |l| l / 255.0)).collect();
+        let signal: Vec<Planes> = light
+            .chunks(pixels)
+            .map(|l| map(l, |l| l / 255.0))
+            .collect();
         let padded: Vec<Planes> = signal.iter().map(|s| self.pad(s)).collect();
         let kinds = self.kernels.len();
         let mut all = Vec::new();
@@ -80,11 +83,17 @@ impl Plain {
             let wait = map(&fired, |f| (r - (time[0] - f)).max(0.0));
             let before = zip(&wait, &alpha, |w, a| (w / a).floor() * a);
             let count = zip(&spacing, &before, |s, b| {
-                if s <= dt - b { ((dt - b) / s).floor() } else { 0.0 }
+                if s <= dt - b {
+                    ((dt - b) / s).floor()
+                } else {
+                    0.0
+                }
             });
             let signed = zip(&count, &d, |n, d| n.copysign(d));
             memory = zip(&memory, &signed, |m, n| m + n * theta);
-            let last = zip(&before, &zip(&spacing, &count, |s, n| s * n), |b, s| time[0] + b + s);
+            let last = zip(&before, &zip(&spacing, &count, |s, n| s * n), |b, s| {
+                time[0] + b + s
+            });
             for ((fired, count), last) in fired.iter_mut().zip(&count).zip(last) {
                 *fired = if *count > 0.0 { last } else { *fired };
             }
@@ -114,7 +123,9 @@ impl Plain {
             let dt = times[n + 1] - times[n];
             let (earlier, later) = (bin(n), bin(n + 1));
             let q = map(&pair.alpha, |a| dt / a);
-            let by_count = zip(&pair.wait, &pair.alpha, |w, a| (dt - w) / (r + a + 1e-9).powi(2) * a);
+            let by_count = zip(&pair.wait, &pair.alpha, |w, a| {
+                (dt - w) / (r + a + 1e-9).powi(2) * a
+            });
             let by_count = zip(&by_count, &q, |n, q| n / q);
             let by_alpha = zip(&pair.alpha, &q, |a, q| -a / q);
             let mut h = vec![0.0; first.len()];
@@ -127,7 +138,11 @@ impl Plain {
                     + pair.spacing[x] / dt * (2.0 * n + 1.0) / 2.0 * by_count[x];
                 let fired = sign * (earlier[x] * (by_count[x] - slope) + later[x] * slope);
                 let turn = (1.0 - d.tanh().powi(2)) * (earlier[x] * (n - plus) + later[x] * plus);
-                h[x] = if n > 0.0 { turn + fired * sign / theta } else { later[x] * sign / theta };
+                h[x] = if n > 0.0 {
+                    turn + fired * sign / theta
+                } else {
+                    later[x] * sign / theta
+                };
             }
             self.kernel_gradient(&padded[n + 1], &h, &mut kernel);
             first = zip(&first, &h, |f, h| f - h);
@@ -159,7 +174,11 @@ impl Plain {
 
     fn kernel_gradient(&self, padded: &[f64], h: &[f64], kernel: &mut [f64]) {
         self.taps(|tap, to, from| {
-            kernel[tap] += h[to].iter().zip(&padded[from]).map(|(h, u)| h * u).sum::<f64>();
+            kernel[tap] += h[to]
+                .iter()
+                .zip(&padded[from])
+                .map(|(h, u)| h * u)
+                .sum::<f64>();
         });
     }
 
@@ -182,7 +201,11 @@ fn voxels(kept: &[Kept], times: &[f64], pixels: usize) -> Vec<Planes> {
         let dt = times[n + 1] - times[n];
         let triangle = map(&pair.count, |n| n * (n + 1.0) / 2.0);
         let plus = zip(&pair.before, &pair.count, |b, n| b / dt * n);
-        let plus = zip(&plus, &zip(&pair.spacing, &triangle, |s, t| s / dt * t), |a, b| a + b);
+        let plus = zip(
+            &plus,
+            &zip(&pair.spacing, &triangle, |s, t| s / dt * t),
+            |a, b| a + b,
+        );
         let minus = zip(&pair.count, &plus, |n, p| n - p);
         for (x, d) in pair.d.iter().enumerate() {
             bins[n][x] += minus[x].copysign(minus[x] * d);

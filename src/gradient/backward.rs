@@ -112,8 +112,13 @@ impl<R: Float> Model<R> {
             pass.run(&seen.tapes[n]);
             (pass.sums, pass.light)
         };
-        let (sums, drives): (Vec<_>, Vec<_>) =
-            pieces.par_iter().enumerate().map(back).collect::<Vec<_>>().into_iter().unzip();
+        let (sums, drives): (Vec<_>, Vec<_>) = pieces
+            .par_iter()
+            .enumerate()
+            .map(back)
+            .collect::<Vec<_>>()
+            .into_iter()
+            .unzip();
         let mut channels = Vec::with_capacity(self.channels());
         for k in 0..self.channels() {
             let mut sum = ChannelSum::new(self, k);
@@ -124,7 +129,9 @@ impl<R: Float> Model<R> {
             gradient.check(k)?;
             channels.push(gradient);
         }
-        let light = ask.light.then(|| light::gradient(self, seen, &pieces, &drives));
+        let light = ask
+            .light
+            .then(|| light::gradient(self, seen, &pieces, &drives));
         Ok(Gradient { channels, light })
     }
 }
@@ -139,7 +146,11 @@ impl ChannelGradient {
         }
         for (side, values) in [&self.on, &self.off].into_iter().enumerate() {
             if let Some(n) = values.iter().position(|v| !v.is_finite()) {
-                return Err(fault(Tensor::Thresholds { channel }, vec![side, n], values[n]));
+                return Err(fault(
+                    Tensor::Thresholds { channel },
+                    vec![side, n],
+                    values[n],
+                ));
             }
         }
         Ok(())
@@ -289,7 +300,12 @@ impl<'a, R: Float> Pass<'a, R> {
         let all = model.channels() * self.piece.rows.len() * self.from.len();
         let before = &tape.distance[(pair - 1) * all..][self.place(k, y)];
         let thresholds = &model.thresholds[k];
-        remainders(before, thresholds.row(y), thresholds.inverse(y), &mut self.from);
+        remainders(
+            before,
+            thresholds.row(y),
+            thresholds.inverse(y),
+            &mut self.from,
+        );
     }
 
     /// By how much each cell leaves its play in each pair.
@@ -342,7 +358,11 @@ impl<'a, R: Float> Pass<'a, R> {
         let none = &self.none[..];
         let voxels = |frame| self.ask.voxels.map_or(none, |voxels| &voxels[bin(frame)]);
         let timing = tape.timing.get(on_tape(pair));
-        let timing = timing.unwrap_or(if kind == Kind::Snap { &self.ones[..] } else { none });
+        let timing = timing.unwrap_or(if kind == Kind::Snap {
+            &self.ones[..]
+        } else {
+            none
+        });
         let dt = seen.times[pair + 1] - seen.times[pair];
         let silence = match kind {
             Kind::Authors => model.silence(),
@@ -432,7 +452,11 @@ impl<'a, R: Float> Pass<'a, R> {
         let [on, off] = &mut self.sums[k].columns[y % 2];
         for (x, (&part, memory)) in self.from.iter().zip(memory).enumerate() {
             let part = if mean { mean::begin(part) } else { part };
-            let column = if part >= R::ZERO { &mut on[x] } else { &mut off[x] };
+            let column = if part >= R::ZERO {
+                &mut on[x]
+            } else {
+                &mut off[x]
+            };
             *column = *column - part * *memory;
         }
     }
@@ -446,7 +470,8 @@ impl<'a, R: Float> Pass<'a, R> {
         }
         if !self.light.is_empty() {
             let cells = self.piece.rows.len() * width;
-            let start = (frame * model.channels() + k) * cells + (y - self.piece.rows.start) * width;
+            let start =
+                (frame * model.channels() + k) * cells + (y - self.piece.rows.start) * width;
             self.light[start..start + width].copy_from_slice(&self.h[..width]);
         }
         if let [one] = &mut self.sums[k].kernels[..] {
@@ -473,9 +498,17 @@ impl<'a, R: Float> Pass<'a, R> {
         }
         for (h, &drive) in self.h.iter_mut().zip(&self.drive) {
             let above = drive > floor;
-            let held = if above || (released && frame == 0) { drive } else { floor };
+            let held = if above || (released && frame == 0) {
+                drive
+            } else {
+                floor
+            };
             let through = above || released;
-            *h = if through { *h / (held + R::ONE) } else { R::ZERO };
+            *h = if through {
+                *h / (held + R::ONE)
+            } else {
+                R::ZERO
+            };
         }
     }
 }

@@ -37,7 +37,9 @@ impl fmt::Display for Tensor {
                 f,
                 "the gradient of the counts (clips, pairs, channels, rows, columns)"
             ),
-            Self::Kernel { channel } => write!(f, "the gradient of the kernel of channel {channel}"),
+            Self::Kernel { channel } => {
+                write!(f, "the gradient of the kernel of channel {channel}")
+            }
             Self::Thresholds { channel } => {
                 write!(f, "the gradient of the thresholds of channel {channel}")
             }
@@ -87,7 +89,10 @@ pub enum GradientError {
         seconds: f64,
     },
     /// Light that the response is not defined for.
-    #[error("{}: clip {clip}, frame {frame}, y = {y}, x = {x}: {cause}", Tensor::Light)]
+    #[error(
+        "{}: clip {clip}, frame {frame}, y = {y}, x = {x}: {cause}",
+        Tensor::Light
+    )]
     #[diagnostic(help(
         "give finite light, not below zero; a signal that may be negative needs response = \"identity\""
     ))]
@@ -119,8 +124,12 @@ pub enum GradientError {
         y: usize,
     },
     /// A rate that no thresholds make.
-    #[error("no thresholds make {target} events a pixel and pair of these clips; the nearest were {rate}")]
-    #[diagnostic(help("ask for a rate above 0 that the scene's movement can make, or shorten the refractory period"))]
+    #[error(
+        "no thresholds make {target} events a pixel and pair of these clips; the nearest were {rate}"
+    )]
+    #[diagnostic(help(
+        "ask for a rate above 0 that the scene's movement can make, or shorten the refractory period"
+    ))]
     Rate {
         /// What was asked for.
         target: f64,

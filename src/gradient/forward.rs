@@ -69,7 +69,10 @@ impl<R: Float> Forward<R> {
     /// The number of events.
     #[must_use]
     pub fn events(&self) -> u64 {
-        self.counts.iter().map(|n| u64::from(n.unsigned_abs())).sum()
+        self.counts
+            .iter()
+            .map(|n| u64::from(n.unsigned_abs()))
+            .sum()
     }
 
     /// Events in a pair for each pixel, all channels together.
@@ -115,7 +118,8 @@ impl<R: Float> Model<R> {
         let border = self.description.border;
         let see = |n: usize| {
             let (clip, frame) = (n / frames, n % frames);
-            let seen = (self.photoreceptors).see(clips.frame(clip, frame), (size, self.reach, border));
+            let seen =
+                (self.photoreceptors).see(clips.frame(clip, frame), (size, self.reach, border));
             seen.map_err(|(y, x, cause)| GradientError::Light {
                 clip,
                 frame,
@@ -216,7 +220,11 @@ impl<'a, R: Float> Pass<'a, R> {
             let offset = &mut self.scratch;
             model.offset((self.piece.clip, channel, y), offset);
             before.extend_from_slice(row);
-            stored.extend(row.iter().zip(offset).map(|(drive, offset)| *drive - *offset));
+            stored.extend(
+                row.iter()
+                    .zip(offset)
+                    .map(|(drive, offset)| *drive - *offset),
+            );
         }
         let thresholds = &model.thresholds[channel];
         let memory = match model.description.memory {
@@ -270,8 +278,7 @@ impl<'a, R: Float> Pass<'a, R> {
                     let row = (k, y, cells.clone());
                     self.advance(frame, row, interval, (distance, timing))
                         .map_err(fault)?;
-                    counts[pair * channels + k][cells.clone()]
-                        .copy_from_slice(&self.trains.counts);
+                    counts[pair * channels + k][cells.clone()].copy_from_slice(&self.trains.counts);
                     let Ok([earlier, later]) = voxels.get_disjoint_mut(bins) else {
                         continue;
                     };

@@ -32,7 +32,11 @@ pub fn gaussian_gradients(
         let half = (line.len() / 2) as f64;
         let total: f64 = line.iter().sum();
         let square = |i: usize| (i as f64 - half).powi(2);
-        let mean: f64 = line.iter().enumerate().map(|(i, l)| square(i) * l / total).sum();
+        let mean: f64 = line
+            .iter()
+            .enumerate()
+            .map(|(i, l)| square(i) * l / total)
+            .sum();
         let inset = (side - line.len()) / 2;
         let mut gradient = GaussianGradient {
             sigma: 0.0,

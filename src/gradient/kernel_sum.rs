@@ -58,7 +58,11 @@ impl<R: Float> KernelSum<R> {
 
     /// Folds the partial sums.
     pub(super) fn fold(&mut self) {
-        for (total, lanes) in self.total.iter_mut().zip(self.lanes.chunks_mut(lanes::<R>())) {
+        for (total, lanes) in self
+            .total
+            .iter_mut()
+            .zip(self.lanes.chunks_mut(lanes::<R>()))
+        {
             for lane in lanes {
                 *total += lane.to_f64();
                 *lane = R::ZERO;

@@ -64,12 +64,20 @@ impl<'a, R: Float> Sheet<'a, R> {
         let cells = piece.rows.len() * width;
         for (k, kernels) in self.model.kernels.iter().enumerate() {
             let start = (frame * self.model.kernels.len() + k) * cells;
-            for (y, h) in piece.rows.clone().zip(drive[start..start + cells].chunks(width)) {
+            for (y, h) in piece
+                .rows
+                .clone()
+                .zip(drive[start..start + cells].chunks(width))
+            {
                 let (several, first) = (kernels.len() > 1, 2 * (y % 2));
                 for parity in 0..if several { 2 } else { 1 } {
                     let kernel = if several { first + parity } else { 0 };
                     for (x, (half, h)) in self.half.iter_mut().zip(h).enumerate() {
-                        *half = if !several || x % 2 == parity { *h } else { R::ZERO };
+                        *half = if !several || x % 2 == parity {
+                            *h
+                        } else {
+                            R::ZERO
+                        };
                     }
                     self.give(k, kernel, y);
                 }

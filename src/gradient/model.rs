@@ -12,9 +12,7 @@ use crate::{
     rng::Hash,
 };
 
-use super::{
-    error::GradientError, float::Float, piece::ROWS, rule::Rule, signal::Photoreceptors,
-};
+use super::{error::GradientError, float::Float, piece::ROWS, rule::Rule, signal::Photoreceptors};
 
 /// The float model of a sensor, and its gradient, in f32 or f64.
 #[derive(Clone, Debug)]

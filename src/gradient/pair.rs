@@ -145,7 +145,11 @@ fn step<R: Real, const KIND: u8, const RULE: u8>(c: &Cell<R>, pair: &Pair<R>) ->
         let first = pick(first > R::ZERO, first, R::ZERO);
         (pick(first < R::ONE, first, R::ONE), R::ONE)
     };
-    let kept = if KIND == DEAD { spacing / part } else { spacing };
+    let kept = if KIND == DEAD {
+        spacing / part
+    } else {
+        spacing
+    };
     let n = c.count;
     let later = n * first + kept * (n * (n - R::ONE) * half);
     let by_count = (first + kept * (n - half)) * part;
@@ -159,7 +163,11 @@ fn step<R: Real, const KIND: u8, const RULE: u8>(c: &Cell<R>, pair: &Pair<R>) ->
     // A train that rounding made lies at the later frame.
     let flat = (c.later + ask) * per;
     let quiet = (c.later + c.signed + sign * pair.events[1]) * per;
-    let quiet = if KIND == DEAD { quiet * c.timing } else { quiet };
+    let quiet = if KIND == DEAD {
+        quiet * c.timing
+    } else {
+        quiet
+    };
     let other = pick(fired, flat, quiet);
     let moves = fired && rises;
     let follow = match RULE {
@@ -230,7 +238,10 @@ fn authors<R: Real, const RULE: u8>(c: &Cell<R>, pair: &Pair<R>) -> Slopes<R> {
     // q times the derivative by q, with the sign of the events.
     let (quiet, follow) = if RULE == RELEASED {
         // The released code loses the sign of a silent cell: half of them pull the wrong way.
-        ((sign * c.later + c.signed + sign * pair.events[1]) * q, R::ZERO)
+        (
+            (sign * c.later + c.signed + sign * pair.events[1]) * q,
+            R::ZERO,
+        )
     } else {
         (
             (c.later + c.signed + sign * pair.events[1]) * by_q,

@@ -59,7 +59,10 @@ fn by_scale<R>(description: &Description, gradient: &Gradient<R>) -> f64 {
     let channels = description.channels.iter().zip(&gradient.channels);
     channels
         .map(|(channel, gradient)| {
-            let sides = channel.thresholds.iter().zip(gradient.on.iter().zip(&gradient.off));
+            let sides = channel
+                .thresholds
+                .iter()
+                .zip(gradient.on.iter().zip(&gradient.off));
             sides
                 .map(|(theta, (on, off))| theta.on * on + theta.off * off)
                 .sum::<f64>()
@@ -130,7 +133,11 @@ pub fn rate_threshold<R: Float>(
     let mut low = first.clone();
     let mut high = first;
     let mut stride = std::f64::consts::LN_2;
-    while if rises { low.1.rate < target } else { high.1.rate > target } {
+    while if rises {
+        low.1.rate < target
+    } else {
+        high.1.rate > target
+    } {
         let edge = if rises { &mut low } else { &mut high };
         if edge.0.abs() > 40.0 * std::f64::consts::LN_2 {
             return Err(unreachable(edge.1.rate));
@@ -153,7 +160,11 @@ pub fn rate_threshold<R: Float>(
             elementary::ln(low.1.rate / target),
             elementary::ln(high.1.rate.max(1e-12) / target),
         );
-        let part = if step % 3 == 2 { 0.5 } else { (l / (l - h)).clamp(0.05, 0.95) };
+        let part = if step % 3 == 2 {
+            0.5
+        } else {
+            (l / (l - h)).clamp(0.05, 0.95)
+        };
         let next = rated(low.0 + part * (high.0 - low.0))?;
         if next.1.rate >= target {
             low = next;
