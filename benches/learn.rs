@@ -133,7 +133,8 @@ impl Bench {
             && theirs.len() == flat(&own).len()
         {
             let most = theirs.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            let apart = flat(&own).iter().zip(theirs).map(|(a, b)| (a - b).abs());
+            let own = flat(&own);
+            let apart = own.iter().zip(theirs).map(|(a, b)| (a - b).abs());
             let apart = apart.fold(0.0, f64::max) / most;
             println!(
                 "{:<22}    {:.1} times the plain version's {pace:.0} pairs/s; gradients {apart:.0e} apart",
@@ -183,6 +184,7 @@ fn main() {
                 "", "K", "ev/px/pair", "forward/s", "both/s", "", "MB", "of goal"
             );
             bench.line::<f32>("f32", kinds, ("dead-time", Rule::Through));
+            bench.line::<f32>("f32", kinds, ("dead-time", Rule::Mean));
             bench.line::<f64>("f64", kinds, ("dead-time", Rule::Through));
             bench.line::<f32>("f32", kinds, ("authors", Rule::Through));
             bench.line::<f32>("f32", kinds, ("authors", Rule::Authors));

@@ -8,7 +8,6 @@ use amacrine::{
         Ask, Clips, ConstantRate, Float, Forward, Gradient, GradientError, Model, Rule, Slope,
         rate_threshold,
     },
-    number::Real,
     plane::{Plane, Size},
     reference::{Counts, Description, Reference, VoxelGrid},
     rng::Hash,
@@ -338,8 +337,40 @@ impl StandIn {
         }
     }
 
+    /// The loss of a play: a memory half a threshold behind, at the mean of all phases.
+    fn mean(&self, drive: &[f64], theta: [f64; 2], ask: (&[f64], &[f64], f64)) -> f64 {
+        let (voxels, counts, events) = ask;
+        let (mut memory, mut loss) = (drive[0], 0.0);
+        for n in 1..drive.len() {
+            let (from, to) = (drive[n - 1], drive[n]);
+            let up = to - theta[0] / 2.0 > memory;
+            let down = to + theta[1] / 2.0 < memory;
+            if !up && !down {
+                continue;
+            }
+            let (sign, theta) = if up {
+                (1.0, theta[0])
+            } else {
+                (-1.0, theta[1])
+            };
+            let start = memory + sign * theta / 2.0;
+            // Where the drive goes at even speed, the mean of the time of an event.
+            let stride =
+                (self.silence * (1.0 - 1e-9) / Self::DT * (to - from).abs() / theta).ceil();
+            let count = (to - start) / theta / stride.max(1.0);
+            let middle = ((start - from) / (to - from) + 1.0) / 2.0;
+            loss += count * (voxels[n - 1] * (1.0 - middle) + voxels[n] * middle);
+            loss += count * counts[n - 1] + events * count.abs();
+            memory = to - sign * theta / 2.0;
+        }
+        loss
+    }
+
     /// The loss of the stand-in, near the point. `ask` has voxels, counts, and events.
     fn loss(&self, drive: &[f64], theta: [f64; 2], ask: (&[f64], &[f64], f64)) -> f64 {
+        if self.rule == Rule::Mean {
+            return self.mean(drive, theta, ask);
+        }
         let mut memory = drive[0];
         let mut loss = 0.0;
         for (n, point) in self.base.iter().enumerate() {
@@ -434,7 +465,10 @@ fn each_rule_is_the_derivative_of_its_stand_in() {
                 THETA[0], THETA[1]
             )
         };
-        for rule in [Rule::Authors, Rule::Reset, Rule::Through] {
+        for rule in [Rule::Authors, Rule::Reset, Rule::Through, Rule::Mean] {
+            if rule == Rule::Mean && kind != "step" {
+                continue;
+            }
             if kind == "authors" && rule == Rule::Authors {
                 // The released surrogates are no derivative of anything: `gradient_oracle.rs`.
                 continue;
@@ -503,7 +537,7 @@ fn each_rule_is_the_derivative_of_its_stand_in() {
         }
     }
     assert!(
-        cases > 200 && events > 5000 && silent > 500,
+        cases > 230 && events > 2000 && silent > 1000,
         "{cases} {events} {silent}"
     );
 }
@@ -589,7 +623,7 @@ fn batch<R: Float>(text: &str, size: Size, clips: usize) -> (Model<R>, Forward<R
 
 #[test]
 fn single_precision_is_near_to_double() {
-    let size = Size::new(40, 24);
+    let (size, mut others) = (Size::new(40, 24), 0);
     for which in SENSORS {
         let text = sensor(which, "\"identity\"", 2);
         let (single, seen, voxels) = batch::<f32>(&text, size, 2);
@@ -598,6 +632,7 @@ fn single_precision_is_near_to_double() {
             ..Ask::default()
         };
         let own = single.backward(&seen, &ask, single.rule()).unwrap();
+        let counts = seen.counts().to_vec();
         // The same clips, as single precision holds them.
         let light: Vec<f64> = pan::<f32>(2, 6, size, 1.0)
             .into_iter()
@@ -614,8 +649,18 @@ fn single_precision_is_near_to_double() {
         };
         let theirs = double.backward(&seen, &ask, double.rule()).unwrap();
         let apart = distance(&flat(&own), &flat(&theirs));
-        assert!(apart < 1e-4, "{}: {apart:e}", which.0);
+        let counts = counts.iter().zip(seen.counts());
+        let other = counts.filter(|(a, b)| a != b).count();
+        // One cell in twenty thousand may lie within rounding of a threshold.
+        let most = if other == 0 { 1e-4 } else { 1e-2 };
+        others += other;
+        assert!(
+            apart < most,
+            "{}: {other} counts differ, {apart:e}",
+            which.0
+        );
     }
+    assert!(others <= 2, "{others} counts differ");
 }
 
 #[test]
@@ -757,18 +802,15 @@ fn what_has_no_gradient_is_refused() {
 
 /// The cosine between a rule's gradient of the kernel and the differences of the loss, both averaged
 /// over the phase of the memory, and their ratio of lengths.
-fn phase_averaged(
-    rules: &str,
-    weight: impl Fn(&Forward<f64>) -> Vec<f64>,
-    want: &[Rule],
-) -> Vec<(f64, f64)> {
+fn phase_averaged(rules: &str, theta: f64, want: &[Rule]) -> Vec<(f64, f64)> {
     const PHASES: usize = 64;
     const FRAMES: usize = 9;
-    let size = Size::new(12, 12);
-    let base = describe(&format!(
-        "response = \"identity\"\n{rules}\n{}",
-        channel(5, 4, "")
-    ));
+    let size = Size::new(10, 10);
+    let text = format!("response = \"identity\"\n{rules}\n{}", channel(5, 4, ""));
+    let mut base = describe(&text);
+    for threshold in base.channels.iter_mut().flat_map(|c| &mut c.thresholds) {
+        (threshold.on, threshold.off) = (theta, theta);
+    }
     let light = pan::<f64>(1, FRAMES, size, 1.0);
     let times = times(FRAMES);
     let clips = Clips::new(&light, &times, size).unwrap();
@@ -776,7 +818,8 @@ fn phase_averaged(
         let model = Model::<f64>::new(description.clone(), size, 0).unwrap();
         model.with_phase(7, n as f64 / PHASES as f64)
     };
-    let asked = weight(&phased(&base, 0).forward(clips).unwrap());
+    let first = phased(&base, 0).forward(clips).unwrap();
+    let asked = weights::<f64>(11, first.voxels().len());
     let loss = |description: &Description| -> f64 {
         let one = |n| {
             let seen = phased(description, n).forward(clips).unwrap();
@@ -788,7 +831,8 @@ fn phase_averaged(
         };
         (0..PHASES).map(one).sum::<f64>() / PHASES as f64
     };
-    let step = 0.01;
+    // So large that each cell crosses a good part of its phases.
+    let step = 0.04;
     let mut differences = Vec::new();
     for n in 0..25 {
         let moved = |by: f64| {
@@ -826,40 +870,42 @@ fn phase_averaged(
             lengths.0 / lengths.1,
         ));
     }
+    println!(
+        "{rules}, threshold {theta}, {:.2} events a pixel and pair: {want:?}: (cosine, length) {found:.3?}",
+        first.rate()
+    );
     found
 }
 
+const STEP: &str = "memory = \"filtered-step\"";
+const DEAD: &str = "memory = \"filtered-step\"\nrefractory = { us = 1000 }";
+const AUTHORS: &str = "memory = \"filtered-step\"\nrefractory = { us = 0, rule = \"authors\" }";
+
 #[test]
 fn through_points_where_the_loss_falls_and_authors_does_not() {
-    let white = |seen: &Forward<f64>| weights(11, seen.voxels().len());
-    let rules = [Rule::Authors, Rule::Reset, Rule::Through];
-    for (name, memory) in [
-        ("step", "memory = \"filtered-step\""),
-        (
-            "dead time",
-            "memory = \"filtered-step\"\nrefractory = { us = 1000 }",
-        ),
-        (
-            "authors' rule",
-            "memory = \"filtered-step\"\nrefractory = { us = 1000, rule = \"authors\" }",
-        ),
-    ] {
-        let found = phase_averaged(memory, white, &rules);
-        println!("{name}: (cosine, length) of authors, reset, through: {found:.3?}");
-        assert!(
-            found[2].0 >= 0.9,
-            "{name}: through has a cosine of {}",
-            found[2].0
-        );
-        assert!(
-            found[0].0 < 0.9,
-            "{name}: authors has a cosine of {}",
-            found[0].0
-        );
+    let rules = [Rule::Authors, Rule::Reset, Rule::Through, Rule::Mean];
+    for (memory, rules) in [(STEP, &rules[..]), (AUTHORS, &rules[..3])] {
+        let found = phase_averaged(memory, 0.012, rules);
+        assert!(found[2].0 >= 0.9, "through has a cosine of {}", found[2].0);
+        assert!(found[0].0 < 0.9, "authors has a cosine of {}", found[0].0);
     }
-    let found = phase_averaged("memory = \"filtered-snap\"", white, &rules);
-    println!("snap: (cosine, length) of authors, reset, through: {found:.3?}");
-    assert!(found[1].0 > found[0].0, "{found:?}");
+}
+
+/// Where events are few, a cell's turns count: `through` takes a cell that has turned for one that
+/// follows, `mean` does not.
+#[test]
+fn mean_points_where_the_loss_falls_when_events_are_few() {
+    let rules = [Rule::Authors, Rule::Reset, Rule::Through, Rule::Mean];
+    for theta in [0.05, 0.15] {
+        let found = phase_averaged(STEP, theta, &rules);
+        assert!(found[3].0 >= 0.9, "mean has a cosine of {}", found[3].0);
+        for (other, rule) in found[..3].iter().zip(rules) {
+            assert!(other.0 < found[3].0, "{rule:?} has a cosine of {}", other.0);
+        }
+    }
+    // One crossing in a few is lost to the dead time: on average, which is what `mean` takes it for.
+    let found = phase_averaged(DEAD, 0.05, &rules);
+    assert!(found[3].0 >= 0.9, "mean has a cosine of {}", found[3].0);
 }
 
 #[test]

@@ -27,6 +27,7 @@ use super::{
     float::Float,
     forward::{Forward, Tape},
     light,
+    mean::{self, MeanOutput, MeanRows},
     model::{Kind, Model},
     pair::{AUTHORS, Cell, DEAD, Pair, RELEASED, RESET, SNAP, STEP, THROUGH, slopes},
     piece::Piece,
@@ -96,6 +97,13 @@ impl<R: Float> Model<R> {
         ask: &Ask<'_, R>,
         rule: Rule,
     ) -> Result<Gradient<R>, GradientError> {
+        if rule == Rule::Mean && !matches!(self.kind(), Kind::Step | Kind::Dead) {
+            return Err(GradientError::Rule {
+                name: self.description.name.clone(),
+                what: "the rule `mean` is that of a memory that steps, with a dead time or none",
+                help: "use memory = \"filtered-step\" with rule = \"dead-time\", or another rule of the gradient",
+            });
+        }
         check(seen, Tensor::Voxels, ask.voxels, seen.voxels.len(), 0)?;
         check(seen, Tensor::Counts, ask.counts, seen.counts.len(), 1)?;
         let pieces = Piece::all(seen.clips, self.size);
@@ -213,6 +221,8 @@ struct Pass<'a, R: Float> {
     none: Vec<R>,
     drive: Vec<R>,
     parts: Parts<R>,
+    /// With [`Rule::Mean`], by how much each cell left its play, (pairs, channels, rows, columns).
+    over: Vec<R>,
     /// `dL/dS`, (frames, channels, rows, columns), where the light's gradient is wanted.
     light: Vec<R>,
 }
@@ -246,12 +256,16 @@ impl<'a, R: Float> Pass<'a, R> {
             none: vec![R::ZERO; width],
             drive: vec![R::ZERO; width],
             parts: Parts::default(),
+            over: Vec::new(),
             light: vec![R::ZERO; if ask.light { light } else { 0 }],
         }
     }
 
     fn run(&mut self, tape: &Tape<R>) {
         let (channels, rows) = (self.model.channels(), self.piece.rows.clone());
+        if self.rule == Rule::Mean {
+            self.plays(tape);
+        }
         for pair in (0..self.seen.times.len() - 1).rev() {
             for k in 0..channels {
                 for y in rows.clone() {
@@ -277,6 +291,54 @@ impl<'a, R: Float> Pass<'a, R> {
         start..start + width
     }
 
+    /// Leaves the distances of a row from its memories at the earlier frame of a pair.
+    fn begin(&mut self, tape: &Tape<R>, pair: usize, k: usize, y: usize) {
+        let model = self.model;
+        if pair == 0 {
+            return model.offset((self.piece.clip, k, y), &mut self.from);
+        }
+        let all = model.channels() * self.piece.rows.len() * self.from.len();
+        let before = &tape.distance[(pair - 1) * all..][self.place(k, y)];
+        let thresholds = &model.thresholds[k];
+        remainders(
+            before,
+            thresholds.row(y),
+            thresholds.inverse(y),
+            &mut self.from,
+        );
+    }
+
+    /// By how much each cell leaves its play in each pair.
+    fn plays(&mut self, tape: &Tape<R>) {
+        let (channels, rows) = (self.model.channels(), self.piece.rows.clone());
+        let all = channels * rows.len() * self.from.len();
+        self.over.resize(tape.distance.len(), R::ZERO);
+        let mut play = vec![R::ZERO; all];
+        for k in 0..channels {
+            for y in rows.clone() {
+                self.model.begin((self.piece.clip, k, y), &mut self.from);
+                let (on, off) = self.model.thresholds[k].row(y);
+                let play = &mut play[self.place(k, y)];
+                for (x, (play, part)) in play.iter_mut().zip(&self.from).enumerate() {
+                    let theta = if *part >= R::ZERO { on[x] } else { off[x] };
+                    *play = mean::begin(*part) * theta;
+                }
+            }
+        }
+        for pair in 0..self.seen.times.len() - 1 {
+            for k in 0..channels {
+                for y in rows.clone() {
+                    self.begin(tape, pair, k, y);
+                    let place = self.place(k, y);
+                    let distances = (&self.from[..], &tape.distance[pair * all..][place.clone()]);
+                    let thresholds = self.model.thresholds[k].row(y);
+                    let over = &mut self.over[pair * all..][place.clone()];
+                    mean::leave(distances, thresholds, &mut play[place], over);
+                }
+            }
+        }
+    }
+
     /// Takes a row of cells back through a pair; leaves `dL/dS` of its later frame.
     fn pair(&mut self, tape: &Tape<R>, pair: usize, k: usize, y: usize) {
         let (model, seen, width) = (self.model, self.seen, self.from.len());
@@ -287,14 +349,7 @@ impl<'a, R: Float> Pass<'a, R> {
         let thresholds = model.thresholds[k].row(y);
         let per = model.thresholds[k].inverse(y);
         let kind = model.kind();
-        if kind == Kind::Step || kind == Kind::Dead {
-            if pair == 0 {
-                model.offset((clip, k, y), &mut self.from);
-            } else {
-                let before = &tape.distance[on_tape(pair - 1)];
-                remainders(before, thresholds, per, &mut self.from);
-            }
-        }
+        self.begin(tape, pair, k, y);
         let pixels = model.size.pixels();
         let row = |plane: usize| plane * pixels + y * width..plane * pixels + (y + 1) * width;
         let frames = seen.times.len();
@@ -330,6 +385,29 @@ impl<'a, R: Float> Pass<'a, R> {
             events: Pair::asks(self.ask.events, self.ask.slope),
         };
         let [on, off] = &mut self.sums[k].columns[y % 2];
+        if self.rule == Rule::Mean {
+            let rows = MeanRows {
+                from: input.from,
+                to: input.to,
+                over: &self.over[on_tape(pair)],
+                thresholds,
+                earlier: input.earlier,
+                later: input.later,
+                signed: input.signed,
+            };
+            let output = MeanOutput {
+                h: &mut self.h[..width],
+                memory: &mut self.memory[place.clone()],
+                before: &mut self.before[place],
+                on,
+                off,
+            };
+            return if kind == Kind::Dead {
+                mean::back::<R, true>(&rows, &shared, output)
+            } else {
+                mean::back::<R, false>(&rows, &shared, output)
+            };
+        }
         let output = Output {
             h: &mut self.h[..width],
             memory: &mut self.memory[place.clone()],
@@ -370,14 +448,16 @@ impl<'a, R: Float> Pass<'a, R> {
         }
         // A memory that begins a part of a threshold away follows the threshold.
         self.model.begin((self.piece.clip, k, y), &mut self.from);
+        let mean = self.rule == Rule::Mean;
         let [on, off] = &mut self.sums[k].columns[y % 2];
-        for (x, (part, memory)) in self.from.iter().zip(memory).enumerate() {
-            let column = if *part >= R::ZERO {
+        for (x, (&part, memory)) in self.from.iter().zip(memory).enumerate() {
+            let part = if mean { mean::begin(part) } else { part };
+            let column = if part >= R::ZERO {
                 &mut on[x]
             } else {
                 &mut off[x]
             };
-            *column = *column - *part * *memory;
+            *column = *column - part * *memory;
         }
     }
 

@@ -10,7 +10,7 @@
 //! [`Model::forward`] makes the events of a batch of clips, to the bit those of
 //! [`Reference`](crate::reference::Reference), and keeps what the way back needs; [`Model::backward`]
 //! takes the loss's gradients of voxels and counts and gives those of kernels, thresholds and, where
-//! asked, of the light. What counts whole events has no derivative; the three [`Rule`]s differ in what
+//! asked, of the light. What counts whole events has no derivative; the [`Rule`]s differ in what
 //! takes its place in the memory. `docs/learning.md` derives each of them.
 //!
 //! Sums are taken in fixed pieces and in a fixed order, so gradients have the same bits on any number
@@ -42,6 +42,7 @@ mod forward;
 mod gaussians;
 mod kernel_sum;
 mod light;
+mod mean;
 mod model;
 mod pair;
 mod piece;

@@ -36,7 +36,7 @@ impl Rule {
         match self {
             Self::Authors => RELEASED,
             Self::Reset => RESET,
-            Self::Through => THROUGH,
+            Self::Through | Self::Mean => THROUGH,
         }
     }
 }

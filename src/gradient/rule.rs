@@ -2,7 +2,7 @@
 
 use crate::reference::MemoryRule;
 
-/// What flows back through the memory. All three take `dN = dr` in what a pair of frames gives to
+/// What flows back through the memory. The first three take `dN = dr` in what a pair of frames gives to
 /// its voxels, `r = |d| / θ`; `docs/learning.md` derives and compares them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
@@ -16,6 +16,10 @@ pub enum Rule {
     /// or not. Without a refractory period by the authors' rule it telescopes: an event's gradient
     /// meets the difference of two neighbouring frames.
     Through,
+    /// The exact gradient of the events averaged over the phase of the memory, whose mean is a play
+    /// (backlash) of the drive. For a memory that steps, with a dead time or none. It points right
+    /// also where events are few, and does not depend on which cells happened to fire.
+    Mean,
 }
 
 impl Rule {
