@@ -43,7 +43,9 @@ class Sensor:
         format: str,
         max_events: int | None,
     ) -> Run: ...
-    def on_chip(self, to: str, sum: str, chip: str, effort: float, seed: int) -> Chip: ...
+    def on_chip(
+        self, to: str, sum: str, memory: str, chip: str, effort: float, seed: int
+    ) -> Chip: ...
 
 @final
 class Chip:

@@ -227,8 +227,9 @@ class Sensor(EventSensor):
         kernels: (k,k), (K,k,k) or (K,1,k,k), k odd, row 0 to the north: the weights of a
             convolution are taken as they are. Or the name of a built-in kernel, a kernel file, or
             a list of any of these.
-        thresholds: One number, or one for each kernel, in the unit of the filtered signal; pairs
-            (on, off), or tables with ``on``, ``off`` and ``sigma`` (mismatch).
+        thresholds: One number for all kernels, or a list of one for each, in the unit of the
+            filtered signal: a number, a pair (on, off), or a table with ``on``, ``off`` and
+            ``sigma`` (mismatch).
         response: From light (0 to 255) to signal: ``"identity"``, ``{"linear": 255}`` (light/255,
             the default), ``{"log": {"white": 255, "offset": 1e-5}}`` or ``{"lin-log": {"knee":
             20}}``.
@@ -372,6 +373,7 @@ class Sensor(EventSensor):
         domain: str = "silicon",
         chip: str = "scamp5",
         sum: str = "kept",
+        memory: str = "analogue",
         readout: str = "all",
         effort: float = 1.0,
         seed: int | None = None,
@@ -385,6 +387,8 @@ class Sensor(EventSensor):
                 ``"exact"``, ``"f16"``, ``"q8.8"``, …
             chip: A shipped chip by name, or the folder of another.
             sum: What the quantised kernels must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
+            memory: Where the program remembers: ``"analogue"`` registers, of which SCAMP-5 has enough
+                for two kinds of cells, or ``"bits:N"``, N one-bit registers a kind.
             readout: ``"all"`` reads every event, ``"slots"`` at most 4000 in each scan, as the
                 program asks for; others are lost.
             effort: How long to search for the program, in seconds of two cores of 2024.
@@ -397,7 +401,7 @@ class Sensor(EventSensor):
         if readout not in ("all", "slots"):
             raise Error(f"`{readout}` is no readout\nhelp: give all or slots")
         seed = self._seed if seed is None else seed
-        native = self._native.on_chip(to, sum, chip, float(effort), seed)
+        native = self._native.on_chip(to, sum, memory, chip, float(effort), seed)
         for note in native.notes:
             warnings.warn(note, Caution, stacklevel=2)
         how = (seed, domain, readout == "slots", self._max_events)
@@ -484,6 +488,7 @@ def compile(
     domain: str = "silicon",
     chip: str = "scamp5",
     sum: str = "kept",
+    memory: str = "analogue",
     effort: float = 1.0,
     seed: int = 0,
 ) -> ChipSensor:
@@ -505,7 +510,9 @@ def compile(
         name="compiled",
         seed=seed,
     )
-    return sensor.on_chip(to, domain=domain, chip=chip, sum=sum, effort=effort)
+    return sensor.on_chip(
+        to, domain=domain, chip=chip, sum=sum, memory=memory, effort=effort
+    )
 
 
 def _one(of: tuple[list[T], bool]) -> list[T] | T:

@@ -30,6 +30,8 @@ pub struct Asked<'a> {
     /// A quantiser, or `exact`.
     pub to: &'a str,
     pub sum: &'a str,
+    /// `analogue`, or `bits:N`.
+    pub memory: &'a str,
     pub chip: &'a str,
     /// Seconds.
     pub effort: f64,
@@ -47,6 +49,23 @@ pub fn sum(name: &str) -> PyResult<Sum> {
             "give free, zero or kept",
         )),
     }
+}
+
+/// Where a program remembers, by name.
+fn memory(name: &str) -> PyResult<DriveMemory> {
+    if name == "analogue" {
+        return Ok(DriveMemory::Analogue);
+    }
+    let bits = name.strip_prefix("bits:").and_then(|it| it.parse().ok());
+    let memory = bits
+        .filter(|it| (1..=8).contains(it))
+        .map(DriveMemory::Bits);
+    memory.ok_or_else(|| {
+        refused(
+            format!("`{name}` is no memory"),
+            "give analogue, or bits:N with N from 1 to 8, such as bits:4",
+        )
+    })
 }
 
 /// A quantiser by name.
@@ -101,7 +120,9 @@ impl Chip {
             kind.kernel = quantised.levels.clone();
             levels.push((quantised.levels, quantised.scale));
         }
-        let compiled = compile(description, &kinds, &device, effort, asked.seed);
+        let memory = memory(asked.memory)?;
+        let search = (effort, asked.seed);
+        let compiled = compile(description, (&kinds, memory), &device, search);
         Ok(Self {
             compiled: compiled.map_err(raised)?,
             levels,
@@ -112,18 +133,16 @@ impl Chip {
 
 fn compile(
     description: &Description,
-    kinds: &[CellKind],
+    (kinds, memory): (&[CellKind], DriveMemory),
     device: &Device,
-    effort: Effort,
-    seed: u64,
+    (effort, seed): (Effort, u64),
 ) -> Result<Compiled, Report> {
     let kernels: Vec<_> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
     let mut request = Request::new(&kernels, device)?;
     request.effort = effort;
     request.seed = seed;
     let title = description.name.as_str();
-    let made: Result<_, CompileError> =
-        SensorProgram::new(kinds, DriveMemory::Analogue, title, &request);
+    let made: Result<_, CompileError> = SensorProgram::new(kinds, memory, title, &request);
     let program = made?;
     let text = Text::parse(title, &program.text)?;
     let code = text.expand(device, &Overrides::default())?.code;

@@ -82,6 +82,7 @@ impl Sensor {
         py: Python<'_>,
         to: &str,
         sum: &str,
+        memory: &str,
         chip: &str,
         effort: f64,
         seed: u64,
@@ -89,6 +90,7 @@ impl Sensor {
         let asked = chip::Asked {
             to,
             sum,
+            memory,
             chip,
             effort,
             seed,

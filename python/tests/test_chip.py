@@ -112,6 +112,17 @@ def test_what_the_chip_cannot_follow_is_said() -> None:
     assert "filtered-snap" in text and "replicates the border" in text and "refractory" in text
 
 
+def test_three_kinds_remember_in_bits(frames: Frames) -> None:
+    with pytest.raises(amacrine.Error, match="registers"):
+        amacrine.compile(["dvs", "sobel-x", "sobel-y"], 40, effort=0.05)
+    three = amacrine.compile(
+        ["dvs", "sobel-x", "sobel-y"], 40, memory="bits:2", effort=0.05, domain="exact"
+    )
+    assert np.unique(three.events(frames, FPS)["channel"]).tolist() == [0, 1, 2]
+    with pytest.raises(amacrine.Error, match="bits:4"):
+        amacrine.compile("dvs", 40, memory="bits")
+
+
 def test_compile_is_a_program_of_kernels(frames: Frames) -> None:
     compiled = amacrine.compile("csdvs-3", 16, to="ternary", effort=0.05)
     assert "scamp5_scan_events" in compiled.text
