@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use crate::{
+    elementary,
     reference::{Description, Reference, Tally},
     rig,
     scene::{Scene, SceneError},
@@ -77,7 +78,10 @@ pub fn factor(
         return Err(RateError::Rate(rate));
     }
     let count = |octaves: &[f64]| {
-        let factors: Vec<f64> = octaves.iter().map(|octave| octave.exp2()).collect();
+        let factors: Vec<f64> = octaves
+            .iter()
+            .map(|octave| elementary::pow(2.0, *octave))
+            .collect();
         rates(description, &factors, seed, open)
     };
     let ends = count(&[-OCTAVES, OCTAVES])?;
@@ -107,16 +111,16 @@ pub fn factor(
     }
     // A straight line of the logarithms between the two.
     let [(low, most), (high, least)] = within;
-    let steep = (most / least.max(f64::MIN_POSITIVE)).ln();
+    let steep = elementary::ln(most / least.max(f64::MIN_POSITIVE));
     let part = if steep > 0.0 && steep.is_finite() {
-        ((most / rate).ln() / steep).clamp(0.0, 1.0)
+        (elementary::ln(most / rate) / steep).clamp(0.0, 1.0)
     } else {
         0.0
     };
     let octave = low + part * (high - low);
     let counted = count(&[octave])?;
     Ok(Rated {
-        factor: octave.exp2(),
+        factor: elementary::pow(2.0, octave),
         rate: counted.first().copied().unwrap_or(0.0),
     })
 }
