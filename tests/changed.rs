@@ -85,3 +85,34 @@ fn what_cannot_be_is_said() {
     ];
     refused(folder, &mesh, &["has a mesh or a pattern"]);
 }
+
+#[test]
+fn a_report_is_asked_for_by_rate() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "pattern:noise?width=48&height=40&frames=10&fps=100&speed=60";
+    let asked = [
+        "feasibility",
+        "--kernel",
+        "csdvs-3",
+        "--rate",
+        "9",
+        "--scene",
+        scene,
+        "--chips",
+        "1",
+        "--candidates",
+        "ternary",
+        "--to",
+        "ternary",
+        "--effort",
+        "0.05",
+    ];
+    let said = json(folder.path(), &asked);
+    let rate = said["streams"]["float"]["per_pixel_s"].as_f64().unwrap();
+    assert!((rate / 9.0 - 1.0).abs() < 0.05, "{rate}");
+    assert!(
+        said["command"].as_str().unwrap().contains("--rate 9"),
+        "{}",
+        said["command"]
+    );
+}

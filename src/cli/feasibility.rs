@@ -2,17 +2,21 @@
 
 use std::fmt::Write as _;
 
-use miette::{IntoDiagnostic, miette};
+use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::{
     compare::metric::Short,
     compile::Effort,
+    elementary,
     isa::Device,
-    kernel::quantise::Quantiser,
+    kernel::{Kernel, quantise::Quantiser},
+    reference::MemoryRule,
     rig::guard::Warning,
     save::save,
     scene::{Observation, Scene, SceneError},
     study::{
+        self,
+        design::Design,
         equivalent::{RUNGS, rate},
         feasibility::{
             self, Feasibility, Fit, Question, Several, Snapshot, Stream, chips::OverChips,
@@ -57,6 +61,10 @@ pub struct Arguments {
         value_name = "THRESHOLDS"
     )]
     threshold: Vec<f64>,
+    /// Instead of thresholds: for each kernel the one at which the float sensor has so many events
+    /// per pixel and second
+    #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
+    rate: Option<f64>,
     #[command(flatten)]
     clip: Clip,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
@@ -170,7 +178,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
     let mut questions = Vec::new();
-    let thresholds = arguments.thresholds(&kinds)?;
+    let thresholds = arguments.thresholds(&kinds, &device)?;
+    if arguments.rate.is_some() && !arguments.json {
+        super::say(&format!("threshold {}\n\n", list(&thresholds)));
+    }
     let kernels = kinds.names.iter().zip(&kinds.kernels);
     for ((name, kernel), threshold) in kernels.zip(thresholds) {
         questions.push(Question {
@@ -337,8 +348,14 @@ impl Arguments {
     }
 
     /// A threshold for each kernel.
-    fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
+    fn thresholds(&self, kinds: &Kinds, device: &Device) -> miette::Result<Vec<f64>> {
         let kernels = kinds.kernels.len();
+        if let Some(asked) = self.rate {
+            let own = kinds.kernels.iter();
+            return own
+                .map(|kernel| self.rated(kernel, asked, device))
+                .collect();
+        }
         match (&self.threshold[..], &kinds.thresholds) {
             ([], Some(own)) => Ok(own.clone()),
             ([], None) => Err(miette!(
@@ -355,12 +372,35 @@ impl Arguments {
         }
     }
 
+    /// The threshold at which the float sensor has so many events, to four digits.
+    fn rated(&self, kernel: &Kernel, asked: f64, device: &Device) -> miette::Result<f64> {
+        let design = Design {
+            kernel,
+            threshold: 64.0,
+            device,
+            effort: Effort::seconds(self.effort),
+            seed: self.seed,
+        };
+        let description = design.description(MemoryRule::FilteredSnap)?;
+        // What is seen of the scene is noted when the questions are asked.
+        let open = || self.clip.open(&Observation::new());
+        let found = study::rate::factor(&description, asked, self.seed, &open);
+        let threshold = 64.0 * found.wrap_err("--rate")?.factor;
+        let digits = (3 - elementary::log10(threshold).floor() as i32).clamp(0, 12);
+        Ok(format!("{threshold:.*}", digits as usize)
+            .parse()
+            .unwrap_or(threshold))
+    }
+
     /// The command that gives the same page again, every default written out.
     fn command(&self) -> String {
         let mut text = format!(
             "amacrine feasibility --kernel {}",
             quoted(&list(&self.kernel))
         );
+        if let Some(rate) = self.rate {
+            let _ = write!(text, " --rate {rate}");
+        }
         if !self.threshold.is_empty() {
             let _ = write!(text, " --threshold {}", list(&self.threshold));
         }
