@@ -168,3 +168,11 @@ fn every_step_of_the_guide() {
         assert!(folder.path().join(file).exists(), "{file}");
     }
 }
+
+/// The library's few lines are those of an example, which is compiled.
+#[test]
+fn the_lines_of_the_library() {
+    let example = page("examples/two_sensors.rs");
+    let code = &example[example.find("use amacrine").unwrap()..];
+    assert!(page("README.md").contains(&format!("```rust\n{}\n```", code.trim_end())));
+}
