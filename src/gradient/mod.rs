@@ -34,11 +34,13 @@
 //! assert!(gradient.channels[0].on[0] < 0.0); // a higher threshold makes fewer events
 //! ```
 
+mod back_pass;
 mod backward;
 mod clips;
 mod error;
 mod float;
 mod forward;
+mod forward_pass;
 mod gaussians;
 mod kernel_sum;
 mod light;

@@ -1,6 +1,6 @@
 //! Kernels that are sums of Gaussians.
 
-use crate::{elementary, plane::Plane};
+use crate::{elementary, limit::KERNEL_SIDE, plane::Plane};
 
 use super::{Kernel, KernelError};
 
@@ -17,7 +17,7 @@ impl Gaussian {
     /// Rows and columns of its square.
     #[must_use]
     pub const fn side(&self) -> usize {
-        ((6.0 * self.sigma) as usize + 1) | 1
+        ((6.0 * self.sigma) as usize).saturating_add(1) | 1
     }
 
     /// A row of it, not normalised: `exp(-x² / 2 sigma²)`.
@@ -39,6 +39,10 @@ impl Kernel {
     pub fn from_gaussians(parts: &[Gaussian]) -> Result<Self, KernelError> {
         let side = parts.iter().map(Gaussian::side).max();
         let side = side.ok_or(KernelError::Empty)?;
+        if side > KERNEL_SIDE {
+            let (height, width) = (side, side);
+            return Err(KernelError::Size { height, width });
+        }
         let mut weights = Plane::<f64>::zeros((side, side));
         for part in parts {
             let line = part.line();
