@@ -64,3 +64,13 @@ fn a_file_goes_before_a_name() {
         &["a chip is a folder"],
     );
 }
+
+#[test]
+fn a_sensor_of_a_name_is_asked_for_its_kernels() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = good(
+        folder.path(),
+        &["quantise", "rgc-4-on-chip", "--to", "ternary"],
+    );
+    assert!(text.contains("falling diagonals"), "{text}");
+}

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use miette::miette;
 
+use super::list::bundled;
 use crate::{
+    bundled::Kind,
     kernel::{Kernel, KernelFileError, NUMPY},
     limit::KERNELS,
     photoreceptor::Curve,
@@ -50,7 +52,7 @@ impl Kinds {
             Curve::Linear { white } => white,
             Curve::Log { .. } | Curve::LinLog { .. } => {
                 return Err(miette!(
-                    help = "the chip's photodiode is linear: give a sensor with `response = {{ linear = … }}`",
+                    help = "the chip's photodiode is linear: give a sensor with `response = { linear = 255 }`",
                     "{name}: its response is not linear"
                 ));
             }
@@ -108,9 +110,13 @@ fn plain(name: &str, channel: &Channel) -> miette::Result<(Kernel, f64)> {
     Ok((kernel.clone(), threshold.on))
 }
 
-/// Whether a file is a sensor: its kinds stand under `[[channel]]`.
+/// Whether a file is a sensor: its kinds stand under `[[channel]]`; or there is none, and a sensor
+/// of this name comes with the program.
 fn is_sensor(name: &str) -> bool {
     let path = Path::new(name);
+    if bundled(Kind::Sensor, path).is_some() {
+        return true;
+    }
     // A pipe can be read once.
     if path.extension().is_none_or(|ending| ending != "toml") || !path.is_file() {
         return false;
