@@ -525,7 +525,7 @@ fn summary(all: &Feasibility) -> String {
             lost: Some(plan.lost),
             is_chosen: plan.is_chosen,
         });
-        let _ = write!(text, "\n{}", readout_table::table(rows));
+        let _ = write!(text, "\n{}\n", readout_table::table(rows));
     }
     if let Some(power) = &all.power {
         let mut unknown = Vec::new();

@@ -21,7 +21,7 @@ pub(super) struct Row {
 /// A line for each way, the chosen one marked.
 pub(super) fn table(rows: impl Iterator<Item = Row>) -> String {
     let mut text = format!(
-        "{:<34} {:>16} {:>16}   what comes out\n",
+        "{:<37} {:>16} {:>16}   what comes out\n",
         "a frame's readout", "us", "frames/s"
     );
     for row in rows {
@@ -38,7 +38,7 @@ pub(super) fn table(rows: impl Iterator<Item = Row>) -> String {
         }
         let _ = writeln!(
             text,
-            "{:<34} {:>16} {:>16}   {carries}",
+            "{:<37} {:>16} {:>16}   {carries}",
             format!("{mark}{}", row.way.words()),
             between(row.us, 1),
             between(row.frames_s, 0),
