@@ -26,6 +26,8 @@ fn each_kind_begins_with_a_file_that_works() {
             "my-sensor.toml",
             "--readout",
             "my-readout.toml",
+            "--events",
+            "e.npy",
         ],
     );
     good(

@@ -206,8 +206,8 @@ mod tests {
     use super::*;
 
     /// Arguments that are texts, and no names of files.
-    const TEXTS: [&str; 8] = [
-        "domain", "schedule", "title", "cost", "into", "keep", "explain", "name",
+    const TEXTS: [&str; 9] = [
+        "domain", "schedule", "title", "cost", "into", "keep", "explain", "name", "from",
     ];
 
     /// Every argument that is a path is of a kind that [`files::check`] finds.

@@ -128,7 +128,8 @@ fn with_keys(file: &File, schema: &Json) -> String {
         }
         let value = match &about["default"] {
             Json::Null => "…".to_owned(),
-            default => default.to_string(),
+            default => toml::Value::try_from(default)
+                .map_or_else(|_| default.to_string(), |value| value.to_string()),
         };
         let says = about["description"].as_str().unwrap_or_default();
         // Writing to a string cannot fail.
