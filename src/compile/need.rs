@@ -142,10 +142,26 @@ pub(super) fn advice(
             words,
             room,
             chip,
-            advice: advised("search longer (--effort), or take fewer digits (--to)"),
+            advice: {
+                let own = "search longer (--effort), or take fewer digits (--to)";
+                if weights(kinds) > QUICK {
+                    own.to_owned()
+                } else {
+                    advised(own)
+                }
+            },
         },
         other => other,
     }
+}
+
+/// Programs of so many weights are compiled in no time, without a search.
+const QUICK: usize = 128;
+
+/// Weights of all kinds that are not 0.
+fn weights(kinds: &[CellKind]) -> usize {
+    let all = kinds.iter().flat_map(|kind| kind.kernel.weights());
+    all.filter(|weight| **weight != 0.0).count()
 }
 
 /// Ways out that were compiled, as a sentence; `own` needs no trial.
