@@ -512,7 +512,7 @@ fn four_kinds(to: &str) -> Vec<CellKind> {
 /// Four learned 5x5 kernels on six registers and 1024 words.
 #[test]
 fn four_kinds_fit_on_scamp5() {
-    for (to, most) in [("ternary", 320), ("int-5", 1019)] {
+    for (to, most) in [("ternary", 480), ("int-5", 1019)] {
         let (words, events) = shared_is_the_reference(&four_kinds(to), 20_000, 7);
         println!("{to}: {words} words a frame, {events} events");
         assert!(

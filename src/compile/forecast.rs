@@ -20,7 +20,7 @@
 
 use super::filter::Filter;
 use crate::{
-    elementary::exp,
+    elementary::{exp, hypot},
     isa::{Analog, Device, Direction, Figure, Primitive, Source, Target},
     kernel::Kernel,
     plane::Plane,
@@ -76,6 +76,14 @@ pub struct Forecast {
 }
 
 impl Forecast {
+    /// Takes the constant for noise: the correlation becomes that of values round zero.
+    pub(super) fn count_offset(&mut self) {
+        let all = hypot(hypot(self.signal, self.noise), self.offset);
+        if all > 0.0 {
+            self.correlation = self.correlation.signum() * self.signal / all;
+        }
+    }
+
     /// Signal over noise, in decibels.
     #[must_use]
     pub fn snr_db(&self) -> f64 {

@@ -73,6 +73,9 @@ pub struct Request<'a> {
     /// What the input can be, in LSB; with it, the input is halved first as often as nothing
     /// then saturates.
     pub range: Option<(f64, f64)>,
+    /// Whether what the chip makes of no input counts as noise: where a result is compared with a
+    /// constant, and not with an earlier result, which has the same in it.
+    pub zero_counts: bool,
     /// How long to search.
     pub effort: Effort,
     /// Seed of the search heuristics: another seed may find another program.
@@ -103,6 +106,7 @@ impl<'a> Request<'a> {
             keep: Vec::new(),
             border: false,
             range: None,
+            zero_counts: false,
             effort: Effort::default(),
             seed: 0,
             objective: Objective::default(),

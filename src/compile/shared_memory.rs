@@ -133,6 +133,8 @@ fn filters(
                 .collect(),
             border: true,
             range: Some((-most, most)),
+            // What is compared is a difference: no constant of the chip drops out of it.
+            zero_counts: true,
             effort,
             objective,
             ..request.clone()

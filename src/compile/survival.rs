@@ -288,13 +288,17 @@ impl Survival<'_> {
     fn predicted(&self, solved: &Solved, amplitude: Option<f64>) -> Vec<Forecast> {
         let request = self.request;
         let at = |signal| {
-            forecasts(
+            let mut all = forecasts(
                 &solved.allocated.words,
                 request.device,
                 (request.input, &request.into),
                 request.kernels,
                 signal,
-            )
+            );
+            if request.zero_counts {
+                all.iter_mut().for_each(Forecast::count_offset);
+            }
+            all
         };
         if let Some(range) = request.range {
             return at(Signal::from_range(range));
