@@ -14,7 +14,6 @@ mod plain;
 #[expect(dead_code, reason = "another bench takes more of it")]
 #[path = "reference/scene.rs"]
 mod scene;
-#[expect(dead_code, reason = "another bench takes more of it")]
 #[path = "common/timed.rs"]
 mod timed;
 

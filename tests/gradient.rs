@@ -2,6 +2,8 @@
 //! derivative of a smooth stand-in, of which each rule states one; and what these are worth is
 //! measured against differences averaged over the phase of the memory, where events are smooth.
 
+use std::fmt::Write as _;
+
 use amacrine::{
     elementary,
     gradient::{
@@ -136,8 +138,9 @@ fn sensor((name, rules, pattern): (&str, &str, bool), response: &str, channels: 
             let kernels: Vec<_> = (0..4)
                 .map(|n| kernel(3 + 2 * (n % 2), 10 * k + n as u64))
                 .collect();
-            text += &format!(
-                "[[channel]]\npattern = \"2x2\"\nkernel = [{}]\nthreshold = [{}]\n",
+            let _ = writeln!(
+                text,
+                "[[channel]]\npattern = \"2x2\"\nkernel = [{}]\nthreshold = [{}]",
                 kernels.join(", "),
                 "{ on = 0.05, off = 0.07 }, { on = 0.06, off = 0.06 }, { on = 0.08, off = 0.04 }, { on = 0.05, off = 0.05, sigma = 0.01 }"
             );
@@ -358,7 +361,7 @@ impl StandIn {
             let stride =
                 (self.silence * (1.0 - 1e-9) / Self::DT * (to - from).abs() / theta).ceil();
             let count = (to - start) / theta / stride.max(1.0);
-            let middle = ((start - from) / (to - from) + 1.0) / 2.0;
+            let middle = f64::midpoint((start - from) / (to - from), 1.0);
             loss += count * (voxels[n - 1] * (1.0 - middle) + voxels[n] * middle);
             loss += count * counts[n - 1] + events * count.abs();
             memory = to - sign * theta / 2.0;

@@ -89,7 +89,7 @@ impl Plain {
                     0.0
                 }
             });
-            let signed = zip(&count, &d, |n, d| n.copysign(d));
+            let signed = zip(&count, &d, f64::copysign);
             memory = zip(&memory, &signed, |m, n| m + n * theta);
             let last = zip(&before, &zip(&spacing, &count, |s, n| s * n), |b, s| {
                 time[0] + b + s
