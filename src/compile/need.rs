@@ -74,7 +74,8 @@ impl Need {
             return (!Self::new(memory, 1).fits(device)).then_some(0);
         }
         let fits = |kinds: &usize| Self::new(memory, *kinds).fits(device);
-        Some((1..).take_while(fits).count())
+        // Each takes a register at least.
+        Some((1..=Self::free(device)).take_while(fits).count())
     }
 }
 

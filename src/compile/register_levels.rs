@@ -94,10 +94,9 @@ impl Request<'_> {
         };
         Effort {
             states: match self.objective {
-                Objective::Words => states,
                 // No smaller search comes beside it.
                 Objective::Silicon if registers <= USUAL => self.effort.states,
-                Objective::Silicon => states,
+                Objective::Words | Objective::Silicon => states,
             },
         }
     }

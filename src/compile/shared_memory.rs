@@ -71,7 +71,7 @@ pub(super) fn program(
         light,
         memory,
     };
-    let filters = filters(kinds, &registers, request)?;
+    let filters = filters(kinds, registers, request)?;
     let scales: Vec<f64> = { filters.iter() }
         .map(|filter| device.value(Figure::LightScale) * filter.scale())
         .collect();
@@ -113,7 +113,7 @@ pub(super) struct Registers {
 /// searched again for fewer words.
 fn filters(
     kinds: &[CellKind],
-    registers: &Registers,
+    registers: Registers,
     request: &Request<'_>,
 ) -> Result<Vec<Filter>, CompileError> {
     let device = request.device;
@@ -252,7 +252,7 @@ impl Writer<'_> {
             for (i, bits) in batch.iter().zip(EVENTS) {
                 self.kind(&mut text, *i, bits);
             }
-            self.collect(&mut text, batch.len(), before);
+            Self::collect(&mut text, batch.len(), before);
             before = true;
             if start + AT_A_TIME >= count {
                 self.remember(&mut text);
@@ -340,7 +340,7 @@ impl Writer<'_> {
 
     /// Writes what collects the bits of so many kinds in R11; with those of the kinds `before`, which
     /// are there already.
-    fn collect(&self, text: &mut String, kinds: usize, before: bool) {
+    fn collect(text: &mut String, kinds: usize, before: bool) {
         let bits: Vec<&str> = EVENTS[..kinds].iter().flatten().copied().collect();
         text.push('\n');
         // No word may store where it reads, so that the sums go to and fro.

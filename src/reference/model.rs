@@ -443,6 +443,7 @@ impl<N: Number> Pixel<N> {
     ///
     /// # Panics
     /// When the pixel has no cells.
+    #[must_use]
     pub fn memory(&self) -> N::Held {
         self.cells[0].memory()
     }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
+use super::{Added, Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
 use crate::{
     array::Errors,
     compile::{DriveMemory, Forecast, Need, bound::LowerBound, carried},
@@ -207,17 +207,7 @@ impl Compiled {
             line("chip", survival(forecast));
         }
         for added in &self.noises {
-            let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
-            line(
-                "noise",
-                format!(
-                    "the filter adds {:.2} LSB from frame to frame and {:.2} LSB from pixel to pixel; as an error of every input: {} and {} LSB (modelled, in part a guess; at {MIDDLE} LSB)",
-                    added.temporal,
-                    added.fixed,
-                    input(added.input_temporal),
-                    input(added.input_fixed),
-                ),
-            );
+            line("noise", noise(added));
         }
         line(
             "energy",
@@ -290,6 +280,18 @@ impl Compiled {
         }
         text
     }
+}
+
+/// What a filter adds to its result, for people.
+fn noise(added: &Added) -> String {
+    let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
+    format!(
+        "the filter adds {:.2} LSB from frame to frame and {:.2} LSB from pixel to pixel; as an error of every input: {} and {} LSB (modelled, in part a guess; at {MIDDLE} LSB)",
+        added.temporal,
+        added.fixed,
+        input(added.input_temporal),
+        input(added.input_fixed),
+    )
 }
 
 /// What is predicted of a result on the chip, for people.
