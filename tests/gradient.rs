@@ -138,11 +138,11 @@ fn sensor((name, rules, pattern): (&str, &str, bool), response: &str, channels: 
             let kernels: Vec<_> = (0..4)
                 .map(|n| kernel(3 + 2 * (n % 2), 10 * k + n as u64))
                 .collect();
+            let thresholds = "{ on = 0.05, off = 0.07 }, { on = 0.06, off = 0.06 }, { on = 0.08, off = 0.04 }, { on = 0.05, off = 0.05, sigma = 0.01 }";
+            let kernels = kernels.join(", ");
             let _ = writeln!(
                 text,
-                "[[channel]]\npattern = \"2x2\"\nkernel = [{}]\nthreshold = [{}]",
-                kernels.join(", "),
-                "{ on = 0.05, off = 0.07 }, { on = 0.06, off = 0.06 }, { on = 0.08, off = 0.04 }, { on = 0.05, off = 0.05, sigma = 0.01 }"
+                "[[channel]]\npattern = \"2x2\"\nkernel = [{kernels}]\nthreshold = [{thresholds}]"
             );
         } else {
             let more = if name == "logarithm" {
