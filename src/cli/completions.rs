@@ -16,7 +16,6 @@ pub struct Arguments {
 ///
 /// # Errors
 /// None.
-#[expect(clippy::unnecessary_wraps, reason = "all verbs are alike")]
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut text = Vec::new();
     generate(
