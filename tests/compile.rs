@@ -476,7 +476,8 @@ fn shared_is_the_reference(kinds: &[CellKind], states: u64, seed: u64) -> (u64, 
         let rows: Vec<Vec<f64>> = { kernel.weights().rows().into_iter() }
             .map(|row| row.to_vec())
             .collect();
-        text += &format!(
+        let _ = write!(
+            text,
             "[[channel]]\nkernel = {rows:?}\nthreshold = {{ on = {on:?}, off = {off:?} }}\n"
         );
     }
