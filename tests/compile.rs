@@ -3,6 +3,8 @@
 //! costs more than a naive snake, nor more than was once reached; and a whole compiled sensor
 //! emits the packets of the float reference.
 
+use std::fmt::Write as _;
+
 use amacrine::{
     array::{Arithmetic, Chip, Exact, Input, Settings, range, taps},
     compile::{
