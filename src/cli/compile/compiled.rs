@@ -135,14 +135,8 @@ impl Compiled {
                 self.snake
             ),
         );
-        line(
-            "store",
-            format!(
-                "{} words of {}",
-                self.stored(device),
-                device.value(Figure::Store)
-            ),
-        );
+        let room = device.value(Figure::Store);
+        line("store", format!("{} words of {room}", self.stored(device)));
         if let Some(memory) = self.memory {
             line("memory", self.remembered(memory, device));
         }
