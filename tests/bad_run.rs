@@ -157,9 +157,9 @@ fn outputs() {
     }
     says(
         &refused(SCENE, SENSOR, &["--events", "e.xyz"]),
-        &["xyz", ".csv"],
+        &["xyz", "csv"],
     );
-    says(&refused(SCENE, SENSOR, &["--events", "e"]), &[".csv"]);
+    says(&refused(SCENE, SENSOR, &["--events", "e"]), &["csv"]);
     says(
         &refused(SCENE, SENSOR, &["--counts", "c.csv"]),
         &["c.csv", ".npy"],

@@ -142,15 +142,14 @@ fn every_step_of_the_guide() {
     let guide = page("docs/guides/from-kernel-to-chip.md");
     let mut steps = Vec::new();
     // Blocks without a language are commands; what they print, and what is refused, is text.
-    let mut blocks = guide.split("\n```").skip(1).step_by(2);
-    blocks.by_ref().for_each(|block| {
+    for block in guide.split("\n```").skip(1).step_by(2) {
         let commands = block.strip_prefix('\n').unwrap_or_default();
         steps.extend(
             commands
                 .lines()
                 .filter(|line| line.starts_with("amacrine ")),
         );
-    });
+    }
     assert!(steps.len() >= 10, "{steps:?}");
     for step in steps {
         let mut step = step.to_owned();

@@ -74,10 +74,9 @@ impl Kinds {
             kinds
                 .kernels
                 .push(workable(kernel, &format!("{name}, channel {i}"))?);
-            kinds
-                .thresholds
-                .iter_mut()
-                .for_each(|t| t.push(threshold * white));
+            if let Some(thresholds) = &mut kinds.thresholds {
+                thresholds.push(threshold * white);
+            }
         }
         Ok(kinds)
     }

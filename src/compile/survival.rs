@@ -296,7 +296,9 @@ impl Survival<'_> {
                 signal,
             );
             if request.zero_counts {
-                all.iter_mut().for_each(Forecast::count_offset);
+                for forecast in &mut all {
+                    forecast.count_offset();
+                }
             }
             all
         };

@@ -153,14 +153,8 @@ impl Compiled {
         if let Some(bounds) = self.bounds(asked) {
             line("bound", bounds.words());
         }
-        line(
-            "store",
-            format!(
-                "{} words of {}",
-                self.stored(device),
-                device.value(Figure::Store)
-            ),
-        );
+        let room = device.value(Figure::Store);
+        line("store", format!("{} words of {room}", self.stored(device)));
         if let Some(memory) = self.memory {
             line("memory", self.remembered(memory, device));
         }
