@@ -203,14 +203,7 @@ impl Compiled {
                 ),
             );
         }
-        line(
-            "energy",
-            format!(
-                "{:.2} uJ a frame for its words: {} W (quoted) while the array is busy; what it takes idle and for the readout is not public",
-                self.energy_uj(device),
-                device.value(Figure::Power)
-            ),
-        );
+        line("energy", self.energy(device));
         let border = if self.filter.border {
             "right up to the border, zeros beyond it"
         } else {
@@ -228,6 +221,14 @@ impl Compiled {
         text.push_str("\nregisters live over the filter's words\n");
         text.push_str(&self.chart(device));
         text
+    }
+
+    fn energy(&self, device: &Device) -> String {
+        format!(
+            "{:.2} uJ a frame for its words: {} W (quoted) while the array is busy; what it takes idle and for the readout is not public",
+            self.energy_uj(device),
+            device.value(Figure::Power)
+        )
     }
 
     /// What the chip makes of a kernel's thresholds; `scale`: times its weights the kernel is

@@ -1,9 +1,10 @@
 //! The readout of a compiled program: the ways to read its events, what each costs, and the one
 //! that it takes.
 
-use serde_json::json;
+use std::fmt::Write as _;
 
 use miette::miette;
+use serde_json::json;
 
 use super::{
     super::{budget, readout_table},
@@ -209,13 +210,14 @@ impl Readouts {
         };
         let mut text = readout_table::table(self.plans.iter().enumerate().map(row));
         if let Some(busiest) = self.busiest {
-            text += &format!(
-                "for {busiest} events of one sign and kind in the busiest frame ({}); exposure is in no frame rate\n",
+            let _ = writeln!(
+                text,
+                "for {busiest} events of one sign and kind in the busiest frame ({}); exposure is in no frame rate",
                 self.basis
             );
         }
         for what in &self.not_known {
-            text += &format!("not known: {what}\n");
+            let _ = writeln!(text, "not known: {what}");
         }
         text
     }
