@@ -57,7 +57,9 @@ fn what_is_disassembled_reads_back_as_the_same_words() {
 fn a_program_that_cannot_be_read_has_one_message() {
     let of = |verb: &str, file: &str| stderr(&[verb, file]);
     let missing = of("asm", "none.scamp");
-    assert!(missing.contains("cannot read none.scamp") && missing.contains("amacrine list programs"));
+    assert!(
+        missing.contains("cannot read none.scamp") && missing.contains("amacrine list programs")
+    );
     for verb in ["exec", "disasm"] {
         assert_eq!(of(verb, "none.scamp"), missing);
     }

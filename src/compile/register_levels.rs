@@ -86,19 +86,19 @@ impl Request<'_> {
     /// The effort of a search in so many registers, the same on every chip: half of it for each
     /// register less than usual.
     fn share(&self, registers: usize) -> Effort {
+        let below = if self.objective == Objective::Words {
+            USUAL.saturating_sub(registers)
+        } else {
+            // No smaller search comes beside it.
+            0
+        };
         let states = match registers {
-            0..=USUAL => self.effort.states >> (USUAL - registers),
+            0..=USUAL => self.effort.states >> below,
             MOST.. => self.effort.states / 5,
             // The plans that need no search.
             _ => 0,
         };
-        Effort {
-            states: match self.objective {
-                // No smaller search comes beside it.
-                Objective::Silicon if registers <= USUAL => self.effort.states,
-                Objective::Words | Objective::Silicon => states,
-            },
-        }
+        Effort { states }
     }
 
     fn key(&self, filter: &Filter) -> Key {

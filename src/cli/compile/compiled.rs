@@ -134,6 +134,14 @@ impl Compiled {
         device.value(Figure::Power) * least
     }
 
+    fn energy(&self, device: &Device) -> String {
+        format!(
+            "{:.2} uJ a frame for its words: {} W (quoted) while the array is busy; what it takes idle and for the readout is not public",
+            self.energy_uj(device),
+            device.value(Figure::Power)
+        )
+    }
+
     /// The table for people.
     pub(super) fn account(&self, asked: &Asked, device: &Device, seconds: f64) -> String {
         let cost = Cost::of(&self.expansion.code.frame, device);
@@ -203,14 +211,7 @@ impl Compiled {
         for added in &self.noises {
             line("noise", noise(added));
         }
-        line(
-            "energy",
-            format!(
-                "{:.2} uJ a frame for its words: {} W (quoted) while the array is busy; what it takes idle and for the readout is not public",
-                self.energy_uj(device),
-                device.value(Figure::Power)
-            ),
-        );
+        line("energy", self.energy(device));
         let border = if self.filter.border {
             "right up to the border, zeros beyond it"
         } else {

@@ -3,9 +3,8 @@
 
 use std::fmt::Write as _;
 
-use serde_json::json;
-
 use miette::miette;
+use serde_json::json;
 
 use super::{
     super::{budget, readout_table},
