@@ -72,11 +72,12 @@ impl Plain {
 
     fn forward(&self, drive: &[Planes], times: &[f64]) -> Vec<Kept> {
         let (theta, r) = (self.theta, self.silence);
-        let mut memory = drive[0].clone();
-        let mut fired = vec![-r; memory.len()];
+        let mut steps = vec![0.0; drive[0].len()];
+        let mut fired = vec![f64::NEG_INFINITY; steps.len()];
         let mut all = Vec::new();
         for (n, time) in times.windows(2).enumerate() {
             let dt = time[1] - time[0];
+            let memory = zip(&drive[0], &steps, |base, n| base + n * theta);
             let d = zip(&drive[n + 1], &memory, |s, m| s - m);
             let alpha = map(&d, |d| dt / ((d.abs() + 1e-9) / theta));
             let spacing = map(&alpha, |a| ((r / a).floor() + 1.0) * a);
@@ -89,11 +90,10 @@ impl Plain {
                     0.0
                 }
             });
-            let signed = zip(&count, &d, f64::copysign);
-            memory = zip(&memory, &signed, |m, n| m + n * theta);
-            let last = zip(&before, &zip(&spacing, &count, |s, n| s * n), |b, s| {
-                time[0] + b + s
-            });
+            steps = zip(&steps, &zip(&count, &d, f64::copysign), |m, n| m + n);
+            let first = zip(&before, &spacing, |b, s| (b + s) / dt);
+            let rest = zip(&spacing, &count, |s, n| s / dt * (n - 1.0));
+            let last = zip(&first, &rest, |f, r| time[0] + (f + r).min(1.0) * dt);
             for ((fired, count), last) in fired.iter_mut().zip(&count).zip(last) {
                 *fired = if *count > 0.0 { last } else { *fired };
             }
