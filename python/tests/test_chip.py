@@ -116,7 +116,11 @@ def test_three_kinds_remember_in_bits(frames: Frames) -> None:
     with pytest.raises(amacrine.Error, match="registers"):
         amacrine.compile(["dvs", "sobel-x", "sobel-y"], 40, effort=0.05)
     three = amacrine.compile(
-        ["dvs", "sobel-x", "sobel-y"], 40, memory="bits:2", effort=0.05, domain="exact"
+        ["dvs", "sobel-x", "sobel-y"],
+        [40, 300, 300],  # half a step of two bits, at least
+        memory="bits:2",
+        effort=0.05,
+        domain="exact",
     )
     assert np.unique(three.events(frames, FPS)["channel"]).tolist() == [0, 1, 2]
     with pytest.raises(amacrine.Error, match="bits:4"):
