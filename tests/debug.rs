@@ -108,12 +108,12 @@ fn registers_are_pictures() {
     let bench = Bench::new();
     let text = bench.script("b 13\nc\nprint B\nprint R5\nprint FLAG\nprint PIX\ndump B b.png\n");
     assert!(
-        text.contains("B: -1.00 (black) to 4.00 LSB (white), mean 1.50\n░▒▓\n"),
+        text.contains("B: -1.00 LSB (black) to 4.00 LSB (white), mean 1.50 LSB\n░▒▓\n"),
         "{text}"
     );
     assert!(text.contains("R5: 4 of 6 pixels are 1\n▒▒█\n"), "{text}");
     assert!(text.contains("FLAG: 4 of 6"), "{text}");
-    assert!(text.contains("PIX: -127.00 (black) to -127.00 LSB (white), mean -127.00\n▒▒▒\n"));
+    assert!(text.contains("PIX: -127.00 LSB (black) to -127.00 LSB (white), mean -127.00 LSB\n▒▒▒\n"));
     let picture = image::open(bench.0.path().join("b.png"))
         .unwrap()
         .to_luma8();

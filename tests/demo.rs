@@ -150,7 +150,7 @@ fn the_devices_are_those_of_the_files() {
     }
     assert_eq!(number(demo, "frames") - 72.0, number(demo, "inserted"));
     let written: Vec<_> = demo["written"].as_array().unwrap().iter().collect();
-    assert_eq!(written.len(), 10);
+    assert_eq!(written.len(), 11);
 }
 
 #[test]

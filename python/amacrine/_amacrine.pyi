@@ -44,7 +44,7 @@ class Sensor:
         max_events: int | None,
     ) -> Run: ...
     def on_chip(
-        self, to: str, sum: str, memory: str, chip: str, effort: float, seed: int
+        self, to: str, sum: str, memory: str | None, chip: str, effort: float, seed: int
     ) -> Chip: ...
 
 @final

@@ -234,7 +234,8 @@ class Sensor(EventSensor):
             the default), ``{"log": {"white": 255, "offset": 1e-5}}`` or ``{"lin-log": {"knee":
             20}}``.
         memory: What an event does to the memory: ``"filtered-step"`` (it moves by one threshold),
-            ``"filtered-snap"`` (it stores the filtered signal) or ``"raw-snap"``.
+            ``"filtered-snap"`` (it stores the filtered signal) or ``"raw-snap"`` (the pixel).
+        shared: One memory of the pixel for all kinds, with ``"raw-snap"``.
         polarity: ``"filtered"`` or ``"pixel"``: where an event's sign comes from.
         border: ``"replicate"`` or ``"zero"``: what kernels read off the array.
         refractory: How long a cell is silent after an event, in us, or a table with ``us`` and
@@ -257,6 +258,7 @@ class Sensor(EventSensor):
         *,
         response: str | Mapping[str, Any] | None = None,
         memory: str = "filtered-step",
+        shared: bool | None = None,
         polarity: str | None = None,
         border: str | None = None,
         refractory: float | Mapping[str, Any] | None = None,
@@ -271,6 +273,7 @@ class Sensor(EventSensor):
             "name": name,
             "response": {"linear": 255} if response is None else response,
             "memory": memory,
+            "shared": shared,
             "polarity": polarity,
             "border": border,
             "refractory": {"us": refractory} if np.isscalar(refractory) else refractory,
@@ -373,7 +376,7 @@ class Sensor(EventSensor):
         domain: str = "silicon",
         chip: str = "scamp5",
         sum: str = "kept",
-        memory: str = "analogue",
+        memory: str | None = None,
         readout: str = "all",
         effort: float = 1.0,
         seed: int | None = None,
@@ -387,8 +390,10 @@ class Sensor(EventSensor):
                 ``"exact"``, ``"f16"``, ``"q8.8"``, …
             chip: A shipped chip by name, or the folder of another.
             sum: What the quantised kernels must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
-            memory: Where the program remembers: ``"analogue"`` registers, of which SCAMP-5 has enough
-                for two kinds of cells, or ``"bits:N"``, N one-bit registers a kind.
+            memory: What the program remembers: ``"analogue"``, the drive of each kind, for which
+                SCAMP-5 has registers enough for two kinds; ``"shared"``, the pixel, in one register
+                for any number of kinds; ``"bits:N"``, the drive in N one-bit registers a kind. What
+                is nearest to the sensor where it is left out.
             readout: ``"all"`` reads every event, ``"slots"`` at most 4000 in each scan, as the
                 program asks for; others are lost.
             effort: How long to search for the program, in seconds of two cores of 2024.
@@ -505,7 +510,8 @@ def compile(
         kernels,
         thresholds,
         response="identity",
-        memory="filtered-snap",
+        memory="raw-snap" if memory == "shared" else "filtered-snap",
+        shared=True if memory == "shared" else None,
         border="zero",
         name="compiled",
         seed=seed,

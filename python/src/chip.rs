@@ -8,7 +8,7 @@ use amacrine::{
     photoreceptor::Curve,
     plane::Size,
     program::{Cost, Overrides, Program as Text},
-    reference::{Border, Description, MemoryRule},
+    reference::{Border, Description, MemoryRule, PolarityRule},
     rig::guard::Warning,
     sensor::Sensor,
     study::design::{Compiled, DesignError},
@@ -30,8 +30,8 @@ pub struct Asked<'a> {
     /// A quantiser, or `exact`.
     pub to: &'a str,
     pub sum: &'a str,
-    /// `analogue`, or `bits:N`.
-    pub memory: &'a str,
+    /// `analogue`, `shared` or `bits:N`.
+    pub memory: Option<&'a str>,
     pub chip: &'a str,
     /// Seconds.
     pub effort: f64,
@@ -51,11 +51,18 @@ pub fn sum(name: &str) -> PyResult<Sum> {
     }
 }
 
-/// Where a program remembers, by name.
-fn memory(name: &str) -> PyResult<DriveMemory> {
-    if name == "analogue" {
-        return Ok(DriveMemory::Analogue);
+/// What a program remembers, by name; what is nearest to the sensor where none is given.
+fn memory(name: Option<&str>, sensor: &Description) -> PyResult<DriveMemory> {
+    let pixel = sensor.memory == MemoryRule::RawSnap;
+    match name {
+        None if pixel && (sensor.shared || sensor.channels.len() == 1) => {
+            return Ok(DriveMemory::Shared);
+        }
+        None | Some("analogue") => return Ok(DriveMemory::Analogue),
+        Some("shared") => return Ok(DriveMemory::Shared),
+        Some(_) => {}
     }
+    let name = name.unwrap_or_default();
     let bits = name.strip_prefix("bits:").and_then(|it| it.parse().ok());
     let memory = bits
         .filter(|it| (1..=8).contains(it))
@@ -63,7 +70,7 @@ fn memory(name: &str) -> PyResult<DriveMemory> {
     memory.ok_or_else(|| {
         refused(
             format!("`{name}` is no memory"),
-            "give analogue, or bits:N with N from 1 to 8, such as bits:4",
+            "give analogue, shared, or bits:N with N from 1 to 8, such as bits:5",
         )
     })
 }
@@ -104,7 +111,8 @@ impl Chip {
         let sum = sum(asked.sum)?;
         let device = Device::find(asked.chip).map_err(raised)?;
         let effort = effort(asked.effort)?;
-        let (mut kinds, mut notes) = cells(description).map_err(raised)?;
+        let memory = memory(asked.memory, description)?;
+        let (mut kinds, mut notes) = cells(description, memory).map_err(raised)?;
         let mut levels = Vec::new();
         for kind in &mut kinds {
             let Some(to) = to else {
@@ -120,7 +128,6 @@ impl Chip {
             kind.kernel = quantised.levels.clone();
             levels.push((quantised.levels, quantised.scale));
         }
-        let memory = memory(asked.memory)?;
         let search = (effort, asked.seed);
         let compiled = compile(description, (&kinds, memory), &device, search);
         Ok(Self {
@@ -138,7 +145,7 @@ fn compile(
     (effort, seed): (Effort, u64),
 ) -> Result<Compiled, Report> {
     let kernels: Vec<_> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
-    let mut request = Request::new(&kernels, device)?;
+    let mut request = Request::new(&kernels[..1], device)?;
     request.effort = effort;
     request.seed = seed;
     let title = description.name.as_str();
@@ -156,7 +163,10 @@ fn compile(
 }
 
 /// The cells of a sensor in kernel times light, 0 to 255; and in what a chip cannot follow it.
-fn cells(description: &Description) -> Result<(Vec<CellKind>, Vec<String>), Report> {
+fn cells(
+    description: &Description,
+    memory: DriveMemory,
+) -> Result<(Vec<CellKind>, Vec<String>), Report> {
     let name = &description.name;
     let white = match description.response.curve {
         Curve::Identity => 1.0,
@@ -168,6 +178,12 @@ fn cells(description: &Description) -> Result<(Vec<CellKind>, Vec<String>), Repo
             ));
         }
     };
+    if description.polarity == PolarityRule::Pixel {
+        return Err(miette!(
+            help = "give a sensor with `polarity = \"filtered\"`",
+            "{name}: its events have the sign of the pixel, those of a compiled program that of the drive"
+        ));
+    }
     let mut kinds = Vec::new();
     for channel in &description.channels {
         let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
@@ -189,9 +205,13 @@ fn cells(description: &Description) -> Result<(Vec<CellKind>, Vec<String>), Repo
         });
     }
     let mut notes = Vec::new();
-    if description.memory != MemoryRule::FilteredSnap {
+    let (rule, stored) = match memory {
+        DriveMemory::Shared => (MemoryRule::RawSnap, "raw-snap"),
+        DriveMemory::Analogue | DriveMemory::Bits(_) => (MemoryRule::FilteredSnap, "filtered-snap"),
+    };
+    if description.memory != rule {
         notes.push(format!(
-            "{name}: its memory is not filtered-snap; one decision a frame stores what was seen"
+            "{name}: its memory is not {stored}; one decision a frame stores what was seen"
         ));
     }
     if description.border == Border::Replicate {

@@ -82,7 +82,7 @@ impl Sensor {
         py: Python<'_>,
         to: &str,
         sum: &str,
-        memory: &str,
+        memory: Option<&str>,
         chip: &str,
         effort: f64,
         seed: u64,

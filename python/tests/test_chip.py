@@ -112,18 +112,17 @@ def test_what_the_chip_cannot_follow_is_said() -> None:
     assert "filtered-snap" in text and "replicates the border" in text and "refractory" in text
 
 
-def test_three_kinds_remember_in_bits(frames: Frames) -> None:
-    with pytest.raises(amacrine.Error, match="registers"):
-        amacrine.compile(["dvs", "sobel-x", "sobel-y"], 40, effort=0.05)
-    three = amacrine.compile(
-        ["dvs", "sobel-x", "sobel-y"],
-        [40, 300, 300],  # half a step of two bits, at least
-        memory="bits:2",
-        effort=0.05,
-        domain="exact",
+def test_three_kinds_share_a_memory(frames: Frames) -> None:
+    three = ["dvs", "sobel-x", "sobel-y"]
+    with pytest.raises(amacrine.Error, match="register"):
+        amacrine.compile(three, 40, effort=0.05)
+    shared = amacrine.compile(three, 40, memory="shared", effort=0.05, domain="exact")
+    assert np.unique(shared.events(frames, FPS)["channel"]).tolist() == [0, 1, 2]
+    sensor = amacrine.Sensor(
+        three, 40, response="identity", memory="raw-snap", shared=True, border="zero"
     )
-    assert np.unique(three.events(frames, FPS)["channel"]).tolist() == [0, 1, 2]
-    with pytest.raises(amacrine.Error, match="bits:4"):
+    assert sensor.on_chip(effort=0.05, domain="exact").words == shared.words
+    with pytest.raises(amacrine.Error, match="bits"):
         amacrine.compile("dvs", 40, memory="bits")
 
 
