@@ -113,7 +113,9 @@ fn registers_are_pictures() {
     );
     assert!(text.contains("R5: 4 of 6 pixels are 1\n▒▒█\n"), "{text}");
     assert!(text.contains("FLAG: 4 of 6"), "{text}");
-    assert!(text.contains("PIX: -127.00 LSB (black) to -127.00 LSB (white), mean -127.00 LSB\n▒▒▒\n"));
+    assert!(
+        text.contains("PIX: -127.00 LSB (black) to -127.00 LSB (white), mean -127.00 LSB\n▒▒▒\n")
+    );
     let picture = image::open(bench.0.path().join("b.png"))
         .unwrap()
         .to_luma8();

@@ -126,6 +126,11 @@ pub const CASES: &[Case] = &[
     case("report ../in/results -o r.svg", "r.svg"),
     case("schema sensor -o s.json", "s.json"),
     case("list sensors", ""),
+    // It writes over nothing.
+    case("new program p", ""),
+    case("completions bash", ""),
+    // A page for each verb.
+    case("man -o m", ""),
 ];
 
 pub const STUDY: &str = "scene = \"pattern:disc?width=16&height=12&frames=4&radius=4\"\nkernel = \"csdvs-5\"\nthreshold = [20, 30]\n[[side]]\nside = \"reference\"\nformat = [\"f32\", \"f64\"]\n";
