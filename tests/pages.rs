@@ -159,6 +159,8 @@ fn every_step_of_the_guide() {
         if step.contains("amacrine quantise") && step.contains(',') {
             step += " --scene pattern:disc?width=40&height=32&frames=6";
         }
+        // A reader's own clip.
+        let step = step.replace("clip.mp4", "pattern:disc?width=40&height=32&frames=6");
         let said = printed(&folder, &step);
         assert!(!said.is_empty(), "{step}");
     }

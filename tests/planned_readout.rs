@@ -178,7 +178,7 @@ fn kinds_with_memories_in_bits_are_read_as_bits() {
             "--to",
             "ternary",
             "--threshold",
-            "60",
+            "70",
             "--effort",
             "0.02",
             "--memory",
