@@ -830,7 +830,7 @@ mod verb {
             &[
                 "no waterfall of dense.toml on scamp5",
                 "instruction words",
-                "--chip",
+                "take fewer digits",
             ],
         );
         assert_eq!(at.read_dir().unwrap().count(), 1, "files were left");
