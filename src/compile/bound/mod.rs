@@ -7,7 +7,7 @@
 //!
 //! Two bounds are taken together. Any kernel: two words move a value by at most two pixels (one
 //! stores in a neighbour's NEWS, one reads a neighbour's), and n words sum at most 4^n inputs.
-//! Ternary 3x3 kernels: an [exhaustive search](exhaustive) of all programs of up to
+//! Ternary 3x3 kernels: an exhaustive search of all programs of up to
 //! [`PROVED`] words, whose result is a table, `ternary.csv`; whatever is not in it takes more.
 
 mod exhaustive;
