@@ -114,3 +114,17 @@ fn a_sum_that_can_leave_the_scale_is_named() {
     assert!(lines.iter().all(|(line, _)| *line >= 3), "{lines:?}");
     assert_eq!(range(100.0).saturations, []);
 }
+
+/// Whether a store happens that depends on a neighbour is open, however short the way.
+#[test]
+fn a_decision_by_a_neighbour_is_open() {
+    let program = Program::parse("test", "scamp5_in(A, 1);\nwhere(XE, A);\nbus(B);").unwrap();
+    let code = program
+        .expand(device(), &Overrides::default())
+        .unwrap()
+        .code;
+    let settings = Settings::from_device(device());
+    let ranges = range::of(&code.frame, device(), settings, Inputs::default()).unwrap();
+    let held = ranges.registers[1];
+    assert!(held.contains(0.0) && held.contains(-12.0), "{held:?}");
+}

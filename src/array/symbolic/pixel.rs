@@ -13,7 +13,7 @@ use super::{
 use crate::{
     isa::{
         Analog, Device, Primitive,
-        operands::{FlagEffect, Unit},
+        operands::{FlagEffect, Operands, Unit},
     },
     plane::{At, Size},
     program::{Action, Cost, Host, Step},
@@ -288,12 +288,28 @@ impl Far<'_> {
         }
     }
 
+    /// What decides over FLAG must lie around the generic pixel as well: off the array it is known.
+    fn decides(&mut self, operands: &Operands) {
+        for read in operands.reads() {
+            let Some(register) = read.analog() else {
+                continue;
+            };
+            let (rows, columns) = self.of.get(&register).copied().unwrap_or_default();
+            let (down, right) = read.offset;
+            self.most.0 = self.most.0.max(rows + down.unsigned_abs());
+            self.most.1 = self.most.1.max(columns + right.unsigned_abs());
+        }
+    }
+
     fn word(&mut self, word: &Primitive) {
         let operands = self.device.operands(word);
         match operands.flag {
             FlagEffect::Keeps => {}
             FlagEffect::Sets => self.whole = true,
             FlagEffect::May => self.whole = false,
+        }
+        if operands.flag == FlagEffect::May {
+            self.decides(&operands);
         }
         if !matches!(operands.unit, Unit::Bus | Unit::Squarer) {
             return;
