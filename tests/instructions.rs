@@ -4,7 +4,7 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use amacrine::{
-    array::{Array, Chip, Exact, Settings},
+    array::{Array, Chip, Exact, Register, Settings},
     event::Packet,
     isa::{Analog, Cell, Device, Digital, Figure},
     picture::{StripCell, panel, strip, write_png},
@@ -55,12 +55,13 @@ fn bits(register: usize) -> Plane<bool> {
 
 /// What registers hold: analogue ones, bits, FLAG.
 fn held(chip: &Chip<Exact>, cell: Cell) -> RgbImage {
-    let grey = |bits: Plane<bool>| bits.mapv(|bit| f64::from(u8::from(bit)));
-    match cell {
-        Cell::Analog(register) => panel::frame(&chip.analog(register), -128.0, 127.0),
-        Cell::Digital(register) => panel::frame(&grey(chip.digital(register)), 0.0, 1.0),
-        Cell::Flag => panel::frame(&grey(chip.flag()), 0.0, 1.0),
-    }
+    let register = Register::from(cell);
+    let (black, white) = if register.is_bit() {
+        (0.0, 1.0)
+    } else {
+        (-128.0, 127.0)
+    };
+    panel::frame(&register.values(chip), black, white)
 }
 
 /// The registers that a call reads or writes, before it and behind it.

@@ -13,7 +13,6 @@ mod names;
 mod pool;
 mod program;
 mod record;
-mod register;
 mod run;
 mod sensor;
 mod source;

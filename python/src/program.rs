@@ -6,7 +6,7 @@ use std::{
 };
 
 use amacrine::{
-    array::{Arithmetic, ArithmeticError, Array, Settings},
+    array::{Arithmetic, ArithmeticError, Array, Register, Settings},
     event::Packet,
     isa::Device,
     plane::{Plane, Size},
@@ -25,7 +25,6 @@ use crate::{
     error::{raised, refused, told},
     frames::{Borrowed, Frames},
     pool, record,
-    register::{named, registers},
 };
 
 /// A program, expanded on its chip.
@@ -168,8 +167,13 @@ impl Program {
             fps,
             scale,
         };
-        let registers = registers(&self.device);
-        let kept = named(&registers, keep, &self.device)?;
+        let registers = Register::all(&self.device);
+        let named = |name: &String| Register::named(&self.device, name);
+        let kept: Vec<_> = keep
+            .iter()
+            .map(named)
+            .collect::<Result<_, _>>()
+            .map_err(raised)?;
         let mut chip =
             pool::work(py, || self.chip_of(size, domain, clip, seed))?.map_err(raised)?;
         let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
@@ -177,7 +181,7 @@ impl Program {
         for n in 0..count {
             let shown = pool::work(py, || {
                 self.show(&mut *chip, &light, n, &mut packet)?;
-                for ((_, register), film) in kept.iter().zip(&mut films) {
+                for (register, film) in kept.iter().zip(&mut films) {
                     film.extend(register.values(&*chip));
                 }
                 Ok(())
@@ -188,7 +192,8 @@ impl Program {
         let mut bytes = Vec::new();
         record::append(&packet.events, packet.channels, &mut bytes);
         let last = PyDict::new(py);
-        for (name, register) in &registers {
+        for register in registers {
+            let name = register.name(&self.device);
             let values = register.values(&*chip);
             if register.is_bit() {
                 last.set_item(name, plane(py, &values.mapv(|bit| bit != 0.0)))?;
@@ -197,7 +202,8 @@ impl Program {
             }
         }
         let every = PyDict::new(py);
-        for ((name, register), film) in kept.iter().zip(films) {
+        for (register, film) in kept.iter().zip(films) {
+            let name = register.name(&self.device);
             let shape = [count, height, width];
             let wrong = |_| refused("a register is not of the frames' size", "report this");
             if register.is_bit() {

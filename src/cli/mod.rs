@@ -38,7 +38,6 @@ mod quoted;
 mod readout;
 mod readout_table;
 mod recording;
-mod registers;
 pub mod report;
 pub mod run;
 pub mod schema;

@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use clap::ValueEnum;
 use miette::miette;
 use serde_json::Value as Json;
 
@@ -93,7 +94,9 @@ fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(
     if kind == Kind::Program {
         return Ok(vec![(path, file.text.to_owned())]);
     }
-    let word = arguments.kind.word();
+    // As it was typed.
+    let word = arguments.kind.to_possible_value();
+    let word = word.as_ref().map_or("file", |value| value.get_name());
     let beside = format!("{word}.schema.json");
     let schema = schema::schema_for(arguments.kind);
     let text = format!("#:schema ./{beside}\n{}", with_keys(&file, &schema));

@@ -1,12 +1,11 @@
 //! `amacrine run`: a scene through a sensor file.
 
-use std::{cell::RefCell, io, ops::ControlFlow, path::Path};
+use std::{cell::RefCell, ops::ControlFlow, path::Path};
 
 use miette::{WrapErr, miette};
 use serde_json::json;
 
 use crate::{
-    bundled::Kind,
     event::{
         Packet,
         address::AddressWord,
@@ -35,7 +34,6 @@ use super::{
     files::{self, Input, Named, Output},
     guards::{RunGuard, white},
     light::{self, Samples},
-    list::bundled,
     progress::Progress,
     readout,
     without::Effects,
@@ -233,22 +231,12 @@ fn watched(
 /// # Errors
 /// When a file cannot be read, or is not what it should be.
 pub fn read_sensor(path: &Path) -> miette::Result<Description> {
-    if let Some(file) = bundled(Kind::Sensor, path) {
-        // None of them names another file.
-        let read = |_: &str| Err(io::ErrorKind::NotFound.into());
-        return Ok(Description::parse(&file.path(), file.text, &read)?);
-    }
-    let shown = path.display().to_string();
-    let help = "give a sensor file, or a name that `amacrine list sensors` prints";
-    let text = source::text(path, help)?;
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let named = RefCell::new(Vec::new());
-    let read = |name: &str| {
-        let path = folder.join(name);
-        named.borrow_mut().push(path.clone());
-        Ok(source::bytes(&path, "")?)
+    let read = |path: &Path| {
+        named.borrow_mut().push(path.to_owned());
+        Ok(source::bytes(path, "")?)
     };
-    let description = Description::parse(&shown, &text, &read)?;
+    let description = Description::open_with(path, &read)?;
     named
         .take()
         .iter()

@@ -62,18 +62,6 @@ impl Kind {
             Self::Chip => None,
         }
     }
-
-    /// Its name on the command line.
-    pub(super) const fn word(self) -> &'static str {
-        match self {
-            Self::Sensor => "sensor",
-            Self::Kernel => "kernel",
-            Self::Study => "study",
-            Self::Readout => "readout",
-            Self::Program => "program",
-            Self::Chip => "chip",
-        }
-    }
 }
 
 /// Runs the verb.

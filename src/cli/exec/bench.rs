@@ -8,7 +8,6 @@ use super::{
     super::{
         budget::{self, Growth},
         opened::Opened,
-        registers::Register,
     },
     arguments::{Arguments, Assignment, Switch},
     light::{Lasting, Light, Said},
@@ -18,7 +17,7 @@ use super::{
     strip, trace,
 };
 use crate::{
-    array::{Arithmetic, Array, Schedule, Settings},
+    array::{Arithmetic, Array, Register, Schedule, Settings},
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,

@@ -8,15 +8,15 @@ use std::{
     path::Path,
 };
 
-use miette::miette;
+use miette::{Diagnostic, miette};
 
 use super::{
-    super::{content::Content, files::Output, opened::Opened, print::say, registers::Register},
+    super::{content::Content, files::Output, opened::Opened, print::say},
     moment::Moment,
     reading,
 };
 use crate::{
-    array::Array,
+    array::{Array, Register},
     event::Packet,
     isa::Figure,
     picture::{panel, write_png},
@@ -303,9 +303,9 @@ impl<'a> Debugger<'a> {
     }
 
     fn register(&self, name: &str) -> Result<Register, String> {
-        Register::named(&self.opened.device, name).map_err(|report| {
-            let help = report.help().map(|help| format!("; {help}"));
-            format!("{report}{}", help.unwrap_or_default())
+        Register::named(&self.opened.device, name).map_err(|unknown| {
+            let help = Diagnostic::help(&unknown).map(|help| format!("; {help}"));
+            format!("{unknown}{}", help.unwrap_or_default())
         })
     }
 

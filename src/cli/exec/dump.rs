@@ -2,30 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::{npy, registers::Register};
+use super::super::npy;
 use crate::{
-    array::Array,
-    isa::{Analog, Device, Digital, Figure},
+    array::{Array, Register},
+    isa::{Device, Figure},
     picture::{panel, write_png},
 };
 
 /// The files that a dump writes.
 pub fn files(device: &Device, folder: &Path) -> Vec<PathBuf> {
-    let all = registers(device).into_iter();
-    all.flat_map(|(_, name)| pair(folder, &name)).collect()
-}
-
-/// The registers that are dumped, with their names.
-fn registers(device: &Device) -> Vec<(Register, String)> {
-    let registers = device.registers();
-    let analog = (0..)
-        .zip(&registers.analog)
-        .map(|(i, _)| Register::Analog(Analog(i)));
-    let digital = (0..)
-        .zip(&registers.digital)
-        .map(|(i, _)| Register::Digital(Digital(i)));
-    let all = analog.chain(digital).chain([Register::Flag]);
-    all.map(|register| (register, register.name(device)))
+    let all = Register::all(device).into_iter();
+    all.flat_map(|register| pair(folder, &register.name(device)))
         .collect()
 }
 
@@ -40,7 +27,8 @@ pub fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
         chip.device().value(Figure::Lowest),
         chip.device().value(Figure::Highest),
     );
-    for (register, name) in registers(chip.device()) {
+    for register in Register::all(chip.device()) {
+        let name = register.name(chip.device());
         let values = register.values(chip);
         let (black, white) = if register.is_bit() {
             (0.0, 1.0)

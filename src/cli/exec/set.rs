@@ -4,8 +4,12 @@ use std::path::{Path, PathBuf};
 
 use miette::{WrapErr, miette};
 
-use super::super::{npy, registers::Register};
-use crate::{array::Array, isa::Device, plane::Plane};
+use super::super::npy;
+use crate::{
+    array::{Array, Register},
+    isa::Device,
+    plane::Plane,
+};
 
 /// A register and what it is set to.
 pub struct Set {

@@ -6,7 +6,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::bench::Bench;
-use crate::{cli::registers::Register, event::Polarity, limit::RUNS, plane::Plane};
+use crate::{array::Register, event::Polarity, limit::RUNS, plane::Plane};
 
 /// What many runs gave.
 ///

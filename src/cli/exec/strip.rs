@@ -3,12 +3,9 @@
 use image::RgbImage;
 use miette::miette;
 
-use super::{
-    super::{opened::Opened, registers::Register},
-    moment::Moment,
-};
+use super::{super::opened::Opened, moment::Moment};
 use crate::{
-    array::Array,
+    array::{Array, Register},
     event::Packet,
     isa::Figure,
     picture::{StripCell, panel, strip},

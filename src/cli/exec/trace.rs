@@ -2,15 +2,11 @@
 
 use std::collections::VecDeque;
 
-use super::{
-    super::{opened::Opened, registers::Register},
-    bench::Bench,
-    moment::Moment,
-};
+use super::{super::opened::Opened, bench::Bench, moment::Moment};
 use crate::{
-    array::{Arithmetic, Array},
+    array::{Arithmetic, Array, Register},
     event::Packet,
-    isa::{Analog, Cell, Device, Digital, Figure, operands::Terminal},
+    isa::{Device, Figure, operands::Terminal},
     number::Format,
     picture::trace::{Trace, TraceParting, TraceRegister, TraceStep, TraceVersion, page},
     plane::{At, Plane, Size},
@@ -313,13 +309,7 @@ fn touched(opened: &Opened) -> Vec<Register> {
     let code = &opened.expansion.code;
     let uses = [&code.init, &code.frame].map(|steps| uses(steps, &opened.device));
     let mut all: Vec<Register> = uses.into_iter().flatten().flatten().collect();
-    let order = |register: &Register| match register {
-        Register::Pix => (0, 0),
-        Register::Analog(Analog(number)) => (1, *number),
-        Register::Digital(Digital(number)) => (2, *number),
-        Register::Flag => (3, 0),
-    };
-    all.sort_by_key(order);
+    all.sort_unstable();
     all.dedup();
     all
 }
@@ -327,13 +317,8 @@ fn touched(opened: &Opened) -> Vec<Register> {
 /// The registers that some steps read, and those that they write.
 fn uses(steps: &[Step], device: &Device) -> [Vec<Register>; 2] {
     let effect = Effect::of(steps, device);
-    let register = |cell: Cell| match cell {
-        Cell::Analog(register) => Register::Analog(register),
-        Cell::Digital(register) => Register::Digital(register),
-        Cell::Flag => Register::Flag,
-    };
-    let mut reads: Vec<Register> = effect.reads.into_iter().map(register).collect();
-    let mut writes: Vec<Register> = effect.writes.into_iter().map(register).collect();
+    let mut reads: Vec<Register> = effect.reads.into_iter().map(Register::from).collect();
+    let mut writes: Vec<Register> = effect.writes.into_iter().map(Register::from).collect();
     let [read, written] = photodiode(steps, device);
     if read {
         reads.push(Register::Pix);

@@ -30,16 +30,29 @@ impl Description {
     /// # Errors
     /// When a file cannot be read; what is wrong in it, each with its line and column.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        let path = path.as_ref();
+        Self::open_with(path.as_ref(), &|path| Ok(source::bytes(path, "")?))
+    }
+
+    /// The same, where `read` reads the kernel files.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open) does; what `read` says of a kernel file is told with its line.
+    pub fn open_with(
+        path: &Path,
+        read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
+    ) -> Result<Self, OpenError> {
         let name = path.to_str().filter(|_| !path.exists());
         if let Some(file) = name.and_then(|name| bundled::find(Kind::Sensor, name)) {
             // None of them names another file.
             let read = |_: &str| Err(io::ErrorKind::NotFound.into());
             return Ok(Self::parse(&file.path(), file.text, &read)?);
         }
-        let text = source::text(path, "give a sensor file, or the name of a bundled sensor")?;
+        let text = source::text(
+            path,
+            "give a sensor file, or a name that `amacrine list sensors` prints",
+        )?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let read = |name: &str| Ok(source::bytes(&folder.join(name), "")?);
+        let read = |name: &str| read(&folder.join(name));
         Ok(Self::parse(&path.display().to_string(), &text, &read)?)
     }
 }
