@@ -4,6 +4,7 @@ pub mod address;
 pub mod codec;
 pub mod file;
 pub mod readout;
+pub mod tensor;
 
 use std::ops;
 
