@@ -112,7 +112,8 @@ impl Chip {
         let device = Device::find(asked.chip).map_err(raised)?;
         let effort = effort(asked.effort)?;
         let memory = memory(asked.memory, description)?;
-        let (mut kinds, mut notes) = cells(description, memory).map_err(raised)?;
+        let cells = compiled_cells(&description.name, description, memory).map_err(raised)?;
+        let (mut kinds, mut notes) = (cells.kinds, cells.notes);
         let mut levels = Vec::new();
         for kind in &mut kinds {
             let Some(to) = to else {
@@ -129,102 +130,13 @@ impl Chip {
             levels.push((quantised.levels, quantised.scale));
         }
         let search = (effort, asked.seed);
-        let compiled = compile(description, (&kinds, memory), &device, search);
+        let compiled = Compiled::new(&description.name, (&kinds, memory), &device, search);
         Ok(Self {
             compiled: compiled.map_err(raised)?,
             levels,
             notes,
         })
     }
-}
-
-fn compile(
-    description: &Description,
-    (kinds, memory): (&[CellKind], DriveMemory),
-    device: &Device,
-    (effort, seed): (Effort, u64),
-) -> Result<Compiled, Report> {
-    let kernels: Vec<_> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
-    let mut request = Request::new(&kernels[..1], device)?;
-    request.effort = effort;
-    request.seed = seed;
-    let title = description.name.as_str();
-    let made: Result<_, CompileError> = SensorProgram::new(kinds, memory, title, &request);
-    let program = made?;
-    let text = Text::parse(title, &program.text)?;
-    let code = text.expand(device, &Overrides::default())?.code;
-    Ok(Compiled {
-        title: title.to_owned(),
-        cost: Cost::of(&code.frame, device),
-        program,
-        code,
-        device: device.clone(),
-    })
-}
-
-/// The cells of a sensor in kernel times light, 0 to 255; and in what a chip cannot follow it.
-fn cells(
-    description: &Description,
-    memory: DriveMemory,
-) -> Result<(Vec<CellKind>, Vec<String>), Report> {
-    let name = &description.name;
-    let white = match description.response.curve {
-        Curve::Identity => 1.0,
-        Curve::Linear { white } => white,
-        Curve::Log { .. } | Curve::LinLog { .. } => {
-            return Err(miette!(
-                help = "the chip's photodiode is linear: give a sensor with `response = {{ linear = … }}`",
-                "{name}: its response is not linear"
-            ));
-        }
-    };
-    if description.polarity == PolarityRule::Pixel {
-        return Err(miette!(
-            help = "give a sensor with `polarity = \"filtered\"`",
-            "{name}: its events have the sign of the pixel, those of a compiled program that of the drive"
-        ));
-    }
-    let mut kinds = Vec::new();
-    for channel in &description.channels {
-        let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
-            return Err(miette!(
-                help = "give every kind of cell one kernel; all pixels of the array run the same program",
-                "{name}: a channel has a pattern of kernels"
-            ));
-        };
-        if channel.surrounds.is_some() {
-            return Err(miette!(
-                help = "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
-                "{name}: a channel sees through a resistor mesh, which is no program"
-            ));
-        }
-        kinds.push(CellKind {
-            kernel: kernel.clone(),
-            on: threshold.on * white,
-            off: threshold.off * white,
-        });
-    }
-    let mut notes = Vec::new();
-    let (rule, stored) = match memory {
-        DriveMemory::Shared => (MemoryRule::RawSnap, "raw-snap"),
-        DriveMemory::Analogue | DriveMemory::Bits(_) => (MemoryRule::FilteredSnap, "filtered-snap"),
-    };
-    if description.memory != rule {
-        notes.push(format!(
-            "{name}: its memory is not {stored}; one decision a frame stores what was seen"
-        ));
-    }
-    if description.border == Border::Replicate {
-        notes.push(format!(
-            "{name} replicates the border; off the array the chip sees 0"
-        ));
-    }
-    if description.refractory.us > 0.0 {
-        notes.push(format!(
-            "{name} has a refractory period; the program has one decision a frame"
-        ));
-    }
-    Ok((kinds, notes))
 }
 
 #[pymethods]

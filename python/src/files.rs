@@ -66,7 +66,7 @@ fn size(of: Option<(usize, usize)>) -> Option<Size> {
 }
 
 /// The events of a file, or of the bytes of a `.npy`.
-fn load(path: &Path, npy: Option<Vec<u8>>, how: &Opening) -> Result<Loaded, Report> {
+pub fn load(path: &Path, npy: Option<Vec<u8>>, how: &Opening) -> Result<Loaded, Report> {
     let Some(bytes) = npy else {
         return Ok(file::read_as(path, how)?);
     };

@@ -4,11 +4,13 @@
 //! doors to the library. Frames are read where numpy holds them, results are handed over without
 //! a copy, and the interpreter is released while anything is computed.
 
+mod chance;
 mod chip;
 mod error;
 mod every;
 mod files;
 mod frames;
+mod gradient;
 mod names;
 mod pool;
 mod program;
@@ -17,6 +19,8 @@ mod run;
 mod sensor;
 mod source;
 mod study;
+mod sweep;
+mod tensor;
 mod watcher;
 
 use pyo3::{prelude::*, wrap_pyfunction};
@@ -30,6 +34,9 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<chip::Chip>()?;
     module.add_class::<run::Run>()?;
     module.add_class::<program::Program>()?;
+    module.add_class::<gradient::Seen>()?;
+    module.add_class::<tensor::Voxels>()?;
+    module.add_class::<tensor::Stream>()?;
     module.add_function(wrap_pyfunction!(pool::set_threads, module)?)?;
     module.add_function(wrap_pyfunction!(pool::threads, module)?)?;
     module.add_function(wrap_pyfunction!(names::names, module)?)?;
@@ -44,5 +51,12 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::feasibility, module)?)?;
     module.add_function(wrap_pyfunction!(study::waterfall, module)?)?;
     module.add_function(wrap_pyfunction!(study::trade, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::merge, module)?)?;
+    module.add_function(wrap_pyfunction!(gradient::forward, module)?)?;
+    module.add_function(wrap_pyfunction!(tensor::voxels, module)?)?;
+    module.add_function(wrap_pyfunction!(tensor::surfaces, module)?)?;
+    module.add_function(wrap_pyfunction!(tensor::event_frames, module)?)?;
+    module.add_function(wrap_pyfunction!(chance::uniform, module)?)?;
     Ok(())
 }

@@ -3,11 +3,12 @@
 use std::sync::{Mutex, PoisonError};
 
 use amacrine::{
-    event::{Packet, Polarity},
+    event::Packet,
     plane::{Plane, Size},
     reference::Limit,
     scene::Frame,
     sensor::SensorError,
+    unit::Micros,
 };
 use numpy::{PyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
@@ -16,6 +17,7 @@ use crate::{
     error::{raised, refused},
     frames::{Borrowed, Frames},
     pool, record,
+    tensor::{Stream, arrays},
     watcher::Watcher,
 };
 
@@ -36,18 +38,6 @@ struct Watch {
     packet: Packet,
     made: usize,
     most: usize,
-}
-
-/// Windows of time, each in bins.
-#[derive(Clone, Copy)]
-struct Windows {
-    /// Length of a window, in seconds.
-    length: f64,
-    bins: usize,
-    /// OFF and ON in bins of their own.
-    apart: bool,
-    /// Where it all begins, in seconds.
-    start: f64,
 }
 
 impl Run {
@@ -146,36 +136,6 @@ impl Watch {
         }
         Ok(())
     }
-
-    /// Shares the events of the frame out to the bins.
-    fn share(&self, windows: Windows, out: &mut [f32]) {
-        let Size { height, width } = self.packet.size;
-        let pixels = height * width;
-        let signs = 1 + usize::from(windows.apart);
-        let each = usize::from(self.packet.channels) * signs * windows.bins * pixels;
-        let last = (out.len() / each.max(1)).saturating_sub(1);
-        let steps = windows.bins.saturating_sub(1) as f64;
-        for event in &self.packet.events {
-            let since = (event.t.seconds() - windows.start) / windows.length;
-            let window = (since as usize).min(last);
-            let at = ((since - window as f64) * steps).clamp(0.0, steps);
-            let (bin, after) = (at as usize, at.fract() as f32);
-            let is_on = event.polarity == Polarity::On;
-            let sign = if is_on || windows.apart { 1.0 } else { -1.0 };
-            let plane = usize::from(event.channel) * signs + usize::from(is_on && windows.apart);
-            let pixel = usize::from(event.y) * width + usize::from(event.x);
-            let first = window * each + (plane * windows.bins + bin) * pixels + pixel;
-            if let Some(voxel) = out.get_mut(first) {
-                *voxel += sign * (1.0 - after);
-            }
-            // The last bin has none after it, and gives it nothing.
-            if after > 0.0
-                && let Some(voxel) = out.get_mut(first + pixels)
-            {
-                *voxel += sign * after;
-            }
-        }
-    }
 }
 
 #[pymethods]
@@ -236,30 +196,25 @@ impl Run {
         Ok(())
     }
 
-    /// Adds to `out`, `(windows, K, bins, H, W)` of windows of `length` seconds from the first of
-    /// these frames on; with `apart` `(windows, K, 2, bins, H, W)`, OFF first.
-    fn bins(
+    /// The windows that these frames end, each `[channel][side][bin][y, x]`.
+    fn windows<'py>(
         &self,
-        py: Python<'_>,
-        frames: &Bound<'_, PyAny>,
-        mut out: PyReadwriteArray1<'_, f32>,
-        bins: usize,
-        length: f64,
-        apart: bool,
-    ) -> PyResult<()> {
-        let out = out.as_slice_mut().map_err(|_| scattered())?;
-        let start = self.with(|watch| watch.seen as f64 / watch.fps);
-        let windows = Windows {
-            length,
-            bins,
-            apart,
-            start,
-        };
+        py: Python<'py>,
+        frames: &Bound<'py, PyAny>,
+        stream: &Bound<'py, Stream>,
+    ) -> PyResult<Vec<Bound<'py, PyArray1<f32>>>> {
+        let stream = stream.get();
+        let mut over = Vec::new();
         self.play(py, frames, |watch, _| {
             watch.watch()?;
-            watch.share(windows, out);
+            let now = Micros::from_seconds(watch.frame.seconds);
+            stream.with(|stream| {
+                stream.add(&watch.packet.events);
+                over.append(&mut stream.finished(now));
+            });
             Ok(())
-        })
+        })?;
+        Ok(arrays(py, over))
     }
 
     /// Frames seen.

@@ -35,6 +35,11 @@ impl Clip {
         self.scene.as_deref().unwrap_or(BUNDLED)
     }
 
+    /// The scene that was given.
+    pub(super) fn given(&self) -> Option<&str> {
+        self.scene.as_deref()
+    }
+
     /// Frames per second, where they were given.
     pub(super) const fn fps(&self) -> Option<f64> {
         self.fps

@@ -42,7 +42,7 @@ impl Content {
             Self::Plane => &["npy", "png"],
             Self::Picture => &["png"],
             Self::Drawing => &["svg", "png"],
-            Self::View => &["png", "svg", "gif", "apng"],
+            Self::View => &["png", "svg", "gif", "apng", "mcap"],
             Self::Page => &["html", "htm"],
             Self::Program => &["scamp", "cpp", "hpp"],
             Self::Kernel => &["toml"],

@@ -278,6 +278,16 @@ fn pass(
         let head = Head {
             size: seen.size,
             channels: if kind.is_some() { 1 } else { seen.channels },
+            names: match kind {
+                Some(kind) => about
+                    .names
+                    .get(usize::from(*kind))
+                    .cloned()
+                    .into_iter()
+                    .collect(),
+                None if about.names.len() == usize::from(seen.channels) => about.names.clone(),
+                None => Vec::new(),
+            },
             span: about
                 .span
                 .map(|(first, last)| (first.clamp(from, to), last.clamp(from, to))),

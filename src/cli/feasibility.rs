@@ -7,7 +7,6 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 use crate::{
     compare::metric::Short,
     compile::Effort,
-    elementary,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
     reference::MemoryRule,
@@ -158,7 +157,7 @@ const SENSORS: usize = RUNGS.len() + 1;
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kinds = arguments.kernels()?;
+    let kinds = Kinds::of_all(&arguments.kernel)?;
     let device = Device::find(&arguments.chip)?;
     if let Some(what) = &arguments.explain {
         feasibility::explain::check(what, &device)?;
@@ -330,23 +329,6 @@ impl Answer {
 }
 
 impl Arguments {
-    /// All kernels, each with its name, and their thresholds where a sensor file has them.
-    fn kernels(&self) -> miette::Result<Kinds> {
-        let mut all = Kinds {
-            names: Vec::new(),
-            kernels: Vec::new(),
-            thresholds: Some(Vec::new()),
-        };
-        for name in &self.kernel {
-            let own = Kinds::read(name)?;
-            all.names.extend(own.names);
-            all.kernels.extend(own.kernels);
-            all.thresholds =
-                { all.thresholds.take().zip(own.thresholds) }.map(|(all, own)| [all, own].concat());
-        }
-        Ok(all)
-    }
-
     /// A threshold for each kernel.
     fn thresholds(&self, kinds: &Kinds, device: &Device) -> miette::Result<Vec<f64>> {
         let kernels = kinds.kernels.len();
@@ -386,10 +368,7 @@ impl Arguments {
         let open = || self.clip.open(&Observation::new());
         let found = study::rate::factor(&description, asked, self.seed, &open);
         let threshold = 64.0 * found.wrap_err("--rate")?.factor;
-        let digits = (3 - elementary::log10(threshold).floor() as i32).clamp(0, 12);
-        Ok(format!("{threshold:.*}", digits as usize)
-            .parse()
-            .unwrap_or(threshold))
+        Ok(study::rate::four_digits(threshold))
     }
 
     /// The command that gives the same page again, every default written out.

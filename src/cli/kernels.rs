@@ -4,14 +4,14 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::list::bundled;
+use super::{files::Named, list::bundled};
 use crate::{
     bundled::Kind,
     kernel::{Kernel, KernelFileError, NUMPY},
     limit::KERNELS,
-    photoreceptor::Curve,
-    reference::{Channel, Description},
+    reference::Description,
     source,
+    study::cells,
 };
 
 /// The kinds of cells that a kernel file, an array of kernels or a sensor file states.
@@ -46,67 +46,43 @@ impl Kinds {
         })
     }
 
-    fn of_sensor(name: &str, description: &Description) -> miette::Result<Self> {
-        let white = match description.response.curve {
-            Curve::Identity => 1.0,
-            Curve::Linear { white } => white,
-            Curve::Log { .. } | Curve::LinLog { .. } => {
-                return Err(miette!(
-                    help = "the chip's photodiode is linear: give a sensor with `response = { linear = 255 }`",
-                    "{name}: its response is not linear"
-                ));
-            }
-        };
-        let several = description.channels.len() > 1;
-        let mut kinds = Self {
+    /// Reads several, one after the other; with thresholds where all of them have some.
+    ///
+    /// # Errors
+    /// As [`Kinds::read`].
+    pub fn of_all(names: &[Named]) -> miette::Result<Self> {
+        let mut all = Self {
             names: Vec::new(),
             kernels: Vec::new(),
             thresholds: Some(Vec::new()),
         };
-        for (i, channel) in description.channels.iter().enumerate() {
-            let own = match &channel.name {
-                Some(own) => own.clone(),
-                None if several => format!("{name}[{i}]"),
-                None => name.to_owned(),
-            };
-            let (kernel, threshold) = plain(name, channel)?;
-            kinds.names.push(own);
-            kinds
-                .kernels
-                .push(workable(kernel, &format!("{name}, channel {i}"))?);
-            if let Some(thresholds) = &mut kinds.thresholds {
-                thresholds.push(threshold * white);
-            }
+        for name in names {
+            let own = Self::read(name)?;
+            all.names.extend(own.names);
+            all.kernels.extend(own.kernels);
+            all.thresholds =
+                { all.thresholds.take().zip(own.thresholds) }.map(|(all, own)| [all, own].concat());
         }
-        Ok(kinds)
+        Ok(all)
     }
-}
 
-/// The kernel and the threshold of a channel that has one of each.
-fn plain(name: &str, channel: &Channel) -> miette::Result<(Kernel, f64)> {
-    let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
-        return Err(miette!(
-            help =
-                "give every kind of cell one kernel; all pixels of the array run the same program",
-            "{name}: a channel has a pattern of kernels"
-        ));
-    };
-    if channel.surrounds.is_some() {
-        return Err(miette!(
-            help =
-                "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
-            "{name}: a channel sees through a resistor mesh, which is no program"
-        ));
+    fn of_sensor(name: &str, description: &Description) -> miette::Result<Self> {
+        let cells = cells::cells(name, description)?;
+        let thresholds = cells.thresholds(name)?;
+        let several = cells.kinds.len() > 1;
+        let names = cells.names.into_iter().enumerate();
+        Ok(Self {
+            names: names
+                .map(|(i, own)| match own {
+                    Some(own) => own,
+                    None if several => format!("{name}[{i}]"),
+                    None => name.to_owned(),
+                })
+                .collect(),
+            kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),
+            thresholds: Some(thresholds),
+        })
     }
-    if threshold.on != threshold.off {
-        return Err(miette!(
-            help = "give both the same threshold; `amacrine compile --sensor` takes two",
-            "{name}: a channel has a threshold of {} for ON and {} for OFF",
-            threshold.on,
-            threshold.off
-        ));
-    }
-    Ok((kernel.clone(), threshold.on))
 }
 
 /// Whether a file is a sensor: its kinds stand under `[[channel]]`; or there is none, and a sensor

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use clap::ValueEnum as _;
 use miette::miette;
 
 use crate::{
@@ -52,6 +53,16 @@ impl Of {
     }
 }
 
+impl Of {
+    /// The word for one of them.
+    fn one(self, plural: &str) -> Option<&str> {
+        match self {
+            Self::Studies => Some("study"),
+            _ => plural.strip_suffix('s'),
+        }
+    }
+}
+
 /// What comes with the program under the name that stands for a file; one that is there goes first.
 pub(super) fn bundled(kind: Kind, path: &Path) -> Option<File> {
     let name = path.to_str().filter(|_| !path.exists())?;
@@ -72,20 +83,49 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&(names.join("\n") + "\n"));
         return Ok(());
     };
-    let Some(kind) = kind else {
-        return Err(miette!(
-            help = "`amacrine schema chip` has the keys of a chip of your own",
-            "a chip is a folder, and has no one text"
-        ));
+    say(kind, name)
+}
+
+/// `amacrine show sensor NAME`: as `list sensors NAME`.
+///
+/// # Errors
+/// When there is no such kind of thing, or nothing of this name.
+pub(super) fn show(of: &str, name: &str) -> miette::Result<()> {
+    let found = Of::value_variants().iter().find(|it| {
+        let plural = it.to_possible_value();
+        let plural = plural
+            .as_ref()
+            .map_or("", clap::builder::PossibleValue::get_name);
+        of == plural || Some(of) == it.one(plural)
+    });
+    match found {
+        Some(found) => say(found.kind(), name),
+        None => Err(miette!(
+            help = "give sensor, program, kernel, study, readout or chip before the name; or one event file, and -o PICTURE",
+            "{of} {name}: {of} is no kind of thing that comes with the program"
+        )),
+    }
+}
+
+/// Prints the text of one; of chips, which are folders, that of its numbers.
+fn say(kind: Option<Kind>, name: &str) -> miette::Result<()> {
+    let text = match kind {
+        Some(kind) => bundled::find(kind, name).map(|file| file.text),
+        None => Device::shipped_text(name),
     };
-    let file = bundled::find(kind, name).ok_or_else(|| {
-        let known: Vec<&str> = bundled::all(kind).map(|file| file.name).collect();
+    let text = text.ok_or_else(|| {
+        let (known, folder): (Vec<&str>, _) = match kind {
+            Some(kind) => (
+                bundled::all(kind).map(|file| file.name).collect(),
+                kind.folder(),
+            ),
+            None => (Device::shipped().collect(), "isa"),
+        };
         miette!(
             help = format!("there are {}", known.join(", ")),
-            "there is no {name} in {}",
-            kind.folder()
+            "there is no {name} in {folder}"
         )
     })?;
-    super::say(file.text);
+    super::say(text);
     Ok(())
 }

@@ -10,6 +10,7 @@ pub mod completions;
 pub mod content;
 pub mod convert;
 pub mod demo;
+pub mod design;
 pub mod disasm;
 mod effort;
 mod event_output;
@@ -105,6 +106,8 @@ verbs! {
     Waterfall => waterfall,
     /// The resistor mesh (resistive grid): solve it, step it, fit a kernel to it, draw it
     Mesh => mesh,
+    /// From kernels and a scene to a sensor: thresholds for a rate, quantiser, memory, program, report
+    Design => design,
     /// Whether a kernel can run on a chip, and what is lost, as a page to forward
     Feasibility => feasibility,
     /// Compare two event files: every metric with its floor and ceiling
@@ -117,7 +120,7 @@ verbs! {
     Plan => plan,
     /// Error against seconds: every plainer model of a sensor in a scene, the front, its knee
     Trade => trade,
-    /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds
+    /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds; the text of a sensor by name
     Show => show,
     /// Many points of a study, on all cores, resumable: results as CSV and JSON lines
     Sweep => sweep,

@@ -1,6 +1,11 @@
 //! A bar on a terminal while something takes its time; nothing elsewhere.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use std::{borrow::Cow, time::Duration};
+
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+
+/// From one picture of a spinner to the next.
+const TICK: Duration = Duration::from_millis(100);
 
 /// How far some work has come.
 #[derive(Debug)]
@@ -29,6 +34,28 @@ impl Progress {
     /// One step is done.
     pub fn tick(&self) {
         self.0.inc(1);
+    }
+
+    /// So many steps are done.
+    pub fn at(&self, step: u64) {
+        self.0.set_position(step);
+    }
+
+    /// Work that takes its time, and does not say how far it has come.
+    #[must_use]
+    pub fn spinner(what: impl Into<Cow<'static, str>>) -> Self {
+        let bar = ProgressBar::new_spinner().with_finish(ProgressFinish::AndClear);
+        if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.set_message(what);
+        bar.enable_steady_tick(TICK);
+        Self(bar)
+    }
+
+    /// What is done now.
+    pub fn says(&self, what: impl Into<Cow<'static, str>>) {
+        self.0.set_message(what);
     }
 
     /// Nothing is left to do.

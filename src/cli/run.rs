@@ -189,12 +189,14 @@ fn watched(
 ) -> miette::Result<()> {
     let sensor = description.clone();
     let end = end(&*scene);
+    let shown = (scene.frames(), scene.fps());
     let scene = upsample::by_contrast(scene, arguments.upsample)?;
     let watched = arguments.format.visit(Run {
         arguments,
         description: sensor,
         scene,
         end,
+        shown,
     });
     let mut warnings = Warning::of_scene(observation, white(description.response));
     light::warn(&warnings);
@@ -268,6 +270,8 @@ struct Run<'a> {
     scene: Box<dyn Scene>,
     /// When its last frame is to come.
     end: Micros,
+    /// Frames before any are put in, where that is known, and how many a second.
+    shown: (Option<u64>, f64),
 }
 
 impl Visitor for Run<'_> {
@@ -290,9 +294,11 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
         description,
         mut scene,
         end,
+        shown: (frames, fps),
     } = run;
     let size = scene.size();
     let channels = description.channels.len();
+    let names = description.names();
     let refractory = description.refractory;
     let mut guard = RunGuard::new(&description, size, arguments.format);
     let sensor = Reference::<N>::bytes(&description, size);
@@ -300,6 +306,7 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
     let limit = arguments.limit(held);
     let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
     let mut packet = Packet::new(size, channels as u8);
+    packet.names = names;
     packet.span.1 = end;
     // A readout wants the whole packet; without one, events go to the file pair by pair.
     let whole = arguments.readout.is_asked();
@@ -316,7 +323,8 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
     let voxel_stack = voxels_path.map(|path| Stack::<f32>::create(path, channels, size));
     let mut voxel_stack = voxel_stack.transpose()?;
     let mut paper = PaperMetric::default();
-    let progress = Progress::new("watching", scene.frames());
+    // Frames that are put in are not known before; those between which they are put are.
+    let progress = Progress::new("watching", frames);
 
     let (mut first, mut last, mut too_short) = (None, 0.0, 0);
     let mut list = arguments
@@ -346,7 +354,7 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
         }
         first.get_or_insert(frame.seconds);
         last = frame.seconds;
-        progress.tick();
+        progress.at((frame.seconds * fps).floor() as u64 + 1);
         Ok::<_, miette::Report>(ControlFlow::Continue(()))
     })?;
     if frames == 0 {

@@ -1,4 +1,4 @@
-//! `amacrine show`: pictures of a packet.
+//! `amacrine show`: pictures of a packet, and the text of what comes with the program.
 
 use miette::miette;
 
@@ -6,6 +6,7 @@ use super::{
     budget,
     content::Content,
     files::{Input, Output},
+    list,
     recording::{self, Recording},
 };
 use crate::{
@@ -23,15 +24,21 @@ use crate::{
 #[command(after_help = "Examples:
   amacrine show out/events.npy -o picture.png
   amacrine show out/events.npy -o rate.svg --view rate
-  amacrine show out/events.npy -o events.gif --window 20ms")]
+  amacrine show out/events.npy -o events.gif --window 20ms
+  amacrine show out/events.npy -o events.mcap --window 20ms
+  amacrine show sensor rgc-4")]
 pub struct Arguments {
-    /// An event file
+    /// An event file; or what kind of thing is to be shown by name: sensor, program, kernel, study,
+    /// readout, chip
     file: Input,
+    /// The name of one that comes with the program (`amacrine list sensors`): its text
+    #[arg(conflicts_with_all = ["output", "view", "from", "to", "window", "at", "title", "hold", "json"])]
+    name: Option<String>,
     #[command(flatten)]
     recording: Recording,
-    /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds)
-    #[arg(short, long, value_name = "PICTURE", value_parser = Content::View)]
-    output: Output,
+    /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds); .mcap for a recording that Foxglove and rerun open, events and pictures window by window
+    #[arg(short, long, value_name = "PICTURE", value_parser = Content::View, required_unless_present = "name")]
+    output: Option<Output>,
     /// Which view of it
     #[arg(long, value_enum, default_value = "overview")]
     view: Shown,
@@ -78,10 +85,11 @@ enum Shown {
 
 impl Arguments {
     /// A picture of the whole packet does not move, and a GIF holds few colours.
-    fn can_move(&self) -> miette::Result<()> {
-        let output = self.output.display();
+    fn can_move(&self, to: &Output) -> miette::Result<()> {
+        let output = to.display();
         match self.view {
-            Shown::Surface | Shown::Kinds if self.output.ending() == "gif" => Err(miette!(
+            _ if to.ending() == "mcap" => Ok(()),
+            Shown::Surface | Shown::Kinds if to.ending() == "gif" => Err(miette!(
                 help = "give a name that ends in .apng, or leave --view out",
                 "{output}: a GIF has too few colours for this view"
             )),
@@ -126,7 +134,18 @@ const PIXEL: u128 = 40;
 /// When the file cannot be read, the picture's name says no kind of picture, or it cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let moving = ["gif", "apng"].contains(&arguments.output.ending());
+    let Some(output) = &arguments.output else {
+        let name = arguments.name.as_deref().unwrap_or_default();
+        return list::show(&arguments.file.display().to_string(), name);
+    };
+    let recorded = output.ending() == "mcap";
+    if recorded && cfg!(not(feature = "mcap")) {
+        return Err(miette!(
+            help = "build with --features mcap, or give a name that ends in .apng",
+            "this amacrine was built without MCAP"
+        ));
+    }
+    let moving = ["gif", "apng", "mcap"].contains(&output.ending());
     if arguments.window.0 == 0 {
         return Err(miette!(
             help = "give a time such as 20ms",
@@ -134,7 +153,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     if moving {
-        arguments.can_move()?;
+        arguments.can_move(output)?;
     }
     let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
     let size_known = loaded.size_known;
@@ -144,7 +163,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let name = arguments.file.display().to_string();
     let title = arguments.title.as_ref().unwrap_or(&name);
     let frames = if moving {
-        Some(animate(&packet, title, arguments)?)
+        Some(animate(&packet, title, output, arguments)?)
     } else {
         let look = Look {
             title,
@@ -152,14 +171,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             window: arguments.window,
             at: arguments.at,
         };
-        arguments.output.draw(&view::draw(&packet, &look)?)?;
+        output.draw(&view::draw(&packet, &look)?)?;
         None
     };
     let events = packet.events.len();
     if arguments.json {
         let said = serde_json::json!({
             "file": arguments.file,
-            "output": arguments.output,
+            "output": output,
             "events": events,
             "width": packet.size.width,
             "height": packet.size.height,
@@ -169,7 +188,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{said}\n"));
     } else {
         let frames = frames.map_or(String::new(), |n| format!(" in {n} frames"));
-        let output = arguments.output.display();
+        let output = output.display();
         let of = match recording::guessed(size_known) {
             "" => String::new(),
             note => format!(" of {}{note}", packet.size),
@@ -218,7 +237,12 @@ fn cut(packet: &mut Packet, arguments: &Arguments) -> miette::Result<()> {
 }
 
 /// Writes an animation; of how many frames.
-fn animate(packet: &Packet, title: &str, arguments: &Arguments) -> miette::Result<u64> {
+fn animate(
+    packet: &Packet,
+    title: &str,
+    output: &Output,
+    arguments: &Arguments,
+) -> miette::Result<u64> {
     let (from, to) = packet.span;
     let window = arguments.window;
     let pages = to.0.saturating_sub(from.0).div_ceil(window.0);
@@ -234,6 +258,10 @@ fn animate(packet: &Packet, title: &str, arguments: &Arguments) -> miette::Resul
             "the packet was watched for no time: there is no frame to show"
         ));
     }
+    #[cfg(feature = "mcap")]
+    if output.ending() == "mcap" {
+        return Ok(view::mcap::write(output, packet, window)?);
+    }
     let hold = arguments.hold.seconds();
     match arguments.view {
         Shown::Surface | Shown::Kinds => {
@@ -244,11 +272,11 @@ fn animate(packet: &Packet, title: &str, arguments: &Arguments) -> miette::Resul
                 at: None,
             };
             let pages = view::pages(packet, look, from, to)?;
-            write_frames(&arguments.output, pages, hold)?;
+            write_frames(output, pages, hold)?;
         }
         Shown::Overview | Shown::Frame | Shown::Cloud | Shown::Rate | Shown::Intervals => {
             let frames = view::frames(packet, title, from, to, window)?;
-            write_frames(&arguments.output, frames, hold)?;
+            write_frames(output, frames, hold)?;
         }
     }
     Ok(pages)

@@ -17,8 +17,10 @@ use super::{
     content::Content,
     files::{Input, Output},
     light,
+    list::bundled,
     progress::Progress,
 };
+use crate::bundled::Kind;
 use crate::study::sweep::{
     Asked, Limits, Override, Plan, Run, Shard, Store, Study,
     ask::{self, PointError},
@@ -38,7 +40,7 @@ use crate::{limit::POINT_BYTES, memory::Need, source};
     after_help = "Examples:\n  amacrine sweep studies/formats.toml --output out/formats\n  amacrine sweep studies/formats.toml --output out/shard-0 --shard 0/4\n  amacrine sweep studies/formats.toml --output out/formats --verify 5%\n  amacrine sweep studies/formats.toml format=f32,q8.8 array.domain=silicon --output out/other\n  amacrine sweep studies/formats.toml --space\n  amacrine sweep studies/formats.toml --point '{\"side\": \"reference\", \"format\": \"q8.8\"}'\n\nA folder that exists is gone on with: what is finished is not computed again. What is damaged is named, set aside and computed again. docs/sweeps.md lists every key and every column."
 )]
 pub struct Arguments {
-    /// The study file
+    /// The study file, or a name that `amacrine list studies` prints
     #[arg(required_unless_present = "schema")]
     study: Option<Input>,
     /// Keys of the study set here, such as format=f32,q8.8, sample.points=64 or array.domain=exact
@@ -143,8 +145,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     check_parquet(arguments.parquet)?;
     let shown = path.display().to_string();
-    let text = source::text(path, "give a study file; studies/ has some to start from")?;
-    let study = Study::parse_with(&shown, &text, &arguments.sets)?;
+    let help = "give a study file, or a name that `amacrine list studies` prints";
+    let study = match bundled(Kind::Study, path) {
+        Some(file) => Study::parse_with(&file.path(), file.text, &arguments.sets)?,
+        None => Study::parse_with(&shown, &source::text(path, help)?, &arguments.sets)?,
+    };
     let folder = path.parent().unwrap_or(Path::new(""));
     if arguments.space {
         super::say(&format!("{}\n", ask::space(&study)));

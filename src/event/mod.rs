@@ -4,6 +4,7 @@ pub mod address;
 pub mod codec;
 pub mod file;
 pub mod readout;
+pub mod tensor;
 
 use std::ops;
 
@@ -107,6 +108,8 @@ pub struct Packet {
     pub size: Size,
     /// Number of kinds of cells in each pixel.
     pub channels: u8,
+    /// What each kind is called; empty where nobody says so.
+    pub names: Vec<String>,
     /// The time span watched: times of the first and of the last frame.
     pub span: (Micros, Micros),
     /// The events.
@@ -122,6 +125,7 @@ impl Packet {
         Self {
             size,
             channels,
+            names: Vec::new(),
             span: (Micros(0), Micros(0)),
             events: Vec::new(),
             dropped: Dropped {

@@ -223,20 +223,8 @@ impl<'a> Design<'a> {
         for other in others {
             kinds.push(other.kind()?);
         }
-        let kernels: Vec<_> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
-        let mut request = Request::new(&kernels[..1], self.device)?;
-        request.effort = self.effort;
-        request.seed = self.seed;
-        let program = SensorProgram::new(&kinds, memory, title, &request)?;
-        let text = Program::parse(title, &program.text)?;
-        let code = text.expand(self.device, &Overrides::default())?.code;
-        Ok(Compiled {
-            title: title.to_owned(),
-            cost: Cost::of(&code.frame, self.device),
-            program,
-            code,
-            device: self.device.clone(),
-        })
+        let search = (self.effort, self.seed);
+        Compiled::new(title, (&kinds, memory), self.device, search)
     }
 
     fn kind(&self) -> Result<CellKind, DesignError> {
@@ -273,6 +261,60 @@ pub struct Compiled {
 }
 
 impl Compiled {
+    /// Finds a program of these kinds that remembers in this way, with an effort and a seed of the
+    /// search.
+    ///
+    /// # Errors
+    /// When there is no program that the chip takes.
+    pub fn new(
+        title: &str,
+        (kinds, memory): (&[CellKind], DriveMemory),
+        device: &Device,
+        (effort, seed): (Effort, u64),
+    ) -> Result<Self, DesignError> {
+        let first = kinds.first().map(|kind| kind.kernel.clone());
+        let kernels: Vec<Kernel> = first.into_iter().collect();
+        let mut request = Request::new(&kernels, device)?;
+        request.effort = effort;
+        request.seed = seed;
+        let program = SensorProgram::new(kinds, memory, title, &request)?;
+        Self::from_program(title, program, device)
+    }
+
+    /// Of a program that was found.
+    ///
+    /// # Errors
+    /// When its text is more than the chip takes.
+    pub fn from_program(
+        title: &str,
+        program: SensorProgram,
+        device: &Device,
+    ) -> Result<Self, DesignError> {
+        let text = program.text.clone();
+        Self::from_text(title, program, &text, device)
+    }
+
+    /// Of a program that was found, written otherwise: with another readout, say.
+    ///
+    /// # Errors
+    /// When the text is no program, or more than the chip takes.
+    pub fn from_text(
+        title: &str,
+        program: SensorProgram,
+        text: &str,
+        device: &Device,
+    ) -> Result<Self, DesignError> {
+        let parsed = Program::parse(title, text)?;
+        let code = parsed.expand(device, &Overrides::default())?.code;
+        Ok(Self {
+            title: title.to_owned(),
+            cost: Cost::of(&code.frame, device),
+            program,
+            code,
+            device: device.clone(),
+        })
+    }
+
     /// What the chip's data say, and registers of numbers limited to -128 to 127 LSB.
     #[must_use]
     pub fn settings(&self) -> Settings {

@@ -1,7 +1,9 @@
 //! Studies: many sensors on one scene, and what each loses.
 
+pub mod cells;
 pub mod design;
 pub mod equivalent;
+pub mod exploration;
 pub mod feasibility;
 pub mod front;
 pub mod pilot;

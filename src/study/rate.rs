@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::{
     elementary,
-    reference::{Description, Reference, Tally},
+    reference::{Channel, Description, Reference, Tally},
     rig,
     scene::{Scene, SceneError},
     sensor::SensorError,
@@ -74,68 +74,128 @@ pub fn factor(
     seed: u64,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
 ) -> Result<Rated, RateError> {
+    let found = search(description, (rate, Share::Together), seed, open)?;
+    found.first().copied().ok_or(RateError::Still)
+}
+
+/// As [`factor`], for each kind of cell by itself: `rate` events per pixel and second of each, in
+/// the same seven shows. Kinds that share a memory are not by themselves: of those it is a start.
+///
+/// # Errors
+/// As [`factor`].
+pub fn factors(
+    description: &Description,
+    rate: f64,
+    seed: u64,
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+) -> Result<Vec<Rated>, RateError> {
+    search(description, (rate, Share::Each), seed, open)
+}
+
+/// Whose events are counted, and whose thresholds have one factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Share {
+    /// All kinds as one.
+    Together,
+    /// Each kind for itself.
+    Each,
+}
+
+impl Share {
+    const fn groups(self, kinds: usize) -> usize {
+        match self {
+            Self::Together => 1,
+            Self::Each => kinds,
+        }
+    }
+
+    const fn of(self, kind: usize) -> usize {
+        match self {
+            Self::Together => 0,
+            Self::Each => kind,
+        }
+    }
+}
+
+/// Where a group's thresholds are looked for: an octave, and the rate there.
+type Point = (f64, f64);
+
+fn search(
+    description: &Description,
+    (rate, share): (f64, Share),
+    seed: u64,
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+) -> Result<Vec<Rated>, RateError> {
     if !(rate > 0.0 && rate.is_finite()) {
         return Err(RateError::Rate(rate));
     }
-    let count = |octaves: &[f64]| {
-        let factors: Vec<f64> = octaves
-            .iter()
-            .map(|octave| elementary::pow(2.0, *octave))
-            .collect();
-        rates(description, &factors, seed, open)
-    };
-    let ends = count(&[-OCTAVES, OCTAVES])?;
-    if !(ends[1] < rate && rate <= ends[0]) {
-        return Err(RateError::Unreachable {
-            asked: rate,
-            least: ends[1],
-            most: ends[0],
-        });
+    let groups = share.groups(description.channels.len());
+    // For each octave that is tried the rate of each group, which may try another one each.
+    let count = |tries: &[Vec<f64>]| rates(description, (tries, share), seed, open);
+    let ends = count(&[vec![-OCTAVES; groups], vec![OCTAVES; groups]])?;
+    let mut within: Vec<[Point; 2]> = Vec::new();
+    for (most, least) in ends[0].iter().zip(&ends[1]) {
+        if !(*least < rate && rate <= *most) {
+            return Err(RateError::Unreachable {
+                asked: rate,
+                least: *least,
+                most: *most,
+            });
+        }
+        within.push([(-OCTAVES, *most), (OCTAVES, *least)]);
     }
     // Events do not grow with the threshold, so that one of four parts has the rate.
-    let mut within = [(-OCTAVES, ends[0]), (OCTAVES, ends[1])];
     for _ in 0..ROUNDS {
-        let [(low, most), (high, least)] = within;
-        let quarter = |k: f64| low + (high - low) * k / 4.0;
-        let between = [1.0, 2.0, 3.0].map(quarter);
+        let at = |k: f64| -> Vec<f64> {
+            let quarter = |[(low, _), (high, _)]: &[Point; 2]| low + (high - low) * k / 4.0;
+            within.iter().map(quarter).collect()
+        };
+        let between = [1.0, 2.0, 3.0].map(at);
         let counted = count(&between)?;
-        let mut points = vec![(low, most)];
-        points.extend(between.into_iter().zip(counted));
-        points.push((high, least));
-        let last = points
-            .iter()
-            .rposition(|(_, own)| *own >= rate)
-            .unwrap_or(0);
-        let last = last.min(points.len() - 2);
-        within = [points[last], points[last + 1]];
+        for (group, own) in within.iter_mut().enumerate() {
+            let inner = between.iter().zip(&counted);
+            let mut points = vec![own[0]];
+            points.extend(inner.map(|(octaves, rates)| (octaves[group], rates[group])));
+            points.push(own[1]);
+            let last = points.iter().rposition(|(_, own)| *own >= rate);
+            let last = last.unwrap_or(0).min(points.len() - 2);
+            *own = [points[last], points[last + 1]];
+        }
     }
     // A straight line of the logarithms between the two.
-    let [(low, most), (high, least)] = within;
-    let steep = elementary::ln(most / least.max(f64::MIN_POSITIVE));
-    let part = if steep > 0.0 && steep.is_finite() {
-        (elementary::ln(most / rate) / steep).clamp(0.0, 1.0)
-    } else {
-        0.0
+    let line = |[(low, most), (high, least)]: &[Point; 2]| {
+        let steep = elementary::ln(most / least.max(f64::MIN_POSITIVE));
+        let part = if steep > 0.0 && steep.is_finite() {
+            (elementary::ln(most / rate) / steep).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        low + part * (high - low)
     };
-    let octave = low + part * (high - low);
-    let counted = count(&[octave])?;
-    Ok(Rated {
-        factor: elementary::pow(2.0, octave),
-        rate: counted.first().copied().unwrap_or(0.0),
-    })
+    let octaves: Vec<f64> = within.iter().map(line).collect();
+    let counted = count(std::slice::from_ref(&octaves))?;
+    let rates = counted.into_iter().flatten();
+    let rated = octaves.iter().zip(rates).map(|(octave, rate)| Rated {
+        factor: elementary::pow(2.0, *octave),
+        rate,
+    });
+    Ok(rated.collect())
 }
 
-/// Events per pixel and second with all thresholds times each factor.
+/// Events per pixel and second of each group, with its thresholds at each octave that is tried.
 fn rates(
     description: &Description,
-    factors: &[f64],
+    (tries, share): (&[Vec<f64>], Share),
     seed: u64,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-) -> Result<Vec<f64>, RateError> {
+) -> Result<Vec<Vec<f64>>, RateError> {
     let mut scene = open()?;
     let size = scene.size();
-    let made = factors.iter().map(|factor| {
-        let description = times(description, *factor);
+    let made = tries.iter().map(|octaves| {
+        let mut description = description.clone();
+        for (kind, channel) in description.channels.iter_mut().enumerate() {
+            times_kind(channel, elementary::pow(2.0, octaves[share.of(kind)]));
+        }
         let tally = Tally::new(description.channels.len());
         Ok((Reference::new(description, size, seed)?, tally))
     });
@@ -153,8 +213,22 @@ fn rates(
         return Err(RateError::Still);
     }
     let cells = size.pixels() as f64 * seconds;
-    let rate = |(_, tally): &(_, Tally)| tally.total() as f64 / cells;
-    Ok(sensors.iter().map(rate).collect())
+    let of_groups = |(_, tally): &(_, Tally)| {
+        let mut events = vec![0; share.groups(tally.kinds().len())];
+        for (kind, (on, off)) in tally.kinds().iter().enumerate() {
+            events[share.of(kind)] += on + off;
+        }
+        events.iter().map(|events| *events as f64 / cells).collect()
+    };
+    Ok(sensors.iter().map(of_groups).collect())
+}
+
+/// A threshold in four digits, which is finer than any rate asks for.
+#[must_use]
+pub fn four_digits(threshold: f64) -> f64 {
+    let digits = (3 - elementary::log10(threshold).floor() as i32).clamp(0, 12);
+    let text = format!("{threshold:.*}", digits as usize);
+    text.parse().unwrap_or(threshold)
 }
 
 /// A sensor with all its thresholds times a factor.
@@ -162,13 +236,17 @@ fn rates(
 pub fn times(description: &Description, factor: f64) -> Description {
     let mut description = description.clone();
     for channel in &mut description.channels {
-        for threshold in &mut channel.thresholds {
-            threshold.on *= factor;
-            threshold.off *= factor;
-            threshold.sigma *= factor;
-        }
+        times_kind(channel, factor);
     }
     description
+}
+
+fn times_kind(channel: &mut Channel, factor: f64) {
+    for threshold in &mut channel.thresholds {
+        threshold.on *= factor;
+        threshold.off *= factor;
+        threshold.sigma *= factor;
+    }
 }
 
 #[cfg(test)]
@@ -190,9 +268,27 @@ mod tests {
                 (found.rate / asked - 1.0).abs() < 0.03,
                 "{asked}: {found:?}"
             );
-            let again = rates(&times(&sensor, found.factor), &[1.0], 3, &scene).unwrap();
-            assert_eq!(again, [found.rate]);
+            let octaves = [vec![0.0]];
+            let tried = (&octaves[..], Share::Together);
+            let again = rates(&times(&sensor, found.factor), tried, 3, &scene).unwrap();
+            assert_eq!(again, [[found.rate]]);
         }
+    }
+
+    #[test]
+    fn each_kind_has_its_own_factor() {
+        let sensor = Description::open("rgc-4").unwrap();
+        let found = factors(&sensor, 4.0, 3, &scene).unwrap();
+        assert_eq!(found.len(), 4);
+        for (kind, found) in found.iter().enumerate() {
+            assert!((found.rate / 4.0 - 1.0).abs() < 0.03, "{kind}: {found:?}");
+            // Alone it says the same.
+            let mut alone = sensor.clone();
+            alone.channels = vec![alone.channels[kind].clone()];
+            let one = factor(&alone, 4.0, 3, &scene).unwrap();
+            assert_eq!(one.factor, found.factor);
+        }
+        assert_ne!(found[0].factor, found[2].factor);
     }
 
     #[test]

@@ -42,7 +42,8 @@ pub struct Judged {
 }
 
 /// The ways to remember so many drives, the better one first.
-fn memories(kinds: usize) -> Vec<DriveMemory> {
+#[must_use]
+pub fn memories(kinds: usize) -> Vec<DriveMemory> {
     let bits = u8::try_from(MEMORY_BITS / kinds.max(1)).unwrap_or(0);
     let in_bits = (bits > 0).then_some(DriveMemory::Bits(bits));
     [DriveMemory::Analogue, DriveMemory::Shared]
@@ -59,6 +60,28 @@ pub fn name(memory: DriveMemory) -> String {
         DriveMemory::Shared => "one memory of the pixel for all kinds".to_owned(),
         DriveMemory::Bits(bits) => format!("memories of {bits} bits each"),
     }
+}
+
+/// The float sensor of several cells that a program with this memory stands for.
+///
+/// # Errors
+/// When a threshold is not positive, or there is no cell.
+pub fn description(memory: DriveMemory, floats: &[Design<'_>]) -> Result<Description, DesignError> {
+    let shared = memory == DriveMemory::Shared;
+    let rule = if shared {
+        MemoryRule::RawSnap
+    } else {
+        MemoryRule::FilteredSnap
+    };
+    let mut all: Option<Description> = None;
+    for design in floats {
+        let own = design.description(rule)?;
+        match &mut all {
+            None => all = Some(Description { shared, ..own }),
+            Some(all) => all.channels.extend(own.channels),
+        }
+    }
+    all.ok_or(DesignError::Threshold(0.0))
 }
 
 impl Together {
@@ -92,21 +115,7 @@ impl Together {
     /// # Errors
     /// When a threshold is not positive.
     pub fn description(&self, floats: &[Design<'_>]) -> Result<Description, DesignError> {
-        let shared = self.memory == DriveMemory::Shared;
-        let rule = if shared {
-            MemoryRule::RawSnap
-        } else {
-            MemoryRule::FilteredSnap
-        };
-        let mut all: Option<Description> = None;
-        for design in floats {
-            let own = design.description(rule)?;
-            match &mut all {
-                None => all = Some(Description { shared, ..own }),
-                Some(all) => all.channels.extend(own.channels),
-            }
-        }
-        all.ok_or(DesignError::Threshold(0.0))
+        description(self.memory, floats)
     }
 
     /// Shows the scene to the float sensors and to the program, and judges every kind. Also the
@@ -117,54 +126,14 @@ impl Together {
     pub fn judge(
         &self,
         floats: &[Design<'_>],
-        (within, seed): (Micros, u64),
+        within: (Micros, u64),
         scene: &mut dyn Scene,
-        mut seen: impl FnMut(&Frame),
+        seen: impl FnMut(&Frame),
     ) -> Result<(Vec<Judged>, u64), EquivalentError> {
-        let (size, fps) = (scene.size(), scene.fps());
         let description = self.description(floats)?;
-        let rung = |part: f64| at_part(&description, part);
-        let mut models = vec![description.clone()];
-        models.extend(RUNGS.into_iter().map(rung));
-        let mut sensors: Vec<Box<dyn Sensor + Send>> = Vec::new();
-        for model in models {
-            let made = float(model, size, seed, Format::F64).map_err(DesignError::from)?;
-            sensors.push(made);
-        }
-        let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
-        let silicon = Arithmetic::Silicon { seed };
-        for arithmetic in [Arithmetic::Number(Format::F64), silicon] {
-            chips.push(
-                self.compiled
-                    .chip(arithmetic, size, self.compiled.settings())?,
-            );
-        }
-        let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-        for sensor in &mut sensors {
-            watching.push(sensor);
-        }
-        for chip in &mut chips {
-            watching.push(chip);
-        }
-        let mut frames = 0;
-        let packets = rig::watch(scene, &mut watching, |frame| {
-            frames += 1;
-            seen(frame);
-        })?;
-        let mut judged = Vec::new();
-        for kind in 0..floats.len() {
-            let own: Vec<Packet> = packets.iter().map(|packet| own(packet, kind)).collect();
-            let [truth, rungs @ .., exact, silicon] = &own[..] else {
-                continue;
-            };
-            let ladder = Ladder::new(truth.clone(), rungs, within, fps, seed)?;
-            judged.push(Judged {
-                exact: ladder.judge(exact)?,
-                silicon: ladder.judge(silicon)?,
-                packet: silicon.clone(),
-            });
-        }
-        Ok((judged, frames))
+        let shown = judge(&[&self.compiled], &description, within, scene, seen)?;
+        let judged = shown.programs.into_iter().next().unwrap_or_default();
+        Ok((judged, shown.frames))
     }
 
     /// The float sensor that the program stands for, in words.
@@ -190,6 +159,85 @@ impl Together {
         let words = stored(&code.init, device) + stored(&code.frame, device);
         carried(self.memory, device, (program.drives.len(), words.0))
     }
+}
+
+/// What was seen of one float sensor and of programs that stand for it.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// For each program, each of its kinds.
+    pub programs: Vec<Vec<Judged>>,
+    /// All events of each program with the chip's errors.
+    pub packets: Vec<Packet>,
+    /// The float sensor's events.
+    pub float: Packet,
+    /// Frames that were shown.
+    pub frames: u64,
+}
+
+/// Shows the scene once, to a float sensor, to its ladder and to programs that stand for it, and
+/// judges every kind of each; with the window of a match and the seed of the silicon.
+///
+/// # Errors
+/// When a sensor cannot be made, or scene or sensor cannot go on.
+pub fn judge(
+    programs: &[&Compiled],
+    description: &Description,
+    (within, seed): (Micros, u64),
+    scene: &mut dyn Scene,
+    mut seen: impl FnMut(&Frame),
+) -> Result<Shown, EquivalentError> {
+    let (size, fps) = (scene.size(), scene.fps());
+    let rung = |part: f64| at_part(description, part);
+    let mut models = vec![description.clone()];
+    models.extend(RUNGS.into_iter().map(rung));
+    let mut sensors: Vec<Box<dyn Sensor + Send>> = Vec::new();
+    for model in models {
+        let made = float(model, size, seed, Format::F64).map_err(DesignError::from)?;
+        sensors.push(made);
+    }
+    let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
+    let silicon = Arithmetic::Silicon { seed };
+    for program in programs {
+        for arithmetic in [Arithmetic::Number(Format::F64), silicon] {
+            chips.push(program.chip(arithmetic, size, program.settings())?);
+        }
+    }
+    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
+    for sensor in &mut sensors {
+        watching.push(sensor);
+    }
+    for chip in &mut chips {
+        watching.push(chip);
+    }
+    let mut frames = 0;
+    let packets = rig::watch(scene, &mut watching, |frame| {
+        frames += 1;
+        seen(frame);
+    })?;
+    let (floats, chips) = packets.split_at(packets.len().min(RUNGS.len() + 1));
+    let both = || chips.chunks_exact(2);
+    let mut judged = vec![Vec::new(); programs.len()];
+    for kind in 0..description.channels.len() {
+        let floats: Vec<Packet> = floats.iter().map(|packet| own(packet, kind)).collect();
+        let [truth, rungs @ ..] = &floats[..] else {
+            continue;
+        };
+        let ladder = Ladder::new(truth.clone(), rungs, within, fps, seed)?;
+        for (both, judged) in both().zip(&mut judged) {
+            let [exact, silicon] = [0, 1].map(|one| own(&both[one], kind));
+            judged.push(Judged {
+                exact: ladder.judge(&exact)?,
+                silicon: ladder.judge(&silicon)?,
+                packet: silicon,
+            });
+        }
+    }
+    Ok(Shown {
+        programs: judged,
+        packets: both().map(|both| both[1].clone()).collect(),
+        float: { floats.first().cloned() }.unwrap_or_else(|| Packet::new(size, 1)),
+        frames,
+    })
 }
 
 /// The events of one kind, as a sensor of that kind alone has them.

@@ -6,11 +6,9 @@ use miette::miette;
 
 use super::{super::complain, Arguments, Asked};
 use crate::{
-    compile::DriveMemory,
     kernel::quantise::Quantiser,
-    photoreceptor::Curve,
-    reference::{Border, MemoryRule, PolarityRule},
     rig::guard::{Guard, Warning},
+    study::cells,
 };
 
 impl Asked {
@@ -64,73 +62,19 @@ impl Asked {
 
     pub(super) fn of_sensor(path: &Path) -> miette::Result<Self> {
         let description = super::super::run::read_sensor(path)?;
-        let shown = path.display();
-        let linear = match description.response.curve {
-            Curve::Identity => 1.0,
-            Curve::Linear { white } => white,
-            Curve::Log { .. } | Curve::LinLog { .. } => {
-                return Err(miette!(
-                    help = "the chip's photodiode is linear: give a sensor with `response = { linear = 255 }`",
-                    "{shown}: its response is not linear"
-                ));
-            }
-        };
-        let one = description.channels.len() == 1;
-        let memory = match description.memory {
-            MemoryRule::FilteredSnap => DriveMemory::Analogue,
-            MemoryRule::RawSnap if description.shared || one => DriveMemory::Shared,
-            MemoryRule::RawSnap => {
-                return Err(miette!(
-                    help = "add `shared = true`: one memory of the pixel for all kinds takes one register",
-                    "{shown}: each kind has a memory of the pixel, and the pixel has not the registers"
-                ));
-            }
-            MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep => {
-                return Err(miette!(
-                    help = "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`, or with `memory = \"raw-snap\"` and `shared = true`, which holds any number of kinds",
-                    "{shown}: its memory steps"
-                ));
-            }
-        };
-        if description.polarity == PolarityRule::Pixel {
-            return Err(miette!(
-                help = "give a sensor with `polarity = \"filtered\"`",
-                "{shown}: its events have the sign of the pixel, those of a compiled program that of the drive"
-            ));
+        let shown = path.display().to_string();
+        let memory = cells::memory_of(&shown, &description)?;
+        let cells = cells::compiled_cells(&shown, &description, memory)?;
+        for note in &cells.notes {
+            complain(&format!("note: {note}\n"));
         }
-        let mut kernels = Vec::new();
-        let mut thresholds = Vec::new();
-        for channel in &description.channels {
-            let ([kernel], [threshold]) = (&channel.kernels[..], &channel.thresholds[..]) else {
-                return Err(miette!(
-                    help = "give every kind of cell one kernel; all pixels of the array run the same program",
-                    "{shown}: a channel has a pattern of kernels"
-                ));
-            };
-            if channel.surrounds.is_some() {
-                return Err(miette!(
-                    help = "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries",
-                    "{shown}: a channel sees through a resistor mesh, which is no program"
-                ));
-            }
-            kernels.push(kernel.clone());
-            thresholds.push((threshold.on * linear, threshold.off * linear));
-        }
-        if description.border == Border::Replicate {
-            let note = "replicates the border; off the array the chip sees 0";
-            complain(&format!("note: {shown} {note}\n"));
-        }
-        if description.refractory.us > 0.0 {
-            let note =
-                "has a refractory period; the program has none, a cell fires once a frame at most";
-            complain(&format!("note: {shown} {note}\n"));
-        }
+        let thresholds = { cells.kinds.iter() }.map(|kind| (kind.on, kind.off));
         Ok(Self {
-            scales: vec![1.0; kernels.len()],
-            kernels,
+            scales: vec![1.0; cells.kinds.len()],
+            thresholds: thresholds.collect(),
+            kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),
             warnings: Vec::new(),
             stacked: true,
-            thresholds,
             memory: Some(memory),
             title: description.name,
         })

@@ -17,6 +17,7 @@ use super::{
     content::Content,
     files::{self, Named, Output},
     light,
+    progress::Progress,
     quantiser::Total,
 };
 use crate::{
@@ -175,8 +176,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.front {
         return front::print(arguments, &asked, &device);
     }
+    let progress = Progress::spinner("searching");
     let mut compiled = compiled(arguments, &asked, &device)
         .map_err(|refused| nearest::named(refused, arguments, &device))?;
+    progress.finish();
     if arguments.is_cpp() {
         let program = Program::parse("compiled", &compiled.text)?;
         compiled.text = cpp(&program, &device)?;
@@ -257,7 +260,7 @@ impl std::str::FromStr for To {
 
 /// `analogue`, `shared` or `bits:N`.
 #[derive(Clone, Copy, Debug)]
-struct Remembered(DriveMemory);
+pub struct Remembered(pub(super) DriveMemory);
 
 impl std::str::FromStr for Remembered {
     type Err = String;

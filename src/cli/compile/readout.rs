@@ -144,16 +144,7 @@ fn watched(
     // Whole rows, so that no event goes missing for want of a slot.
     let all = EventReadout::BitPlanes(0, u16::MAX);
     let text = program.text_with(kinds, &asked.title, device, all);
-    let code = Program::parse("compiled", &text)?
-        .expand(device, &Overrides::default())?
-        .code;
-    let compiled = design::Compiled {
-        title: asked.title.clone(),
-        program: program.clone(),
-        cost: Cost::of(&code.frame, device),
-        code,
-        device: device.clone(),
-    };
+    let compiled = design::Compiled::from_text(&asked.title, program.clone(), &text, device)?;
     let silicon = Arithmetic::Silicon {
         seed: arguments.seed,
     };

@@ -1,12 +1,12 @@
 //! The remark that a file of this program has about its packet: one comment beside the events.
 //!
 //! `amacrine size=346x260 channels=2 span=0..2000000 dropped=0,0 events=40000 times=12..1999950`
-//! (time in microseconds; dropped for want of a slot, then over the limit, then, where any
+//! (after the channels may stand what each is called, `names=change,centre-on`; time in microseconds; dropped for want of a slot, then over the limit, then, where any
 //! were, for a full queue and merged; the last two are written when the file is whole: how
 //! many events it has, and when the first and the last were). Each part may be left out. What
 //! is there must be true of the file, see [`About::disagreement`].
 
-use std::{fmt, str::FromStr};
+use std::{fmt, fmt::Write as _, str::FromStr};
 
 use super::Fault;
 use crate::{
@@ -22,12 +22,14 @@ pub(super) const NAME: &str = "amacrine";
 const LARGEST_SIDE: usize = 1 << 16;
 
 /// What the comment says.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct About {
     /// Size of the sensor.
     pub size: Option<Size>,
     /// Kinds of cells.
     pub channels: Option<u8>,
+    /// What each kind is called; empty where the file does not say so.
+    pub names: Vec<String>,
     /// Time span that was watched.
     pub span: Option<(Micros, Micros)>,
     /// Events that the sensor made and could not deliver.
@@ -53,6 +55,7 @@ impl About {
     pub const NOTHING: Self = Self {
         size: None,
         channels: None,
+        names: Vec::new(),
         span: None,
         dropped: None,
         events: None,
@@ -61,10 +64,11 @@ impl About {
 
     /// All of a packet but its events.
     #[must_use]
-    pub const fn from_packet(packet: &Packet) -> Self {
+    pub fn from_packet(packet: &Packet) -> Self {
         Self {
             size: Some(packet.size),
             channels: Some(packet.channels),
+            names: packet.names.clone(),
             span: Some(packet.span),
             dropped: Some(packet.dropped),
             ..Self::NOTHING
@@ -75,7 +79,8 @@ impl About {
     /// last first.
     pub(super) fn within(self, columns: usize) -> String {
         let mut about = self;
-        let drops: [fn(&mut Self); 4] = [
+        let drops: [fn(&mut Self); 5] = [
+            |about| about.names.clear(),
             |about| about.times = None,
             |about| about.events = None,
             |about| about.dropped = None,
@@ -125,6 +130,12 @@ impl About {
         if let Some(size) = about.size {
             within_reach(size)?;
         }
+        let kinds = about.channels.map_or(0, usize::from);
+        if !about.names.is_empty() && about.names.len() != kinds {
+            return Err(Fault::About {
+                why: format!("names {} kinds of cells of {kinds}", about.names.len()),
+            });
+        }
         Ok(Some(about))
     }
 
@@ -137,6 +148,10 @@ impl About {
                 self.size = Some(Size { height, width });
             }
             "channels" if self.channels.is_none() => self.channels = Some(value.parse().ok()?),
+            "names" if self.names.is_empty() => {
+                let names = value.split(',').map(named);
+                self.names = names.collect::<Option<_>>()?;
+            }
             "span" if self.span.is_none() => {
                 let (from, to) = two(value, "..")?;
                 self.span = Some((Micros(from), Micros(to)));
@@ -151,6 +166,43 @@ impl About {
         }
         Some(())
     }
+}
+
+/// The most bytes of a name in a remark.
+const NAME_BYTES: usize = 64;
+
+/// A name as it stands in a remark: letters and digits as they are, all else as `%` and two digits.
+fn unnamed(name: &str) -> String {
+    let mut word = String::new();
+    for byte in name.bytes().take(NAME_BYTES) {
+        if byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.') {
+            word.push(byte.into());
+        } else {
+            // Writing to a string cannot fail.
+            let _ = write!(word, "%{byte:02x}");
+        }
+    }
+    word
+}
+
+/// The name that a word of a remark stands for. What was cut within a letter ends before it.
+fn named(word: &str) -> Option<String> {
+    let mut bytes = Vec::new();
+    let mut rest = word.bytes();
+    while let Some(byte) = rest.next() {
+        if byte == b'%' {
+            let digits = [rest.next()?, rest.next()?];
+            let digits = str::from_utf8(&digits).ok()?;
+            bytes.push(u8::from_str_radix(digits, 16).ok()?);
+        } else {
+            bytes.push(byte);
+        }
+    }
+    let whole = match str::from_utf8(&bytes) {
+        Ok(name) => name,
+        Err(cut) => str::from_utf8(bytes.get(..cut.valid_up_to())?).ok()?,
+    };
+    Some(whole.to_owned())
 }
 
 /// A number of events in words.
@@ -208,6 +260,10 @@ impl fmt::Display for About {
         }
         if let Some(channels) = self.channels {
             write!(f, " channels={channels}")?;
+        }
+        if !self.names.is_empty() {
+            let names: Vec<String> = self.names.iter().map(|name| unnamed(name)).collect();
+            write!(f, " names={}", names.join(","))?;
         }
         if let Some((from, to)) = self.span {
             write!(f, " span={}..{}", from.0, to.0)?;

@@ -163,7 +163,7 @@ impl Reading {
 
 impl Source for Reading {
     fn about(&self) -> About {
-        self.about
+        self.about.clone()
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {

@@ -390,7 +390,7 @@ fn inflate(compression: i32, block: Vec<u8>) -> Result<Vec<u8>, String> {
 
 impl Source for Reading {
     fn about(&self) -> About {
-        self.about
+        self.about.clone()
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
@@ -445,7 +445,7 @@ impl Source for Reading {
 /// A writer of events.
 pub(super) fn sink(head: &Head, compression: Compression) -> Writing {
     Writing {
-        head: *head,
+        head: head.clone(),
         compression,
         table: Vec::new(),
         header: Vec::new(),

@@ -12,6 +12,10 @@ macro_rules! formats {
             Csv => csv,
             /// Text with seconds, one event a line.
             Txt => txt,
+            /// Text with its size in the first line, as E2VID reads it.
+            E2vid => e2vid,
+            /// The same in a zip archive.
+            E2vidZip => e2vid_zip,
             /// numpy's structured array.
             Npy => npy,
             /// numpy's archive of arrays.

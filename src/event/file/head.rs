@@ -32,12 +32,14 @@ impl Compression {
 }
 
 /// All of a packet but its events, which a file may say at its start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Head {
     /// Size of the sensor.
     pub size: Size,
     /// Kinds of cells.
     pub channels: u8,
+    /// What each is called; empty where nobody says so.
+    pub names: Vec<String>,
     /// The time watched, where it is known to be another than that of the events.
     pub span: Option<(Micros, Micros)>,
     /// What is missing, where that is known.
@@ -47,20 +49,22 @@ pub struct Head {
 impl Head {
     /// That of a packet.
     #[must_use]
-    pub const fn from_packet(packet: &Packet) -> Self {
+    pub fn from_packet(packet: &Packet) -> Self {
         Self {
             size: packet.size,
             channels: packet.channels,
+            names: packet.names.clone(),
             span: Some(packet.span),
             dropped: Some(packet.dropped),
         }
     }
 
     /// All of it, for a file that can say all.
-    pub(super) const fn about(&self) -> About {
+    pub(super) fn about(&self) -> About {
         About {
             size: Some(self.size),
             channels: Some(self.channels),
+            names: self.names.clone(),
             span: self.span,
             dropped: self.dropped,
             ..About::NOTHING

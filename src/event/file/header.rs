@@ -180,7 +180,7 @@ pub fn complete(out: &mut dyn Out, header: &[u8], about: &About) -> io::Result<(
         return Ok(());
     };
     out.seek(SeekFrom::Start(from as u64))?;
-    out.write_all(about.within(end + blank.len() - from).as_bytes())?;
+    out.write_all(about.clone().within(end + blank.len() - from).as_bytes())?;
     out.seek(SeekFrom::End(0))?;
     Ok(())
 }

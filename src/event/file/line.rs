@@ -1,7 +1,7 @@
 //! Text files, read line by line in bounded memory.
 
 use super::{Fault, Place, about::About, chunks::Chunks, fault::Stop, gate::Raw, source::Source};
-use crate::event::Event;
+use crate::{event::Event, plane::Size};
 
 /// Longer than any event or comment.
 const LONGEST: usize = 4096;
@@ -10,6 +10,11 @@ const LONGEST: usize = 4096;
 pub trait Rows: Send {
     /// The event of a line that is neither blank nor a comment, if it has one.
     fn row(&mut self, line: &Line<'_>) -> Result<Option<Raw>, Stop>;
+
+    /// The size of the sensor, where a line has said it.
+    fn size(&self) -> Option<Size> {
+        None
+    }
 
     /// At the end of the file.
     fn end(&self) -> Result<(), Stop> {
@@ -87,7 +92,11 @@ impl<R: Rows> Text<R> {
 
 impl<R: Rows> Source for Text<R> {
     fn about(&self) -> About {
-        self.about.unwrap_or_default()
+        let about = self.about.clone().unwrap_or_default();
+        About {
+            size: about.size.or_else(|| self.rows.size()),
+            ..about
+        }
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {

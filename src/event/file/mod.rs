@@ -20,6 +20,8 @@ mod chunks;
 mod columns;
 mod csv;
 mod dat;
+mod e2vid;
+mod e2vid_zip;
 mod entry;
 mod es;
 mod evt2;
@@ -174,6 +176,7 @@ pub fn up_to(mut reader: Reader, most: usize) -> (Loaded, Option<FileError>, boo
     let packet = Packet {
         size: about.size.unwrap_or(gate.reach),
         channels: about.channels.unwrap_or(gate.channels),
+        names: about.names.clone(),
         span: about
             .span
             .or(gate.first.map(|first| (first, gate.last)))

@@ -59,9 +59,9 @@ const LONGEST_HEADER: usize = 1 << 16;
 const LONGEST_RECORD: usize = 1 << 16;
 
 /// A writer of events.
-pub(super) const fn sink(head: &Head) -> Writing {
+pub(super) fn sink(head: &Head) -> Writing {
     Writing {
-        head: *head,
+        head: head.clone(),
         events: 0,
         bytes: Vec::new(),
     }
@@ -76,7 +76,7 @@ pub(super) struct Writing {
 
 impl Writing {
     /// The header; its length does not depend on what is not known before the events.
-    fn header(&self, about: About) -> io::Result<Vec<u8>> {
+    fn header(&self, about: &About) -> io::Result<Vec<u8>> {
         let more = if self.head.channels > 1 {
             ", ('channel', '|u1')"
         } else {
@@ -84,7 +84,7 @@ impl Writing {
         };
         let record = format!("[('t', '<i8'), ('x', '<i2'), ('y', '<i2'), ('p', '|i1'){more}]");
         let columns = self.head.about().to_string().len() + BLANK.len();
-        let comment = format!(" # {}", about.within(columns));
+        let comment = format!(" # {}", about.clone().within(columns));
         written_header(&record, self.events, &comment)
     }
 }
@@ -111,7 +111,7 @@ pub(super) fn written_header(record: &str, events: u64, comment: &str) -> io::Re
 
 impl Sink for Writing {
     fn start(&mut self, out: &mut dyn Out) -> io::Result<()> {
-        out.write_all(&self.header(self.head.about())?)
+        out.write_all(&self.header(&self.head.about())?)
     }
 
     fn put(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
@@ -142,7 +142,7 @@ impl Sink for Writing {
 
     fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         out.seek(SeekFrom::Start(0))?;
-        out.write_all(&self.header(*about)?)?;
+        out.write_all(&self.header(about)?)?;
         out.seek(SeekFrom::End(0))?;
         Ok(())
     }
@@ -179,7 +179,7 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
 
 impl Source for Reading {
     fn about(&self) -> About {
-        self.about
+        self.about.clone()
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {

@@ -54,7 +54,11 @@ const COLUMNS: [(&str, &str); 5] = [
 ];
 
 fn wrong(why: impl Into<String>) -> Stop {
-    Stop::layout(Format::Npz, 0, why)
+    wrong_in(Format::Npz, why)
+}
+
+fn wrong_in(format: Format, why: impl Into<String>) -> Stop {
+    Stop::layout(format, 0, why)
 }
 
 /// Opens a file's stream of events.
@@ -62,7 +66,7 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     let input = BufReader::new(origin.open()?);
     let mut archive =
         ZipArchive::new(input).map_err(|e| wrong(format!("cannot be read as an archive: {e}")))?;
-    archived(origin, &archive)?;
+    archived(Format::Npz, origin, &archive)?;
     let names: Result<Vec<String>, _> = archive
         .file_names()
         .map(|name| name.map(std::borrow::Cow::into_owned))
@@ -70,7 +74,12 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     let names = names.map_err(|e| wrong(format!("has a name that is no text: {e}")))?;
     let has = |name: &str| names.iter().any(|n| n.strip_suffix(".npy") == Some(name));
     if let [name] = &names[..] {
-        return Ok(Box::new(npy::source(member(origin, &mut archive, name)?)?));
+        return Ok(Box::new(npy::source(member(
+            Format::Npz,
+            origin,
+            &mut archive,
+            name,
+        )?)?));
     }
     for name in &names {
         let known = COLUMNS
@@ -85,7 +94,7 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     let mut columns = Vec::new();
     for (name, _) in COLUMNS {
         if has(name) {
-            let chunks = member(origin, &mut archive, &format!("{name}.npy"))?;
+            let chunks = member(Format::Npz, origin, &mut archive, &format!("{name}.npy"))?;
             columns.push((name, npy::column(chunks)?));
         } else if name != "channel" {
             return Err(wrong(format!("has no array `{name}`")));
@@ -115,20 +124,19 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
 }
 
 /// Cross-checks an archive: its end record, its central directory and the members' own headers.
-fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(), Stop> {
+pub(super) fn archived(
+    format: Format,
+    origin: &Origin,
+    archive: &ZipArchive<impl Read + Seek>,
+) -> Result<(), Stop> {
     let start = archive.central_directory_start();
     let mut input = origin.open()?;
     let length = input.seek(SeekFrom::End(0))?;
     input.seek(SeekFrom::Start(start))?;
     let mut list = Vec::new();
     input.by_ref().take(LONGEST_LIST).read_to_end(&mut list)?;
-    let list = Listed::read(&list).ok_or_else(|| {
-        Stop::layout(
-            Format::Npz,
-            start,
-            "has a list of arrays that cannot be read",
-        )
-    })?;
+    let list = Listed::read(&list)
+        .ok_or_else(|| Stop::layout(format, start, "has a list of arrays that cannot be read"))?;
     let end = start + list.end as u64;
     let counts = [
         ("arrays", list.stated.0, list.members.len() as u64),
@@ -139,16 +147,17 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
     for (what, stated, found) in counts {
         if stated != found {
             let one = format!("its end says that it has {stated} {what}");
-            return Err(Stop::twice(
-                Format::Npz,
-                end,
-                one,
-                format!("there are {found}"),
-            ));
+            return Err(Stop::twice(format, end, one, format!("there are {found}")));
         }
     }
     for member in &list.members {
-        hold_member(member, archive.offset(), (start, length), &mut input)?;
+        hold_member(
+            format,
+            member,
+            archive.offset(),
+            (start, length),
+            &mut input,
+        )?;
     }
     Ok(())
 }
@@ -156,6 +165,7 @@ fn archived(origin: &Origin, archive: &ZipArchive<impl Read + Seek>) -> Result<(
 /// Cross-checks an entry of the central directory, which begins at byte `start` of a file of
 /// `length` bytes, and the member's own header; `offset` is where the archive begins.
 fn hold_member(
+    format: Format,
     member: &Member,
     offset: u64,
     (start, length): (u64, u64),
@@ -166,7 +176,7 @@ fn hold_member(
     if at >= length {
         let one = format!("its list says that `{name}` is at byte {at}");
         let other = format!("the file has {length} bytes");
-        return Err(Stop::twice(Format::Npz, start, one, other));
+        return Err(Stop::twice(format, start, one, other));
     }
     let local = input.seek(SeekFrom::Start(at)).and_then(|_| {
         let mut local = vec![0; 30 + member.name.len()];
@@ -175,7 +185,7 @@ fn hold_member(
     let unlike = |what: &str| {
         let one = format!("its list says one thing of the {what} of `{name}`");
         Err(Stop::twice(
-            Format::Npz,
+            format,
             at,
             one,
             "the array's own header another",
@@ -290,20 +300,26 @@ impl Listed {
 }
 
 /// Opens one array of the archive, with a file handle of its own.
-fn member(
+pub(super) fn member(
+    format: Format,
     origin: &Origin,
     archive: &mut ZipArchive<impl Read + Seek>,
     name: &str,
 ) -> Result<Chunks, Stop> {
-    let bad = |e| wrong(format!("has an array `{name}` that cannot be read: {e}"));
+    let bad = |e| {
+        wrong_in(
+            format,
+            format!("has an array `{name}` that cannot be read: {e}"),
+        )
+    };
     let file = archive.by_name_raw(name.as_bytes()).map_err(bad)?;
     let (start, size) = (file.data_start(), file.compressed_size());
     let length = file.size();
     let (method, crc, encrypted) = (file.compression(), file.crc32(), file.encrypted());
-    let start = start.ok_or_else(|| wrong(format!("does not say where `{name}` is")))?;
+    let start = start.ok_or_else(|| wrong_in(format, format!("does not say where `{name}` is")))?;
     drop(file);
     if encrypted {
-        return Err(wrong(format!("is encrypted, `{name}` too")));
+        return Err(wrong_in(format, format!("is encrypted, `{name}` too")));
     }
     let mut input = origin.open()?;
     input.seek(SeekFrom::Start(start))?;
@@ -313,7 +329,7 @@ fn member(
         CompressionMethod::Deflated => Box::new(DeflateDecoder::new(input)),
         other => {
             let why = format!("has `{name}` compressed by {other}; stored and deflated are read");
-            return Err(wrong(why));
+            return Err(wrong_in(format, why));
         }
     };
     Ok(Chunks::new(Box::new(Checked {
@@ -366,7 +382,7 @@ struct Reading {
 
 impl Source for Reading {
     fn about(&self) -> About {
-        self.about
+        self.about.clone()
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
@@ -419,15 +435,15 @@ impl Source for Reading {
 
 /// A writer that never fails, and remembers the first error: a `ZipWriter` that meets one panics,
 /// or prints.
-struct Steady<'a> {
+pub(super) struct Steady<'a> {
     out: &'a mut dyn Out,
-    lost: Option<io::Error>,
+    pub(super) lost: Option<io::Error>,
     at: u64,
     end: u64,
 }
 
 impl<'a> Steady<'a> {
-    fn new(out: &'a mut dyn Out) -> Self {
+    pub(super) fn new(out: &'a mut dyn Out) -> Self {
         Self {
             out,
             lost: None,

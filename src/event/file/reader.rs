@@ -103,8 +103,8 @@ impl Reader {
     /// What the file has said of itself so far, and the size from [`Opening`] where it says
     /// none. Text files may say it with the first block.
     #[must_use]
-    pub const fn about(&self) -> About {
-        self.gate.about
+    pub fn about(&self) -> About {
+        self.gate.about.clone()
     }
 
     /// Records so far that are no events of a pixel and were left out: triggers, frames,

@@ -95,7 +95,7 @@ impl<W: Words> Stream<W> {
 
 impl<W: Words> Source for Stream<W> {
     fn about(&self) -> About {
-        self.about
+        self.about.clone()
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {

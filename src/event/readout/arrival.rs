@@ -22,6 +22,7 @@ impl ReadOut {
             packet: Packet {
                 size: before.size,
                 channels: before.channels,
+                names: before.names.clone(),
                 span: (before.span.0, before.span.1.max(last)),
                 events,
                 dropped,

@@ -31,6 +31,13 @@ impl Device {
         SHIPPED.iter().map(|(name, ..)| *name)
     }
 
+    /// The text of a shipped chip's `device.toml`.
+    #[must_use]
+    pub fn shipped_text(name: &str) -> Option<&'static str> {
+        let found = SHIPPED.iter().find(|(shipped, ..)| *shipped == name);
+        found.map(|(_, device, ..)| *device)
+    }
+
     /// A shipped chip by name, or any other from its folder.
     ///
     /// # Errors

@@ -83,7 +83,9 @@ pub(super) fn draw(
     let [on, off] = signs(&own);
     let counts = format!("{on} ON, {off} OFF");
     if let Some(kind) = kind {
-        caption(drawing, area, &format!("kind {kind}"), &[&counts]);
+        let name = packet.names.get(usize::from(kind)).cloned();
+        let name = name.unwrap_or_else(|| format!("kind {kind}"));
+        caption(drawing, area, &name, &[&counts]);
         return;
     }
     let when = format!("{}: {counts}", window.text());

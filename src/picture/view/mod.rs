@@ -18,6 +18,8 @@ mod intervals;
 mod kinds;
 mod layout;
 mod look;
+#[cfg(feature = "mcap")]
+pub mod mcap;
 mod page;
 mod pages;
 mod rate;

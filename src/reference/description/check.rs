@@ -11,7 +11,7 @@ use crate::{
 use super::{
     channel::{Channel, Threshold},
     kernels::scaled,
-    keys::{FILE, REFRACTORY, SENSOR, THRESHOLD},
+    keys::{FILE, MOST_CHANNELS, REFRACTORY, SENSOR, THRESHOLD},
     reader::{ReadFile, Reader, wrong},
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
     sensor::Description,
@@ -40,7 +40,17 @@ impl Reader<'_> {
             None => Noise::NONE,
         };
         let channels = section.tables("channel").into_iter();
-        let channels = channels.map(|channel| self.channel(memory, &channel));
+        let channels = channels.map(|channel| self.channels(memory, &channel));
+        let channels = channels.collect::<Read<Vec<_>>>()?.concat();
+        if channels.len() > MOST_CHANNELS {
+            return Err(wrong(
+                section.place_of("channel"),
+                format!("{} kinds of cells", channels.len()),
+                &format!(
+                    "give {MOST_CHANNELS} at most, those of a file of several kernels counted one by one"
+                ),
+            ));
+        }
         let border = section.word("border", &[Border::Replicate, Border::Zero])?;
         let name = section.maybe_text("name");
         Ok(Description {
@@ -52,11 +62,12 @@ impl Reader<'_> {
             border: border.unwrap_or_default(),
             refractory,
             noise,
-            channels: channels.collect::<Read<_>>()?,
+            channels,
         })
     }
 
-    fn channel(&self, memory: MemoryRule, section: &Section<'_>) -> Read<Channel> {
+    /// One kind of cell; or as many as its file has kernels.
+    fn channels(&self, memory: MemoryRule, section: &Section<'_>) -> Read<Vec<Channel>> {
         let four = section.get("pattern").is_some();
         let log_temporal = section.flag("log-temporal");
         let gain = section.number("gain")?;
@@ -84,28 +95,52 @@ impl Reader<'_> {
             }
         };
         let kernel_place = section.place_of("kernel");
+        let stack = match section.get("kernel") {
+            Some(kernel) => self.stack(kernel)?,
+            None => None,
+        };
+        // A stack of four is what a pattern asks for.
+        let (stack, four_in_one) = match stack {
+            Some(stack) if four && stack.len() == 4 => (None, Some(stack)),
+            stack => (stack.filter(|_| !four), None),
+        };
         let kernels = match section.get("kernel") {
+            Some(_) if stack.is_some() => stack.clone().unwrap_or_default(),
+            Some(_) if four_in_one.is_some() => four_in_one.unwrap_or_default(),
             Some(kernel) => self.kernels(kernel, four)?,
             None => vec![
                 Kernel::new(Plane::ones((1, 1)))
                     .map_err(|e| wrong(kernel_place, e.to_string(), ""))?,
             ],
         };
-        let thresholds = thresholds(section.need("threshold")?, four)?;
+        let kinds = stack.as_ref().map(Vec::len);
+        let thresholds = thresholds(section.need("threshold")?, four, kinds)?;
+        let names = names(section.get("name"), kinds)?;
         let memory_kernel =
             self.memory_kernel(memory, section.get("memory-kernel"), gain, section.place())?;
         let kernels = kernels
             .iter()
             .map(|kernel| scaled(kernel, gain, kernel_place))
-            .collect::<Read<_>>()?;
-        Ok(Channel {
-            name: section.maybe_text("name"),
+            .collect::<Read<Vec<_>>>()?;
+        let whole = Channel {
+            name: None,
             kernels,
             surrounds,
             thresholds,
             memory_kernel,
             log_temporal,
-        })
+        };
+        let Some(kinds) = kinds else {
+            let name = names.into_iter().next();
+            return Ok(vec![Channel { name, ..whole }]);
+        };
+        let each = (0..kinds).map(|k| Channel {
+            name: names.get(k).cloned(),
+            kernels: vec![whole.kernels[k].clone()],
+            thresholds: vec![whole.thresholds[k]],
+            ..whole.clone()
+        });
+        Ok(each.collect())
     }
 }
 
@@ -169,8 +204,44 @@ fn polarity(memory: MemoryRule, section: &Section<'_>) -> Read<PolarityRule> {
     Ok(rule)
 }
 
-/// One threshold, or four for a pattern.
-fn thresholds(node: Node<'_>, four: bool) -> Read<Vec<Threshold>> {
+/// What the kinds of a channel are called: as they are listed, or numbered from 0.
+fn names(given: Option<Node<'_>>, kinds: Option<usize>) -> Read<Vec<String>> {
+    let Some(node) = given else {
+        return Ok(Vec::new());
+    };
+    let texts = |list: Vec<Node<'_>>| -> Vec<String> {
+        let texts = list.into_iter().filter_map(Node::as_text);
+        texts.map(str::to_owned).collect()
+    };
+    match (node.as_text(), node.as_list(), kinds) {
+        (Some(name), _, None) => Ok(vec![name.to_owned()]),
+        (Some(name), _, Some(kinds)) => Ok((0..kinds).map(|k| format!("{name} {k}")).collect()),
+        (_, Some(list), Some(kinds)) if list.len() == kinds => Ok(texts(list)),
+        (_, list, kinds) => Err(wrong(
+            node.place(),
+            format!(
+                "{} names for {} kernels",
+                list.map_or(0, |list| list.len()),
+                kinds.unwrap_or(1)
+            ),
+            "give one name, or a list of as many as the file has kernels",
+        )),
+    }
+}
+
+/// One threshold, or four for a pattern, or one for each of the kinds of a file.
+fn thresholds(node: Node<'_>, four: bool, kinds: Option<usize>) -> Read<Vec<Threshold>> {
+    if let Some(kinds) = kinds {
+        return match node.as_list() {
+            None => Ok(vec![Threshold::read(node)?; kinds]),
+            Some(list) if list.len() == kinds => list.into_iter().map(Threshold::read).collect(),
+            Some(list) => Err(wrong(
+                node.place(),
+                format!("{} thresholds for {kinds} kernels", list.len()),
+                "give one for all of them, or one for each",
+            )),
+        };
+    }
     let all = match (node.as_list(), four) {
         (None, false) => vec![node],
         (Some(several), true) if several.len() == 4 => several,

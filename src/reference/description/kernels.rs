@@ -3,11 +3,12 @@
 use crate::{
     config::{Node, Place, Read},
     elementary,
-    kernel::{Kernel, KernelError, KernelFileError},
+    kernel::{Kernel, KernelError, KernelFileError, NUMPY},
     plane::Plane,
 };
 
 use super::{
+    keys::MOST_CHANNELS,
     reader::{Reader, wrong},
     rules::MemoryRule,
 };
@@ -59,6 +60,42 @@ impl Reader<'_> {
                 "give kernel = [k0, k1, k2, k3]; the pixel at (x, y) uses number 2*(y%2) + (x%2)",
             )),
         }
+    }
+
+    /// The kernels of a file of several, a `.npy` of shape (K,k,k); none where it is one kernel.
+    pub(super) fn stack(&self, node: Node<'_>) -> Read<Option<Vec<Kernel>>> {
+        let name = node
+            .as_text()
+            .filter(|name| Kernel::builtin(name).is_none());
+        let Some(name) = name else {
+            return Ok(None);
+        };
+        // What cannot be read is told of where one kernel is looked for.
+        let bytes = (self.read)(name).unwrap_or_default();
+        if !bytes.starts_with(NUMPY) || Kernel::from_npy(&bytes).is_ok() {
+            return Ok(None);
+        }
+        let Some(planes) = Kernel::planes_from_npy(&bytes) else {
+            return Ok(None);
+        };
+        if planes.is_empty() || planes.len() > MOST_CHANNELS {
+            return Err(wrong(
+                node.place(),
+                format!("kernel file {name}: {} kernels", planes.len()),
+                &format!("give an array of shape (K,k,k), K from 1 to {MOST_CHANNELS}"),
+            ));
+        }
+        let kernels = (0..).zip(planes).map(|(i, plane)| {
+            Kernel::new(plane).map_err(|e| {
+                let what = format!("kernel file {name}, kernel {i}: {e}");
+                wrong(
+                    node.place(),
+                    what,
+                    "give kernels of odd sides and finite weights",
+                )
+            })
+        });
+        kernels.collect::<Read<_>>().map(Some)
     }
 
     fn kernel(&self, node: Node<'_>) -> Read<Kernel> {

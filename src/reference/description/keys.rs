@@ -10,7 +10,7 @@ use crate::{
 pub use surround::RULES;
 
 /// Kinds of cells that a pixel may have, as many as the paper's largest sensor.
-const MOST_CHANNELS: usize = 16;
+pub(super) const MOST_CHANNELS: usize = 16;
 
 /// A sensor file.
 pub const FILE: File = File {
@@ -125,12 +125,19 @@ pub const THRESHOLD: Table = Table::new(&[
 const CHANNEL: Table = Table {
     one_of: &["kernel", "mesh"],
     keys: &[
-        Key::optional("name", Kind::Text, "what this kind of cell is called"),
+        Key::optional(
+            "name",
+            Kind::Either {
+                ways: &[Kind::Text, Kind::list(&Kind::Text)],
+                expected: "a text (with an array of several kernels: or a list of as many)",
+            },
+            "what this kind of cell is called",
+        ),
         Key::optional(
             "kernel",
             Kind::Either {
                 ways: &[Kind::Text, kernel::ROWS, Kind::list(&ONE)],
-                expected: "rows of numbers, such as [[0, -1, 0], [-1, 4, -1], [0, -1, 0]], or the name of a built-in kernel or of a kernel file (with pattern = \"2x2\": an array of four)",
+                expected: "rows of numbers, such as [[0, -1, 0], [-1, 4, -1], [0, -1, 0]], or the name of a built-in kernel or of a kernel file, of which a .npy of shape (K,k,k) is K kinds of cells (with pattern = \"2x2\": an array of four)",
             },
             "the receptive field",
         )
@@ -145,7 +152,7 @@ const CHANNEL: Table = Table {
             "threshold",
             Kind::Either {
                 ways: &[Kind::Table(&THRESHOLD), Kind::list(&Kind::Table(&THRESHOLD))],
-                expected: "{ on = number, off = number, sigma = number }, where sigma may be left out (with pattern = \"2x2\": an array of four)",
+                expected: "{ on = number, off = number, sigma = number }, where sigma may be left out (with pattern = \"2x2\": an array of four; with K kernels in one file: one for all, or K)",
             },
             "when a cell fires, in the unit of the filtered signal",
         )

@@ -29,6 +29,7 @@ mod open;
 mod reader;
 mod rules;
 mod sensor;
+mod text;
 
 pub use self::{
     channel::{Channel, Threshold},

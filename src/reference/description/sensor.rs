@@ -29,3 +29,18 @@ pub struct Description {
     /// The kinds of cells, at least one.
     pub channels: Vec<Channel>,
 }
+
+impl Description {
+    /// What the kinds of cells are called, for packets and files: of several, of which one has a
+    /// name; none otherwise.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        let several = self.channels.len() > 1;
+        if !several || self.channels.iter().all(|kind| kind.name.is_none()) {
+            return Vec::new();
+        }
+        let each = self.channels.iter().enumerate();
+        each.map(|(i, kind)| kind.name.clone().unwrap_or_else(|| format!("kind {i}")))
+            .collect()
+    }
+}

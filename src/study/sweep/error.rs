@@ -35,6 +35,10 @@ pub enum StoreError {
         /// What the system said.
         cause: io::Error,
     },
+    /// It was stopped from outside.
+    #[error("the sweep was stopped")]
+    #[diagnostic(help("the points that are finished are kept: run it again, and it goes on"))]
+    Stopped,
     /// Another process works there.
     #[error("{} is in use by another amacrine", folder.display())]
     #[diagnostic(help(

@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashMap,
+    ops::ControlFlow,
     path::PathBuf,
     sync::{
         Mutex, PoisonError,
@@ -12,7 +13,7 @@ use std::{
 
 use super::{
     damage::Damage,
-    error::Kept,
+    error::{Kept, StoreError},
     limits::Limits,
     measure::{described, measure, without_figures},
     plan::{Entry, Plan},
@@ -115,6 +116,22 @@ impl Run<'_> {
         begin: impl FnOnce(u64),
         done: impl Fn() + Sync,
     ) -> Kept<Did> {
+        self.complete_until(store, begin, || {
+            done();
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// As [`complete`](Self::complete); where `done` says so, no other point is begun.
+    ///
+    /// # Errors
+    /// As [`complete`](Self::complete), and [`StoreError::Stopped`].
+    pub fn complete_until(
+        &self,
+        store: &Store,
+        begin: impl FnOnce(u64),
+        done: impl Fn() -> ControlFlow<()> + Sync,
+    ) -> Kept<Did> {
         let (plan, limits) = (self.plan, self.limits);
         self.complete_by(store, begin, done, |entry, shared| {
             measure(plan, entry, shared, limits)
@@ -125,7 +142,7 @@ impl Run<'_> {
         &self,
         store: &Store,
         begin: impl FnOnce(u64),
-        done: impl Fn() + Sync,
+        done: impl Fn() -> ControlFlow<()> + Sync,
         compute: impl Fn(&Entry, &Shared) -> Row + Sync,
     ) -> Kept<Did> {
         let held = store.held()?;
@@ -134,7 +151,9 @@ impl Run<'_> {
         let mut mine = self.mine();
         let search = self.plan.study.sample.and_then(|sample| sample.search);
         let searched = match search {
-            Some(search) => Some(self.search(search, store, &done)?),
+            Some(search) => Some(self.search(search, store, &|| {
+                let _ = done();
+            })?),
             None => None,
         };
         if let Some((chosen, _)) = &searched {
@@ -169,8 +188,10 @@ impl Run<'_> {
             }
             let provenance = provenance.clone();
             store.keep(&entry.id, &Record { row, provenance })?;
-            done();
-            Ok(())
+            match done() {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(StoreError::Stopped),
+            }
         })?;
         did.failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
         did.failed.sort_by_key(|failed| failed.point);
@@ -278,7 +299,8 @@ mod tests {
             assert!(entry.id != *bad, "a defect");
             measure(&plan, entry, shared, run.limits)
         };
-        let did = run.complete_by(&store, |_| {}, || {}, compute).unwrap();
+        let all = || ControlFlow::Continue(());
+        let did = run.complete_by(&store, |_| {}, all, compute).unwrap();
         let [failed] = &*did.failed else {
             panic!("{:?}", did.failed);
         };
@@ -303,6 +325,30 @@ mod tests {
         let did = run.complete(&store, |_| {}, || {}).unwrap();
         assert_eq!((did.computed, did.found), (1, 2));
         assert_eq!(store.write_tables(false).unwrap().finished, 3);
+    }
+
+    /// What is stopped keeps what is finished, and the next run does the rest.
+    #[test]
+    fn a_run_that_is_stopped_goes_on() {
+        let text = "scene = \"pattern:disc?width=16&height=12&frames=3&radius=3\"\nkernel = \"dvs\"\nthreshold = [10, 20, 30]\n[[side]]\nside = \"reference\"\n";
+        let study = Study::parse("study.toml", text).unwrap();
+        let plan = Plan::new(study, Path::new("")).unwrap();
+        let run = Run {
+            plan: &plan,
+            shard: None,
+            jobs: 1,
+            limits: Limits {
+                clock: &|| 0.0,
+                seconds: None,
+                bytes: None,
+            },
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path(), &plan.manifest()).unwrap();
+        let stopped = run.complete_until(&store, |_| {}, || ControlFlow::Break(()));
+        assert!(matches!(stopped, Err(StoreError::Stopped)), "{stopped:?}");
+        let did = run.complete(&store, |_| {}, || {}).unwrap();
+        assert_eq!((did.computed, did.found), (2, 1));
     }
 
     #[test]

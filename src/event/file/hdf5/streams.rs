@@ -168,7 +168,7 @@ pub(super) struct Reading {
 
 impl Source for Reading {
     fn about(&self) -> About {
-        self.about
+        self.about.clone()
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
@@ -216,9 +216,9 @@ impl Source for Reading {
 }
 
 /// A writer of events.
-pub(super) const fn sink(head: &Head) -> Writing {
+pub(super) fn sink(head: &Head) -> Writing {
     Writing {
-        head: *head,
+        head: head.clone(),
         open: None,
         offset: None,
         events: 0,

@@ -235,7 +235,7 @@ fn integers(column: &mut ColumnReader, count: usize) -> ParquetResult<Vec<i128>>
 
 impl Source for Reading {
     fn about(&self) -> About {
-        self.about
+        self.about.clone()
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
@@ -290,9 +290,9 @@ impl Source for Reading {
 }
 
 /// A writer of events.
-pub(super) const fn sink(head: &Head) -> Writing {
+pub(super) fn sink(head: &Head) -> Writing {
     Writing {
-        head: *head,
+        head: head.clone(),
         writer: None,
         rest: Vec::new(),
     }

@@ -1,0 +1,149 @@
+//! Sweeps: the points of a study, computed once each, in a folder of results.
+
+use std::{
+    ops::ControlFlow,
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, Ordering},
+    thread,
+    time::{Duration, Instant},
+};
+
+use amacrine::{
+    memory::{Budget, Need},
+    study::sweep::{
+        Limits, Override, Plan, Run, Shard, Store, Study, merge as merge_folders,
+        overrides::OverrideError, run::ShardError, store::Tables,
+    },
+};
+use miette::{Report, miette};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::{error::raised, files::json, pool};
+
+/// How often it is looked whether the person wants to stop.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// What stands in a folder of results.
+fn told(title: &str, points: usize, tables: &Tables) -> serde_json::Value {
+    json!({
+        "study": title,
+        "points": points,
+        "finished": tables.finished,
+        "failed": tables.failed,
+        "missing": tables.missing,
+    })
+}
+
+/// Computes what is missing of a study, or of a shard of it, in a folder; the answer in JSON.
+#[pyfunction]
+pub fn sweep(
+    py: Python<'_>,
+    study: (String, String, PathBuf),
+    sets: Vec<String>,
+    output: PathBuf,
+    shard: Option<String>,
+    jobs: usize,
+    max_seconds: Option<f64>,
+) -> PyResult<String> {
+    let (file, text, folder) = study;
+    let sets: Vec<Override> = { sets.iter() }
+        .map(|set| set.parse().map_err(|e: OverrideError| raised(e)))
+        .collect::<PyResult<_>>()?;
+    let shard: Option<Shard> = { shard.as_deref() }
+        .map(|text| text.parse().map_err(|e: ShardError| raised(e)))
+        .transpose()?;
+    let stop = AtomicBool::new(false);
+    let swept = py.detach(|| {
+        thread::scope(|scope| {
+            let work = scope.spawn(|| {
+                let study = Study::parse_with(&file, &text, &sets)?;
+                let how = (shard, jobs, max_seconds);
+                complete(study, &folder, &output, how, &stop)
+            });
+            let mut asked = Ok(());
+            while !work.is_finished() {
+                thread::sleep(LOOK);
+                if asked.is_ok() {
+                    asked = Python::attach(Python::check_signals);
+                    stop.store(asked.is_err(), Ordering::Relaxed);
+                }
+            }
+            let did = work.join().unwrap_or_else(|_| {
+                Err(miette!(
+                    help = "report this",
+                    "the sweep panicked, which is a defect of amacrine"
+                ))
+            });
+            asked.map(|()| did)
+        })
+    })?;
+    swept.map_err(raised).and_then(|answer| json(&answer))
+}
+
+fn complete(
+    study: Study,
+    folder: &Path,
+    output: &Path,
+    (shard, jobs, seconds): (Option<Shard>, usize, Option<f64>),
+    stop: &AtomicBool,
+) -> Result<serde_json::Value, Report> {
+    let search = study.sample.is_some_and(|sample| sample.search.is_some());
+    if search && shard.is_some() {
+        return Err(miette!(
+            help = "sweep it in one process, without a client, or take the whole grid",
+            "a shard of a search, whose points are chosen by comparing all of them"
+        ));
+    }
+    let plan = Plan::new(study, folder)?;
+    let jobs = match jobs {
+        0 => thread::available_parallelism().map_or(1, usize::from),
+        jobs => jobs,
+    };
+    let need = Need::new().and("scenes that are kept", plan.held());
+    let budget = Budget::from_machine();
+    need.within(budget, "a sweep", "take smaller scenes, or fewer")?;
+    let start = Instant::now();
+    let clock = || start.elapsed().as_secs_f64();
+    let run = Run {
+        plan: &plan,
+        shard,
+        jobs,
+        limits: Limits {
+            clock: &clock,
+            seconds,
+            bytes: Some(need.left(budget) / jobs as u64),
+        },
+    };
+    let store = Store::open(output, &plan.manifest())?;
+    let did = run.complete_until(
+        &store,
+        |_| {},
+        || {
+            if stop.load(Ordering::Relaxed) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        },
+    )?;
+    let tables = store.write_tables(false)?;
+    let mut answer = told(&plan.manifest().title, plan.entries.len(), &tables);
+    answer["computed"] = json!(did.computed);
+    answer["found"] = json!(did.found);
+    answer["warnings"] = json!(
+        plan.warnings()
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+    );
+    Ok(answer)
+}
+
+/// Joins folders of one study into another; the answer in JSON.
+#[pyfunction]
+pub fn merge(py: Python<'_>, folders: Vec<PathBuf>, output: PathBuf) -> PyResult<String> {
+    let merged = pool::work(py, || merge_folders(&folders, &output, false))?;
+    let (manifest, tables) = merged.map_err(raised)?;
+    json(&told(&manifest.title, manifest.points.len(), &tables))
+}

@@ -1,0 +1,185 @@
+//! Events as networks are fed: the doors to the library's tensors.
+
+use std::{
+    path::Path,
+    sync::{Mutex, PoisonError},
+};
+
+use amacrine::{
+    event::{
+        Packet,
+        file::Opening,
+        tensor::{self, TensorError, TimeSurface, VoxelStream, Windows, frames as frames_of},
+    },
+    plane::Size,
+    unit::Micros,
+};
+use miette::Report;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::{error::raised, files, pool};
+
+/// How events become voxels.
+#[pyclass(frozen, module = "amacrine._amacrine")]
+pub struct Voxels {
+    pub how: tensor::Voxels,
+}
+
+fn named<T: std::str::FromStr<Err = TensorError>>(text: &str) -> PyResult<T> {
+    text.parse().map_err(raised)
+}
+
+#[pymethods]
+impl Voxels {
+    /// Windows of `length` seconds, one `every` so many, with so many bins.
+    #[new]
+    fn new(
+        bins: usize,
+        length: f64,
+        every: f64,
+        alignment: &str,
+        share: &str,
+        polarity: &str,
+        normalise: &str,
+    ) -> PyResult<Self> {
+        let windows = Windows::new(length, every, named(alignment)?).map_err(raised)?;
+        let mut how = tensor::Voxels::new(bins, windows).map_err(raised)?;
+        how.share = named(share)?;
+        how.sides = named(polarity)?;
+        how.normalise = named(normalise)?;
+        Ok(Self { how })
+    }
+
+    /// How many windows it takes for what ends at `end`, in microseconds.
+    fn count(&self, end: u64) -> u64 {
+        self.how.windows.count(Micros(end))
+    }
+
+    /// Start and end of window `n`, in microseconds.
+    fn bounds(&self, n: u64) -> (i64, i64) {
+        self.how.windows.bounds(n)
+    }
+
+    /// The shape of a window: kinds of cells, sides, bins, rows, columns.
+    fn shape(&self, size: (usize, usize), channels: u8) -> [usize; 5] {
+        self.how.shape(Size::new(size.0, size.1), channels)
+    }
+}
+
+/// Windows of a clip that comes part by part.
+#[pyclass(frozen, module = "amacrine._amacrine")]
+pub struct Stream(Mutex<VoxelStream>);
+
+impl Stream {
+    pub fn with<T>(&self, what: impl FnOnce(&mut VoxelStream) -> T) -> T {
+        what(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[pymethods]
+impl Stream {
+    #[new]
+    fn new(how: &Voxels, size: (usize, usize), channels: u8) -> Self {
+        let size = Size::new(size.0, size.1);
+        Self(Mutex::new(VoxelStream::new(how.how, size, channels)))
+    }
+
+    /// The windows that are left of a clip that ends at `end`, in microseconds.
+    fn rest<'py>(&self, py: Python<'py>, end: u64) -> Vec<Bound<'py, PyArray1<f32>>> {
+        let left = self.with(|stream| stream.rest(Micros(end)));
+        arrays(py, left)
+    }
+}
+
+/// Each as an array of its own.
+pub fn arrays(py: Python<'_>, all: Vec<Vec<f32>>) -> Vec<Bound<'_, PyArray1<f32>>> {
+    all.into_iter()
+        .map(|one| PyArray1::from_vec(py, one))
+        .collect()
+}
+
+/// The packet of an array of events.
+fn packet(npy: Vec<u8>, size: Option<(usize, usize)>, channels: u8) -> Result<Packet, Report> {
+    let how = Opening {
+        format: None,
+        size: size.map(|(height, width)| Size::new(height, width)),
+    };
+    let mut packet = files::load(Path::new("events"), Some(npy), &how)?.packet;
+    packet.channels = packet.channels.max(channels);
+    Ok(packet)
+}
+
+/// Rows, columns and kinds of cells.
+type Place = (usize, usize, u8);
+
+fn place(packet: &Packet) -> Place {
+    (packet.size.height, packet.size.width, packet.channels)
+}
+
+/// The voxels of an array of events, up to `end` microseconds or the last of them.
+#[pyfunction]
+pub fn voxels<'py>(
+    py: Python<'py>,
+    npy: Vec<u8>,
+    size: Option<(usize, usize)>,
+    channels: u8,
+    how: &Voxels,
+    end: Option<u64>,
+) -> PyResult<(Bound<'py, PyArray1<f32>>, Place)> {
+    let made = pool::work(py, || {
+        let mut packet = packet(npy, size, channels)?;
+        let last = packet.events.iter().map(|event| event.t).max();
+        packet.span.1 = end.map_or(last.unwrap_or_default(), Micros);
+        let count = how.how.windows.count(packet.span.1) as usize;
+        let mut voxels = vec![0.0; count * how.how.len(packet.size, packet.channels)];
+        how.how.fill(&packet, &mut voxels);
+        Ok((voxels, place(&packet)))
+    })?;
+    let (voxels, place) = made.map_err(|report: Report| raised(report))?;
+    Ok((PyArray1::from_vec(py, voxels), place))
+}
+
+/// Time surfaces of an array of events, at these microseconds.
+#[pyfunction]
+pub fn surfaces<'py>(
+    py: Python<'py>,
+    npy: Vec<u8>,
+    size: Option<(usize, usize)>,
+    channels: u8,
+    times: Vec<u64>,
+    tau: f64,
+    decay: &str,
+    polarity: &str,
+) -> PyResult<(Bound<'py, PyArray1<f32>>, Place)> {
+    let mut how = TimeSurface::new(tau).map_err(raised)?;
+    how.decay = named(decay)?;
+    how.sides = named(polarity)?;
+    let made = pool::work(py, || {
+        let packet = packet(npy, size, channels)?;
+        let times: Vec<_> = times.into_iter().map(Micros).collect();
+        Ok((how.of(&packet, &times), place(&packet)))
+    })?;
+    let (surfaces, place) = made.map_err(|report: Report| raised(report))?;
+    Ok((PyArray1::from_vec(py, surfaces), place))
+}
+
+/// Frames of `each` events of an array.
+#[pyfunction]
+pub fn event_frames<'py>(
+    py: Python<'py>,
+    npy: Vec<u8>,
+    size: Option<(usize, usize)>,
+    channels: u8,
+    each: usize,
+    polarity: &str,
+    fill: &str,
+) -> PyResult<(Bound<'py, PyArray1<i32>>, Place)> {
+    let (sides, fill) = (named(polarity)?, named(fill)?);
+    let made = pool::work(py, || {
+        let packet = packet(npy, size, channels)?;
+        Ok((frames_of(&packet, each, sides, fill), place(&packet)))
+    })?;
+    let (frames, place) = made.map_err(|report: Report| raised(report))?;
+    Ok((PyArray1::from_vec(py, frames), place))
+}

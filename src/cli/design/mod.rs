@@ -1,0 +1,306 @@
+//! `amacrine design`: from kernels and a scene to a sensor, its program and its report.
+
+mod report;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use miette::{WrapErr, miette};
+use serde_json::json;
+
+use super::{
+    budget,
+    clip::Clip,
+    compile::Remembered,
+    content::Content,
+    files::{self, Named, Output},
+    kernels::Kinds,
+    light,
+    progress::Progress,
+    quantiser::Total,
+    quoted::quoted,
+    window::Window,
+};
+use crate::{
+    compile::Effort,
+    isa::Device,
+    kernel::quantise::Quantiser,
+    rig::guard::Warning,
+    save::save,
+    scene::Observation,
+    study::{
+        equivalent::RUNGS,
+        exploration::{Aim, Candidate, Exploration, Question, explore},
+        feasibility,
+    },
+};
+
+/// What `design` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine design rgc-5x5 --rate 2 -o centre\n  amacrine design four.npy --scene clip.mp4 --rate 4 -o four\n  amacrine design four.npy --scene clip.mp4 --rate 4 --to ternary,int-5 --pick 2 -o four\n  amacrine design rgc-4-on-chip\n\nEvery row of the table was compiled and has run on the model of the chip. Without -o nothing is written."
+)]
+pub struct Arguments {
+    /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k) or (K,k,k)), names of
+    /// built-in ones, or sensor files
+    #[arg(required = true, value_name = "KERNELS")]
+    kernels: Vec<Named>,
+    /// Events per pixel and second, all kinds together, each an equal share: the thresholds are
+    /// found
+    #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
+    rate: Option<f64>,
+    /// Thresholds instead, in kernel times light (0 to 255): one for all kernels, or one for each;
+    /// a sensor file has its own
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_delimiter = ',',
+        value_name = "THRESHOLDS"
+    )]
+    threshold: Vec<f64>,
+    #[command(flatten)]
+    clip: Clip,
+    /// Few values that are tried (see `amacrine quantise --help`)
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantiser::quantiser)]
+    to: Vec<Quantiser>,
+    /// What the program remembers: `analogue`, `shared` or `bits:N` [default: all that the chip
+    /// has room for are tried]
+    #[arg(long, value_name = "WHERE")]
+    memory: Option<Remembered>,
+    /// What quantised kernels must sum to
+    #[arg(long, value_enum, default_value_t)]
+    sum: Total,
+    /// A shipped chip by name, or the folder of another
+    #[arg(long, default_value = "scamp5")]
+    chip: Named,
+    #[command(flatten)]
+    window: Window,
+    /// Which row is written: its number, `best` for the one that keeps most, or `knee` for the
+    /// shortest program that keeps nearly as much
+    #[arg(long, default_value = "knee", value_name = "N|knee|best")]
+    pick: Pick,
+    /// Chips that are drawn for the report, from what the public data allow
+    #[arg(long, default_value_t = 8, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    chips: u64,
+    /// How long to search for each program, in seconds of two cores of 2024
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
+    effort: f64,
+    /// Seed of the searches, of stochastic rounding and of the silicon
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Write sensor.toml, program.scamp and report.html into this folder
+    #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
+    output: Option<Output>,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// Which candidate is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pick {
+    /// The shortest program that keeps nearly as much as the best.
+    Knee,
+    /// The one that keeps most.
+    Best,
+    /// This row, from 1.
+    Row(usize),
+}
+
+impl std::str::FromStr for Pick {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "knee" => Ok(Self::Knee),
+            "best" => Ok(Self::Best),
+            row => match row.parse() {
+                Ok(row) if row > 0 => Ok(Self::Row(row)),
+                _ => Err(format!(
+                    "`{row}` is neither knee nor best nor the number of a row, from 1"
+                )),
+            },
+        }
+    }
+}
+
+impl Pick {
+    /// Index among the candidates.
+    fn of(self, all: &Exploration) -> miette::Result<usize> {
+        let rows = all.candidates.len();
+        match self {
+            Self::Knee => Ok(all.knee.unwrap_or(0)),
+            Self::Best => Ok(0),
+            Self::Row(row) if row <= rows => Ok(row - 1),
+            Self::Row(row) => Err(miette!(
+                help = format!("give a number from 1 to {rows}, knee or best"),
+                "--pick {row}: there are {rows} rows"
+            )),
+        }
+    }
+}
+
+/// What is written, by name.
+struct Written {
+    sensor: PathBuf,
+    program: PathBuf,
+    report: PathBuf,
+}
+
+impl Written {
+    fn new(folder: &Path) -> Self {
+        Self {
+            sensor: folder.join("sensor.toml"),
+            program: folder.join("program.scamp"),
+            report: folder.join("report.html"),
+        }
+    }
+
+    fn all(&self) -> [&Path; 3] {
+        [&self.sensor, &self.program, &self.report]
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// One diagnostic that names what was wrong.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let kinds = Kinds::of_all(&arguments.kernels)?;
+    let device = Device::find(&arguments.chip)?;
+    let thresholds = arguments.thresholds(&kinds)?;
+    let folder = arguments.output.as_ref();
+    let written = folder.map(|folder| Written::new(folder));
+    if let Some(written) = &written {
+        files::writes(written.all())?;
+    }
+    let title = folder.and_then(|folder| folder.file_name()?.to_str());
+    let title = title.unwrap_or("design");
+    let question = Question {
+        title,
+        names: &kinds.names,
+        kernels: &kinds.kernels,
+        aim: match (arguments.rate, &thresholds) {
+            (Some(rate), _) => Aim::Rate(rate),
+            (None, thresholds) => Aim::Thresholds(thresholds),
+        },
+        quantisers: &arguments.to,
+        memory: arguments.memory.map(|memory| memory.0),
+        sum: arguments.sum.into(),
+        device: &device,
+        effort: Effort::seconds(arguments.effort),
+        seed: arguments.seed,
+        within: arguments.window.within,
+    };
+    let observation = Observation::new();
+    let scene = arguments.clip.open(&observation)?;
+    let sensors = (RUNGS.len() + 1) * kinds.kernels.len() + 4 * arguments.to.len();
+    budget::check_study(&*scene, sensors)?;
+    drop(scene);
+    let open = || arguments.clip.open(&observation);
+    let progress = Progress::spinner("thresholds");
+    let searching = |at: usize, of: usize| progress.says(format!("program {at} of {of}"));
+    let mut frames = 0;
+    let found = explore(&question, &open, &searching, |_| {
+        frames += 1;
+        progress.says(format!("watching, frame {frames}"));
+    });
+    let found = found.wrap_err_with(|| format!("a sensor for {}", arguments.clip.name()))?;
+    let picked = arguments.pick.of(&found)?;
+    let candidate = &found.candidates[picked];
+    if let Some(written) = &written {
+        let text = candidate.sensor.to_toml();
+        save(&written.sensor, |out| out.write_all(text.as_bytes()))?;
+        let text = &candidate.program;
+        save(&written.program, |out| out.write_all(text.as_bytes()))?;
+        progress.says("report");
+        let page = report::page(arguments, candidate, &written.sensor, &question, found.fps)?;
+        save(&written.report, |out| out.write_all(page.as_bytes()))?;
+    }
+    progress.finish();
+    let warnings = Warning::of_scene(&observation, 255.0);
+    light::warn(&warnings);
+    let commands = written.as_ref().map(|written| arguments.commands(written));
+    if arguments.json {
+        let mut json = json!(found);
+        json["picked"] = json!(picked);
+        json["scene"] = json!(arguments.clip.name());
+        json["chip"] = json!(device.name());
+        json["light"] = light::json(&observation);
+        json["warnings"] = json!(warnings);
+        let written = written.as_ref().map(|it| it.all().map(Path::to_path_buf));
+        json["written"] = json!(written);
+        json["commands"] = json!(commands);
+        super::say(&format!("{json}\n"));
+        return Ok(());
+    }
+    let mut text = table::text(arguments, &found, picked, &light::line(&observation));
+    if let (Some(written), Some(commands)) = (&written, &commands) {
+        for path in written.all() {
+            text += "wrote    ";
+            text += &path.display().to_string();
+            text += "\n";
+        }
+        text += &table::other_memory(candidate, &found);
+        text += "\n";
+        for command in commands {
+            text += command;
+            text += "\n";
+        }
+    }
+    super::say(&text);
+    Ok(())
+}
+
+impl Arguments {
+    /// A threshold for each kernel, where no rate is asked for.
+    fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
+        let kernels = kinds.kernels.len();
+        match (self.rate, &self.threshold[..], &kinds.thresholds) {
+            (Some(_), ..) => Ok(Vec::new()),
+            (None, [], Some(own)) => Ok(own.clone()),
+            (None, [], None) => Err(miette!(
+                help = "give --rate EVENTS, per pixel and second, or --threshold T, in kernel times light (0 to 255)",
+                "a design needs a rate of events, or thresholds"
+            )),
+            (None, [all], _) => Ok(vec![*all; kernels]),
+            (None, each, _) if each.len() == kernels => Ok(each.to_vec()),
+            (None, other, _) => Err(miette!(
+                help = "give one --threshold for all kernels, or one for each, in their order",
+                "{} thresholds for {kernels} kernels",
+                other.len()
+            )),
+        }
+    }
+
+    /// The commands that use what was written: the float sensor, the program, its proof.
+    fn commands(&self, written: &Written) -> [String; 3] {
+        let path = |path: &Path| quoted(&path.display().to_string());
+        let mut options = String::new();
+        for (name, value) in self.clip.written() {
+            if name != "scene" {
+                options += " --";
+                options += name;
+                options += " ";
+                options += &quoted(&value);
+            }
+        }
+        let scene = self.clip.given().unwrap_or("bundled");
+        let scene = quoted(scene);
+        let chip = match &*self.chip {
+            "scamp5" => String::new(),
+            other => format!(" --chip {}", quoted(other)),
+        };
+        let program = path(&written.program);
+        [
+            format!(
+                "amacrine run --scene {scene}{options} --sensor {} --events events.npy",
+                path(&written.sensor)
+            ),
+            format!(
+                "amacrine exec {program}{chip} --image {scene}{options} --domain silicon --events silicon.npy"
+            ),
+            format!("amacrine asm {program}{chip}"),
+        ]
+    }
+}

@@ -1,0 +1,131 @@
+//! What `design` prints: the thresholds, the candidates, the one that is taken.
+
+use std::fmt::Write as _;
+
+use super::{Arguments, Candidate, Exploration};
+use crate::{
+    compare::metric::Short,
+    compile::DriveMemory,
+    study::{
+        equivalent::rate,
+        exploration::NEARLY,
+        together::{memories, name},
+    },
+};
+
+/// Refusals that are shown.
+const SHOWN: usize = 6;
+
+/// All of it.
+pub(super) fn text(
+    arguments: &Arguments,
+    found: &Exploration,
+    picked: usize,
+    light: &str,
+) -> String {
+    let mut text = format!(
+        "scene    {}, {} frames at {} frames/s\n{light}",
+        arguments.clip.name(),
+        found.frames,
+        rate(found.fps)
+    );
+    for rated in &found.rated {
+        let thresholds: Vec<String> = rated.thresholds.iter().map(f64::to_string).collect();
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "rate     {:.4} events per pixel and second, all kinds together, with a memory of the {}: threshold {}",
+            rated.rate,
+            rated.memory,
+            thresholds.join(", ")
+        );
+    }
+    let _ = writeln!(
+        text,
+        "\n{:>3}  {:<8} {:<38} {:>6} {:>6} {:>6} {:>6} {:>9}  {:<8} readout",
+        "", "to", "remembers", "kept", "least", "words", "store", "frames/s", "front"
+    );
+    for (i, candidate) in found.candidates.iter().enumerate() {
+        let mark = match candidate.on_front {
+            _ if found.knee == Some(i) => "knee",
+            true => "front",
+            false => "",
+        };
+        let _ = writeln!(
+            text,
+            "{:>3}{} {:<8} {:<38} {:>6.3} {:>6.3} {:>6} {:>6} {:>9.0}  {:<8} {}",
+            i + 1,
+            if i == picked { ">" } else { " " },
+            candidate.to.to_string(),
+            candidate.memory,
+            candidate.kept,
+            candidate.least_kept,
+            candidate.words,
+            candidate.stored_words,
+            candidate.frames_s[0],
+            mark,
+            candidate.readout.words()
+        );
+    }
+    for refused in found.refused.iter().take(SHOWN) {
+        let _ = writeln!(text, "  -  {refused}");
+    }
+    if let Some(more) = found.refused.len().checked_sub(SHOWN).filter(|n| *n > 0) {
+        let _ = writeln!(text, "  -  and {more} more; --json has all");
+    }
+    let candidate = &found.candidates[picked];
+    let _ = writeln!(
+        text,
+        "\ntaken    {}: {}, {}; {} words, {} of {} kinds that the chip carries",
+        picked + 1,
+        candidate.to,
+        candidate.memory,
+        candidate.words,
+        candidate.kinds.len(),
+        candidate.carried
+    );
+    let width = { candidate.kinds.iter() }
+        .map(|kind| kind.name.chars().count())
+        .max()
+        .unwrap_or(0);
+    let _ = writeln!(
+        text,
+        "         {:<width$} {:>10} {:>8} {:>7} {:>7} {:>9}",
+        "kind", "threshold", "LSB", "exact", "kept", "as much"
+    );
+    for kind in &candidate.kinds {
+        let _ = writeln!(
+            text,
+            "         {:<width$} {:>10} {:>8.2} {:>7.3} {:>7.3} {:>9}",
+            kind.name,
+            kind.threshold,
+            kind.threshold_lsb,
+            kind.exact.kept,
+            kind.silicon.kept,
+            kind.silicon.equivalent()
+        );
+    }
+    let _ = writeln!(
+        text,
+        "kept: what of F1 is more than accident with the chip's errors, mean over the kinds, within {}; least: of the\nkind that keeps least; exact: without the errors; as much: the change of threshold that costs as much; frames/s:\nat least, with the cheapest readout that loses no event of this scene. The knee is the shortest program on the\nfront that keeps at least {:.0} % of the most kept.",
+        Short(found.window_us),
+        100.0 * NEARLY
+    );
+    text
+}
+
+/// Where the report's program is not the one that was taken.
+pub(super) fn other_memory(candidate: &Candidate, found: &Exploration) -> String {
+    let firsts = memories(candidate.kinds.len());
+    let fits = |memory: &DriveMemory| {
+        let own = |other: &&Candidate| other.to == candidate.to && other.remembers == *memory;
+        found.candidates.iter().any(|other| own(&other))
+    };
+    match firsts.into_iter().find(fits) {
+        Some(first) if first != candidate.remembers => format!(
+            "note     report.html is of the same kernels with {}\n",
+            name(first)
+        ),
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,34 @@
+//! Events as networks are fed: voxels over windows of time, time surfaces, event frames.
+//!
+//! All of them are row after row, `[…][channel][side][y, x]`, where a side is OFF and then ON
+//! ([`Sides::Split`]), or the two are one ([`Sides::Signed`]).
+
+mod error;
+mod frame;
+mod normalise;
+mod sides;
+mod stream;
+mod surface;
+mod voxels;
+mod windows;
+
+pub use error::TensorError;
+pub use frame::{Fill, frames};
+pub use normalise::Normalise;
+pub use sides::Sides;
+pub use stream::VoxelStream;
+pub use surface::{Decay, TimeSurface};
+pub use voxels::{Share, Voxels};
+pub use windows::{Alignment, Windows};
+
+use super::Event;
+
+/// Events in the order of their times; copied only where they are not.
+fn sorted(events: &[Event]) -> std::borrow::Cow<'_, [Event]> {
+    if events.is_sorted_by_key(|event| event.t) {
+        return events.into();
+    }
+    let mut events = events.to_vec();
+    events.sort_by_key(|event| event.t);
+    events.into()
+}

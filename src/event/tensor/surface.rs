@@ -1,0 +1,138 @@
+//! Time surfaces: how long ago each cell fired.
+
+use std::str::FromStr;
+
+use super::{
+    error::{TensorError, named, time},
+    sides::Sides,
+    sorted,
+};
+use crate::{elementary, event::Packet, unit::Micros};
+
+/// How a cell forgets its last event.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Decay {
+    /// `exp(-age / tau)` (Lagorce et al., TPAMI 2017).
+    #[default]
+    Exponential,
+    /// `1 - age / tau`, 0 from there on.
+    Linear,
+}
+
+const NAMES: [(&str, Decay); 2] = [
+    ("exponential", Decay::Exponential),
+    ("linear", Decay::Linear),
+];
+
+impl FromStr for Decay {
+    type Err = TensorError;
+
+    fn from_str(text: &str) -> Result<Self, TensorError> {
+        named(&NAMES, "decay", text)
+    }
+}
+
+/// How events become time surfaces: at each time `[channel][side][y, x]`, 1 where a cell fires just
+/// then, 0 where it never did; with [`Sides::Signed`] below 0 where its last event was OFF.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeSurface {
+    tau: f64,
+    /// How cells forget.
+    pub decay: Decay,
+    /// ON and OFF.
+    pub sides: Sides,
+}
+
+/// A cell that has not fired.
+const NEVER: u64 = u64::MAX;
+
+impl TimeSurface {
+    /// Surfaces that forget within `tau` seconds.
+    ///
+    /// # Errors
+    /// When that is less than a microsecond, or not finite.
+    pub fn new(tau: f64) -> Result<Self, TensorError> {
+        Ok(Self {
+            tau: time("tau", tau)?,
+            decay: Decay::default(),
+            sides: Sides::default(),
+        })
+    }
+
+    /// The surfaces of a packet at these times, in any order: each has seen the events up to its
+    /// time, that time among them.
+    #[must_use]
+    pub fn of(&self, packet: &Packet, times: &[Micros]) -> Vec<f32> {
+        let pixels = packet.size.pixels();
+        let each = usize::from(packet.channels) * self.sides.count() * pixels;
+        let events = sorted(&packet.events);
+        let mut order: Vec<usize> = (0..times.len()).collect();
+        order.sort_by_key(|n| times[*n]);
+        let mut out = vec![0.0; times.len() * each];
+        let mut last = vec![(NEVER, 0.0f32); each];
+        let mut events = events.iter().peekable();
+        for n in order {
+            let now = times[n];
+            while let Some(event) = events.next_if(|event| event.t <= now) {
+                let plane = usize::from(event.channel) * self.sides.count();
+                let plane = plane + self.sides.plane(event.polarity);
+                let pixel = usize::from(event.y) * packet.size.width + usize::from(event.x);
+                if let Some(cell) = last.get_mut(plane * pixels + pixel) {
+                    *cell = (event.t.0, self.sides.sign(event.polarity) as f32);
+                }
+            }
+            for (out, (when, sign)) in out[n * each..(n + 1) * each].iter_mut().zip(&last) {
+                if *when != NEVER {
+                    *out = sign * self.left(Micros(now.0 - when));
+                }
+            }
+        }
+        out
+    }
+
+    fn left(&self, age: Micros) -> f32 {
+        let age = age.seconds() / self.tau;
+        match self.decay {
+            Decay::Exponential => elementary::exp(-age) as f32,
+            Decay::Linear => (1.0 - age).max(0.0) as f32,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        event::{Event, Polarity},
+        plane::Size,
+    };
+
+    #[test]
+    fn cells_forget() {
+        let mut packet = Packet::new(Size::new(1, 2), 1);
+        let event = |t, x, polarity| Event {
+            t: Micros(t),
+            x,
+            y: 0,
+            polarity,
+            channel: 0,
+        };
+        // Not in order.
+        packet.events = vec![event(3000, 0, Polarity::Off), event(1000, 0, Polarity::On)];
+        let times = [Micros(3000), Micros(999), Micros(2000)];
+        let mut surface = TimeSurface::new(0.002).unwrap();
+        let half = (-0.5f64).exp() as f32;
+        assert_eq!(
+            surface.of(&packet, &times),
+            [-1.0, 0.0, 0.0, 0.0, half, 0.0]
+        );
+        surface.sides = Sides::Split;
+        surface.decay = Decay::Linear;
+        let split = [
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.5, 0.0],
+        ];
+        assert_eq!(surface.of(&packet, &times), split.concat());
+    }
+}

@@ -1,0 +1,301 @@
+//! Voxels: events in bins of time.
+//!
+//! In a window from `a` to `b` with `n` bins, with [`Share::Bilinear`], an event at `t` stands at
+//! `u = (n - 1) (t - a) / (b - a)` and gives `1 - |i - u|` to the two bins `i` that are nearest
+//! (Zhu et al., CVPR 2019): the first bin has its middle at `a`, the last at `b`. With
+//! [`Share::Whole`] a bin is an `n`-th of the window, and an event counts where it falls.
+
+use std::str::FromStr;
+
+use rayon::prelude::*;
+
+use super::{
+    error::{TensorError, named},
+    normalise::Normalise,
+    sides::Sides,
+    sorted,
+    windows::Windows,
+};
+use crate::{
+    event::{Event, Packet},
+    plane::Size,
+};
+
+/// The most bins of a window.
+pub const MOST_BINS: usize = 1000;
+
+/// How an event is shared between bins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Share {
+    /// Between the two nearest.
+    #[default]
+    Bilinear,
+    /// All of it to the bin in which it falls: a bin is over when its time is.
+    Whole,
+}
+
+const NAMES: [(&str, Share); 2] = [("bilinear", Share::Bilinear), ("whole", Share::Whole)];
+
+impl FromStr for Share {
+    type Err = TensorError;
+
+    fn from_str(text: &str) -> Result<Self, TensorError> {
+        named(&NAMES, "way to share an event", text)
+    }
+}
+
+/// How events become voxels: of each window `[channel][side][bin][y, x]`, in events.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Voxels {
+    /// Bins of a window.
+    bins: usize,
+    /// The windows.
+    pub windows: Windows,
+    /// How an event is shared between bins.
+    pub share: Share,
+    /// ON and OFF.
+    pub sides: Sides,
+    /// What a window's voxels are brought to.
+    pub normalise: Normalise,
+}
+
+impl Voxels {
+    /// Signed voxels in events, bilinear.
+    ///
+    /// # Errors
+    /// When there are no bins, or more than a thousand.
+    pub fn new(bins: usize, windows: Windows) -> Result<Self, TensorError> {
+        if !(1..=MOST_BINS).contains(&bins) {
+            return Err(TensorError::Bins { bins });
+        }
+        Ok(Self {
+            bins,
+            windows,
+            share: Share::default(),
+            sides: Sides::default(),
+            normalise: Normalise::default(),
+        })
+    }
+
+    /// Bins of a window.
+    #[must_use]
+    pub const fn bins(&self) -> usize {
+        self.bins
+    }
+
+    /// The shape of a window's voxels: kinds of cells, sides, bins, rows, columns.
+    #[must_use]
+    pub const fn shape(&self, size: Size, channels: u8) -> [usize; 5] {
+        let sides = self.sides.count();
+        [channels as usize, sides, self.bins, size.height, size.width]
+    }
+
+    /// Values of a window.
+    #[must_use]
+    pub fn len(&self, size: Size, channels: u8) -> usize {
+        self.shape(size, channels).iter().product()
+    }
+
+    /// The voxels of all windows of a packet, up to the end of what was watched.
+    #[must_use]
+    pub fn of(&self, packet: &Packet) -> Vec<f32> {
+        let last = packet.events.iter().map(|event| event.t).max();
+        let count = self
+            .windows
+            .count(last.unwrap_or_default().max(packet.span.1));
+        let mut voxels = vec![0.0; count as usize * self.len(packet.size, packet.channels)];
+        self.fill(packet, &mut voxels);
+        voxels
+    }
+
+    /// Writes the voxels of a packet's first windows, as many as `out` has room for.
+    pub fn fill(&self, packet: &Packet, out: &mut [f32]) {
+        let events = sorted(&packet.events);
+        let place = (packet.size, packet.channels);
+        let each = self.len(place.0, place.1).max(1);
+        out.par_chunks_mut(each).enumerate().for_each(|(n, out)| {
+            out.fill(0.0);
+            self.add(&events, n as u64, place, out);
+            self.finish(place, out);
+        });
+    }
+
+    /// Adds what these events, in the order of their times, give to window `n`.
+    pub(super) fn add(
+        &self,
+        events: &[Event],
+        n: u64,
+        (size, channels): (Size, u8),
+        out: &mut [f32],
+    ) {
+        let (from, to) = self.windows.bounds(n);
+        let up_to = |time: i64| events.partition_point(|event| event.t.0 as i64 <= time);
+        let events = &events[up_to(from)..up_to(to)];
+        let (pixels, steps) = (size.pixels(), (self.bins - 1) as f64);
+        let (bins, length) = (self.bins as i64, to - from);
+        let per = steps / length as f64;
+        for event in events.iter().filter(|event| event.channel < channels) {
+            let since = event.t.0 as i64 - from;
+            let sign = self.sides.sign(event.polarity) as f32;
+            let plane = usize::from(event.channel) * self.sides.count();
+            let plane = plane + self.sides.plane(event.polarity);
+            let pixel = usize::from(event.y) * size.width + usize::from(event.x);
+            let (bin, after) = match self.share {
+                Share::Bilinear => {
+                    let at = (since as f64 * per).min(steps);
+                    (at as usize, at.fract() as f32)
+                }
+                // It is after the start.
+                Share::Whole => (((since * bins - 1) / length) as usize, 0.0),
+            };
+            let first = (plane * self.bins + bin) * pixels + pixel;
+            if let Some(voxel) = out.get_mut(first) {
+                *voxel += sign * (1.0 - after);
+            }
+            // The last bin has none after it, and gives it nothing.
+            if after > 0.0
+                && let Some(voxel) = out.get_mut(first + pixels)
+            {
+                *voxel += sign * after;
+            }
+        }
+    }
+
+    /// Normalises the voxels of a window that is over, kind by kind.
+    pub(super) fn finish(&self, (size, channels): (Size, u8), out: &mut [f32]) {
+        if self.normalise != Normalise::None {
+            let each = self.len(size, channels) / usize::from(channels).max(1);
+            let kinds = out.par_chunks_mut(each.max(1));
+            kinds.for_each(|kind| self.normalise.apply(kind));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{
+        event::{
+            Polarity,
+            tensor::{Alignment, VoxelStream},
+        },
+        unit::Micros,
+    };
+
+    const SIZE: Size = Size {
+        height: 3,
+        width: 4,
+    };
+
+    fn events() -> impl Strategy<Value = Vec<Event>> {
+        let event = (1u64..100_000, 0u16..4, 0u16..3, 0u8..2, any::<bool>()).prop_map(
+            |(t, x, y, channel, on)| Event {
+                t: Micros(t),
+                x,
+                y,
+                polarity: if on { Polarity::On } else { Polarity::Off },
+                channel,
+            },
+        );
+        proptest::collection::vec(event, 0..200)
+    }
+
+    fn how() -> impl Strategy<Value = Voxels> {
+        let names = (any::<bool>(), any::<bool>(), any::<bool>());
+        (1usize..7, 0.001f64..0.1, 0.002f64..0.1, names).prop_map(
+            |(bins, length, every, (centred, whole, split))| {
+                let alignment = if centred {
+                    Alignment::Centred
+                } else {
+                    Alignment::Causal
+                };
+                let windows = Windows::new(length, every, alignment).unwrap();
+                let mut voxels = Voxels::new(bins, windows).unwrap();
+                voxels.share = if whole { Share::Whole } else { Share::Bilinear };
+                voxels.sides = if split { Sides::Split } else { Sides::Signed };
+                voxels
+            },
+        )
+    }
+
+    /// Event by event, window by window, bin by bin, as the equation stands.
+    fn slow(how: &Voxels, packet: &Packet) -> Vec<f64> {
+        let count = how.windows.count(packet.span.1);
+        let each = how.len(packet.size, packet.channels);
+        let mut out = vec![0.0; count as usize * each];
+        let bins = how.bins as f64;
+        for (n, event) in (0..count).flat_map(|n| packet.events.iter().map(move |e| (n, e))) {
+            let (a, b) = how.windows.bounds(n);
+            let t = event.t.0 as i64;
+            if t <= a || t > b {
+                continue;
+            }
+            let part = (t - a) as f64 / (b - a) as f64;
+            for bin in 0..how.bins {
+                let share = match how.share {
+                    Share::Bilinear if how.bins == 1 => 1.0,
+                    Share::Bilinear => (1.0 - (bin as f64 - part * (bins - 1.0)).abs()).max(0.0),
+                    Share::Whole => f64::from(u8::from((part * bins - 1e-9) as usize == bin)),
+                };
+                let (on, split) = (event.polarity == Polarity::On, how.sides == Sides::Split);
+                let side = usize::from(split && on);
+                let plane = usize::from(event.channel) * how.sides.count() + side;
+                let place =
+                    (plane * how.bins + bin) * 12 + usize::from(event.y) * 4 + usize::from(event.x);
+                out[n as usize * each + place] += if split || on { share } else { -share };
+            }
+        }
+        out
+    }
+
+    fn packet(events: Vec<Event>) -> Packet {
+        let mut packet = Packet::new(SIZE, 2);
+        packet.span.1 = Micros(100_000);
+        packet.events = events;
+        packet
+    }
+
+    proptest! {
+        #[test]
+        fn voxels_are_those_of_the_equation(how in how(), events in events()) {
+            let packet = packet(events);
+            let (got, want) = (how.of(&packet), slow(&how, &packet));
+            prop_assert_eq!(got.len(), want.len());
+            for (got, want) in got.iter().zip(want) {
+                prop_assert!((f64::from(*got) - want).abs() < 1e-4, "{} {}", got, want);
+            }
+        }
+
+        /// Part by part, however the parts are cut, they are the same to the bit.
+        #[test]
+        fn a_stream_gives_the_same_windows(how in how(), mut events in events(), normal: bool, step in 1u64..40_000) {
+            let mut how = how;
+            how.normalise = if normal { Normalise::Deviation } else { Normalise::None };
+            events.sort_by_key(|event| event.t);
+            let packet = packet(events);
+            let mut stream = VoxelStream::new(how, SIZE, 2);
+            let mut got = Vec::new();
+            let mut rest = &packet.events[..];
+            let mut until = 0;
+            while until < 100_000 {
+                until = (until + step).min(100_000);
+                let part = rest.partition_point(|event| event.t.0 <= until);
+                stream.add(&rest[..part]);
+                rest = &rest[part..];
+                got.extend(stream.finished(Micros(until)).into_iter().flatten());
+            }
+            got.extend(stream.rest(Micros(100_000)).into_iter().flatten());
+            prop_assert_eq!(got, how.of(&packet));
+        }
+    }
+
+    #[test]
+    fn bins_are_counted() {
+        let windows = Windows::new(1.0, 1.0, Alignment::Causal).unwrap();
+        for bins in [0, 1001] {
+            assert_eq!(Voxels::new(bins, windows), Err(TensorError::Bins { bins }));
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Windows of time, one after the other.
+
+use std::str::FromStr;
+
+use super::error::{TensorError, named, time};
+use crate::unit::Micros;
+
+/// Where a window lies about the time it is of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Alignment {
+    /// It ends there: nothing in it comes from later. Window `n` is that of `start + (n + 1) every`.
+    #[default]
+    Causal,
+    /// It has its middle there. Window `n` is that of `start + n every`.
+    Centred,
+}
+
+const NAMES: [(&str, Alignment); 2] = [
+    ("causal", Alignment::Causal),
+    ("centred", Alignment::Centred),
+];
+
+impl FromStr for Alignment {
+    type Err = TensorError;
+
+    fn from_str(text: &str) -> Result<Self, TensorError> {
+        named(&NAMES, "alignment", text)
+    }
+}
+
+/// Windows of one length, each some time after the one before; they may overlap.
+///
+/// A window has the events after its start and up to its end: an event at the time of a frame is
+/// in the window that ends with that frame. Bounds are whole microseconds, as the times of frames and
+/// events are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Windows {
+    length: f64,
+    every: f64,
+    alignment: Alignment,
+    start: f64,
+}
+
+impl Windows {
+    /// Windows of `length` seconds, one `every` so many, from 0 s on.
+    ///
+    /// # Errors
+    /// When one of the two is less than a microsecond, or not finite.
+    pub fn new(length: f64, every: f64, alignment: Alignment) -> Result<Self, TensorError> {
+        Ok(Self {
+            length: time("the window", length)?,
+            every: time("the time from window to window", every)?,
+            alignment,
+            start: 0.0,
+        })
+    }
+
+    /// The same, from `seconds` on.
+    #[must_use]
+    pub const fn from(mut self, seconds: f64) -> Self {
+        self.start = seconds;
+        self
+    }
+
+    /// Start and end of window `n`, in microseconds; the start may lie before 0.
+    #[must_use]
+    pub fn bounds(&self, n: u64) -> (i64, i64) {
+        let at = n as f64 * self.every + self.start;
+        let (from, to) = match self.alignment {
+            Alignment::Causal => (at + (self.every - self.length), at + self.every),
+            Alignment::Centred => (at - self.length / 2.0, at + self.length / 2.0),
+        };
+        let from = micros(from);
+        (from, micros(to).max(from + 1))
+    }
+
+    /// How many windows it takes for what ends at `end`: at least one.
+    #[must_use]
+    pub fn count(&self, end: Micros) -> u64 {
+        let (end, seconds) = (end.0 as i64, end.seconds() - self.start);
+        // Near it, and then exactly: bounds are rounded.
+        let mut count = (seconds / self.every).max(2.0) as u64 - 1;
+        match self.alignment {
+            Alignment::Causal => {
+                while count > 1 && self.bounds(count - 2).1 >= end {
+                    count -= 1;
+                }
+                while self.bounds(count - 1).1 < end {
+                    count += 1;
+                }
+            }
+            Alignment::Centred => {
+                let middle = |n: u64| micros(n as f64 * self.every + self.start);
+                while count > 1 && middle(count - 1) > end {
+                    count -= 1;
+                }
+                while middle(count) <= end {
+                    count += 1;
+                }
+            }
+        }
+        count
+    }
+}
+
+fn micros(seconds: f64) -> i64 {
+    // `as` saturates, which is what is meant.
+    (seconds * 1e6).round() as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Windows as long as their distance leave nothing out and take nothing twice.
+        #[test]
+        fn tiles_meet(length in 1e-5f64..3.0, n in 0u64..100_000) {
+            let windows = Windows::new(length, length, Alignment::Causal).unwrap();
+            prop_assert_eq!(windows.bounds(n).1, windows.bounds(n + 1).0);
+            prop_assert_eq!(windows.bounds(0).0, 0);
+        }
+
+        /// The last window reaches the end, and the one before does not.
+        #[test]
+        fn as_many_as_it_takes(length in 1e-4f64..1.0, every in 1e-4f64..1.0, end in 0u64..5_000_000) {
+            let causal = Windows::new(length, every, Alignment::Causal).unwrap();
+            let count = causal.count(Micros(end));
+            prop_assert!(causal.bounds(count - 1).1 >= end as i64);
+            prop_assert!(count == 1 || causal.bounds(count - 2).1 < end as i64);
+            let centred = Windows::new(length, every, Alignment::Centred).unwrap();
+            let count = centred.count(Micros(end));
+            let middle = |n: u64| (n as f64 * every * 1e6).round();
+            prop_assert!(count == 1 || middle(count - 1) <= end as f64);
+            prop_assert!(middle(count) > end as f64);
+        }
+    }
+
+    #[test]
+    fn windows_of_frames() {
+        // Five frames back from each frame at 30 frames/s.
+        let windows = Windows::new(5.0 / 30.0, 1.0 / 30.0, Alignment::Causal).unwrap();
+        assert_eq!(windows.bounds(0), (-133_333, 33_333));
+        assert_eq!(windows.bounds(5), (33_333, 200_000));
+        let windows = Windows::new(0.1, 0.1, Alignment::Centred)
+            .unwrap()
+            .from(1.0);
+        assert_eq!(windows.bounds(0), (950_000, 1_050_000));
+        for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(Windows::new(wrong, 1.0, Alignment::Causal).is_err());
+            assert!(Windows::new(1.0, wrong, Alignment::Causal).is_err());
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! A sensor as the text of a sensor file: what [`Description::parse`] reads back as it was.
+
+use std::fmt::Write as _;
+
+use crate::{
+    kernel::Kernel,
+    photoreceptor::{Curve, Response},
+    reference::{
+        noise::Noise,
+        surround::{self, Surrounds},
+    },
+};
+
+use super::{
+    channel::{Channel, Threshold},
+    keys,
+    rules::{Border, MemoryRule, PolarityRule, RefractoryRule},
+    sensor::Description,
+};
+
+impl Description {
+    /// The text of a sensor file that says all of it: kernels as rows of numbers, no other file
+    /// needed.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let mut text = format!("name = {}\n", quoted(&self.name));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "response = {}", response(self.response));
+        let memory = MemoryRule::ALL.iter().zip(keys::MEMORY);
+        for (_, word) in memory.filter(|(rule, _)| **rule == self.memory) {
+            let _ = writeln!(text, "memory = \"{word}\"");
+        }
+        if self.shared {
+            text += "shared = true\n";
+        }
+        if self.polarity == PolarityRule::Pixel {
+            text += "polarity = \"pixel\"\n";
+        }
+        if self.border == Border::Zero {
+            text += "border = \"zero\"\n";
+        }
+        let rule = match self.refractory.rule {
+            RefractoryRule::DeadTime => "dead-time",
+            RefractoryRule::Authors => "authors",
+        };
+        let us = self.refractory.us;
+        if us > 0.0 {
+            let _ = writeln!(text, "refractory = {{ us = {us:?}, rule = \"{rule}\" }}");
+        }
+        text += &noise(&self.noise);
+        for channel in &self.channels {
+            text += "\n[[channel]]\n";
+            text += &channel.to_toml();
+        }
+        text
+    }
+}
+
+fn response(response: Response) -> String {
+    let round = if response.round_f32 {
+        ", round = \"f32\""
+    } else {
+        ""
+    };
+    match response.curve {
+        Curve::Identity => "\"identity\"".to_owned(),
+        Curve::Linear { white } if round.is_empty() => format!("{{ linear = {white:?} }}"),
+        Curve::Linear { white } => format!("{{ linear = {{ white = {white:?}{round} }} }}"),
+        Curve::Log { white, offset } => {
+            format!("{{ log = {{ white = {white:?}, offset = {offset:?}{round} }} }}")
+        }
+        Curve::LinLog { knee } => format!("{{ lin-log = {{ knee = {knee:?}{round} }} }}"),
+    }
+}
+
+fn noise(noise: &Noise) -> String {
+    if *noise == Noise::NONE {
+        return String::new();
+    }
+    let keys = [
+        ("leak-hz", noise.leak_hz),
+        ("leak-spread", noise.leak_spread),
+        ("shot-hz", noise.shot_hz),
+        ("shot-at-white", noise.shot_at_white),
+        ("hot-fraction", noise.hot_fraction),
+        ("hot-hz", noise.hot_hz),
+        ("jitter-us", noise.jitter_us),
+        ("cutoff-hz", noise.cutoff_hz),
+    ];
+    let lines = keys.map(|(key, value)| format!("{key} = {value:?}\n"));
+    format!("\n[noise]\n{}", lines.concat())
+}
+
+impl Channel {
+    fn to_toml(&self) -> String {
+        let mut text = String::new();
+        if let Some(name) = &self.name {
+            let _ = writeln!(text, "name = {}", quoted(name));
+        }
+        if self.kernels.len() > 1 {
+            text += "pattern = \"2x2\"\n";
+        }
+        let field = match &self.surrounds {
+            Some(surrounds) => mesh(surrounds),
+            None => format!("kernel = {}\n", listed(&self.kernels, rows)),
+        };
+        text += &field;
+        let _ = writeln!(text, "threshold = {}", listed(&self.thresholds, threshold));
+        if let Some(kernel) = &self.memory_kernel {
+            let _ = writeln!(text, "memory-kernel = {}", rows(kernel));
+        }
+        if self.log_temporal {
+            text += "log-temporal = true\n";
+        }
+        text
+    }
+}
+
+/// One as it is, several as an array.
+fn listed<T>(all: &[T], written: impl Fn(&T) -> String) -> String {
+    match all {
+        [one] => written(one),
+        several => {
+            let each: Vec<String> = several.iter().map(written).collect();
+            format!("[\n{}]", each.join(",\n") + ",\n")
+        }
+    }
+}
+
+fn rows(kernel: &Kernel) -> String {
+    let rows = kernel.weights().rows();
+    let rows = rows
+        .into_iter()
+        .map(|row| format!("  {:?},\n", row.to_vec()));
+    format!("[\n{}]", rows.collect::<String>())
+}
+
+fn threshold(threshold: &Threshold) -> String {
+    let Threshold { on, off, sigma } = threshold;
+    let mut text = format!("{{ on = {on:?}, off = {off:?}");
+    if *sigma > 0.0 {
+        let _ = write!(text, ", sigma = {sigma:?}");
+    }
+    text + " }"
+}
+
+fn mesh(surrounds: &Surrounds) -> String {
+    let sheets = surrounds.sheets.iter().map(|sheet| {
+        let (down, across) = sheet.sheet.lambdas();
+        let (gain, tau, noise) = (sheet.gain, sheet.tau * 1e6, sheet.noise);
+        format!(
+            "{{ gain = {gain:?}, lambda = {across:?}, lambda-y = {down:?}, tau-us = {tau:?}, noise = {noise:?} }}"
+        )
+    });
+    let sheets: Vec<String> = sheets.collect();
+    let rule = surround::RULES.get(surrounds.rule as usize);
+    format!(
+        "mesh = {{ centre = {:?}, rule = \"{}\", sheets = [{}] }}\n",
+        surrounds.centre,
+        rule.copied().unwrap_or_default(),
+        sheets.join(", ")
+    )
+}
+
+/// A string of TOML.
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bundled::{self, Kind};
+
+    fn read(text: &str) -> Description {
+        let none = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        Description::parse("again.toml", text, &none).unwrap_or_else(|e| panic!("{e:?}\n{text}"))
+    }
+
+    /// Every sensor that comes with the program, and one with all that they do not have.
+    #[test]
+    fn what_is_written_reads_back() {
+        let mut all: Vec<Description> = bundled::all(Kind::Sensor)
+            .map(|file| read(file.text))
+            .collect();
+        assert!(all.len() > 20);
+        let mut odd = read(
+            "name = \"a \\\"b\\\"\\nc\"\nmemory = \"filtered-snap\"\npolarity = \"pixel\"\nborder = \"zero\"\n\
+             response = { linear = { white = 200, round = \"f32\" } }\n\
+             [noise]\nleak-hz = 0.1\nshot-at-white = 0.25\njitter-us = 3\n\
+             [[channel]]\nkernel = \"dvs\"\nlog-temporal = true\nthreshold = { on = 1e-7, off = 2, sigma = 0.5 }\n",
+        );
+        all.push(odd.clone());
+        odd.response = Response::new(Curve::LinLog { knee: 20.0 });
+        all.push(odd);
+        for sensor in all {
+            let text = sensor.to_toml();
+            let again = read(&text);
+            // Three square roots lie between a space constant and its square.
+            if sensor.channels.iter().all(|kind| kind.surrounds.is_none()) {
+                assert_eq!(again, sensor, "{text}");
+            }
+            assert_eq!(read(&again.to_toml()).to_toml(), again.to_toml());
+        }
+    }
+}

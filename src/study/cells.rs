@@ -1,0 +1,233 @@
+//! The cells of a sensor as a chip computes them: kernels and thresholds in kernel times light,
+//! 0 to 255, what the program is to remember, and in what it cannot follow the sensor.
+//!
+//! ```
+//! use amacrine::{compile::DriveMemory, reference::Description, study::cells};
+//!
+//! let sensor = Description::open("rgc-4-on-chip")?;
+//! let memory = cells::memory_of(&sensor.name, &sensor)?;
+//! assert_eq!(memory, DriveMemory::Shared);
+//! let cells = cells::compiled_cells(&sensor.name, &sensor, memory)?;
+//! assert_eq!(cells.kinds.len(), 4);
+//! assert_eq!(cells.kinds[0].on, 0.6 * 255.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use crate::{
+    compile::{CellKind, DriveMemory},
+    kernel::KernelError,
+    photoreceptor::Curve,
+    reference::{Border, Channel, Description, MemoryRule, PolarityRule},
+};
+
+/// The cells of a sensor as a chip computes them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cells {
+    /// What each kind is called, where the sensor says so.
+    pub names: Vec<Option<String>>,
+    /// The kernel and the thresholds of each kind, in kernel times light (0 to 255).
+    pub kinds: Vec<CellKind>,
+    /// In what a program of them cannot follow the sensor, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Why a sensor's cells are none that a chip computes. `sensor` is what the sensor is called.
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+pub enum CellsError {
+    /// Photodiodes are linear.
+    #[error("{sensor}: its response is not linear")]
+    #[diagnostic(help(
+        "the chip's photodiode is linear: give a sensor with `response = {{ linear = 255 }}`"
+    ))]
+    Response {
+        /// The sensor.
+        sensor: String,
+    },
+    /// Four kernels, pixel by pixel.
+    #[error("{sensor}: a channel has a pattern of kernels")]
+    #[diagnostic(help(
+        "give every kind of cell one kernel; all pixels of the array run the same program"
+    ))]
+    Pattern {
+        /// The sensor.
+        sensor: String,
+    },
+    /// A resistor mesh in place of a kernel.
+    #[error("{sensor}: a channel sees through a resistor mesh, which is no program")]
+    #[diagnostic(help(
+        "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries"
+    ))]
+    Mesh {
+        /// The sensor.
+        sensor: String,
+    },
+    /// A kernel with weights that no verb computes with.
+    #[error("{sensor}, channel {channel}: {cause}")]
+    #[diagnostic(help("multiply the kernel by a number, and the threshold with it"))]
+    Kernel {
+        /// The sensor.
+        sensor: String,
+        /// The kind of cell, from 0.
+        channel: usize,
+        /// What is wrong with it.
+        cause: KernelError,
+    },
+    /// One threshold is asked for, and there are two.
+    #[error("{sensor}: a channel has a threshold of {on} for ON and {off} for OFF")]
+    #[diagnostic(help("give both the same threshold; `amacrine compile --sensor` takes two"))]
+    TwoThresholds {
+        /// The sensor.
+        sensor: String,
+        /// For ON events, in the sensor's unit.
+        on: f64,
+        /// For OFF events.
+        off: f64,
+    },
+    /// A memory of the pixel for each kind.
+    #[error("{sensor}: each kind has a memory of the pixel, and the pixel has not the registers")]
+    #[diagnostic(help(
+        "add `shared = true`: one memory of the pixel for all kinds takes one register"
+    ))]
+    MemoriesOfPixel {
+        /// The sensor.
+        sensor: String,
+    },
+    /// A memory that steps.
+    #[error("{sensor}: its memory steps")]
+    #[diagnostic(help(
+        "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`, or with `memory = \"raw-snap\"` and `shared = true`, which holds any number of kinds"
+    ))]
+    Steps {
+        /// The sensor.
+        sensor: String,
+    },
+    /// Signs of the pixel.
+    #[error(
+        "{sensor}: its events have the sign of the pixel, those of a compiled program that of the drive"
+    )]
+    #[diagnostic(help("give a sensor with `polarity = \"filtered\"`"))]
+    SignOfPixel {
+        /// The sensor.
+        sensor: String,
+    },
+}
+
+/// The cells of a sensor, whatever it remembers; it is called `sensor` in messages.
+///
+/// # Errors
+/// When the response is not linear, or a channel is no kernel that can be compiled.
+pub fn cells(sensor: &str, description: &Description) -> Result<Cells, CellsError> {
+    let called = || sensor.to_owned();
+    let white = match description.response.curve {
+        Curve::Identity => 1.0,
+        Curve::Linear { white } => white,
+        Curve::Log { .. } | Curve::LinLog { .. } => {
+            return Err(CellsError::Response { sensor: called() });
+        }
+    };
+    let mut cells = Cells {
+        names: Vec::new(),
+        kinds: Vec::new(),
+        notes: Vec::new(),
+    };
+    for (i, channel) in description.channels.iter().enumerate() {
+        cells.names.push(channel.name.clone());
+        cells.kinds.push(kind(sensor, i, channel, white)?);
+    }
+    Ok(cells)
+}
+
+fn kind(sensor: &str, channel: usize, of: &Channel, white: f64) -> Result<CellKind, CellsError> {
+    let sensor = || sensor.to_owned();
+    let ([kernel], [threshold]) = (&of.kernels[..], &of.thresholds[..]) else {
+        return Err(CellsError::Pattern { sensor: sensor() });
+    };
+    if of.surrounds.is_some() {
+        return Err(CellsError::Mesh { sensor: sensor() });
+    }
+    kernel.workable().map_err(|cause| CellsError::Kernel {
+        sensor: sensor(),
+        channel,
+        cause,
+    })?;
+    Ok(CellKind {
+        kernel: kernel.clone(),
+        on: threshold.on * white,
+        off: threshold.off * white,
+    })
+}
+
+impl Cells {
+    /// One threshold for each kind, for ON and OFF.
+    ///
+    /// # Errors
+    /// When a kind has two.
+    pub fn thresholds(&self, sensor: &str) -> Result<Vec<f64>, CellsError> {
+        let one = |kind: &CellKind| {
+            if kind.on == kind.off {
+                return Ok(kind.on);
+            }
+            Err(CellsError::TwoThresholds {
+                sensor: sensor.to_owned(),
+                on: kind.on,
+                off: kind.off,
+            })
+        };
+        self.kinds.iter().map(one).collect()
+    }
+}
+
+/// What a program has to remember to follow a sensor.
+///
+/// # Errors
+/// When no program remembers that: the memory steps, or each kind has one of the pixel.
+pub fn memory_of(sensor: &str, description: &Description) -> Result<DriveMemory, CellsError> {
+    let sensor = || sensor.to_owned();
+    match description.memory {
+        MemoryRule::FilteredSnap => Ok(DriveMemory::Analogue),
+        MemoryRule::RawSnap if description.shared || description.channels.len() == 1 => {
+            Ok(DriveMemory::Shared)
+        }
+        MemoryRule::RawSnap => Err(CellsError::MemoriesOfPixel { sensor: sensor() }),
+        MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep => {
+            Err(CellsError::Steps { sensor: sensor() })
+        }
+    }
+}
+
+/// The cells of a sensor for a program that remembers in this way, with notes of all that it does
+/// otherwise than the sensor.
+///
+/// # Errors
+/// As [`cells`], and when the events have the signs of the pixel.
+pub fn compiled_cells(
+    sensor: &str,
+    description: &Description,
+    memory: DriveMemory,
+) -> Result<Cells, CellsError> {
+    let mut cells = cells(sensor, description)?;
+    if description.polarity == PolarityRule::Pixel {
+        let sensor = sensor.to_owned();
+        return Err(CellsError::SignOfPixel { sensor });
+    }
+    let (rule, stored) = match memory {
+        DriveMemory::Shared => (MemoryRule::RawSnap, "raw-snap"),
+        DriveMemory::Analogue | DriveMemory::Bits(_) => (MemoryRule::FilteredSnap, "filtered-snap"),
+    };
+    if description.memory != rule {
+        cells.notes.push(format!(
+            "{sensor}: its memory is not {stored}; one decision a frame stores what was seen"
+        ));
+    }
+    if description.border == Border::Replicate {
+        cells.notes.push(format!(
+            "{sensor} replicates the border; off the array the chip sees 0"
+        ));
+    }
+    if description.refractory.us > 0.0 {
+        cells.notes.push(format!(
+            "{sensor} has a refractory period; the program has none, a cell fires once a frame at most"
+        ));
+    }
+    Ok(cells)
+}

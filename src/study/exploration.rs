@@ -1,0 +1,591 @@
+//! From kernels and a scene to sensors to choose from: the thresholds for a rate of events, and
+//! for each quantiser and each way to remember a program, its readout, and what of the float
+//! sensor's events it keeps on silicon.
+//!
+//! ```text
+//! kernels ─┐              ┌─ thresholds ─┬─ quantiser × memory ─ compile ─ run ─┐
+//! scene ───┴─ rate (study::rate)         └─ the float sensor it stands for ─────┴─ kept, words,
+//!                                                                  frames/s ─ front ─ knee
+//! ```
+//!
+//! Every candidate was compiled and has run. What a candidate has is read from the front: nothing
+//! on it is beaten in all of kept, words and frames/s. The knee is the shortest program that keeps
+//! at least [`NEARLY`] of the most that any keeps.
+
+use serde::Serialize;
+
+use crate::{
+    compare::window,
+    compile::{CellKind, DriveMemory, Effort, EventReadout, SensorProgram},
+    config::Faults,
+    isa::Device,
+    kernel::{
+        Kernel,
+        quantise::{Quantiser, Sum},
+    },
+    plane::Size,
+    program::{
+        Cost, Expectation, ExpectedWords, Program, Step,
+        readout::{Demand, Plan, Scans, Way, choose},
+        stored,
+    },
+    reference::Description,
+    scene::{Frame, Scene, SceneError},
+    unit::Micros,
+};
+
+use super::{
+    design::{Compiled, Design, DesignError},
+    equivalent::{EquivalentError, Likeness},
+    feasibility::time,
+    rate::{self, RateError, four_digits},
+    together::{self, Judged, memories},
+};
+
+/// What is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// What the sensor is to be called.
+    pub title: &'a str,
+    /// What each kind is called; as many as kernels.
+    pub names: &'a [String],
+    /// The kernel of each kind of cell.
+    pub kernels: &'a [Kernel],
+    /// What the thresholds are to be.
+    pub aim: Aim<'a>,
+    /// Few values that are tried.
+    pub quantisers: &'a [Quantiser],
+    /// The one way to remember that is tried; else all that the chip has.
+    pub memory: Option<DriveMemory>,
+    /// What quantised kernels must sum to.
+    pub sum: Sum,
+    /// The chip.
+    pub device: &'a Device,
+    /// How long to search for each program.
+    pub effort: Effort,
+    /// Seed of the searches, of stochastic rounding and of the silicon.
+    pub seed: u64,
+    /// Events of one pixel, kind and sign that are closer than this match; else as headlines have
+    /// it.
+    pub within: Option<Micros>,
+}
+
+/// What the thresholds are to be.
+#[derive(Clone, Copy, Debug)]
+pub enum Aim<'a> {
+    /// So many events per pixel and second, all kinds together, each an equal share.
+    Rate(f64),
+    /// In kernel times light (0 to 255), one for each kind.
+    Thresholds(&'a [f64]),
+}
+
+/// A sensor that was compiled and has run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Candidate {
+    /// Its few values.
+    #[serde(serialize_with = "shown")]
+    pub to: Quantiser,
+    /// What the program remembers, in words.
+    pub memory: String,
+    /// The same.
+    #[serde(skip)]
+    pub remembers: DriveMemory,
+    /// What of F1 is more than accident with the chip's errors, the mean of its kinds.
+    pub kept: f64,
+    /// The same of the kind that keeps least.
+    pub least_kept: f64,
+    /// Instruction words of a frame.
+    pub words: u64,
+    /// Instruction words that the program takes of the store.
+    pub stored_words: u64,
+    /// The least and the most that these words take, in microseconds.
+    pub array_us: [f64; 2],
+    /// Halvings of the light on the way, for each filter of the program.
+    pub halvings: Vec<u32>,
+    /// How the events leave the chip: the cheapest way that loses none of this scene's.
+    pub readout: Way,
+    /// Events a second by it, the least and the most, with what the readout takes.
+    pub frames_s: [f64; 2],
+    /// How many kinds like these the chip carries.
+    pub carried: usize,
+    /// Each kind.
+    pub kinds: Vec<Kind>,
+    /// Whether no other is at least as good in kept, words and frames/s, and better in one.
+    pub on_front: bool,
+    /// The float sensor that it stands for.
+    #[serde(skip)]
+    pub sensor: Description,
+    /// The program, with that readout and the words that it takes.
+    #[serde(skip)]
+    pub program: String,
+}
+
+/// One kind of a candidate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Kind {
+    /// What it is called.
+    pub name: String,
+    /// Its threshold, in kernel times light (0 to 255).
+    pub threshold: f64,
+    /// The same on the chip, in LSB of its register.
+    pub threshold_lsb: f64,
+    /// Without the chip's errors.
+    pub exact: Likeness,
+    /// With them.
+    pub silicon: Likeness,
+}
+
+/// A quantiser and a way to remember for which there is no program.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Refused {
+    /// The few values.
+    pub to: String,
+    /// What was to be remembered; none where the kernels are not to be had in these values.
+    pub memory: Option<String>,
+    /// What is short, and by how much.
+    pub why: String,
+}
+
+/// The thresholds of one way to remember, and what comes of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rated {
+    /// What is remembered: of the drives, or of the pixel.
+    pub memory: &'static str,
+    /// In kernel times light (0 to 255), one for each kind.
+    pub thresholds: Vec<f64>,
+    /// Events of the float sensor per pixel and second, all kinds together.
+    pub rate: f64,
+}
+
+/// All candidates, and what they were judged on.
+#[derive(Clone, Debug, Serialize)]
+pub struct Exploration {
+    /// In the order of what they keep, the best first.
+    pub candidates: Vec<Candidate>,
+    /// What there is no program for.
+    pub refused: Vec<Refused>,
+    /// The thresholds.
+    pub rated: Vec<Rated>,
+    /// Index of the knee among the candidates; none where there is no candidate.
+    pub knee: Option<usize>,
+    /// Frames a second of the scene.
+    pub fps: f64,
+    /// Frames that were shown.
+    pub frames: u64,
+    /// Events match within this.
+    pub window_us: Micros,
+}
+
+/// Why nothing could be explored.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum ExplorationError {
+    /// A sensor cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Design(#[from] DesignError),
+    /// The scene cannot be opened.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// No threshold gives the rate.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Rate(#[from] RateError),
+    /// Scene or sensor cannot go on, or nothing can be compared.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Judge(#[from] EquivalentError),
+    /// A program that was found is not what the chip takes.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Program(#[from] Faults),
+    /// Names, kernels and thresholds do not go together.
+    #[error("{names} names and {thresholds} thresholds for {kernels} kernels")]
+    #[diagnostic(help("give one of each for every kernel, and one kernel at least"))]
+    Numbers {
+        /// Kernels.
+        kernels: usize,
+        /// Names.
+        names: usize,
+        /// Thresholds.
+        thresholds: usize,
+    },
+    /// Nothing fits.
+    #[error("the chip takes none of these")]
+    #[diagnostic(help("give fewer kernels, smaller ones, other quantisers or another chip"))]
+    Nothing {
+        /// What was tried.
+        #[related]
+        refused: Vec<Untaken>,
+    },
+}
+
+/// One that the chip does not take.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{0}")]
+pub struct Untaken(pub String);
+
+/// What is kept at least by the knee, of the most that any keeps.
+pub const NEARLY: f64 = 0.95;
+
+/// A threshold to begin with, in kernel times light, before one for the rate is found.
+const START: f64 = 64.0;
+
+/// Tries all of it on a scene that can be opened again: shown seven times for the thresholds of
+/// each float sensor, if a rate is asked for (seven times more for kinds that share a memory), and
+/// then once for each float sensor with its candidates. `seen` is called after each frame of
+/// those, and `searching` before each search, with its number and how many there are.
+///
+/// # Errors
+/// When the thresholds are not to be had, the scene cannot be read, or the chip takes none.
+pub fn explore(
+    question: &Question<'_>,
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    searching: &dyn Fn(usize, usize),
+    mut seen: impl FnMut(&Frame),
+) -> Result<Exploration, ExplorationError> {
+    question.check()?;
+    let scene = open()?;
+    let fps = scene.fps();
+    drop(scene);
+    let mut all = Exploration {
+        candidates: Vec::new(),
+        refused: Vec::new(),
+        rated: Vec::new(),
+        knee: None,
+        fps,
+        frames: 0,
+        window_us: question.within.unwrap_or_else(|| window::headline(fps)),
+    };
+    let every = match question.memory {
+        Some(memory) => vec![memory],
+        None => memories(question.kernels.len()),
+    };
+    let searches = every.len() * question.quantisers.len();
+    let mut begun = 0;
+    let shared = |memory: &DriveMemory| *memory == DriveMemory::Shared;
+    let (of_pixel, of_drives): (Vec<_>, Vec<_>) = every.into_iter().partition(shared);
+    for memories in [of_drives, of_pixel] {
+        let Some(first) = memories.first() else {
+            continue;
+        };
+        let thresholds = question.thresholds(*first, open)?;
+        let floats = question.designs(&thresholds);
+        let mut found = Vec::new();
+        for to in question.quantisers {
+            for memory in &memories {
+                begun += 1;
+                searching(begun, searches);
+                match question.compile(*to, *memory, &floats)? {
+                    Ok(program) => found.push(program),
+                    Err(refused) => all.refused.push(refused),
+                }
+            }
+        }
+        if found.is_empty() {
+            continue;
+        }
+        let description = together::description(*first, &floats)?;
+        let programs: Vec<&Compiled> = found.iter().map(|it| &it.every_event).collect();
+        let mut scene = open()?;
+        let size = scene.size();
+        let within = (all.window_us, question.seed);
+        let shown = together::judge(&programs, &description, within, &mut *scene, &mut seen)?;
+        all.frames = shown.frames;
+        let seconds = shown.frames.saturating_sub(1) as f64 / fps;
+        all.rated.push(Rated {
+            memory: if shared(first) { "pixel" } else { "drives" },
+            rate: shown.float.events.len() as f64 / (size.pixels() as f64 * seconds).max(1e-9),
+            thresholds: thresholds.clone(),
+        });
+        let sensor = question.sensor(description);
+        let judged = shown.programs.iter().zip(&shown.packets);
+        for (found, (judged, packet)) in found.into_iter().zip(judged) {
+            let demand = Demand::new(packet, shown.frames);
+            let candidate =
+                found.judged(question, (&sensor, &thresholds), judged, &demand, size)?;
+            all.candidates.push(candidate);
+        }
+    }
+    if all.candidates.is_empty() {
+        let refused = all.refused.into_iter().map(|it| Untaken(it.to_string()));
+        return Err(ExplorationError::Nothing {
+            refused: refused.collect(),
+        });
+    }
+    all.choose();
+    Ok(all)
+}
+
+impl std::fmt::Display for Refused {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.memory {
+            Some(memory) => write!(f, "{}, {memory}: {}", self.to, self.why),
+            None => write!(f, "{}: {}", self.to, self.why),
+        }
+    }
+}
+
+/// A program that was found, before it has run.
+struct Found {
+    to: Quantiser,
+    memory: DriveMemory,
+    kinds: Vec<CellKind>,
+    /// What the levels of each kind are to be multiplied by.
+    scales: Vec<f64>,
+    program: SensorProgram,
+    /// With a readout that loses no event, whatever the scene.
+    every_event: Compiled,
+}
+
+impl Question<'_> {
+    fn check(&self) -> Result<(), ExplorationError> {
+        let kernels = self.kernels.len();
+        let thresholds = match self.aim {
+            Aim::Rate(_) => kernels,
+            Aim::Thresholds(all) => all.len(),
+        };
+        let names = self.names.len();
+        if kernels == 0 || names != kernels || thresholds != kernels {
+            return Err(ExplorationError::Numbers {
+                kernels,
+                names,
+                thresholds,
+            });
+        }
+        Ok(())
+    }
+
+    /// The cells with these thresholds, before they are brought to few values.
+    fn designs(&self, thresholds: &[f64]) -> Vec<Design<'_>> {
+        let each = self.kernels.iter().zip(thresholds);
+        each.map(|(kernel, threshold)| Design {
+            kernel,
+            threshold: *threshold,
+            device: self.device,
+            effort: self.effort,
+            seed: self.seed,
+        })
+        .collect()
+    }
+
+    /// The thresholds of the float sensor that programs with this memory stand for.
+    fn thresholds(
+        &self,
+        memory: DriveMemory,
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    ) -> Result<Vec<f64>, ExplorationError> {
+        let rate = match self.aim {
+            Aim::Thresholds(all) => return Ok(all.to_vec()),
+            Aim::Rate(rate) => rate,
+        };
+        let start = self.designs(&vec![START; self.kernels.len()]);
+        let apart = together::description(DriveMemory::Analogue, &start)?;
+        let each = rate / self.kernels.len() as f64;
+        let found = rate::factors(&apart, each, self.seed, open)?;
+        let mut thresholds: Vec<f64> = found.iter().map(|it| START * it.factor).collect();
+        if memory == DriveMemory::Shared && self.kernels.len() > 1 {
+            // An event of any kind renews the memory of all.
+            let shared = together::description(memory, &self.designs(&thresholds))?;
+            let found = rate::factor(&shared, rate, self.seed, open)?;
+            thresholds = thresholds.iter().map(|it| it * found.factor).collect();
+        }
+        Ok(thresholds.into_iter().map(four_digits).collect())
+    }
+
+    /// All kernels in few values in one program; or why there is none.
+    fn compile(
+        &self,
+        to: Quantiser,
+        memory: DriveMemory,
+        floats: &[Design<'_>],
+    ) -> Result<Result<Found, Refused>, ExplorationError> {
+        let refused = |memory: Option<DriveMemory>, why: &DesignError| Refused {
+            to: to.to_string(),
+            memory: memory.map(together::name),
+            why: why.to_string(),
+        };
+        let mut few = Vec::new();
+        for float in floats {
+            match float.quantise(to, self.sum) {
+                Ok(own) => few.push(own),
+                Err(error @ DesignError::Quantise(_)) => return Ok(Err(refused(None, &error))),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        let kinds = floats.iter().zip(&few).map(|(float, few)| {
+            let threshold = float.in_levels(few).threshold;
+            CellKind {
+                kernel: few.levels.clone(),
+                on: threshold,
+                off: threshold,
+            }
+        });
+        let kinds: Vec<CellKind> = kinds.collect();
+        let search = (self.effort, self.seed);
+        let compiled = Compiled::new(self.title, (&kinds, memory), self.device, search);
+        let program = match compiled {
+            Ok(compiled) => compiled.program,
+            Err(error) if error.is_refusal() => return Ok(Err(refused(Some(memory), &error))),
+            Err(error) => return Err(error.into()),
+        };
+        let all = EventReadout::BitPlanes(0, u16::MAX);
+        let text = program.text_with(&kinds, self.title, self.device, all);
+        let every_event = Compiled::from_text(self.title, program.clone(), &text, self.device)?;
+        Ok(Ok(Found {
+            to,
+            memory,
+            kinds,
+            scales: few.iter().map(|few| few.scale).collect(),
+            program,
+            every_event,
+        }))
+    }
+
+    /// The float sensor with names for its kinds.
+    fn sensor(&self, mut description: Description) -> Description {
+        self.title.clone_into(&mut description.name);
+        for (kind, name) in description.channels.iter_mut().zip(self.names) {
+            kind.name = Some(name.clone());
+        }
+        description
+    }
+}
+
+impl Found {
+    fn judged(
+        self,
+        question: &Question<'_>,
+        (sensor, thresholds): (&Description, &[f64]),
+        judged: &[Judged],
+        demand: &Demand,
+        size: Size,
+    ) -> Result<Candidate, ExplorationError> {
+        let device = question.device;
+        let slots = Compiled::from_program(question.title, self.program.clone(), device)?;
+        let frame = &slots.code.frame;
+        let array_us =
+            time::array_us(frame, device).unwrap_or([Cost::of(frame, device).array_us; 2]);
+        let plans = Scans::new(frame, device, size.height).plans(Some(demand), device);
+        let plan = choose(&plans).and_then(|at| plans.get(at));
+        let readout = plan.map_or_else(EventReadout::default, readout_of);
+        let text = self
+            .program
+            .text_with(&self.kinds, question.title, device, readout);
+        let compiled = Compiled::from_text(question.title, self.program.clone(), &text, device)?;
+        let code = &compiled.code;
+        let stored_words = (stored(&code.init, device) + stored(&code.frame, device)).0;
+        let kinds = judged.iter().enumerate().map(|(i, judged)| {
+            let threshold = thresholds[i];
+            let scales = &self.program.scales;
+            let scale = scales.get(i).copied().unwrap_or(self.program.scale);
+            Kind {
+                name: question.names[i].clone(),
+                threshold,
+                threshold_lsb: threshold / self.scales[i] * scale,
+                exact: judged.exact,
+                silicon: judged.silicon,
+            }
+        });
+        let kinds: Vec<Kind> = kinds.collect();
+        let kept = || kinds.iter().map(|kind| kind.silicon.kept);
+        let filters = if self.program.filters.is_empty() {
+            vec![self.program.filter.prescale]
+        } else {
+            let halvings = self.program.filters.iter().map(|it| it.prescale);
+            halvings.collect()
+        };
+        Ok(Candidate {
+            to: self.to,
+            memory: together::name(self.memory),
+            remembers: self.memory,
+            kept: kept().sum::<f64>() / kinds.len().max(1) as f64,
+            least_kept: kept().fold(f64::INFINITY, f64::min),
+            words: compiled.cost.words.0,
+            stored_words,
+            array_us,
+            halvings: filters,
+            readout: plan.map_or(Way::AsProgrammed, |plan| plan.way),
+            frames_s: plan.map_or([0.0; 2], |plan| plan.frames_s(array_us)),
+            carried: crate::compile::carried(self.memory, device, (kinds.len(), stored_words)),
+            kinds,
+            on_front: false,
+            sensor: sensor.clone(),
+            program: blessed(&text, &compiled)?,
+        })
+    }
+}
+
+/// The readout that a plan of whole events stands for.
+fn readout_of(plan: &Plan) -> EventReadout {
+    match (plan.slots, &plan.rows) {
+        (Some(slots), _) => EventReadout::Slots(slots as u32),
+        (_, Some(rows)) => EventReadout::BitPlanes(*rows.start() as u16, *rows.end() as u16),
+        _ => EventReadout::default(),
+    }
+}
+
+/// A program's text with the words that it takes, which `asm` holds it to.
+fn blessed(text: &str, compiled: &Compiled) -> Result<String, ExplorationError> {
+    let words = |steps: &[Step]| Cost::of(steps, &compiled.device).words.0;
+    let expectation = Expectation {
+        words: Some(ExpectedWords {
+            init: words(&compiled.code.init),
+            frame: words(&compiled.code.frame),
+        }),
+        ..Expectation::default()
+    };
+    let program = Program::parse(&compiled.title, text)?;
+    // Numbers of words can be written as TOML.
+    Ok(program
+        .blessed(&expectation)
+        .unwrap_or_else(|_| text.to_owned()))
+}
+
+impl Candidate {
+    /// What is to be high: kept, fewer words, frames a second at least.
+    fn merits(&self) -> [f64; 3] {
+        [self.kept, -(self.words as f64), self.frames_s[0]]
+    }
+
+    /// At least as good in everything, and better in something.
+    fn beats(&self, other: &Self) -> bool {
+        let (own, theirs) = (self.merits(), other.merits());
+        let pairs = || own.iter().zip(&theirs);
+        pairs().all(|(own, theirs)| own >= theirs) && pairs().any(|(own, theirs)| own > theirs)
+    }
+}
+
+impl Exploration {
+    /// The candidates that nothing beats, the best first.
+    pub fn front(&self) -> impl Iterator<Item = &Candidate> {
+        self.candidates.iter().filter(|it| it.on_front)
+    }
+
+    /// Finds the front and its knee.
+    fn choose(&mut self) {
+        self.candidates.sort_by(|a, b| b.kept.total_cmp(&a.kept));
+        let beaten: Vec<bool> = { self.candidates.iter() }
+            .map(|one| self.candidates.iter().any(|other| other.beats(one)))
+            .collect();
+        for (candidate, beaten) in self.candidates.iter_mut().zip(beaten) {
+            candidate.on_front = !beaten;
+        }
+        // What cannot follow the scene is taken only where nothing can.
+        let follows = |it: &Candidate| it.frames_s[0] >= self.fps;
+        let any = self.candidates.iter().any(follows);
+        let able = || {
+            let all = self.candidates.iter().enumerate();
+            all.filter(move |(_, it)| it.on_front && (!any || follows(it)))
+        };
+        let most = able().map(|(_, it)| it.kept).fold(f64::MIN, f64::max);
+        // Nearly as much of less than nothing is nothing more.
+        let enough = most.min(most * NEARLY);
+        let near = able().filter(|(_, it)| it.kept >= enough);
+        self.knee = near.min_by_key(|(_, it)| it.words).map(|(at, _)| at);
+    }
+}
+
+fn shown<S: serde::Serializer>(to: &Quantiser, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(to)
+}
