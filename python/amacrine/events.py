@@ -29,6 +29,18 @@ def view(records: npt.NDArray[np.uint8], channels: int) -> Events:
     return events
 
 
+def _placed(events: npt.NDArray[Any], size: tuple[int, int] | None) -> bytes:
+    """Events in the order of their times, whose sensor has a size."""
+    events = np.asarray(events).ravel()
+    if size is None and events.size == 0:
+        raise Error("no events, and no size of their sensor\nhelp: give size=(height, width)")
+    if events.dtype.names is not None and "t" in events.dtype.names:
+        times = events["t"]
+        if (times[1:] < times[:-1]).any():
+            events = events[np.argsort(times, kind="stable")]
+    return npy(events)
+
+
 def npy(events: npt.NDArray[Any]) -> bytes:
     """Events as the bytes of a `.npy`: the library reads, and checks, any order and width of
     fields."""
@@ -80,7 +92,7 @@ def voxels(
     until = last if end is None else max(round((end - start) * 1e6), 0)
     length = max(until, 1) * 1e-6 if window is None else window
     how = voxel.how(bins, length, every, causal, polarity, share, normalise)
-    flat, (height, width, kinds) = _amacrine.voxels(npy(events), size, channels or 1, how, until)
+    flat, (height, width, kinds) = _amacrine.voxels(_placed(events, size), size, channels or 1, how, until)
     one = voxel.shape(how, (height, width), kinds, polarity)
     return flat.reshape(-1, *one).astype(number, copy=False)
 
@@ -116,7 +128,7 @@ def time_surfaces(
         raise Error("the times of surfaces\nhelp: give finite seconds, from 0 on")
     micros = [round(time * 1e6) for time in seconds.tolist()]
     flat, place = _amacrine.surfaces(
-        npy(events), size, channels or 1, micros, float(tau), decay, polarity
+        _placed(events, size), size, channels or 1, micros, float(tau), decay, polarity
     )
     return flat.reshape(len(micros), *_planes(place, polarity))
 
@@ -148,7 +160,7 @@ def event_frames(
     if isinstance(count, bool) or count != int(count) or count < 1:
         raise Error(f"frames of {count} events\nhelp: give a whole number above 0")
     flat, place = _amacrine.event_frames(
-        npy(events), size, channels or 1, int(count), polarity, fill
+        _placed(events, size), size, channels or 1, int(count), polarity, fill
     )
     return flat.reshape(-1, *_planes(place, polarity))
 
