@@ -19,7 +19,7 @@ def _slow(
     bins, length = how["bins"], how.get("window") or end * 1e-6
     every = how.get("every") or length
     causal, split = how.get("causal", True), how.get("polarity") == "split"
-    bounds = []
+    bounds: list[tuple[int, int]] = []
     while True:
         n = len(bounds)
         if causal:
@@ -87,10 +87,14 @@ def test_windows_come_one_by_one(chip: bool, frames: Frames) -> None:
     made = amacrine.Sensor(kernels(2, 3), 0.5, memory="filtered-snap", border="zero")
     sensor = made.on_chip("int-5", domain="exact") if chip else made
     long = np.concatenate([frames] * 4)
-    for how in ({"bins": 4, "window": 0.05}, {"bins": 2, "window": 0.06, "every": 0.02, "normalise": "std"}):
-        want = sensor.voxels(long, FPS, **how)  # type: ignore[arg-type]
+    ways: list[dict[str, Any]] = [
+        {"bins": 4, "window": 0.05},
+        {"bins": 2, "window": 0.06, "every": 0.02, "normalise": "std"},
+    ]
+    for how in ways:
+        want = sensor.voxels(long, FPS, **how)
         parts = (long[n : n + 7] for n in range(0, len(long), 7))
-        got = list(sensor.voxel_windows(parts, FPS, **how))  # type: ignore[arg-type]
+        got = list(sensor.voxel_windows(parts, FPS, **how))
         assert np.array_equal(np.stack(got), want) and want.any()
     assert list(sensor.voxel_windows([], FPS, bins=3, window=1.0)) == []
 
