@@ -144,34 +144,84 @@ pub struct Pair {
     spoke: Vec<Spoke>,
 }
 
+/// The events of a packet, sorted for comparison: a reference that many packets are judged against
+/// is sorted once.
+#[derive(Clone, Debug)]
+pub struct Sorted {
+    size: Size,
+    channels: u8,
+    dropped: u64,
+    keys: Arc<Vec<Key>>,
+}
+
+impl Sorted {
+    /// Sorts a packet by cell, then time.
+    ///
+    /// # Errors
+    /// When it holds events outside of its own size and channels.
+    pub fn new(packet: &Packet) -> Result<Self, CompareError> {
+        Ok(Self {
+            size: packet.size,
+            channels: packet.channels,
+            dropped: packet.dropped.total(),
+            keys: Arc::new(sorted(packet)?),
+        })
+    }
+
+    /// This packet as the reference, and another that is judged against it.
+    ///
+    /// # Errors
+    /// When they are not of the same size and number of channels, or the other holds events outside.
+    pub fn judge(&self, judged: &Packet) -> Result<Pair, CompareError> {
+        check_alike((self.size, self.channels), judged)?;
+        Ok(self.beside(&Self::new(judged)?))
+    }
+
+    /// This packet, judged against itself.
+    #[must_use]
+    pub fn identical(&self) -> Pair {
+        self.beside(self)
+    }
+
+    /// Both are of one size.
+    fn beside(&self, judged: &Self) -> Pair {
+        let keys = [&self.keys, &judged.keys].map(Arc::clone);
+        Pair {
+            size: self.size,
+            channels: self.channels,
+            dropped: [self.dropped, judged.dropped],
+            spoke: spoke(&keys[0], &keys[1]),
+            keys,
+        }
+    }
+}
+
+/// Whether a packet is of the same size and number of channels as a reference.
+fn check_alike((size, channels): (Size, u8), judged: &Packet) -> Result<(), CompareError> {
+    if size != judged.size {
+        return Err(CompareError::Size {
+            reference: size,
+            judged: judged.size,
+        });
+    }
+    if channels != judged.channels {
+        return Err(CompareError::Channels {
+            reference: channels,
+            judged: judged.channels,
+        });
+    }
+    Ok(())
+}
+
 impl Pair {
     /// Sorts two packets for comparison.
     ///
     /// # Errors
     /// When they are not of the same size and number of channels, or hold events outside.
     pub fn new(reference: &Packet, judged: &Packet) -> Result<Self, CompareError> {
-        let (size, channels) = (reference.size, reference.channels);
-        if size != judged.size {
-            return Err(CompareError::Size {
-                reference: size,
-                judged: judged.size,
-            });
-        }
-        if channels != judged.channels {
-            return Err(CompareError::Channels {
-                reference: channels,
-                judged: judged.channels,
-            });
-        }
-        let (reference_keys, judged_keys) = rayon::join(|| sorted(reference), || sorted(judged));
-        let keys = [Arc::new(reference_keys?), Arc::new(judged_keys?)];
-        Ok(Self {
-            size,
-            channels,
-            dropped: [reference.dropped.total(), judged.dropped.total()],
-            spoke: spoke(&keys[0], &keys[1]),
-            keys,
-        })
+        check_alike((reference.size, reference.channels), judged)?;
+        let (reference, judged) = rayon::join(|| Sorted::new(reference), || Sorted::new(judged));
+        Ok(reference?.beside(&judged?))
     }
 
     /// The reference, judged against itself.
