@@ -156,6 +156,14 @@ impl Mosaic {
         Some((rows, columns, At { y, x }))
     }
 
+    /// Whether a tile lies in the plane with all of its halo.
+    #[must_use]
+    pub fn is_inside(&self, tile: usize) -> bool {
+        let Size { height, width } = self.block();
+        let window = self.window(tile);
+        window.is_some_and(|(rows, columns, _)| rows.len() == height && columns.len() == width)
+    }
+
     /// A plane as a mosaic.
     #[must_use]
     pub fn shown(&self, plane: &Plane<f64>, outside: Outside) -> Plane<f64> {

@@ -220,5 +220,5 @@ pub struct Undecided {
     pub operation: &'static str,
 }
 
-/// The ends of the ADC scale, in LSB.
-pub(super) const LIMITS: (f64, f64) = (-128.0, 127.0);
+/// The ends of the ADC scale, in LSB: what registers are limited to where the array clips.
+pub const LIMITS: (f64, f64) = (-128.0, 127.0);

@@ -18,10 +18,7 @@ use rayon::{
     slice::ParallelSliceMut,
 };
 
-use super::{
-    Cell, Pair,
-    pair::{self, time},
-};
+use super::{Cell, Pair, pair::Trains};
 use crate::rng::{GOLDEN, Hash, mix};
 
 /// Keys of the random numbers.
@@ -34,13 +31,13 @@ pub fn redraw(pair: &Pair, seed: u64) -> Pair {
     let all = pair.reference();
     let root = Hash::new(seed).with_mixed(REDRAW);
     let cells: Vec<_> = pair.reference_cells().collect();
-    let drawn: Vec<Vec<pair::Key>> = cells
+    let drawn: Vec<(Cell, Vec<u64>)> = cells
         .into_par_iter()
         .map(|(cell, own)| {
             let place = root.with_mixed(Hash::new(cell.word()).bits());
             let others = all.len() - own.len();
-            let first = all.get(own.start).map_or(0, |key| time(*key));
-            let last = all.get(own.end - 1).map_or(0, |key| time(*key));
+            let first = all.get(own.start).copied().unwrap_or(0);
+            let last = all.get(own.end - 1).copied().unwrap_or(0);
             let mut times: Vec<u64> = (0..own.len() as u64)
                 .map(|k| {
                     let word = place.nth(k).bits();
@@ -50,15 +47,19 @@ pub fn redraw(pair: &Pair, seed: u64) -> Pair {
                         // The others lie after this cell, and on from the start.
                         let at = own.end + below(word, others as u128) as usize;
                         let at = if at < all.len() { at } else { at - all.len() };
-                        all.get(at).map_or(first, |key| time(*key))
+                        all.get(at).copied().unwrap_or(first)
                     }
                 })
                 .collect();
             times.sort_unstable();
-            times.into_iter().map(|t| cell.at(t)).collect()
+            (cell, times)
         })
         .collect();
-    pair.with_judged(Arc::new(drawn.concat()))
+    let mut trains = Trains::default();
+    for (cell, times) in drawn {
+        trains.push(cell, times);
+    }
+    pair.with_judged(Arc::new(trains))
 }
 
 /// The permutation of a pair's reference, as the judged packet.
@@ -71,10 +72,9 @@ pub fn permute(pair: &Pair, seed: u64) -> Pair {
         .map(|(cell, own)| (pixels.moved(cell), own))
         .collect();
     cells.par_sort_unstable_by_key(|(cell, _)| *cell);
-    let mut moved = Vec::with_capacity(all.len());
+    let mut moved = Trains::default();
     for (cell, own) in cells {
-        let own = all.get(own).unwrap_or_default();
-        moved.extend(own.iter().map(|key| cell.at(time(*key))));
+        moved.push(cell, all.get(own).unwrap_or_default().iter().copied());
     }
     pair.with_judged(Arc::new(moved))
 }

@@ -43,7 +43,7 @@ pub mod victor_purpura;
 pub mod voxel;
 pub mod window;
 
-pub use pair::{Cell, CompareError, Pair, Signed, Times};
+pub use pair::{Cell, CompareError, Pair, Signed, Sorted, Times};
 
 use crate::{
     event::{Packet, address::AddressWord},

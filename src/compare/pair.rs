@@ -67,18 +67,12 @@ impl Cell {
         self.0 >> 1
     }
 
-    /// An event of this cell.
-    pub(super) const fn at(self, t: u64) -> Key {
-        (self.0 as Key) << 64 | t as Key
+    const fn new(channel: u8, y: u16, x: u16, sign: u8) -> Self {
+        Self((channel as u64) << 33 | (y as u64) << 17 | (x as u64) << 1 | sign as u64)
     }
 
     const fn from_event(event: &Event) -> Self {
-        Self(
-            (event.channel as u64) << 33
-                | (event.y as u64) << 17
-                | (event.x as u64) << 1
-                | event.polarity.bit() as u64,
-        )
+        Self::new(event.channel, event.y, event.x, event.polarity.bit())
     }
 
     /// Kind of cell.
@@ -110,15 +104,38 @@ impl Cell {
     }
 }
 
-/// An event as one number, cell above and time below, so that sorting compares integers.
-pub(super) type Key = u128;
-
-const fn cell(key: Key) -> Cell {
-    Cell((key >> 64) as u64)
+/// The events of a packet, cell by cell.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Trains {
+    /// The times of all cells, one cell after the other, each ascending.
+    times: Vec<u64>,
+    /// The cells that spoke, ascending, and where the times of each end.
+    cells: Vec<(Cell, usize)>,
 }
 
-pub(super) const fn time(key: Key) -> u64 {
-    key as u64
+impl Trains {
+    /// Adds the times of a cell, which ascend, after those of all cells before it.
+    pub(super) fn push(&mut self, cell: Cell, times: impl IntoIterator<Item = u64>) {
+        self.times.extend(times);
+        self.cells.push((cell, self.times.len()));
+    }
+
+    /// The times of all cells.
+    pub(super) fn times(&self) -> &[u64] {
+        &self.times
+    }
+
+    /// The cells, and where the times of each are.
+    fn cells(&self) -> impl Iterator<Item = (Cell, Range<usize>)> {
+        let mut start = 0;
+        self.cells
+            .iter()
+            .map(move |(cell, end)| (*cell, std::mem::replace(&mut start, *end)..*end))
+    }
+
+    fn slice(&self, at: &Range<usize>) -> &[u64] {
+        self.times.get(at.clone()).unwrap_or_default()
+    }
 }
 
 /// A cell with events, and the indices of its events, [reference, judged].
@@ -140,8 +157,77 @@ pub struct Pair {
     size: Size,
     channels: u8,
     dropped: [u64; 2],
-    keys: [Arc<Vec<Key>>; 2],
+    trains: [Arc<Trains>; 2],
     spoke: Vec<Spoke>,
+}
+
+/// The events of a packet, sorted for comparison: a reference that many packets are judged against
+/// is sorted once.
+#[derive(Clone, Debug)]
+pub struct Sorted {
+    size: Size,
+    channels: u8,
+    dropped: u64,
+    trains: Arc<Trains>,
+}
+
+impl Sorted {
+    /// Sorts a packet by cell, then time.
+    ///
+    /// # Errors
+    /// When it holds events outside of its own size and channels.
+    pub fn new(packet: &Packet) -> Result<Self, CompareError> {
+        Ok(Self {
+            size: packet.size,
+            channels: packet.channels,
+            dropped: packet.dropped.total(),
+            trains: Arc::new(sorted(packet)?),
+        })
+    }
+
+    /// This packet as the reference, and another that is judged against it.
+    ///
+    /// # Errors
+    /// When they are not of the same size and number of channels, or the other holds events outside.
+    pub fn judge(&self, judged: &Packet) -> Result<Pair, CompareError> {
+        check_alike((self.size, self.channels), judged)?;
+        Ok(self.beside(&Self::new(judged)?))
+    }
+
+    /// This packet, judged against itself.
+    #[must_use]
+    pub fn identical(&self) -> Pair {
+        self.beside(self)
+    }
+
+    /// Both are of one size.
+    fn beside(&self, judged: &Self) -> Pair {
+        let trains = [&self.trains, &judged.trains].map(Arc::clone);
+        Pair {
+            size: self.size,
+            channels: self.channels,
+            dropped: [self.dropped, judged.dropped],
+            spoke: spoke(&trains[0], &trains[1]),
+            trains,
+        }
+    }
+}
+
+/// Whether a packet is of the same size and number of channels as a reference.
+fn check_alike((size, channels): (Size, u8), judged: &Packet) -> Result<(), CompareError> {
+    if size != judged.size {
+        return Err(CompareError::Size {
+            reference: size,
+            judged: judged.size,
+        });
+    }
+    if channels != judged.channels {
+        return Err(CompareError::Channels {
+            reference: channels,
+            judged: judged.channels,
+        });
+    }
+    Ok(())
 }
 
 impl Pair {
@@ -150,59 +236,37 @@ impl Pair {
     /// # Errors
     /// When they are not of the same size and number of channels, or hold events outside.
     pub fn new(reference: &Packet, judged: &Packet) -> Result<Self, CompareError> {
-        let (size, channels) = (reference.size, reference.channels);
-        if size != judged.size {
-            return Err(CompareError::Size {
-                reference: size,
-                judged: judged.size,
-            });
-        }
-        if channels != judged.channels {
-            return Err(CompareError::Channels {
-                reference: channels,
-                judged: judged.channels,
-            });
-        }
-        let (reference_keys, judged_keys) = rayon::join(|| sorted(reference), || sorted(judged));
-        let keys = [Arc::new(reference_keys?), Arc::new(judged_keys?)];
-        Ok(Self {
-            size,
-            channels,
-            dropped: [reference.dropped.total(), judged.dropped.total()],
-            spoke: spoke(&keys[0], &keys[1]),
-            keys,
-        })
+        check_alike((reference.size, reference.channels), judged)?;
+        let (reference, judged) = rayon::join(|| Sorted::new(reference), || Sorted::new(judged));
+        Ok(reference?.beside(&judged?))
     }
 
     /// The reference, judged against itself.
     #[must_use]
     pub fn identical(&self) -> Self {
-        self.with_judged(Arc::clone(&self.keys[0]))
+        self.with_judged(Arc::clone(&self.trains[0]))
     }
 
-    /// The reference, and events in place of the judged packet's. They ascend.
-    pub(super) fn with_judged(&self, judged: Arc<Vec<Key>>) -> Self {
-        let keys = [Arc::clone(&self.keys[0]), judged];
+    /// The reference, and events in place of the judged packet's.
+    pub(super) fn with_judged(&self, judged: Arc<Trains>) -> Self {
+        let trains = [Arc::clone(&self.trains[0]), judged];
         Self {
             size: self.size,
             channels: self.channels,
             dropped: [self.dropped[0]; 2],
-            spoke: spoke(&keys[0], &keys[1]),
-            keys,
+            spoke: spoke(&trains[0], &trains[1]),
+            trains,
         }
     }
 
-    /// The events of the reference, by cell, then time.
-    pub(super) fn reference(&self) -> &[Key] {
-        &self.keys[0]
+    /// The times of the reference, by cell, then time.
+    pub(super) fn reference(&self) -> &[u64] {
+        self.trains[0].times()
     }
 
-    /// Every cell that spoke in the reference, and where its events are.
+    /// Every cell that spoke in the reference, and where its times are.
     pub(super) fn reference_cells(&self) -> impl Iterator<Item = (Cell, Range<usize>)> {
-        self.spoke
-            .iter()
-            .filter(|spoke| !spoke.events[0].is_empty())
-            .map(|spoke| (spoke.cell, spoke.events[0].clone()))
+        self.trains[0].cells()
     }
 
     /// Size of both sensors.
@@ -215,13 +279,10 @@ impl Pair {
     #[must_use]
     pub fn span(&self) -> Option<(Micros, Micros)> {
         // The times of a cell ascend, so its first and last are its ends.
-        let ends = |side: &[Key], at: &Range<usize>| {
-            let own = side.get(at.clone())?;
-            Some((time(*own.first()?), time(*own.last()?)))
-        };
+        let ends = |own: &[u64]| Some((*own.first()?, *own.last()?));
         self.spoke
             .iter()
-            .flat_map(|spoke| [0, 1].map(|i| ends(&self.keys[i], &spoke.events[i])))
+            .flat_map(|spoke| self.slices(&spoke.events).map(ends))
             .flatten()
             .reduce(|(a, b), (c, d)| (a.min(c), b.max(d)))
             .map(|(first, last)| (Micros(first), Micros(last)))
@@ -231,7 +292,7 @@ impl Pair {
     #[must_use]
     pub fn times(&self) -> [Vec<u64>; 2] {
         [0, 1].map(|i| {
-            let mut times: Vec<u64> = self.keys[i].iter().map(|key| time(*key)).collect();
+            let mut times = self.trains[i].times.clone();
             times.par_sort_unstable();
             times.dedup();
             times
@@ -253,7 +314,7 @@ impl Pair {
     /// Number of events, [reference, judged].
     #[must_use]
     pub fn events(&self) -> [u64; 2] {
-        [self.keys[0].len() as u64, self.keys[1].len() as u64]
+        [0, 1].map(|i| self.trains[i].times.len() as u64)
     }
 
     /// Events that each sensor made and could not deliver, [reference, judged].
@@ -318,12 +379,16 @@ impl Pair {
     ) -> T {
         let piece = |sum: &mut T, piece: &[Spoke]| {
             for site in piece.chunk_by(|a, b| a.cell.site() == b.cell.site()) {
-                if let (Some(first), Some(last)) = (site.first(), site.last()) {
-                    // OFF lies right before ON.
-                    let both = [0, 1].map(|i| first.events[i].start..last.events[i].end);
-                    let [a, b] = self.slices(&both);
-                    add(sum, Signed(a), Signed(b));
+                let mut both = [Signed::default(); 2];
+                for spoke in site {
+                    for (signed, times) in both.iter_mut().zip(self.slices(&spoke.events)) {
+                        match spoke.cell.polarity() {
+                            Polarity::Off => signed.off = times,
+                            Polarity::On => signed.on = times,
+                        }
+                    }
                 }
+                add(sum, both[0], both[1]);
             }
         };
         self.walk(start, piece, join)
@@ -361,56 +426,59 @@ impl Pair {
         pieces
     }
 
-    fn slices(&self, at: &[Range<usize>; 2]) -> [&[Key]; 2] {
-        [0, 1].map(|i| self.keys[i].get(at[i].clone()).unwrap_or_default())
+    fn slices(&self, at: &[Range<usize>; 2]) -> [&[u64]; 2] {
+        [0, 1].map(|i| self.trains[i].slice(&at[i]))
     }
 }
 
-/// The cells with events in either of two ascending lists.
-fn spoke(a: &[Key], b: &[Key]) -> Vec<Spoke> {
-    let mut at = [0, 0];
-    let mut all = Vec::new();
-    loop {
-        let next = match (a.get(at[0]), b.get(at[1])) {
-            (Some(a), Some(b)) => cell(*a).min(cell(*b)),
-            (Some(key), None) | (None, Some(key)) => cell(*key),
-            (None, None) => return all,
-        };
-        let events = [end(a, at[0], next), end(b, at[1], next)];
-        at = [events[0].end, events[1].end];
-        all.push(Spoke { cell: next, events });
+/// The cells with events in either of two packets.
+fn spoke(a: &Trains, b: &Trains) -> Vec<Spoke> {
+    let (mut a, mut b) = (a.cells().peekable(), b.cells().peekable());
+    let mut all = Vec::with_capacity(a.size_hint().0.max(b.size_hint().0));
+    while let Some(cell) = a
+        .peek()
+        .into_iter()
+        .chain(b.peek())
+        .map(|next| next.0)
+        .min()
+    {
+        let [first, second] = [
+            a.next_if(|next| next.0 == cell),
+            b.next_if(|next| next.0 == cell),
+        ]
+        .map(|own| own.map_or(0..0, |(_, at)| at));
+        all.push(Spoke {
+            cell,
+            events: [first, second],
+        });
     }
+    all
 }
 
-/// Where the events of `of` are, when they can start only at `from`.
-fn end(keys: &[Key], from: usize, of: Cell) -> Range<usize> {
-    let own = keys[from..].iter().take_while(|key| cell(**key) == of);
-    from..from + own.count()
+/// The times of one pixel and kind, of both signs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Signed<'a> {
+    off: &'a [u64],
+    on: &'a [u64],
 }
-
-/// The events of one pixel and kind, of both signs.
-#[derive(Clone, Copy, Debug)]
-pub struct Signed<'a>(&'a [Key]);
 
 impl<'a> Signed<'a> {
     /// One by one: time in microseconds, and sign; first OFF in order of time, then ON.
     pub fn iter(self) -> impl Iterator<Item = (u64, Polarity)> + 'a {
-        self.0.iter().map(|key| (time(*key), cell(*key).polarity()))
+        let off = self.off.iter().map(|t| (*t, Polarity::Off));
+        off.chain(self.on.iter().map(|t| (*t, Polarity::On)))
     }
 
     /// How many of each sign, [OFF, ON].
     #[must_use]
-    pub fn counts(self) -> [u64; 2] {
-        let off = self
-            .0
-            .partition_point(|key| cell(*key).polarity() == Polarity::Off);
-        [off as u64, (self.0.len() - off) as u64]
+    pub const fn counts(self) -> [u64; 2] {
+        [self.off.len() as u64, self.on.len() as u64]
     }
 }
 
 /// The times of one cell, ascending.
 #[derive(Clone, Copy, Debug)]
-pub struct Times<'a>(&'a [Key]);
+pub struct Times<'a>(&'a [u64]);
 
 impl<'a> Times<'a> {
     /// How many.
@@ -427,65 +495,95 @@ impl<'a> Times<'a> {
 
     /// One by one, in microseconds.
     pub fn iter(self) -> impl Iterator<Item = u64> + 'a {
-        self.0.iter().map(|key| time(*key))
+        self.0.iter().copied()
     }
 }
 
-/// The keys of a packet's events, ascending.
-fn sorted(packet: &Packet) -> Result<Vec<Key>, CompareError> {
+/// The events of a packet, cell by cell.
+fn sorted(packet: &Packet) -> Result<Trains, CompareError> {
     let (size, channels) = (packet.size, packet.channels);
-    let inside = |event: &&Event| {
-        usize::from(event.x) < size.width
-            && usize::from(event.y) < size.height
-            && event.channel < channels
+    let outside = |event: &Event| CompareError::Outside {
+        event: *event,
+        size,
+        channels,
     };
-    if let Some(event) = packet.events.iter().find(|event| !inside(event)) {
-        return Err(CompareError::Outside {
-            event: *event,
-            size,
-            channels,
-        });
-    }
     let cells = 2 * usize::from(channels) * size.height * size.width;
     if cells <= FEW_CELLS.max(packet.events.len()) && u32::try_from(packet.events.len()).is_ok() {
-        return Ok(by_cell(packet, cells));
+        return by_cell(packet, cells).map_err(outside);
+    }
+    if let Some(event) = packet.events.iter().find(|event| !is_inside(packet, event)) {
+        return Err(outside(event));
     }
     let events = packet.events.iter();
-    let mut keys: Vec<Key> = events.map(|e| Cell::from_event(e).at(e.t.0)).collect();
+    let mut keys: Vec<(Cell, u64)> = events.map(|e| (Cell::from_event(e), e.t.0)).collect();
     keys.par_sort_unstable();
-    Ok(keys)
+    let mut trains = Trains::default();
+    trains.times.reserve_exact(keys.len());
+    for own in keys.chunk_by(|a, b| a.0 == b.0) {
+        if let Some((cell, _)) = own.first() {
+            trains.push(*cell, own.iter().map(|(_, t)| *t));
+        }
+    }
+    Ok(trains)
+}
+
+fn is_inside(packet: &Packet, event: &Event) -> bool {
+    usize::from(event.x) < packet.size.width
+        && usize::from(event.y) < packet.size.height
+        && event.channel < packet.channels
 }
 
 /// Counting sort by cell, which keeps the order of time in a packet that has it.
-fn by_cell(packet: &Packet, cells: usize) -> Vec<Key> {
+///
+/// # Errors
+/// The first event outside.
+fn by_cell(packet: &Packet, cells: usize) -> Result<Trains, &Event> {
     let Size { height, width } = packet.size;
     let index = |e: &Event| {
         let row = usize::from(e.channel) * height + usize::from(e.y);
         2 * (row * width + usize::from(e.x)) + usize::from(e.polarity.bit())
     };
     let mut next = vec![0u32; cells];
+    let mut in_order = true;
+    let mut last = Micros(0);
     for event in &packet.events {
+        if !is_inside(packet, event) {
+            return Err(event);
+        }
         next[index(event)] += 1;
+        in_order &= last <= event.t;
+        last = event.t;
     }
     let mut sum = 0;
     for place in &mut next {
         sum += std::mem::replace(place, sum);
     }
-    let mut keys = vec![0; packet.events.len()];
+    let mut times = vec![0; packet.events.len()];
     for event in &packet.events {
         let place = &mut next[index(event)];
-        keys[*place as usize] = Cell::from_event(event).at(event.t.0);
+        times[*place as usize] = event.t.0;
         *place += 1;
     }
-    if !packet.events.is_sorted_by_key(|event| event.t) {
-        // Each place is now where its cell ends.
-        let mut start = 0;
-        for end in next {
-            keys[start..end as usize].sort_unstable();
-            start = end as usize;
+    // Each place is now where its cell ends.
+    let mut spoke = Vec::new();
+    let mut start = 0;
+    for (row, ends) in next.chunks(2 * width.max(1)).enumerate() {
+        for (at, end) in ends.iter().enumerate() {
+            let end = *end as usize;
+            if end > start {
+                let (channel, y) = ((row / height) as u8, (row % height) as u16);
+                spoke.push((Cell::new(channel, y, (at / 2) as u16, (at % 2) as u8), end));
+                if !in_order {
+                    times[start..end].sort_unstable();
+                }
+                start = end;
+            }
         }
     }
-    keys
+    Ok(Trains {
+        times,
+        cells: spoke,
+    })
 }
 
 #[cfg(test)]
@@ -513,11 +611,24 @@ mod tests {
             if in_order {
                 packet.events.sort_by_key(|event| event.t);
             }
-            let mut keys: Vec<Key> = { packet.events.iter() }
-                .map(|e| Cell::from_event(e).at(e.t.0))
+            let mut keys: Vec<_> = { packet.events.iter() }
+                .map(|e| (Cell::from_event(e), e.t.0))
                 .collect();
             keys.sort_unstable();
-            prop_assert_eq!(sorted(&packet), Ok(keys));
+            let trains = sorted(&packet).unwrap();
+            let cells = trains.cells().flat_map(|(cell, at)| {
+                trains.slice(&at).iter().map(move |t| (cell, *t)).collect::<Vec<_>>()
+            });
+            prop_assert_eq!(cells.collect::<Vec<_>>(), keys);
+            let mut strange = packet.clone();
+            strange.channels = 1;
+            let first = packet.events.iter().find(|event| event.channel > 0);
+            let said = sorted(&strange).err();
+            prop_assert_eq!(said, first.map(|event| CompareError::Outside {
+                event: *event,
+                size: strange.size,
+                channels: 1,
+            }));
         }
     }
 }

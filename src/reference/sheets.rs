@@ -1,15 +1,19 @@
 //! The resistive grids of a sensor while it runs; [`super::surround`] has the equation.
 
 use crate::{
+    kernel::Kernel,
     mesh::{Between, Euler, Flow, MeshError, Steady},
-    number::Number,
+    number::{F64, Format, Number, Visitor},
+    photoreceptor::{Curve, Response},
     plane::{Plane, Size},
     rng::Hash,
-    sensor::SensorError,
+    scene::Frame,
+    sensor::{SensorError, check_time},
 };
 
 use super::{
-    signal::Light,
+    description::{Channel, Description, MemoryRule, PolarityRule},
+    signal::{Light, Photoreceptors},
     surround::{SheetRule, Surround, Surrounds},
 };
 
@@ -102,6 +106,111 @@ impl Sheets {
         let running = self.channels.get(channel)?.as_ref()?;
         let (start, width) = (y * running.drive.ncols(), running.drive.ncols());
         running.drive.as_slice()?.get(start..start + width)
+    }
+}
+
+/// The drive of a sensor's resistor sheets by themselves, before any cell holds it: sensors that
+/// differ in what their cells do with it may share it ([`Description::behind_sheets`]).
+#[derive(Clone, Debug)]
+pub struct SheetDrive {
+    photoreceptors: Photoreceptors<F64>,
+    sheets: Sheets,
+    size: Size,
+    last: Option<f64>,
+}
+
+impl SheetDrive {
+    /// The sheets of a sensor's first kind of cells; none where it has none. `seed` chooses the
+    /// noise of their resistors.
+    #[must_use]
+    pub fn new(description: &Description, size: Size, seed: u64) -> Option<Self> {
+        let channels = description.channels.iter().take(1);
+        let surrounds = channels.map(|channel| channel.surrounds.as_ref());
+        Some(Self {
+            photoreceptors: Photoreceptors::new(F64, description.response),
+            sheets: Sheets::new(&description.name, surrounds, size, seed)?,
+            size,
+            last: None,
+        })
+    }
+
+    /// The drive at the time of the next frame, `[y, x]`, in the unit of the signal.
+    ///
+    /// # Errors
+    /// When the frame has another size, is not later than the last, or holds light that the response
+    /// is not defined for.
+    pub fn see(&mut self, frame: &Frame) -> Result<Plane<f64>, SensorError> {
+        let got = Size::of(&frame.light);
+        if got != self.size {
+            return Err(SensorError::Size {
+                index: frame.index,
+                got,
+                want: self.size,
+            });
+        }
+        check_time(frame, self.last.replace(frame.seconds))?;
+        let light = Light {
+            photoreceptors: &self.photoreceptors,
+            frame,
+            low_pass: None,
+        };
+        self.sheets.see(&F64, light)?;
+        let mut drive = Plane::zeros(self.size.shape());
+        for (y, mut to) in drive.rows_mut().into_iter().enumerate() {
+            for (to, from) in to.iter_mut().zip(self.sheets.row(0, y).unwrap_or_default()) {
+                *to = *from;
+            }
+        }
+        Ok(drive)
+    }
+}
+
+impl Description {
+    /// The cells behind the resistor sheets, as a sensor that is shown the drive of the sheets
+    /// ([`SheetDrive`]) in place of light: it has the same events, to the bit, where light is whole
+    /// numbers from 0 to 255, or the format `f64`. None where there are no sheets, where cells see
+    /// more than their drive, or where the format does not hold the signal as it is.
+    #[must_use]
+    pub fn behind_sheets(&self, format: Format) -> Option<Self> {
+        struct HoldsAll<'a>(&'a Response);
+        impl Visitor for HoldsAll<'_> {
+            type Output = bool;
+            fn visit<N: Number>(self, number: N) -> bool {
+                let holds =
+                    |value: f64| number.value(number.hold(value)).to_bits() == value.to_bits();
+                let signal = |light: u8| self.0.apply(light.into()).is_ok_and(holds);
+                holds(1.0) && (0..=u8::MAX).all(signal)
+            }
+        }
+        let [channel] = &self.channels[..] else {
+            return None;
+        };
+        let is_pixel = |kernel: &Kernel| kernel.weights().iter().eq([&1.0]);
+        let follows = matches!(
+            self.memory,
+            MemoryRule::FilteredSnap | MemoryRule::FilteredStep
+        );
+        let sees_its_drive = channel.surrounds.is_some()
+            && follows
+            && self.polarity == PolarityRule::Filtered
+            && self.noise.cutoff_hz <= 0.0
+            && !channel.log_temporal
+            && channel.kernels.iter().all(is_pixel);
+        if !sees_its_drive || !format.visit(HoldsAll(&self.response)) {
+            return None;
+        }
+        let channel = Channel {
+            surrounds: None,
+            ..channel.clone()
+        };
+        Some(Self {
+            response: Response {
+                curve: Curve::Identity,
+                round_f32: false,
+            },
+            channels: vec![channel],
+            ..self.clone()
+        })
     }
 }
 

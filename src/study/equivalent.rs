@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::design::{Design, DesignError};
 use crate::{
     compare::{
-        CompareError, Pair,
+        CompareError, Pair, Sorted,
         metric::Short,
         window::{self, Point, Redraws},
     },
@@ -81,10 +81,34 @@ struct Rung {
     f1: f64,
 }
 
+/// The change of the threshold, in per cent, that costs as much as this F1, and whether it is at
+/// least that, from rungs above 1 in their order, each the part of the threshold and its F1. No more
+/// of them are asked for than are needed: a packet that is hardly off needs one.
+///
+/// # Errors
+/// The first of a rung.
+pub fn equivalent<E>(
+    f1: f64,
+    rungs: impl IntoIterator<Item = Result<(f64, f64), E>>,
+) -> Result<(f64, bool), E> {
+    let (mut part, mut best) = (1.0, 1.0_f64);
+    for rung in rungs {
+        let (next, here) = rung?;
+        // A rung that scores more than one before it, by chance, is passed over.
+        let here = here.min(best);
+        if f1 >= here {
+            return Ok((percent(between((best, part), (here, next), f1)), false));
+        }
+        (part, best) = (next, here);
+    }
+    Ok((percent(part), true))
+}
+
 /// What the float sensor says at other thresholds.
 #[derive(Clone, Debug)]
 pub struct Ladder {
     reference: Packet,
+    sorted: Sorted,
     redraws: Redraws,
     window: Micros,
     fps: f64,
@@ -161,7 +185,8 @@ impl Ladder {
         fps: f64,
         seed: u64,
     ) -> Result<Self, CompareError> {
-        let redraws = Redraws::new(&Pair::new(&reference, &reference)?, seed);
+        let sorted = Sorted::new(&reference)?;
+        let redraws = Redraws::new(&sorted.identical(), seed);
         let rungs = vec![Rung {
             part: 1.0,
             events: reference.events.len() as u64,
@@ -169,6 +194,7 @@ impl Ladder {
         }];
         Ok(Self {
             reference,
+            sorted,
             redraws,
             window,
             fps,
@@ -185,11 +211,27 @@ impl Ladder {
         let rung = Rung {
             part,
             events: packet.events.len() as u64,
-            f1: window::f1(&Pair::new(&self.reference, packet)?, self.window),
+            f1: self.f1(packet)?,
         };
         let above = self.rungs.partition_point(|known| known.part < part);
         self.rungs.insert(above, rung);
         Ok(())
+    }
+
+    /// The reference, and a packet that is judged against it.
+    ///
+    /// # Errors
+    /// When it is of another sensor.
+    pub fn pair(&self, packet: &Packet) -> Result<Pair, CompareError> {
+        self.sorted.judge(packet)
+    }
+
+    /// F1 of a packet within the window.
+    ///
+    /// # Errors
+    /// When it is of another sensor.
+    pub fn f1(&self, packet: &Packet) -> Result<f64, CompareError> {
+        Ok(window::f1(&self.pair(packet)?, self.window))
     }
 
     /// F1 of a redraw of the reference.
@@ -221,7 +263,7 @@ impl Ladder {
     /// # Errors
     /// When it is of another sensor.
     pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
-        let pair = Pair::new(&self.reference, packet)?;
+        let pair = self.pair(packet)?;
         let point = Point::new(&pair, &self.redraws, self.window);
         let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
@@ -243,16 +285,10 @@ impl Ladder {
     /// packets apart also where accident scores as much.
     #[must_use]
     pub fn equivalent(&self, f1: f64) -> (f64, bool) {
-        let (mut part, mut best) = (1.0, 1.0_f64);
-        for rung in self.rungs.iter().filter(|rung| rung.part > 1.0) {
-            // A rung that scores more than one before it, by chance, is passed over.
-            let here = rung.f1.min(best);
-            if f1 >= here {
-                return (percent(between((best, part), (here, rung.part), f1)), false);
-            }
-            (part, best) = (rung.part, here);
-        }
-        (percent(part), true)
+        let rungs = self.rungs.iter().filter(|rung| rung.part > 1.0);
+        let known = rungs.map(|rung| Ok::<_, std::convert::Infallible>((rung.part, rung.f1)));
+        let Ok(equivalent) = equivalent(f1, known);
+        equivalent
     }
 
     /// The same of what is kept above the reference's floor.

@@ -1,17 +1,17 @@
 //! The models of one program on an array: its domain, and each error of analogue cells.
 
-use std::fmt;
+use std::{fmt, ops::Range};
 
 use rayon::prelude::*;
 
 use crate::{
-    array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
+    array::{Arithmetic, Array, Chip, CodeError, Errors, LIMITS, Layout, Settings, Silicon},
     event::{Event, Packet},
     isa::Device,
     mosaic::Mosaic,
     number::Format,
     plane::{At, Size},
-    program::Code,
+    program::{Action, Code, Host, Step},
     scene::Frame,
     sensor::{Sensor, SensorError},
 };
@@ -154,19 +154,25 @@ impl Family for Chips<'_> {
     }
 
     /// An array for each tile: what lies off the array is a register's edge, which no light makes.
+    /// Where a cell's place says nothing, tiles inside the sensor that lie side by side in the mosaic
+    /// are one array: their halos keep them apart, and long rows are worked on faster.
     fn on_tiles(
         &self,
         model: &Machine,
         mosaic: &Mosaic,
     ) -> Result<Box<dyn Sensor + Send>, SensorError> {
         let columns = mosaic.whole().width;
-        let tiles = 0..mosaic.tiles().len();
-        let chips = tiles.filter_map(|tile| mosaic.window(tile)).map(|window| {
-            let size = Size::new(window.0.len(), window.1.len());
-            let chip = self.chip(model, size, (window.2, columns));
+        let most = if model.format.is_some() {
+            fewest_slots(&self.code.frame)
+        } else {
+            0
+        };
+        let chips = strips(mosaic, most).into_iter().map(|(rows, across, at)| {
+            let size = Size::new(rows.len(), across.len());
+            let chip = self.chip(model, size, (at, columns));
             let chip = chip.map_err(|why| stopped(self.name, &why))?;
             Ok(Part {
-                at: (window.0.start, window.1.start),
+                at: (rows.start, across.start),
                 seen: Packet::new(size, chip.channels()),
                 chip,
             })
@@ -181,10 +187,17 @@ impl Family for Chips<'_> {
         }))
     }
 
-    /// What a chip's numbers cannot hold is the scene's doing; errors are each cell's own.
+    /// What a chip's numbers cannot hold is the scene's doing; errors and rounding are each cell's
+    /// own. Registers that are limited to the ADC scale in either domain never reach the end of a
+    /// format that is as wide as that.
     fn unseen(&self, model: &Machine, _: &Look) -> Unseen {
-        let saturates = model.without.contains(&Term::Saturation)
-            || model.format.is_some() && model.format != Some(Format::F64);
+        let ends = |format: Format| {
+            let (low, high) = format.limits();
+            let is_limited = self.settings.clip && matches!(self.arithmetic, Arithmetic::Number(_));
+            !is_limited || low > LIMITS.0 || high < LIMITS.1
+        };
+        let saturates = model.without.contains(&Term::Saturation) || { model.format }
+            .is_some_and(|format| format != Format::F64 && ends(format));
         if saturates {
             Unseen::Tile
         } else {
@@ -228,7 +241,45 @@ impl Family for Chips<'_> {
     }
 }
 
-/// An array that sees one tile.
+/// Rows and columns of a mosaic, and where the first of them lies in the plane.
+type Window = (Range<usize>, Range<usize>, At);
+
+/// The windows of the tiles of a mosaic. Neighbours that lie wholly inside the plane are one, of at
+/// most so many pixels, so that no slot is missing that a tile has by itself.
+fn strips(mosaic: &Mosaic, most: usize) -> Vec<Window> {
+    let mut strips: Vec<(Window, bool)> = Vec::new();
+    for tile in 0..mosaic.tiles().len() {
+        let Some((rows, columns, at)) = mosaic.window(tile) else {
+            continue;
+        };
+        let inside = mosaic.is_inside(tile);
+        if let Some(((before, across, _), true)) = strips.last_mut()
+            && inside
+            && *before == rows
+            && across.end == columns.start
+            && rows.len() * (columns.end - across.start) <= most
+        {
+            across.end = columns.end;
+        } else {
+            strips.push(((rows, columns, at), inside));
+        }
+    }
+    strips.into_iter().map(|(window, _)| window).collect()
+}
+
+/// The fewest slots of a readout of events in these steps.
+fn fewest_slots(steps: &[Step]) -> usize {
+    let slots = steps.iter().map(|step| match &step.action {
+        Action::Host(Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. }) => {
+            usize::try_from(*slots).unwrap_or(usize::MAX)
+        }
+        Action::Repeat { body, .. } => fewest_slots(body),
+        Action::Host(_) | Action::Word(_) => usize::MAX,
+    });
+    slots.min().unwrap_or(usize::MAX)
+}
+
+/// An array that sees one tile, or some side by side.
 struct Part {
     /// Row and column of the mosaic where it begins.
     at: (usize, usize),
@@ -277,5 +328,97 @@ impl Sensor for Tiled {
             packet.span = part.seen.span;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        program::{Overrides, Program},
+        rng::Hash,
+        scene::Frame,
+    };
+
+    /// Tiles in strips have the events that they have in the whole array, to the bit, at its border
+    /// and inside, and no readout of a strip is fuller than a tile's.
+    #[test]
+    fn strips_of_tiles_have_the_events_of_the_whole_array() {
+        let text = "//! channels = 1\ninit { get_image(A); neg(C, A); }\nframe { get_image(A); movx(B, A, east); add(A, A, B); divq(A, A); scamp5_in(D, -6); add(E, A, C); sub(F, D, E); where(F); MOV(R5, FLAG); all(); WHERE(R5); neg(C, A); all(); scamp5_scan_events(R5, on, 300); }\n";
+        let device = Device::scamp5();
+        let code = Program::parse("strips", text).unwrap();
+        let code = code.expand(&device, &Overrides::default()).unwrap().code;
+        let family = Chips {
+            name: "strips",
+            code: &code,
+            device: &device,
+            settings: Settings::from_device(&device),
+            arithmetic: Arithmetic::Number(Format::F64),
+        };
+        let (whole, halo) = (Size::new(40, 48), family.halo().unwrap());
+        // At three borders, and inside: neighbours and others.
+        let corners = [
+            (0, 0),
+            (8, 8),
+            (8, 16),
+            (16, 32),
+            (24, 8),
+            (32, 40),
+            (8, 24),
+        ];
+        let corners: Vec<At> = corners.map(|(y, x)| At { y, x }).to_vec();
+        let mosaic = Mosaic::new(whole, Size::new(8, 8), halo, corners, 4);
+        let windows = strips(&mosaic, fewest_slots(&code.frame));
+        assert_eq!(strips(&mosaic, 0).len(), 7);
+        assert!((3..7).contains(&windows.len()), "{}", windows.len());
+        let machine = family.full();
+        let mut on_tiles = family.on_tiles(&machine, &mosaic).unwrap();
+        let mut on_all = family.whole(&machine, whole).unwrap();
+        let mut seen = Packet::new(mosaic.size(), 1);
+        let mut all = Packet::new(whole, 1);
+        for index in 0..6 {
+            let hash = Hash::new(7).with(index);
+            let light = ndarray::Array2::from_shape_fn(whole.shape(), |(y, x)| {
+                (200.0 * hash.with((y * whole.width + x) as u64).uniform()).floor()
+            });
+            let seconds = 0.01 * index as f64;
+            let frame = |light| Frame {
+                index,
+                seconds,
+                light,
+            };
+            let shown = mosaic.shown(&light, crate::mosaic::Outside::Nearest);
+            on_tiles.watch(&frame(shown), &mut seen).unwrap();
+            on_all.watch(&frame(light), &mut all).unwrap();
+        }
+        let key = |t, at: At| (t, at.y, at.x);
+        let mut tiles: Vec<_> = { seen.events.iter() }
+            .filter(|e| mosaic.tile(e.y.into(), e.x.into()).is_some())
+            .map(|e| key(e.t, mosaic.home(e.y.into(), e.x.into())))
+            .collect();
+        let own = |at: &At| {
+            let tiles = mosaic.tiles().iter();
+            tiles.clone().any(|tile| {
+                (tile.y..tile.y + 8).contains(&at.y) && (tile.x..tile.x + 8).contains(&at.x)
+            })
+        };
+        let mut want: Vec<_> = { all.events.iter() }
+            .map(|e| {
+                (
+                    e.t,
+                    At {
+                        y: e.y.into(),
+                        x: e.x.into(),
+                    },
+                )
+            })
+            .filter(|(_, at)| own(at))
+            .map(|(t, at)| key(t, at))
+            .collect();
+        tiles.sort_unstable();
+        want.sort_unstable();
+        assert!(want.len() > 100, "{}", want.len());
+        assert_eq!(all.dropped.total(), 0);
+        assert_eq!(tiles, want);
     }
 }

@@ -11,16 +11,49 @@ use crate::{
     program::{Action, Code, Host, Step},
 };
 
-/// How far, in rows or columns, what each cell holds may come from.
-type Reach = BTreeMap<Cell, usize>;
+/// From where, in rows and columns, what each cell holds may come.
+type Reach = BTreeMap<Cell, Around>;
+
+/// The pixels from the first to the last row and column, seen from the pixel itself: there and back
+/// is no way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Around {
+    rows: (isize, isize),
+    columns: (isize, isize),
+}
+
+impl Around {
+    /// What another pixel sees, so many rows and columns away.
+    const fn seen_from(self, (down, right): (isize, isize)) -> Self {
+        Self {
+            rows: (self.rows.0 + down, self.rows.1 + down),
+            columns: (self.columns.0 + right, self.columns.1 + right),
+        }
+    }
+
+    /// All of both.
+    fn and(self, other: Self) -> Self {
+        let hull = |a: (isize, isize), b: (isize, isize)| (a.0.min(b.0), a.1.max(b.1));
+        Self {
+            rows: hull(self.rows, other.rows),
+            columns: hull(self.columns, other.columns),
+        }
+    }
+
+    /// The furthest row or column.
+    fn far(self) -> usize {
+        let ends = [self.rows.0, self.rows.1, self.columns.0, self.columns.1];
+        ends.map(isize::unsigned_abs).into_iter().max().unwrap_or(0)
+    }
+}
 
 /// Further than any program of a tile: no need to go on.
 const FAR: usize = 64;
 
 /// The halo of a program on a chip.
 ///
-/// Word by word, what is written comes from as far as what is read, and the way between the two; what
-/// a mask may keep stays as far as it was. After each frame the registers hold what they will be
+/// Word by word, what is written comes from where what is read comes from, the way between the two
+/// added; what a mask may keep stays where it was from. After each frame the registers hold what they will be
 /// read for in the next, so `frame` is gone through until nothing comes from further than before.
 ///
 /// # Errors
@@ -38,12 +71,15 @@ pub fn halo(code: &Code, device: &Device) -> Result<usize, &'static str> {
         let before = body.reach.clone();
         body.whole &= started;
         body.steps(&code.frame)?;
-        let far = body.reach.values().copied().max().unwrap_or(0);
+        let far = body.reach.values().map(|at| at.far()).max().unwrap_or(0);
         if far > FAR {
             break;
         }
-        let grown = { body.reach.iter() }
-            .any(|(cell, reach)| before.get(cell).is_none_or(|before| reach > before));
+        let grown = { body.reach.iter() }.any(|(cell, reach)| {
+            before
+                .get(cell)
+                .is_none_or(|before| reach.and(*before) != *before)
+        });
         if !grown && !before.is_empty() {
             return Ok(far);
         }
@@ -91,8 +127,8 @@ impl Body<'_> {
             return Err("a bit that propagates may cross the whole array in one word");
         }
         let from = |access: &Access| match access.terminal {
-            Terminal::Cell(cell) => self.reach.get(&cell).copied().unwrap_or(0),
-            Terminal::Pix | Terminal::In | Terminal::Select => 0,
+            Terminal::Cell(cell) => self.reach.get(&cell).copied().unwrap_or_default(),
+            Terminal::Pix | Terminal::In | Terminal::Select => Around::default(),
         };
         if operands
             .accesses
@@ -107,26 +143,26 @@ impl Body<'_> {
         for write in operands.accesses.iter().filter(|a| a.mode == Mode::Write) {
             let Some(cell) = write.cell() else { continue };
             let read = operands.accesses.iter().filter(|a| a.mode != Mode::Write);
-            let far = read.map(|read| {
-                let way = |a: isize, b: isize| (a - b).unsigned_abs();
-                let down = way(read.offset.0, write.offset.0);
-                from(read) + down.max(way(read.offset.1, write.offset.1))
+            let seen = read.map(|read| {
+                let down = read.offset.0 - write.offset.0;
+                let right = read.offset.1 - write.offset.1;
+                from(read).seen_from((down, right))
             });
-            let mut far = far.max().unwrap_or(0);
+            let mut seen = seen.reduce(Around::and).unwrap_or_default();
             // A pixel at the border may have no neighbour that writes it.
             if write.offset != (0, 0) || !operands.replaces(self.whole) {
-                far = far.max(self.reach.get(&cell).copied().unwrap_or(0));
+                seen = seen.and(self.reach.get(&cell).copied().unwrap_or_default());
             }
-            written.push((cell, far));
+            written.push((cell, seen));
         }
-        for (cell, far) in written {
-            self.reach.insert(cell, far);
+        for (cell, seen) in written {
+            self.reach.insert(cell, seen);
         }
         match operands.flag {
             FlagEffect::Keeps => {}
             FlagEffect::Sets => {
                 self.whole = true;
-                self.reach.insert(Cell::Flag, 0);
+                self.reach.insert(Cell::Flag, Around::default());
             }
             FlagEffect::May => self.whole = false,
         }
@@ -154,6 +190,17 @@ mod tests {
         assert_eq!(
             frame("get_image(A); movx(B, A, east); movx(B, B, east); add(B, B, A);"),
             Ok(2)
+        );
+        // There and back is no way: only the end counts.
+        assert_eq!(
+            frame("get_image(A); movx(B, A, east); movx(B, B, west); movx(B, B, west);"),
+            Ok(1)
+        );
+        assert_eq!(
+            frame(
+                "get_image(A); movx(B, A, east); movx(C, B, west); movx(C, C, west); add(B, B, C); movy(B, B, north); movy(B, B, south);"
+            ),
+            Ok(1)
         );
         // What is remembered comes from where it came from.
         assert_eq!(

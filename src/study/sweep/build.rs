@@ -17,20 +17,28 @@ use crate::{
     reference::{Description, MemoryRule},
     rig::guard::Warning,
     sensor::Sensor,
-    study::design,
     study::design::Compiled,
 };
 
-/// The sensor of a float point.
-pub(super) fn float(entry: &Entry, row: &mut Row) -> Result<Box<dyn Sensor + Send>, Refusal> {
+/// A float point.
+pub(super) struct Float {
+    pub description: Description,
+    pub format: Format,
+    pub seed: u64,
+}
+
+/// What a float point says; the memory of its sensor goes into the row.
+pub(super) fn float(entry: &Entry, row: &mut Row) -> Result<Float, Refusal> {
     let point = &entry.point;
     let format: Format = point.word("format").unwrap_or("f64").parse()?;
     let description = sensor::description(point, &entry.kernel)?;
-    let size = entry.scene.size;
-    let bytes = float_state(&description, format) * size.pixels() as u64;
+    let bytes = float_state(&description, format) * entry.scene.size.pixels() as u64;
     row.insert("state_memory_bytes".to_owned(), json!(bytes));
-    let seed = point.whole("seed").unwrap_or(0);
-    Ok(design::float(description, size, seed, format)?)
+    Ok(Float {
+        description,
+        format,
+        seed: point.whole("seed").unwrap_or(0),
+    })
 }
 
 /// Bytes of one value.

@@ -42,6 +42,8 @@ pub(super) struct CachedScene {
     pub fps: f64,
     /// A digest of its light: two files of the same pictures are one scene.
     pub digest: String,
+    /// Whether all light is whole numbers from 0 to 255.
+    pub is_eight_bit: bool,
     observation: Observation,
     held: Option<Arc<Vec<Frame>>>,
 }
@@ -57,6 +59,9 @@ impl CachedScene {
         let mut held = Some(Vec::new());
         let (mut frames, mut size) = (0, Size::new(0, 0));
         let mut bytes = Vec::new();
+        let mut is_eight_bit = true;
+        // `as` saturates.
+        let is_byte = |light: &f64| f64::from(*light as u8).to_bits() == light.to_bits();
         let observation = Observation::new();
         let fps = play(&spec, wanted, &observation, &mut |frame| {
             size = Size::of(&frame.light);
@@ -64,6 +69,7 @@ impl CachedScene {
             bytes.extend(frame.seconds.to_le_bytes());
             bytes.extend(frame.light.iter().flat_map(|light| light.to_le_bytes()));
             digest.update(&bytes);
+            is_eight_bit = is_eight_bit && frame.light.iter().all(is_byte);
             frames += 1;
             let room = HELD / (size.pixels() * size_of::<f64>()).max(1);
             held = held.take().filter(|held| held.len() < room);
@@ -81,6 +87,7 @@ impl CachedScene {
             frames,
             fps,
             digest: hex(&digest.finalize()),
+            is_eight_bit,
             observation,
             held: held.map(Arc::new),
         })
@@ -151,9 +158,25 @@ impl CachedScene {
             frames: frames.len() as u64,
             fps: self.fps,
             digest: hex(&digest.finalize()),
+            is_eight_bit: self.is_eight_bit,
             observation: Observation::new(),
             held: Some(Arc::new(frames)),
         })
+    }
+
+    /// The same frames with other planes in the place of light, under another digest.
+    pub fn with_planes(&self, frames: Vec<Frame>, digest: String) -> Self {
+        Self {
+            wanted: self.wanted.clone(),
+            spec: self.spec.clone(),
+            size: self.size,
+            frames: self.frames,
+            fps: self.fps,
+            digest,
+            is_eight_bit: false,
+            observation: Observation::new(),
+            held: Some(Arc::new(frames)),
+        }
     }
 
     /// Shows every frame.

@@ -5,18 +5,20 @@
 //! pilot on the tiles of a scene serves all formats of a sensor; it is kept by content in the
 //! folder of results. How the array's work is ordered changes no event, and needs no pilot.
 
-use std::{collections::BTreeMap, path::Path};
+use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use super::{
     build,
-    cached_scene::hex,
+    cached_scene::{CachedScene, hex},
+    drive::driven,
     key::Side,
+    limits::Limits,
+    measure::Seen,
     plan::{Entry, Plan},
     refusal::Refusal,
-    sensor,
     shared::Shared,
     study::Settings,
     table::Row,
@@ -27,7 +29,6 @@ use crate::{
     number::Format,
     reference::Description,
     save::save_durably,
-    sensor::Sensor,
     study::{
         design,
         pilot::{Chips, Choice, Effect, Estimate, Family, Floats, Machine, Measure},
@@ -43,20 +44,22 @@ pub(super) struct Plain {
     pub left_out: String,
     /// What the change hardly exceeds; 0 where no event changes.
     pub limit: f64,
-    pub sensor: Box<dyn Sensor + Send>,
+    pub seen: Seen,
 }
 
 /// What was measured of one plainer model: about how much changes, and the limit.
-pub(super) type Limits = BTreeMap<String, f64>;
+pub(super) type Found = BTreeMap<String, f64>;
 
 /// The part of a sensor that a pilot runs: its cost is shared by many points.
 const PART: f64 = 0.15;
 
-/// What may stand for a point; none where it is computed as it is.
+/// What may stand for a point; none where it is computed as it is. What is known of the point itself
+/// goes into the row.
 pub(super) fn plain(
     plan: &Plan,
     entry: &Entry,
     shared: &Shared,
+    limits: Limits<'_>,
     row: &mut Row,
 ) -> Result<Option<Plain>, Refusal> {
     let settings = &plan.study.settings;
@@ -64,8 +67,7 @@ pub(super) fn plain(
         return Ok(None);
     };
     match entry.point.side() {
-        Side::Mesh => Ok(None),
-        Side::Reference => float(plan, entry, shared, tolerance),
+        Side::Reference | Side::Mesh => float(plan, entry, shared, (limits, tolerance), row),
         Side::Array => array(plan, entry, shared, tolerance, row),
     }
 }
@@ -88,16 +90,29 @@ fn float(
     plan: &Plan,
     entry: &Entry,
     shared: &Shared,
-    tolerance: f64,
+    (limits, tolerance): (Limits<'_>, f64),
+    row: &mut Row,
 ) -> Result<Option<Plain>, Refusal> {
-    let point = &entry.point;
-    let name = point.word("format").unwrap_or("f64");
-    let format: Format = name.parse()?;
-    let mut description = sensor::description(point, &entry.kernel)?;
-    let seed = point.whole("seed").unwrap_or(0);
+    let build::Float {
+        description: own,
+        format,
+        seed,
+    } = build::float(entry, row)?;
+    // Resistor sheets reach over the whole sensor and run whole, once; tiles are of their drive.
+    let has_sheets = own.channels.iter().any(|c| c.surrounds.is_some());
+    let (mut description, scene, seconds) = if has_sheets {
+        let format = (&own, seed, format);
+        match driven(&entry.scene, format, shared, limits) {
+            Some(driven) => (driven.description, driven.scene, driven.seconds),
+            None => return Ok(None),
+        }
+    } else {
+        (own.clone(), Arc::clone(&entry.scene), 0.0)
+    };
+    let name = format.to_string();
     let has_dead_time = Effect::DeadTime.is_in(&description, false);
     let mut limit = 0.0;
-    let mut left = vec![left_out(format != Format::F64, name)];
+    let mut left = vec![left_out(format != Format::F64, &name)];
     if format != Format::F64 || has_dead_time {
         let base = Choice::full();
         let family = Floats {
@@ -105,13 +120,14 @@ fn float(
             seed,
             base: &base,
         };
-        let formats = words(plan, Side::Reference, "format");
-        let candidates = { formats.into_iter() }
-            .filter_map(|name| Some((name.clone(), name.parse().ok()?)))
-            .filter(|(_, format)| *format != Format::F64)
-            .map(|(name, format)| {
+        let formats = words(plan, entry.point.side(), "format").into_iter();
+        let formats = formats.filter_map(|name| name.parse::<Format>().ok());
+        let candidates = formats
+            .filter(|format| *format != Format::F64)
+            .filter(|format| !has_sheets || own.behind_sheets(*format).is_some())
+            .map(|format| {
                 let without = Vec::new();
-                (name, Choice { format, without })
+                (format.to_string(), Choice { format, without })
             });
         let mut candidates: Vec<_> = candidates.collect();
         let dead_time = Effect::DeadTime.to_string();
@@ -119,10 +135,10 @@ fn float(
             let without = Choice::full().and_without(Effect::DeadTime);
             candidates.push((dead_time.clone(), without));
         }
-        let key = key_of(&description, seed, entry);
-        let limits = pilot(plan, entry, shared, (&key, &family), &candidates)?;
+        let key = key_of(&description, seed, &scene);
+        let limits = pilot(plan, &scene, shared, (&key, &family), &candidates)?;
         if format != Format::F64 {
-            limit = match limits.get(name) {
+            limit = match limits.get(&name) {
                 Some(limit) if *limit <= tolerance => *limit,
                 _ => return Ok(None),
             };
@@ -141,27 +157,18 @@ fn float(
     Ok(Some(Plain {
         left_out: left.join(", "),
         limit,
-        key: key_of(&description, seed, entry),
-        sensor: of_float(description, entry, seed)?,
+        key: key_of(&description, seed, &scene),
+        seen: Seen {
+            sensor: design::float(description, scene.size, seed, Format::F64)?,
+            scene,
+            seconds,
+        },
     }))
 }
 
 /// The same for sensors that say the same of a scene.
-fn key_of(description: &Description, seed: u64, entry: &Entry) -> String {
-    format!("{} {seed} {description:?}", entry.scene.digest)
-}
-
-fn of_float(
-    description: Description,
-    entry: &Entry,
-    seed: u64,
-) -> Result<Box<dyn Sensor + Send>, Refusal> {
-    Ok(design::float(
-        description,
-        entry.scene.size,
-        seed,
-        Format::F64,
-    )?)
+fn key_of(description: &Description, seed: u64, scene: &CachedScene) -> String {
+    format!("{} {seed} {description:?}", scene.digest)
 }
 
 fn left_out(is_left_out: bool, what: &str) -> String {
@@ -211,7 +218,7 @@ fn array(
             Arithmetic::Number(_) | Arithmetic::Silicon { .. } => None,
         });
         let candidates: Vec<_> = candidates.collect();
-        let limits = pilot(plan, entry, shared, (&program, &family), &candidates)?;
+        let limits = pilot(plan, &entry.scene, shared, (&program, &family), &candidates)?;
         if let Some(found) = limits.get(&name).filter(|found| **found <= tolerance) {
             (limit, stands) = (*found, exact);
         }
@@ -226,7 +233,11 @@ fn array(
         key: format!("{program} {stands} {seed}"),
         left_out: left.join(", "),
         limit,
-        sensor: made.sensor(stands, entry.scene.size, all)?,
+        seen: Seen {
+            sensor: made.sensor(stands, entry.scene.size, all)?,
+            scene: Arc::clone(&entry.scene),
+            seconds: 0.0,
+        },
     }))
 }
 
@@ -234,23 +245,16 @@ fn array(
 /// this run, or measured now.
 fn pilot<F: Family>(
     plan: &Plan,
-    entry: &Entry,
+    scene: &CachedScene,
     shared: &Shared,
     (key, family): (&str, &F),
     candidates: &[(String, F::Model)],
-) -> Result<Limits, Refusal> {
+) -> Result<Found, Refusal> {
     let settings = &plan.study.settings;
-    let within = within(settings, entry.scene.fps);
+    let within = within(settings, scene.fps);
     let names: Vec<&str> = candidates.iter().map(|(name, _)| name.as_str()).collect();
     let tolerance = settings.tolerance.unwrap_or(0.0);
-    let question = json!([
-        key,
-        names,
-        within,
-        tolerance,
-        entry.scene.digest,
-        super::SCHEMA
-    ]);
+    let question = json!([key, names, within, tolerance, scene.digest, super::SCHEMA]);
     let question = question.to_string();
     let id = hex(&Sha256::digest(question.as_bytes())[..16]);
     let made = shared.pilot(&id, || {
@@ -258,7 +262,7 @@ fn pilot<F: Family>(
         if let Some(limits) = kept {
             return Ok(limits);
         }
-        let limits = measured(entry, family, candidates, (within, tolerance))?;
+        let limits = measured(scene, family, candidates, (within, tolerance))?;
         if let Some(folder) = shared.pilots() {
             write(folder, &id, &limits);
         }
@@ -267,7 +271,7 @@ fn pilot<F: Family>(
     match made.get() {
         Some(Ok(limits)) => Ok(limits.clone()),
         Some(Err(refusal)) => Err(refusal.clone()),
-        None => Ok(Limits::new()),
+        None => Ok(Found::new()),
     }
 }
 
@@ -278,13 +282,13 @@ fn within(settings: &Settings, fps: f64) -> Micros {
 }
 
 fn measured<F: Family>(
-    entry: &Entry,
+    scene: &CachedScene,
     family: &F,
     candidates: &[(String, F::Model)],
     (within, tolerance): (Micros, f64),
-) -> Result<Limits, Refusal> {
-    let (Some(kept), Ok(halo)) = (entry.scene.kept()?, family.halo()) else {
-        return Ok(Limits::new());
+) -> Result<Found, Refusal> {
+    let (Some(kept), Ok(halo)) = (scene.kept()?, family.halo()) else {
+        return Ok(Found::new());
     };
     let tile = crate::study::pilot::measure::side(halo) + 2 * halo;
     // `as` saturates.
@@ -315,14 +319,14 @@ fn measured<F: Family>(
 }
 
 /// What is kept of a pilot; none where nothing is, or it cannot be believed.
-pub(super) fn read(folder: &Path, id: &str) -> Option<Limits> {
+pub(super) fn read(folder: &Path, id: &str) -> Option<Found> {
     let path = folder.join(format!("{id}.json"));
     let bytes = super::regular::read(&path, MANIFEST_BYTES).ok()?;
     serde_json::from_slice(&bytes).ok()
 }
 
 /// Keeps a pilot. Where that fails it is only made again.
-pub(super) fn write(folder: &Path, id: &str, limits: &Limits) {
+pub(super) fn write(folder: &Path, id: &str, limits: &Found) {
     let text = json!(limits).to_string() + "\n";
     let path = folder.join(format!("{id}.json"));
     let _ = save_durably(&path, |out| std::io::Write::write_all(out, text.as_bytes()));

@@ -1,28 +1,33 @@
 //! Measuring a point: its sensor is made, watches its scene, and is compared.
 
+use std::sync::Arc;
+
 use serde_json::json;
 
 use super::{
-    build::{array, float},
-    fidelity::{self, Plain},
+    build::{Float, array, float},
+    cached_scene::CachedScene,
+    drive::driven,
+    fidelity,
     key::Side,
     limits::{Exhausted, Limits},
     plan::{Entry, Plan},
     refusal::Refusal,
-    sensor,
     shared::Shared,
     study::Settings,
     table::{self, Row},
+    truth::Truth,
 };
 use crate::{
-    compare::{Pair, metric::Measured, voxel::Bins, window::Point},
+    compare::{metric::Measured, voxel::Bins, window::Point},
     event::{Packet, Polarity, address},
+    number::Format,
     plane::Size,
-    reference::{Description, Reference},
+    reference::Description,
     rig::guard::{Guard, Warning},
     scene::SceneError,
     sensor::{Sensor, SensorError},
-    study::equivalent::{self, Ladder},
+    study::design,
 };
 
 /// Bins of the voxel grids.
@@ -78,27 +83,13 @@ fn run(
     let settings = &plan.study.settings;
     let fits = limits.fits(entry.scene.size);
     fits.map_err(|exhausted| exhausted.given_up())?;
-    if let Some(plain) = fidelity::plain(plan, entry, shared, row)? {
-        if entry.point.side() == Side::Reference {
-            float(entry, row)?;
-        }
-        let Plain {
-            key,
-            left_out,
-            limit,
-            mut sensor,
-        } = plain;
+    if let Some(plain) = fidelity::plain(plan, entry, shared, limits, row)? {
         // What a point is measured against is the same for points of one task.
-        let key = format!("{} {key}", entry.task);
+        let key = format!("{} {}", entry.task, plain.key);
+        let mut seen = plain.seen;
         let figures = shared.figures(&key, || {
             let mut figures = Row::new();
-            measured(
-                settings,
-                entry,
-                shared,
-                limits,
-                (&mut *sensor, &mut figures),
-            )?;
+            measured(settings, entry, shared, limits, (&mut seen, &mut figures))?;
             Ok(figures)
         });
         match figures.get() {
@@ -106,15 +97,57 @@ fn run(
             Some(Err(refusal)) => return Err(refusal.clone()),
             None => return Err(Refusal::Cannot("nothing was measured".to_owned())),
         }
-        row.insert("left_out".to_owned(), json!(left_out));
-        row.insert("left_out_limit".to_owned(), json!(limit));
+        row.insert("left_out".to_owned(), json!(plain.left_out));
+        row.insert("left_out_limit".to_owned(), json!(plain.limit));
         return Ok(());
     }
-    let mut sensor = match entry.point.side() {
-        Side::Reference | Side::Mesh => float(entry, row)?,
-        Side::Array => array(settings, entry, shared, row)?,
+    let mut seen = match entry.point.side() {
+        Side::Reference | Side::Mesh => {
+            let Float {
+                description,
+                format,
+                seed,
+            } = float(entry, row)?;
+            Seen::float(entry, (&description, seed, format), shared, limits)?
+        }
+        Side::Array => Seen {
+            sensor: array(settings, entry, shared, row)?,
+            scene: Arc::clone(&entry.scene),
+            seconds: 0.0,
+        },
     };
-    measured(settings, entry, shared, limits, (&mut *sensor, row))
+    measured(settings, entry, shared, limits, (&mut seen, row))
+}
+
+/// A sensor, and what it is shown.
+pub(super) struct Seen {
+    pub sensor: Box<dyn Sensor + Send>,
+    /// The scene, or the drive of resistor sheets.
+    pub scene: Arc<CachedScene>,
+    /// Seconds that the drive took.
+    pub seconds: f64,
+}
+
+impl Seen {
+    /// A float sensor; behind resistor sheets its cells, which are shown their drive.
+    pub fn float(
+        entry: &Entry,
+        (description, seed, format): (&Description, u64, Format),
+        shared: &Shared,
+        limits: Limits<'_>,
+    ) -> Result<Self, Refusal> {
+        let size = entry.scene.size;
+        let driven = driven(&entry.scene, (description, seed, format), shared, limits);
+        let (description, scene, seconds) = match driven {
+            Some(driven) => (driven.description, driven.scene, driven.seconds),
+            None => (description.clone(), Arc::clone(&entry.scene), 0.0),
+        };
+        Ok(Self {
+            sensor: design::float(description, size, seed, format)?,
+            scene,
+            seconds,
+        })
+    }
 }
 
 /// Fills in the figures of a sensor on the scene of a point.
@@ -123,16 +156,17 @@ fn measured(
     entry: &Entry,
     shared: &Shared,
     limits: Limits<'_>,
-    (sensor, row): (&mut (dyn Sensor + Send), &mut Row),
+    (seen, row): (&mut Seen, &mut Row),
 ) -> Result<(), Refusal> {
-    let (packet, seconds, warnings) = watch(entry, sensor, limits)?;
-    let made = shared.truth(&entry.task, || ladder(settings, entry, limits));
-    let ladder = match made.get() {
-        Some(Ok(ladder)) => ladder,
+    let (packet, seconds, warnings) = watch(seen, limits)?;
+    let made = shared.truth(&entry.task, || Truth::new(settings, entry, shared, limits));
+    let truth = match made.get() {
+        Some(Ok(truth)) => truth,
         Some(Err(refusal)) => return Err(refusal.clone()),
         None => return Err(Refusal::Cannot("the f64 sensor was not made".to_owned())),
     };
-    let pair = Pair::new(ladder.reference(), &packet)?;
+    let ladder = truth.ladder();
+    let pair = ladder.pair(&packet)?;
     let frames = entry.scene.frames as f64;
     let on = packet
         .events
@@ -159,7 +193,7 @@ fn measured(
     put("floor", json!(headline.floor));
     put("error", json!(1.0 - headline.kept));
     if settings.threshold_equivalent {
-        let (percent, _) = ladder.equivalent(headline.f1);
+        let percent = truth.equivalent(headline.f1, entry, shared, limits)?;
         put("threshold_equivalent_percent", json!(percent));
     }
     let measured = Measured::new(&pair, Bins::over(&pair, BINS), ladder.redraws());
@@ -172,22 +206,25 @@ fn measured(
     Ok(())
 }
 
-/// Shows the scene; the packet, the seconds that the sensor took, and what there is to warn of.
-fn watch(
-    entry: &Entry,
-    sensor: &mut (dyn Sensor + Send),
+/// Shows a sensor what it sees; the packet, the seconds that the sensor took, and what there is to warn of.
+pub(super) fn watch(
+    Seen {
+        sensor,
+        scene,
+        seconds,
+    }: &mut Seen,
     limits: Limits<'_>,
 ) -> Result<(Packet, f64, Vec<Warning>), Refusal> {
     let begin = (limits.clock)();
     let mut packet = Packet::new(sensor.size(), sensor.channels());
-    let (mut spent, mut guard) = (0.0, Guard::new());
-    let played = entry.scene.play(|frame| {
+    let (mut spent, mut guard) = (*seconds, Guard::new());
+    let played = scene.play(|frame| {
         let start = (limits.clock)();
         sensor.watch(frame, &mut packet)?;
         guard.frame(frame);
         let now = (limits.clock)();
         spent += now - start;
-        limits.hold(now - begin, entry.scene.size, packet.events.len())?;
+        limits.hold(now - begin, scene.size, packet.events.len())?;
         Ok::<(), Stop>(())
     });
     match played {
@@ -201,7 +238,7 @@ fn watch(
 
 /// Why a scene or a sensor stopped.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-enum Stop {
+pub(super) enum Stop {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
@@ -211,33 +248,4 @@ enum Stop {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Exhausted(#[from] Exhausted),
-}
-
-/// Seed of the redraws: a floor is that of the task, whatever the point.
-const REDRAWS: u64 = 0;
-
-/// What points of this task are measured against: the packet of the f64 sensor, and how much it
-/// keeps at higher thresholds.
-fn ladder(settings: &Settings, entry: &Entry, limits: Limits<'_>) -> Result<Ladder, Refusal> {
-    let watched = |description: &Description, part| -> Result<Packet, Refusal> {
-        let description = equivalent::at_part(description, part);
-        let mut sensor = Reference::new(description, entry.scene.size, 0)?;
-        Ok(watch(entry, &mut sensor, limits)?.0)
-    };
-    let make = || -> Result<Ladder, Refusal> {
-        let ideal = sensor::ideal(&entry.point, &entry.kernel, settings.against)?;
-        let fps = entry.scene.fps;
-        let window = settings.headline(fps);
-        let mut ladder = Ladder::bare(watched(&ideal, 1.0)?, window, fps, REDRAWS)?;
-        if settings.threshold_equivalent {
-            for part in equivalent::higher() {
-                ladder.add(part, &watched(&ideal, part)?)?;
-            }
-        }
-        Ok(ladder)
-    };
-    make().map_err(|refusal| match refusal {
-        Refusal::Cannot(why) => Refusal::Cannot(format!("the f64 sensor: {why}")),
-        Refusal::GivenUp(why) => Refusal::GivenUp(format!("the f64 sensor: {why}")),
-    })
 }

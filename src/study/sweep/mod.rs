@@ -15,6 +15,7 @@ mod build;
 mod cached_scene;
 pub mod damage;
 mod difference;
+mod drive;
 mod error;
 mod fidelity;
 pub mod grid;
@@ -46,6 +47,7 @@ pub mod store;
 pub mod study;
 pub mod survivors;
 pub mod table;
+mod truth;
 pub mod value;
 pub mod verify;
 

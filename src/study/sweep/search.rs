@@ -19,7 +19,7 @@ use sha2::{Digest, Sha256};
 use super::{
     cached_scene::{CachedScene, Part, hex},
     error::Kept,
-    fidelity::{self, Limits as Figures},
+    fidelity::{self, Found as Figures},
     measure::measure,
     plan::{Entry, Plan},
     run::Run,

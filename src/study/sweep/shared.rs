@@ -6,13 +6,13 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-use super::{build::LevelProgram, refusal::Refusal, table::Row};
-use crate::study::equivalent::Ladder;
+use super::{build::LevelProgram, drive::Drive, refusal::Refusal, table::Row, truth::Truth};
 
 /// A memo of what several points need.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
-    truths: Mutex<VecDeque<(String, Truth)>>,
+    truths: Mutex<VecDeque<(String, Known)>>,
+    drives: Mutex<VecDeque<(String, Shown)>>,
     programs: Mutex<Vec<(String, Made)>>,
     pilots: Mutex<HashMap<String, Pilot>>,
     figures: Mutex<HashMap<String, Figures>>,
@@ -33,13 +33,33 @@ fn slot<T: Default>(all: &Mutex<HashMap<String, Arc<T>>>, key: &str) -> Arc<T> {
 }
 
 /// What the f64 sensor says, or why there is nothing.
-pub(super) type Truth = Arc<OnceLock<Result<Ladder, Refusal>>>;
+pub(super) type Known = Arc<OnceLock<Result<Truth, Refusal>>>;
 
 /// A program, or why there is none.
 pub(super) type Made = Arc<OnceLock<Result<LevelProgram, Refusal>>>;
 
+/// What sheets make of a scene, if it is kept.
+pub(super) type Shown = Arc<OnceLock<Option<Drive>>>;
+
 /// Ladders that are kept: points come task by task.
 const KEPT: usize = 8;
+
+/// Drives that are kept: points behind the same sheets come one after the other.
+const KEPT_DRIVES: usize = 4;
+
+/// The place of a key in a memo of the last so many.
+fn recent<T: Default>(all: &Mutex<VecDeque<(String, Arc<T>)>>, key: &str, most: usize) -> Arc<T> {
+    let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, slot)) = all.iter().find(|(known, _)| known == key) {
+        return Arc::clone(slot);
+    }
+    let slot = Arc::default();
+    all.push_back((key.to_owned(), Arc::clone(&slot)));
+    if all.len() > most {
+        all.pop_front();
+    }
+    slot
+}
 
 impl Shared {
     /// Nothing yet; pilots are kept in this folder, if there is one.
@@ -73,21 +93,16 @@ impl Shared {
         slot
     }
 
+    /// What sheets make of a scene.
+    pub fn drive(&self, key: &str, make: impl FnOnce() -> Option<Drive>) -> Shown {
+        let slot = recent(&self.drives, key, KEPT_DRIVES);
+        slot.get_or_init(make);
+        slot
+    }
+
     /// What points of a task are measured against.
-    pub fn truth(&self, task: &str, make: impl FnOnce() -> Result<Ladder, Refusal>) -> Truth {
-        let slot = {
-            let mut all = self.truths.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some((_, slot)) = all.iter().find(|(known, _)| known == task) {
-                Arc::clone(slot)
-            } else {
-                let slot = Truth::default();
-                all.push_back((task.to_owned(), Arc::clone(&slot)));
-                if all.len() > KEPT {
-                    all.pop_front();
-                }
-                slot
-            }
-        };
+    pub fn truth(&self, task: &str, make: impl FnOnce() -> Result<Truth, Refusal>) -> Known {
+        let slot = recent(&self.truths, task, KEPT);
         slot.get_or_init(make);
         slot
     }

@@ -1,0 +1,111 @@
+//! What the points of a task are measured against: the f64 sensor, and the same at higher thresholds.
+//!
+//! A point is compared with as many rungs of the ladder as it needs: one that is hardly off with the
+//! first. So a rung watches the scene when a point first asks for it.
+
+use std::sync::OnceLock;
+
+use super::{
+    limits::Limits,
+    measure::{Seen, watch},
+    plan::Entry,
+    refusal::Refusal,
+    sensor,
+    shared::Shared,
+    study::Settings,
+};
+use crate::{
+    event::Packet,
+    number::Format,
+    reference::Description,
+    study::equivalent::{self, Ladder},
+};
+
+/// Seed of the redraws: a floor is that of the task, whatever the point.
+const REDRAWS: u64 = 0;
+
+/// What points of one task are measured against.
+#[derive(Debug)]
+pub(super) struct Truth {
+    ideal: Description,
+    /// Without rungs.
+    ladder: Ladder,
+    /// Parts of the threshold, and F1 there, in the order of the ladder.
+    rungs: Vec<(f64, OnceLock<Result<f64, Refusal>>)>,
+}
+
+impl Truth {
+    /// The f64 sensor of a task on its scene.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn new(
+        settings: &Settings,
+        entry: &Entry,
+        shared: &Shared,
+        limits: Limits<'_>,
+    ) -> Result<Self, Refusal> {
+        let make = || -> Result<Self, Refusal> {
+            let ideal = sensor::ideal(&entry.point, &entry.kernel, settings.against)?;
+            let fps = entry.scene.fps;
+            let packet = watched(&ideal, entry, shared, limits)?;
+            Ok(Self {
+                ladder: Ladder::bare(packet, settings.headline(fps), fps, REDRAWS)?,
+                rungs: { equivalent::higher() }
+                    .map(|part| (part, OnceLock::new()))
+                    .collect(),
+                ideal,
+            })
+        };
+        make().map_err(of_the_f64_sensor)
+    }
+
+    /// Its packet, and what is made of it.
+    pub const fn ladder(&self) -> &Ladder {
+        &self.ladder
+    }
+
+    /// The change of its threshold, in per cent, that costs as much as this F1.
+    ///
+    /// # Errors
+    /// Why a rung cannot watch the scene.
+    pub fn equivalent(
+        &self,
+        f1: f64,
+        entry: &Entry,
+        shared: &Shared,
+        limits: Limits<'_>,
+    ) -> Result<f64, Refusal> {
+        // What is not off at all needs no rung.
+        if f1 >= 1.0 {
+            return Ok(0.0);
+        }
+        let rungs = self.rungs.iter().map(|(part, known)| {
+            let f1 = known.get_or_init(|| {
+                let other = equivalent::at_part(&self.ideal, *part);
+                let packet = watched(&other, entry, shared, limits).map_err(of_the_f64_sensor)?;
+                Ok(self.ladder.f1(&packet)?)
+            });
+            f1.clone().map(|f1| (*part, f1))
+        });
+        let (percent, _) = equivalent::equivalent(f1, rungs)?;
+        Ok(percent)
+    }
+}
+
+fn watched(
+    description: &Description,
+    entry: &Entry,
+    shared: &Shared,
+    limits: Limits<'_>,
+) -> Result<Packet, Refusal> {
+    let mut seen = Seen::float(entry, (description, 0, Format::F64), shared, limits)?;
+    Ok(watch(&mut seen, limits)?.0)
+}
+
+fn of_the_f64_sensor(refusal: Refusal) -> Refusal {
+    match refusal {
+        Refusal::Cannot(why) => Refusal::Cannot(format!("the f64 sensor: {why}")),
+        Refusal::GivenUp(why) => Refusal::GivenUp(format!("the f64 sensor: {why}")),
+    }
+}
