@@ -21,7 +21,7 @@ from .frames import load
 from .names import names, text
 from .program import Program, ProgramRun
 from .sensor import Caution, ChipSensor, EventSensor, Sensor, Stream, compile
-from .study import Quantised, feasibility, quantise, trade, waterfall
+from .study import Quantised, design, feasibility, quantise, trade, waterfall
 
 __all__ = [
     "EVENT",
@@ -41,6 +41,7 @@ __all__ = [
     "about",
     "compare",
     "compile",
+    "design",
     "feasibility",
     "load",
     "names",

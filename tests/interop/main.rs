@@ -131,7 +131,9 @@ fn python(script: &str, folder: &Path) -> String {
 }
 
 /// Formats that the table of readers in `readers.py` has (the others are in `python_readers.rs`).
-const READ: [Format; 11] = [
+const READ: [Format; 13] = [
+    Format::E2vid,
+    Format::E2vidZip,
     Format::Npz,
     Format::Evt2,
     Format::Evt21,
