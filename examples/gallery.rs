@@ -9,7 +9,7 @@
 use std::{collections::BTreeMap, fmt::Write as _, fs, path::Path};
 
 use amacrine::{
-    array::{Arithmetic, Array, Settings},
+    array::{Arithmetic, Settings},
     bundled::{self, File, Kind},
     event::Packet,
     isa::{Device, Figure},
@@ -27,9 +27,21 @@ use miette::{IntoDiagnostic, Report, miette};
 /// whose events are shown.
 const SCENES: [(&str, &str, u64); 4] = [
     ("the bundled clip", "bundled", 30),
-    ("a bar that moves", "pattern:bar?width=96&height=96&frames=9&speed=120", 8),
-    ("a disc that moves", "pattern:disc?width=96&height=96&frames=9&speed=120", 8),
-    ("blobs that drift", "pattern:noise?width=96&height=96&frames=9&speed=120&grain=5", 8),
+    (
+        "a bar that moves",
+        "pattern:bar?width=96&height=96&frames=9&speed=120",
+        8,
+    ),
+    (
+        "a disc that moves",
+        "pattern:disc?width=96&height=96&frames=9&speed=120",
+        8,
+    ),
+    (
+        "blobs that drift",
+        "pattern:noise?width=96&height=96&frames=9&speed=120&grain=5",
+        8,
+    ),
 ];
 
 fn main() -> miette::Result<()> {
@@ -50,7 +62,11 @@ fn main() -> miette::Result<()> {
         let sensor = Description::open(file.name)?;
         let shown = shown_by(&sensor)?;
         let name = file.name.replace('/', "-");
-        save(&pictures.join(format!("sensor-{name}.png")), file.name, shown)?;
+        save(
+            &pictures.join(format!("sensor-{name}.png")),
+            file.name,
+            shown,
+        )?;
         let kinds = match sensor.channels.len() {
             1 => "one kind of cell".to_owned(),
             n => format!("{n} kinds of cells"),
@@ -65,7 +81,11 @@ fn main() -> miette::Result<()> {
     for file in bundled::all(Kind::Program) {
         let (about, shown) = left_by(file)?;
         let name = file.name.replace('/', "-");
-        save(&pictures.join(format!("program-{name}.png")), file.name, shown)?;
+        save(
+            &pictures.join(format!("program-{name}.png")),
+            file.name,
+            shown,
+        )?;
         let _ = write!(
             page,
             "\n### {}\n\n{about}. `amacrine exec {}`\n\n![{}, its registers](gallery/program-{name}.png)\n",
@@ -132,7 +152,10 @@ fn left_by(file: File) -> miette::Result<(String, Vec<(String, StripCell)>)> {
     let own = &program.settings;
     let device = Device::find(own.chip.as_deref().unwrap_or("scamp5"))?;
     let code = program.expand(&device, &Overrides::default())?.code;
-    let image = own.image.as_deref().unwrap_or("pattern:disc?width=64&height=48");
+    let image = own
+        .image
+        .as_deref()
+        .unwrap_or("pattern:disc?width=64&height=48");
     let mut scene = opened(image)?;
     let settings = Settings {
         clip: true,
@@ -148,7 +171,9 @@ fn left_by(file: File) -> miette::Result<(String, Vec<(String, StripCell)>)> {
         if let Some(frame) = scene.next_frame()? {
             light = Some(frame.light);
         }
-        let light = light.clone().ok_or_else(|| miette!("{image} has no frame"))?;
+        let light = light
+            .clone()
+            .ok_or_else(|| miette!("{image} has no frame"))?;
         let seconds = index as f64 / scene.fps();
         packet.events.clear();
         let frame = Frame {

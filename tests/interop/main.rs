@@ -206,6 +206,25 @@ fn they_read_what_we_write() {
     assert_eq!(opened, Format::ALL.iter().filter(|f| f.is_built()).count());
 }
 
+#[cfg(feature = "mcap")]
+#[test]
+#[ignore = "needs Python with the packages of tests/interop/requirements.txt; run by name in .ci/run"]
+fn viewers_read_our_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut all = packet(mixed(20_000));
+    all.channels = 2;
+    all.names = vec!["centre on".to_owned(), "edges".to_owned()];
+    for (i, event) in all.events.iter_mut().enumerate() {
+        event.channel = u8::from(i % 3 == 0);
+    }
+    file::write(&folder.path().join("reference.npy"), &all).unwrap();
+    let path = folder.path().join("a.mcap");
+    let window = Micros(100_000);
+    amacrine::picture::view::mcap::write(&path, &all, window).unwrap();
+    let said = python("recording.py", folder.path());
+    assert_eq!(said.matches("agrees").count(), 2, "{said}");
+}
+
 #[test]
 #[ignore = "needs Python with the packages of tests/interop/requirements.txt; run by name in .ci/run"]
 fn we_read_what_they_write() {

@@ -9,7 +9,10 @@ use std::{
 use half::f16;
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
-use crate::save::{AtomicFile, SaveError};
+use crate::{
+    event::file::Steady,
+    save::{AtomicFile, SaveError},
+};
 
 /// How a number is held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -161,7 +164,10 @@ impl Body {
                 rest.seek(SeekFrom::Start(0))?;
                 rest.write_all(&header)?;
                 rest.flush()?;
-                archive(out, rest.get_mut(), &layers.kinds)
+                let mut steady = Steady::new(out);
+                let written = archive(&mut steady, rest.get_mut(), &layers.kinds);
+                // The first error.
+                steady.lost.map_or(written, Err)
             }
             #[cfg(feature = "hdf5")]
             Self::Hdf5(open) => open.finish(out, layers, count),
@@ -199,7 +205,7 @@ fn header(layers: &Layers, count: u64) -> Vec<u8> {
     header
 }
 
-fn archive(out: &mut AtomicFile, array: &mut std::fs::File, kinds: &[String]) -> io::Result<()> {
+fn archive(out: &mut Steady<'_>, array: &mut std::fs::File, kinds: &[String]) -> io::Result<()> {
     let length = array.seek(SeekFrom::End(0))?;
     array.seek(SeekFrom::Start(0))?;
     let mut zip = ZipWriter::new(out);
