@@ -37,3 +37,7 @@ fuzz SECONDS="60":
 # The bundled clip, from OpenCV's vtest.avi as y4m (see clips/README.md)
 clip Y4M:
     cargo run --release --example bundle_clip -- {{Y4M}} clips/vtest_256x256.apng 1900000
+
+# docs/gallery.md and its pictures: sensors by clips, programs by registers
+gallery:
+    cargo run --release --example gallery

@@ -62,6 +62,8 @@ targets! {
     "aedat2" Words |b| events(Format::Aedat2, b);
     "aedat3" Words |b| events(Format::Aedat3, b);
     "aedat4" Packets |b| events(Format::Aedat4, b);
+    "e2vid" Text |b| events(Format::E2vid, b);
+    "zip" Zip |b| events(Format::E2vidZip, b);
     "es" Words |b| events(Format::Es, b);
     "hdf5" Words |b| events(Format::Hdf5, b);
     "parquet" Words |b| events(Format::Parquet, b);

@@ -25,7 +25,10 @@ fn formats() -> impl Iterator<Item = Format> {
 
 /// Formats that have no room for a remark: how many events there should be is not known.
 fn counts_nothing(format: Format) -> bool {
-    matches!(format, Format::Csv | Format::Txt | Format::Es)
+    matches!(
+        format,
+        Format::Csv | Format::Txt | Format::E2vid | Format::Es
+    )
 }
 
 fn packet(format: Format, events: u64) -> Packet {
@@ -85,6 +88,7 @@ fn payload(format: Format, compression: Compression, bytes: &[u8]) -> Vec<Range<
     match format {
         Format::Csv => vec![after(b"channel\n")],
         Format::Txt => vec![0..bytes.len()],
+        Format::E2vid => vec![after(b"346 260\n")],
         Format::Npy => vec![npy_data(bytes)..bytes.len()],
         Format::Evt2 | Format::Evt21 | Format::Evt3 => vec![after(b"% end\n")],
         Format::Dat => vec![after(b"\n\x0C\x08")],
@@ -103,7 +107,7 @@ fn payload(format: Format, compression: Compression, bytes: &[u8]) -> Vec<Range<
             let table = bytes.windows(4).position(|w| w == b"FTAB").unwrap() - 8;
             vec![table - 48..table]
         }
-        Format::Npz | Format::Aedat4 | Format::Hdf5 => Vec::new(),
+        Format::E2vidZip | Format::Npz | Format::Aedat4 | Format::Hdf5 => Vec::new(),
     }
 }
 

@@ -22,7 +22,7 @@ from .frames import load
 from .names import names, text
 from .program import Program, ProgramRun
 from .sensor import Caution, ChipSensor, EventSensor, Sensor, Stream, compile
-from .study import Quantised, feasibility, quantise, trade, waterfall
+from .study import Quantised, design, feasibility, quantise, trade, waterfall
 from .sweeps import Sweep, sweep
 
 __all__ = [
@@ -44,6 +44,7 @@ __all__ = [
     "about",
     "compare",
     "compile",
+    "design",
     "events",
     "feasibility",
     "gradient",

@@ -253,6 +253,15 @@ def on_chip(
     scene: _Shown,
     within_us: int | None,
 ) -> str: ...
+def design(
+    of: list[_Named],
+    rate: float | None,
+    thresholds: list[float],
+    how: tuple[list[str], str | None],
+    search: _Search,
+    scene: _Shown,
+    within_us: int | None,
+) -> str: ...
 def feasibility(
     of: list[_Named],
     thresholds: list[float],

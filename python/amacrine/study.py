@@ -107,6 +107,64 @@ def _quantised(of: dict[str, Any]) -> Quantised:
     )
 
 
+def design(
+    kernels: Kernels,
+    *,
+    rate: float | None = None,
+    thresholds: float | Sequence[float] | None = None,
+    to: Sequence[str] = ("ternary", "po2-2", "po2-4", "int-3", "int-5"),
+    memory: str | None = None,
+    sum: str = "kept",
+    scene: Scene = None,
+    fps: float | None = None,
+    scale: float | None = None,
+    chip: str = "scamp5",
+    within: float | None = None,
+    effort: float = 1.0,
+    seed: int = 0,
+) -> Answer:
+    """From kernels and a scene to sensors to choose from: the table of ``amacrine design``.
+
+    Args:
+        kernels: As for :class:`Sensor`, a kind of cell each.
+        rate: Events per pixel and second, all kinds together, each an equal share: the thresholds
+            are found.
+        thresholds: Instead: events where kernel times light (0 to 255) moved by more than this, one
+            for all kernels or one for each.
+        to: Few values that are tried.
+        memory: What the program remembers: ``"analogue"``, ``"shared"`` or ``"bits:N"``; else all
+            that the chip has room for are tried.
+        scene: What is watched.
+        within: Events match within so many seconds.
+
+    Returns:
+        ``candidates``, the best first, each compiled and run: what it keeps with the chip's errors
+        (``kept``, 0 to 1), ``words``, ``frames_s``, ``on_front``, its ``kinds``, and the texts of its
+        files, ``sensor`` (.toml) and ``program`` (.scamp). ``knee`` is the index of the shortest
+        program on the front that keeps nearly as much as the best.
+    """
+    given = named(kernels)
+    limits: list[float] = []
+    if thresholds is not None:
+        limits = [float(t) for t in np.atleast_1d(np.asarray(thresholds, np.float64))]
+        limits = limits * len(given) if len(limits) == 1 else limits
+    if (rate is None) == (thresholds is None):
+        raise Error(
+            "a design needs a rate of events, or thresholds\n"
+            "help: give rate=2, events per pixel and second, or thresholds=40"
+        )
+    text = _amacrine.design(
+        given,
+        None if rate is None else float(rate),
+        limits,
+        (list(to), memory),
+        (sum, chip, float(effort), seed),
+        shown(scene, fps, scale),
+        _micros(within),
+    )
+    return Answer.parse(text, rows="candidates")
+
+
 def feasibility(
     kernels: Kernels,
     thresholds: float | Sequence[float],

@@ -2,18 +2,18 @@
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError},
-    compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram},
+    compile::{DriveMemory, Effort},
     isa::Device,
     kernel::quantise::{Quantiser, QuantiserNameError, Sum},
-    photoreceptor::Curve,
     plane::Size,
-    program::{Cost, Overrides, Program as Text},
-    reference::{Border, Description, MemoryRule, PolarityRule},
+    reference::Description,
     rig::guard::Warning,
     sensor::Sensor,
-    study::design::{Compiled, DesignError},
+    study::{
+        cells::{compiled_cells, memory_of},
+        design::{Compiled, DesignError},
+    },
 };
-use miette::{Report, miette};
 use numpy::{PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 
@@ -53,16 +53,20 @@ pub fn sum(name: &str) -> PyResult<Sum> {
 
 /// What a program remembers, by name; what is nearest to the sensor where none is given.
 fn memory(name: Option<&str>, sensor: &Description) -> PyResult<DriveMemory> {
-    let pixel = sensor.memory == MemoryRule::RawSnap;
+    // What no program remembers is told of in the notes.
+    name.map_or_else(
+        || Ok(memory_of(&sensor.name, sensor).unwrap_or_default()),
+        memory_named,
+    )
+}
+
+/// What a program remembers, by name.
+pub fn memory_named(name: &str) -> PyResult<DriveMemory> {
     match name {
-        None if pixel && (sensor.shared || sensor.channels.len() == 1) => {
-            return Ok(DriveMemory::Shared);
-        }
-        None | Some("analogue") => return Ok(DriveMemory::Analogue),
-        Some("shared") => return Ok(DriveMemory::Shared),
-        Some(_) => {}
+        "analogue" => return Ok(DriveMemory::Analogue),
+        "shared" => return Ok(DriveMemory::Shared),
+        _ => {}
     }
-    let name = name.unwrap_or_default();
     let bits = name.strip_prefix("bits:").and_then(|it| it.parse().ok());
     let memory = bits
         .filter(|it| (1..=8).contains(it))

@@ -48,6 +48,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(source::scene, module)?)?;
     module.add_function(wrap_pyfunction!(study::quantise, module)?)?;
     module.add_function(wrap_pyfunction!(study::on_chip, module)?)?;
+    module.add_function(wrap_pyfunction!(study::design, module)?)?;
     module.add_function(wrap_pyfunction!(study::feasibility, module)?)?;
     module.add_function(wrap_pyfunction!(study::waterfall, module)?)?;
     module.add_function(wrap_pyfunction!(study::trade, module)?)?;

@@ -59,6 +59,24 @@ def test_feasibility(program: Callable[..., str], tmp_path: Path) -> None:
         answer.verdicts
 
 
+def test_design(program: Callable[..., str], tmp_path: Path) -> None:
+    words = ("--rate", 2, "--scene", SCENE, "--effort", 0.05, "--to", "ternary,int-3")
+    out = tmp_path / "made"
+    stated = json.loads(program("design", "csdvs-3", *words, "--chips", 1, "-o", str(out), "--json"))
+    answer = amacrine.design(
+        "csdvs-3", rate=2, to=["ternary", "int-3"], scene=SCENE, effort=0.05
+    )
+    of = answer.to_dict()
+    assert (of["knee"], of["rated"]) == (stated["knee"], stated["rated"])
+    for own, theirs in zip(of["candidates"], stated["candidates"], strict=True):
+        assert {name: own[name] for name in theirs} == theirs
+    knee = of["candidates"][of["knee"]]
+    assert knee["sensor"].replace("design", "made") == (out / "sensor.toml").read_text()
+    assert "rpix" in knee["program"]
+    with pytest.raises(amacrine.Error, match="a rate of events, or thresholds"):
+        amacrine.design("csdvs-3")
+
+
 def test_waterfall(program: Callable[..., str], tmp_path: Path) -> None:
     words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05, "--steps")
     stated = json.loads(program("waterfall", "csdvs-3", "--to", "ternary", *words, "--json"))

@@ -11,6 +11,8 @@ pub enum Content {
     Converted,
     /// An array of numbers.
     Array,
+    /// Arrays of numbers, layer after layer.
+    Tensor,
     /// A plane, as an array or as a picture.
     Plane,
     /// A picture of pixels.
@@ -39,6 +41,7 @@ impl Content {
         match self {
             Self::Events | Self::Converted | Self::Folder => &[],
             Self::Array => &["npy"],
+            Self::Tensor => &["npy", "npz", "h5", "hdf5"],
             Self::Plane => &["npy", "png"],
             Self::Picture => &["png"],
             Self::Drawing => &["svg", "png"],
@@ -54,7 +57,7 @@ impl Content {
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Events | Self::Converted => "events",
-            Self::Array => "an array",
+            Self::Array | Self::Tensor => "an array",
             Self::Plane => "a plane",
             Self::Picture => "a picture",
             Self::Drawing | Self::View => "a drawing",

@@ -47,6 +47,7 @@ mod signals;
 pub mod sweep;
 mod timed;
 pub mod trade;
+pub mod voxels;
 pub mod waterfall;
 mod window;
 mod without;
@@ -116,6 +117,8 @@ verbs! {
     Convert => convert,
     /// What a packet (the events of a sensor over a scene) costs on a link, and what a readout makes of it
     Packets => packets,
+    /// An event file as the tensors that networks take: bins over windows of time
+    Voxels => voxels,
     /// What a model may leave out of a scene, with the limit that allows it
     Plan => plan,
     /// Error against seconds: every plainer model of a sensor in a scene, the front, its knee

@@ -131,7 +131,9 @@ fn python(script: &str, folder: &Path) -> String {
 }
 
 /// Formats that the table of readers in `readers.py` has (the others are in `python_readers.rs`).
-const READ: [Format; 11] = [
+const READ: [Format; 13] = [
+    Format::E2vid,
+    Format::E2vidZip,
     Format::Npz,
     Format::Evt2,
     Format::Evt21,
@@ -202,6 +204,25 @@ fn they_read_what_we_write() {
     }
     let opened = said.lines().filter(|l| l.starts_with("opens ")).count();
     assert_eq!(opened, Format::ALL.iter().filter(|f| f.is_built()).count());
+}
+
+#[cfg(feature = "mcap")]
+#[test]
+#[ignore = "needs Python with the packages of tests/interop/requirements.txt; run by name in .ci/run"]
+fn viewers_read_our_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut all = packet(mixed(20_000));
+    all.channels = 2;
+    all.names = vec!["centre on".to_owned(), "edges".to_owned()];
+    for (i, event) in all.events.iter_mut().enumerate() {
+        event.channel = u8::from(i % 3 == 0);
+    }
+    file::write(&folder.path().join("reference.npy"), &all).unwrap();
+    let path = folder.path().join("a.mcap");
+    let window = Micros(100_000);
+    amacrine::picture::view::mcap::write(&path, &all, window).unwrap();
+    let said = python("recording.py", folder.path());
+    assert_eq!(said.matches("agrees").count(), 2, "{said}");
 }
 
 #[test]

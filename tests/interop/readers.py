@@ -118,8 +118,22 @@ def by_pyarrow(path):
     return [table[name].to_numpy() for name in "txyp"]
 
 
+def by_e2vid(path):
+    # As its run_reconstruction.py opens a file, text or zip.
+    import pandas
+
+    size = pandas.read_csv(path, sep=r"\s+", header=None, names=["width", "height"], nrows=1)
+    assert size.values.tolist() == [[346, 260]], size
+    names = ["t", "x", "y", "pol"]
+    kinds = {"t": np.float64, "x": np.int16, "y": np.int16, "pol": np.int16}
+    table = pandas.read_csv(path, sep=r"\s+", header=None, names=names, dtype=kinds, skiprows=1)
+    return np.rint(table["t"].to_numpy() * 1e6), table["x"], table["y"], table["pol"]
+
+
 #                 the readers of a format, and the cases that each cannot read
 READERS = {
+    "e2vid": [(by_e2vid, ())],
+    "zip": [(by_e2vid, ())],
     "npz": [(by_numpy, ()), (by_eventcv, ("empty",))],
     "evt2": [
         (by_faery, ()),

@@ -82,6 +82,10 @@ pub const CASES: &[Case] = &[
         "feasibility --kernel csdvs-3 --threshold 20 --to ternary --candidates ternary --effort 0 --scene pattern:disc?width=16&height=12&frames=4&radius=4 -o f.html",
         "f.html",
     ),
+    slow(
+        "design csdvs-3 --threshold 20 --to ternary --effort 0 --chips 1 --scene pattern:disc?width=16&height=12&frames=4&radius=4 -o d",
+        "d/sensor.toml,d/program.scamp,d/report.html",
+    ),
     case("compare ../in/events.npy ../in/events.csv", ""),
     case("convert ../in/events.npy c.csv", "c.csv"),
     case("convert ../in/events.csv c.npy", "c.npy"),
@@ -106,11 +110,15 @@ pub const CASES: &[Case] = &[
         "trade --scene ../in/clip.npy --sensor ../in/sensor.toml",
         "",
     ),
+    case("voxels ../in/events.npy -o v.npy --window 50us", "v.npy"),
+    case("voxels ../in/events.npy -o v.npz --window 50us", "v.npz"),
     case("show ../in/events.npy -o s.svg --view rate", "s.svg"),
     case(
         "show ../in/events.npy -o s.gif --view frame --window 50us",
         "s.gif",
     ),
+    #[cfg(feature = "mcap")]
+    case("show ../in/events.npy -o s.mcap --window 50us", "s.mcap"),
     slow(
         "show ../in/events.npy -o s.apng --view frame --window 50us",
         "s.apng",

@@ -209,13 +209,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let picked = arguments.pick.of(&found)?;
     let candidate = &found.candidates[picked];
     if let Some(written) = &written {
-        let text = candidate.sensor.to_toml();
-        save(&written.sensor, |out| out.write_all(text.as_bytes()))?;
-        let text = &candidate.program;
-        save(&written.program, |out| out.write_all(text.as_bytes()))?;
         progress.says("report");
         let page = report::page(arguments, candidate, &written.sensor, &question, found.fps)?;
-        save(&written.report, |out| out.write_all(page.as_bytes()))?;
+        let texts = [candidate.sensor.to_toml(), candidate.program.clone(), page];
+        for (path, text) in written.all().into_iter().zip(texts) {
+            save(path, |out| out.write_all(text.as_bytes()))?;
+        }
     }
     progress.finish();
     let warnings = Warning::of_scene(&observation, 255.0);

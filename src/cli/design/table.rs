@@ -8,13 +8,10 @@ use crate::{
     compile::DriveMemory,
     study::{
         equivalent::rate,
-        exploration::NEARLY,
+        exploration::{NEARLY, Refused},
         together::{memories, name},
     },
 };
-
-/// Refusals that are shown.
-const SHOWN: usize = 6;
 
 /// All of it.
 pub(super) fn text(
@@ -67,12 +64,7 @@ pub(super) fn text(
             candidate.readout.words()
         );
     }
-    for refused in found.refused.iter().take(SHOWN) {
-        let _ = writeln!(text, "  -  {refused}");
-    }
-    if let Some(more) = found.refused.len().checked_sub(SHOWN).filter(|n| *n > 0) {
-        let _ = writeln!(text, "  -  and {more} more; --json has all");
-    }
+    text += &refusals(found);
     let candidate = &found.candidates[picked];
     let _ = writeln!(
         text,
@@ -112,6 +104,28 @@ pub(super) fn text(
         100.0 * NEARLY
     );
     text
+}
+
+/// What there is no program for, quantisers that are refused for the same reason together.
+fn refusals(found: &Exploration) -> String {
+    let mut all: Vec<(String, &Refused)> = Vec::new();
+    for refused in &found.refused {
+        let alike = |(_, other): &&mut (String, &Refused)| {
+            (&other.memory, &other.why) == (&refused.memory, &refused.why)
+        };
+        match all.iter_mut().find(alike) {
+            Some((names, _)) => {
+                names.push_str(", ");
+                names.push_str(&refused.to);
+            }
+            None => all.push((refused.to.clone(), refused)),
+        }
+    }
+    let lines = all.iter().map(|(to, refused)| match &refused.memory {
+        Some(memory) => format!("  -  {to} with {memory}: {}\n", refused.why),
+        None => format!("  -  {to}: {}\n", refused.why),
+    });
+    lines.collect()
 }
 
 /// Where the report's program is not the one that was taken.

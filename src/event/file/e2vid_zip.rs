@@ -1,4 +1,5 @@
-//! The text that E2VID reads, as the one member of a zip archive, as its own recordings come.
+//! The text that E2VID reads, as the one member of a zip archive, as its own recordings come;
+//! the remark is the comment of the archive.
 
 use std::{
     fs::File,
@@ -8,7 +9,7 @@ use std::{
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::{
-    Format,
+    Format, Place,
     about::About,
     e2vid,
     entry::{Entry, Limits, Sign, Streams},
@@ -61,7 +62,9 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
         )));
     };
     let chunks = member(Format::E2vidZip, origin, &mut archive, name)?;
-    Ok(Box::new(e2vid::source(chunks)))
+    let comment = String::from_utf8_lossy(archive.comment()).into_owned();
+    let about = About::parse(&comment).map_err(|fault| Stop::Fault(Place::Byte(0), fault))?;
+    Ok(Box::new(e2vid::source(chunks).about_it(about)))
 }
 
 /// A writer of events.
@@ -88,19 +91,20 @@ impl Sink for Writing {
         self.rows.put(&mut self.text, events)
     }
 
-    fn finish(&mut self, out: &mut dyn Out, _: &About) -> io::Result<()> {
+    fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         self.text.flush()?;
         let mut steady = Steady::new(out);
-        let written = archive(&mut steady, self.text.get_mut());
+        let written = archive(&mut steady, self.text.get_mut(), about);
         // The first error.
         steady.lost.map_or(written, Err)
     }
 }
 
-fn archive(out: &mut Steady<'_>, text: &mut File) -> io::Result<()> {
+fn archive(out: &mut Steady<'_>, text: &mut File, about: &About) -> io::Result<()> {
     let length = text.seek(SeekFrom::End(0))?;
     text.seek(SeekFrom::Start(0))?;
     let mut zip = ZipWriter::new(out);
+    zip.set_comment(about.to_string())?;
     // The same file for the same events: no clock.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)

@@ -49,6 +49,12 @@ impl<R: Rows> Text<R> {
         }
     }
 
+    /// With what is said of it elsewhere.
+    pub fn about_it(mut self, about: Option<About>) -> Self {
+        self.about = about;
+        self
+    }
+
     /// Reads whole lines.
     fn lines_of(&mut self, part: &[u8], events: &mut Vec<Event>) -> Result<(), Stop> {
         for text in part.split_inclusive(|b| *b == b'\n') {

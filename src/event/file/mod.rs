@@ -57,6 +57,8 @@ pub use reader::{Opening, Reader};
 pub use recognise::FormatError;
 pub use writer::Writer;
 
+pub(super) use npz::Steady;
+
 use super::{Event, Packet};
 
 /// A packet from a file, and how much of it the file said itself.

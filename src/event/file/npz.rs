@@ -435,15 +435,15 @@ impl Source for Reading {
 
 /// A writer that never fails, and remembers the first error: a `ZipWriter` that meets one panics,
 /// or prints.
-pub(super) struct Steady<'a> {
+pub(in crate::event) struct Steady<'a> {
     out: &'a mut dyn Out,
-    pub(super) lost: Option<io::Error>,
+    pub(in crate::event) lost: Option<io::Error>,
     at: u64,
     end: u64,
 }
 
 impl<'a> Steady<'a> {
-    pub(super) fn new(out: &'a mut dyn Out) -> Self {
+    pub(in crate::event) fn new(out: &'a mut dyn Out) -> Self {
         Self {
             out,
             lost: None,

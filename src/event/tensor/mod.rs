@@ -4,6 +4,7 @@
 //! ([`Sides::Split`]), or the two are one ([`Sides::Signed`]).
 
 mod error;
+mod file;
 mod frame;
 mod normalise;
 mod sides;
@@ -13,6 +14,7 @@ mod voxels;
 mod windows;
 
 pub use error::TensorError;
+pub use file::{Container, Layers, Precision, TensorFile};
 pub use frame::{Fill, frames};
 pub use normalise::Normalise;
 pub use sides::Sides;

@@ -1,0 +1,60 @@
+//! From kernels and a scene to sensors to choose from.
+
+use amacrine::{
+    compile::DriveMemory,
+    study::exploration::{Aim, Question, explore},
+    unit::Micros,
+};
+use miette::{IntoDiagnostic, Report};
+use pyo3::prelude::*;
+
+use super::{Named, Search, Shown, device, kernel, quantisers};
+use crate::{
+    chip::{effort, memory_named, sum},
+    error::raised,
+    pool,
+};
+
+/// Sensors, each compiled and run: as JSON, with the texts of their files.
+#[pyfunction]
+pub fn design(
+    py: Python<'_>,
+    of: Vec<Named>,
+    rate: Option<f64>,
+    thresholds: Vec<f64>,
+    how: (Vec<String>, Option<&str>),
+    search: Search<'_>,
+    scene: Shown<'_>,
+    within_us: Option<u64>,
+) -> PyResult<String> {
+    let (sum_to, chip, seconds, seed) = search;
+    let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
+    let names: Vec<String> = of.iter().map(|(name, _)| name.clone()).collect();
+    let quantisers = quantisers(how.0)?;
+    let memory: Option<DriveMemory> = how.1.map(memory_named).transpose()?;
+    let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
+    let source = scene.source()?;
+    let answer = pool::work(py, || {
+        let question = Question {
+            title: "design",
+            names: &names,
+            kernels: &kernels,
+            aim: rate.map_or(Aim::Thresholds(&thresholds), Aim::Rate),
+            quantisers: &quantisers,
+            memory,
+            sum,
+            device: &device,
+            effort,
+            seed,
+            within: within_us.map(Micros),
+        };
+        let found = explore(&question, &|| source.open(), &|_, _| (), |_| ())?;
+        let mut json = serde_json::to_value(&found).into_diagnostic()?;
+        for (i, candidate) in found.candidates.iter().enumerate() {
+            json["candidates"][i]["sensor"] = candidate.sensor.to_toml().into();
+            json["candidates"][i]["program"] = candidate.program.clone().into();
+        }
+        Ok::<_, Report>(json.to_string())
+    })?;
+    answer.map_err(raised)
+}

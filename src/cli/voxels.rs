@@ -1,0 +1,216 @@
+//! `amacrine voxels`: an event file as the tensors that networks take.
+
+use miette::{Diagnostic as _, miette};
+use serde_json::json;
+
+use super::{
+    budget,
+    content::Content,
+    files::{Input, Output},
+    progress::Progress,
+    recording::{self, Recording},
+};
+use crate::{
+    event::{
+        Event,
+        file::{self, Opening, Reader},
+        tensor::{
+            Alignment, Container, Layers, Normalise, Precision, Share, Sides, TensorFile,
+            VoxelStream, Voxels, Windows,
+        },
+    },
+    memory::Need,
+    unit::Micros,
+};
+
+/// What `voxels` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine voxels events.npy -o voxels.npy --window 50ms\n  amacrine voxels events.npy -o voxels.npz --window 100ms --every 50ms --bins 9 --polarity split --half\n  amacrine voxels events.npy -o voxels.h5 --window 50ms --normalise std --align centred\n\nThe array has the shape (windows, kinds, sides, bins, H, W); sides is 1, or with --polarity split OFF and then ON. Files of any length are read block by block; what is held is the windows that overlap; of .h5 all of them."
+)]
+pub struct Arguments {
+    /// An event file
+    file: Input,
+    #[command(flatten)]
+    recording: Recording,
+    /// The array: .npy, .npz (also the names of the kinds), or .h5
+    #[arg(short, long, value_name = "VOXELS", value_parser = Content::Tensor)]
+    output: Output,
+    /// Bins of a window
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    bins: usize,
+    /// How long a window is
+    #[arg(long, value_name = "TIME")]
+    window: Micros,
+    /// From one window to the next [default: the window's length]
+    #[arg(long, value_name = "TIME")]
+    every: Option<Micros>,
+    /// Where a window lies about its time: `causal` ends there, `centred` has its middle there
+    #[arg(long, default_value = "causal", value_name = "WHERE", value_parser = parsed::<Alignment>)]
+    align: Alignment,
+    /// `signed`: ON adds, OFF takes away; `split`: a plane for each
+    #[arg(long, default_value = "signed", value_name = "HOW", value_parser = parsed::<Sides>)]
+    polarity: Sides,
+    /// `bilinear`: an event is shared between the two nearest bins; `whole`: it counts where it falls
+    #[arg(long, default_value = "bilinear", value_name = "HOW", value_parser = parsed::<Share>)]
+    share: Share,
+    /// What a window's voxels of each kind are brought to: `none`, `std` (as E2VID: mean 0, deviation
+    /// 1 of those that are not 0), `max`
+    #[arg(long, default_value = "none", value_name = "HOW", value_parser = parsed::<Normalise>)]
+    normalise: Normalise,
+    /// Numbers of 16 bits in place of 32
+    #[arg(long)]
+    half: bool,
+    /// Print one JSON object instead of the line
+    #[arg(long)]
+    json: bool,
+}
+
+/// A name, for the command line, which shows no help beside a message.
+fn parsed<T>(text: &str) -> Result<T, String>
+where
+    T: std::str::FromStr,
+    T::Err: miette::Diagnostic,
+{
+    text.parse().map_err(|error: T::Err| {
+        let known = error
+            .help()
+            .map_or(String::new(), |help| format!(": {help}"));
+        format!("{error}{known}")
+    })
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// When the file cannot be read, the windows are none, or the array cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let every = arguments.every.unwrap_or(arguments.window);
+    let windows = Windows::new(arguments.window.seconds(), every.seconds(), arguments.align)?;
+    let mut how = Voxels::new(arguments.bins, windows)?;
+    how.share = arguments.share;
+    how.sides = arguments.polarity;
+    how.normalise = arguments.normalise;
+    let container = match arguments.output.ending() {
+        "npz" => Container::Npz,
+        "h5" | "hdf5" => Container::Hdf5,
+        _ => Container::Npy,
+    };
+    let precision = if arguments.half {
+        Precision::Half
+    } else {
+        Precision::Single
+    };
+    // Once for the size, the kinds and the end, where the file does not say them.
+    let about = Extent::of(arguments)?;
+    let (size, channels) = (about.size, about.channels);
+    let each = how.len(size, channels) as u128 * 4;
+    let overlap = u128::from(arguments.window.0.div_ceil(every.0.max(1)) + 1);
+    let whole = u128::from(windows.count(about.end)) * u128::from(container == Container::Hdf5);
+    let need = Need::new()
+        .and("windows that overlap", each * overlap)
+        .and("the file, which HDF5 makes in memory", 2 * each * whole);
+    budget::check(
+        &need,
+        &format!("voxels of {size}"),
+        "take fewer bins, windows that overlap less, or .npy in place of .h5",
+    )?;
+    let shape = how.shape(size, channels);
+    let layers = Layers {
+        shape: shape.to_vec(),
+        precision,
+        kinds: about.names.clone(),
+    };
+    let mut file = TensorFile::create(&arguments.output, container, layers)?;
+    let mut stream = VoxelStream::new(how, size, channels);
+    let mut reader = Reader::open(&arguments.file, &arguments.opening())?;
+    let progress = Progress::new("windows", Some(windows.count(about.end)));
+    let mut block: Vec<Event> = Vec::new();
+    while reader.next_block(&mut block)? {
+        stream.add(&block);
+        // More events of the last time may follow.
+        let until = block.last().map_or(0, |event| event.t.0.saturating_sub(1));
+        for window in stream.finished(Micros(until)) {
+            file.push(&window)?;
+            progress.tick();
+        }
+    }
+    for window in stream.rest(about.end) {
+        file.push(&window)?;
+        progress.tick();
+    }
+    let count = file.finish()?;
+    progress.finish();
+    if arguments.json {
+        let mut all = vec![count];
+        all.extend(shape.iter().map(|n| *n as u64));
+        let said = json!({
+            "file": arguments.file,
+            "output": arguments.output,
+            "shape": all,
+            "dtype": if arguments.half { "float16" } else { "float32" },
+            "kinds": about.names,
+            "size_known": about.size_known,
+        });
+        super::say(&format!("{said}\n"));
+        return Ok(());
+    }
+    let [kinds, sides, bins, height, width] = shape;
+    super::say(&format!(
+        "wrote    {}: ({count}, {kinds}, {sides}, {bins}, {height}, {width}): windows, kinds, sides, bins, rows, columns{}\n",
+        arguments.output.display(),
+        recording::guessed(about.size_known)
+    ));
+    Ok(())
+}
+
+/// What is to be known of the file before its voxels.
+struct Extent {
+    size: crate::plane::Size,
+    channels: u8,
+    names: Vec<String>,
+    end: Micros,
+    size_known: bool,
+}
+
+impl Extent {
+    fn of(arguments: &Arguments) -> miette::Result<Self> {
+        let mut reader = Reader::open(&arguments.file, &arguments.opening())?;
+        let mut block: Vec<Event> = Vec::new();
+        let mut last = Micros(0);
+        // Only the events themselves say where they end and what they reach.
+        while reader.next_block(&mut block)? {
+            last = block.last().map_or(last, |event| event.t);
+        }
+        let (packet, size_known) = {
+            let (loaded, damage, _) = file::up_to(reader, 0);
+            if let Some(damage) = damage {
+                return Err(damage.into());
+            }
+            (loaded.packet, loaded.size_known)
+        };
+        if packet.size.pixels() == 0 {
+            return Err(miette!(
+                help = "give --size WxH",
+                "{}: no events, and it does not say how large its sensor is",
+                arguments.file.display()
+            ));
+        }
+        Ok(Self {
+            size: packet.size,
+            channels: packet.channels,
+            names: packet.names,
+            end: last.max(packet.span.1),
+            size_known,
+        })
+    }
+}
+
+impl Arguments {
+    fn opening(&self) -> Opening {
+        Opening {
+            format: None,
+            size: self.recording.size,
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! `design` makes a sensor, a program and a report that the other verbs take, and which are the
+//! candidate that has run; names and kernels of several kinds go the whole way. Against: the other
+//! verbs on what it writes, the definition of a front, numpy's own header.
+
+mod common;
+
+use std::{fs, path::Path};
+
+use amacrine::{
+    event::{
+        file,
+        tensor::{Alignment, Normalise, Sides, Voxels, Windows},
+    },
+    scene::{OpenOptions, Scene, bundled_with},
+};
+use common::{good, json, line, refused};
+use ndarray::Array3;
+use ndarray_npy::{ReadNpyExt, WriteNpyExt};
+
+/// The first frames of the bundled clip, a part of them, as `.npy`.
+fn clip(folder: &Path) {
+    let mut scene = bundled_with(&OpenOptions::default()).unwrap();
+    let mut frames = Array3::<f32>::zeros((12, 64, 64));
+    for mut out in frames.outer_iter_mut() {
+        let frame = scene.next_frame().unwrap().unwrap();
+        for ((y, x), value) in out.indexed_iter_mut() {
+            *value = frame.light[[y + 96, x + 96]] as f32;
+        }
+    }
+    let file = fs::File::create(folder.join("clip.npy")).unwrap();
+    frames.write_npy(file).unwrap();
+}
+
+/// A centre and three edges, of other scales each.
+fn kernels(folder: &Path) {
+    let weight = |(k, y, x): (usize, usize, usize)| {
+        let (dy, dx) = (y as f64 - 1.0, x as f64 - 1.0);
+        match k {
+            0 if y == 1 && x == 1 => 1.0,
+            0 => -0.125,
+            1 => 3.0 * dx,
+            2 => 0.2 * dy,
+            _ => 0.5 * (dx - dy),
+        }
+    };
+    let all = Array3::from_shape_fn((4, 3, 3), weight);
+    let file = fs::File::create(folder.join("four.npy")).unwrap();
+    all.write_npy(file).unwrap();
+}
+
+const SHOWN: [&str; 4] = ["--scene", "clip.npy", "--fps", "10"];
+
+#[test]
+fn four_kernels_become_a_sensor_a_program_and_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    clip(folder);
+    kernels(folder);
+    let quick = [
+        "--to",
+        "ternary,int-3,po2-2",
+        "--effort",
+        "0.05",
+        "--chips",
+        "1",
+    ];
+    let ask = [
+        &["design", "four.npy", "--rate", "3"][..],
+        &SHOWN,
+        &quick,
+        &["-o", "out/four"],
+    ]
+    .concat();
+    let said = json(folder, &ask);
+    let candidates = said["candidates"].as_array().unwrap();
+    assert!(candidates.len() >= 2, "{said}");
+    // The front, written out.
+    let merits = |it: &serde_json::Value| {
+        [
+            it["kept"].as_f64().unwrap(),
+            -it["words"].as_f64().unwrap(),
+            it["frames_s"][0].as_f64().unwrap(),
+        ]
+    };
+    for one in candidates {
+        let own = merits(one);
+        let beaten = candidates.iter().any(|other| {
+            let theirs = merits(other);
+            theirs != own && theirs.iter().zip(&own).all(|(theirs, own)| theirs >= own)
+        });
+        assert_eq!(one["on_front"], !beaten, "{one}");
+    }
+    let picked = &candidates[said["picked"].as_u64().unwrap() as usize];
+    assert_eq!(picked["on_front"], true);
+    assert_eq!(said["picked"], said["knee"]);
+
+    // The sensor has the rate, each kind a quarter.
+    let sensor = "out/four/sensor.toml";
+    let run = ["run", "--sensor", sensor, "--events", "float.npy"];
+    let ran = json(folder, &[&run[..], &SHOWN].concat());
+    let rate = ran["events_per_pixel_per_second"].as_f64().unwrap();
+    assert!((rate / 3.0 - 1.0).abs() < 0.1, "{rate}");
+    let rated = said["rated"].as_array().unwrap().iter();
+    let mut of_pixel = rated.filter(|rated| rated["memory"] == "pixel");
+    assert_eq!(
+        of_pixel.next().unwrap()["rate"],
+        ran["events_per_pixel_per_second"]
+    );
+
+    // The program is the one that has run: of each kind as many events as its row says.
+    let program = "out/four/program.scamp";
+    let exec = ["exec", program, "--image", "clip.npy", "--fps", "10"];
+    let silicon = ["--domain", "silicon", "--events", "silicon.npy"];
+    good(folder, &[&exec[..], &silicon].concat());
+    let count = |name: &str, kind: usize| {
+        let packet = file::read(&folder.join(name)).unwrap().packet;
+        let own = packet
+            .events
+            .iter()
+            .filter(|e| usize::from(e.channel) == kind);
+        own.count() as f64
+    };
+    for (kind, row) in picked["kinds"].as_array().unwrap().iter().enumerate() {
+        let ratio = count("silicon.npy", kind) / count("float.npy", kind);
+        let wanted = row["silicon"]["event_ratio"].as_f64().unwrap();
+        assert!((ratio - wanted).abs() < 1e-9, "{kind}: {ratio} {wanted}");
+    }
+    let asm = json(folder, &["asm", program]);
+    assert!(
+        asm.to_string().contains(&picked["words"].to_string()),
+        "{asm}"
+    );
+    let page = fs::read_to_string(folder.join("out/four/report.html")).unwrap();
+    assert!(page.contains("four.npy[3]"), "the report has every kind");
+
+    // As a table, with the commands; another row.
+    let text = good(
+        folder,
+        &[
+            &["design", "four.npy", "--rate", "3", "--pick", "2"][..],
+            &SHOWN,
+            &quick,
+        ]
+        .concat(),
+    );
+    assert!(text.contains("  2> ") && text.contains("knee"), "{text}");
+}
+
+#[test]
+fn what_cannot_be_designed_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let quick = [
+        "--effort",
+        "0.05",
+        "--to",
+        "ternary",
+        "--scene",
+        "pattern:bar?width=24&height=24&frames=5",
+    ];
+    let ask = |more: &[&str], words: &[&str]| {
+        refused(
+            folder,
+            &[&["design", "csdvs-3"][..], &quick, more].concat(),
+            words,
+        );
+    };
+    ask(&[], &["a rate of events, or thresholds", "--rate"]);
+    ask(
+        &["--rate", "1e9"],
+        &["at any threshold", "give a rate between them"],
+    );
+    ask(&["--threshold", "1,2"], &["2 thresholds for 1 kernels"]);
+    ask(&["--threshold", "8", "--pick", "9"], &["--pick 9", "rows"]);
+    ask(
+        &["--threshold", "8", "--memory", "bits:1"],
+        &["the chip takes none of these"],
+    );
+    assert_eq!(folder.read_dir().unwrap().count(), 0);
+}
+
+/// A file of several kernels is several kinds; their names reach files, voxels and the other verbs.
+#[test]
+fn kinds_of_one_file_keep_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    clip(folder);
+    kernels(folder);
+    let sensor = |channel: &str| {
+        let text = format!(
+            "response = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = \"four.npy\"\n{channel}"
+        );
+        fs::write(folder.join("sensor.toml"), text).unwrap();
+    };
+    let run = ["run", "--sensor", "sensor.toml", "--events", "e.npy"];
+    let run = [&run[..], &SHOWN].concat();
+    sensor(
+        "name = [\"centre on\", \"a,b\", \"é\", \"d\"]\nthreshold = [{ on = 9, off = 9 }, { on = 30, off = 40 }, { on = 2, off = 2 }, { on = 5, off = 5 }]\n",
+    );
+    let said = good(folder, &run);
+    assert!(said.contains("channel 0 centre on:"), "{said}");
+    for format in ["npz", "h5", "parquet"] {
+        let name = format!("e.{format}");
+        good(folder, &["convert", "e.npy", &name]);
+        let loaded = file::read(&folder.join(&name)).unwrap();
+        assert_eq!(
+            loaded.packet.names,
+            ["centre on", "a,b", "é", "d"],
+            "{format}"
+        );
+        let straight = file::read(&folder.join("e.npy")).unwrap();
+        assert_eq!(loaded.packet.events, straight.packet.events);
+    }
+    good(folder, &["convert", "e.npy", "one.npy", "--kind", "1"]);
+    let one = file::read(&folder.join("one.npy")).unwrap();
+    assert_eq!(one.packet.names, ["a,b"]);
+    good(
+        folder,
+        &["voxels", "e.npy", "-o", "v.npz", "--window", "200ms"],
+    );
+    let mut archive = zip::ZipArchive::new(fs::File::open(folder.join("v.npz")).unwrap()).unwrap();
+    let mut kinds = Vec::new();
+    std::io::copy(&mut archive.by_name("kinds.npy").unwrap(), &mut kinds).unwrap();
+    assert!(
+        kinds
+            .windows(4)
+            .any(|it| it == u32::from('é').to_le_bytes())
+    );
+
+    // One name is numbered, one threshold is for all.
+    sensor("name = \"cell\"\nthreshold = { on = 9, off = 9 }\n");
+    assert!(good(folder, &run).contains("channel 3 cell 3:"));
+    sensor("threshold = [{ on = 9, off = 9 }]\n");
+    refused(
+        folder,
+        &run,
+        &["sensor.toml:5:", "1 thresholds for 4 kernels"],
+    );
+    sensor("name = [\"a\"]\nthreshold = { on = 9, off = 9 }\n");
+    refused(folder, &run, &["1 names for 4 kernels"]);
+}
+
+/// Voxels of a file, block by block, are those of the library; halves are what they round to.
+#[test]
+fn voxels_of_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    clip(folder);
+    let run = ["run", "--sensor", "rgc-4", "--events", "e.npy"];
+    good(folder, &[&run[..], &SHOWN].concat());
+    let packet = file::read(&folder.join("e.npy")).unwrap().packet;
+    let made = [
+        "voxels", "e.npy", "--window", "300ms", "--every", "100ms", "--bins", "3",
+    ];
+    let how = [
+        "--polarity",
+        "split",
+        "--normalise",
+        "max",
+        "--align",
+        "centred",
+    ];
+    let said = json(folder, &[&made[..], &how, &["-o", "v.npy"]].concat());
+    let windows = Windows::new(0.3, 0.1, Alignment::Centred).unwrap();
+    let mut voxels = Voxels::new(3, windows).unwrap();
+    (voxels.sides, voxels.normalise) = (Sides::Split, Normalise::Largest);
+    let wanted = voxels.of(&packet);
+    let read = ndarray::Array6::<f32>::read_npy(fs::File::open(folder.join("v.npy")).unwrap());
+    let read = read.unwrap();
+    let shape: Vec<u64> = serde_json::from_value(said["shape"].clone()).unwrap();
+    assert_eq!(
+        read.shape().iter().map(|n| *n as u64).collect::<Vec<_>>(),
+        shape
+    );
+    assert_eq!(shape[1..], [4, 2, 3, 64, 64]);
+    assert_eq!(read.into_raw_vec_and_offset().0, wanted);
+    good(folder, &[&made[..], &how, &["-o", "v.h5"]].concat());
+    good(
+        folder,
+        &[&made[..], &how, &["-o", "h.npy", "--half"]].concat(),
+    );
+    let half = fs::metadata(folder.join("h.npy")).unwrap().len();
+    assert_eq!(half, 192 + 2 * wanted.len() as u64);
+    refused(
+        folder,
+        &[&made[..], &["-o", "h.h5", "--half"]].concat(),
+        &["32 bits", ".npy or .npz"],
+    );
+    let none = ["voxels", "e.npy", "--window", "0us", "-o", "n.npy"];
+    refused(folder, &none, &["the window is 0 s"]);
+}
+
+#[test]
+fn what_comes_with_the_program_is_shown_and_swept_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (of, all, name) in [
+        ("sensor", "sensors", "rgc-4"),
+        ("program", "programs", "dvs/snap"),
+        ("kernel", "kernels", "csdvs-5"),
+        ("study", "studies", "formats"),
+        ("readout", "readouts", "arbiter"),
+        ("chip", "chips", "scamp5-wide"),
+    ] {
+        let text = good(folder, &["show", of, name]);
+        assert_eq!(text, good(folder, &["list", all, name]), "{of}");
+        assert!(text.len() > 50, "{text}");
+    }
+    refused(
+        folder,
+        &["show", "sensor", "dvss"],
+        &["there is no dvss", "rgc-4"],
+    );
+    refused(
+        folder,
+        &["show", "thing", "dvs"],
+        &["thing is no kind of thing"],
+    );
+    refused(folder, &["show", "events.npy"], &["--output"]);
+    let space = json(folder, &["sweep", "formats", "frames=2", "--space"]);
+    assert!(space.to_string().contains("q8.8"), "{space}");
+    let unknown = refused(
+        folder,
+        &["sweep", "formatss"],
+        &["formatss", "amacrine list studies"],
+    );
+    assert!(!line(unknown.as_bytes()).contains("panic"));
+}
+
+/// An MCAP recording holds what the event file holds (`.ci/interop` asks its own readers).
+#[test]
+fn a_recording_for_viewers() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    clip(folder);
+    let run = ["run", "--sensor", "rgc-4", "--events", "e.npy"];
+    good(folder, &[&run[..], &SHOWN].concat());
+    let said = json(
+        folder,
+        &["show", "e.npy", "-o", "e.mcap", "--window", "250ms"],
+    );
+    assert_eq!(said["frames"], 5);
+    let bytes = fs::read(folder.join("e.mcap")).unwrap();
+    assert_eq!(bytes[..8], *b"\x89MCAP0\r\n");
+    let has = |text: &str| {
+        bytes
+            .windows(text.len())
+            .any(|part| part == text.as_bytes())
+    };
+    assert!(has("/events/2_vertical_edges") && has("/image/0_change"));
+}
