@@ -77,8 +77,8 @@ def main(program: str, rust: str | None = None) -> None:
             return
 
         def of_rust() -> None:
-            words = [rust, scene, text, FPS, 1]
-            done = subprocess.run(map(str, words), check=True, capture_output=True, text=True)
+            loops = [str(word) for word in (rust, scene, text, FPS, 1)]
+            done = subprocess.run(loops, check=True, capture_output=True, text=True)
             count, seconds = done.stdout.split()
             assert int(count) == events, "not as many events"
             loop.append(float(seconds))

@@ -9,7 +9,9 @@ use amacrine::{
     event::{
         Packet,
         file::Opening,
-        tensor::{self, Sides, TensorError, TimeSurface, VoxelStream, Windows, frames as frames_of},
+        tensor::{
+            self, Sides, TensorError, TimeSurface, VoxelStream, Windows, frames as frames_of,
+        },
     },
     memory::{Budget, Need},
     plane::Size,
@@ -114,7 +116,11 @@ fn packet(npy: Vec<u8>, size: Option<(usize, usize)>, channels: u8) -> Result<Pa
 /// Whether there is room for so many values of four bytes.
 fn room(what: &str, values: u128) -> Result<(), Report> {
     let need = Need::new().and(what, values * 4);
-    need.within(Budget::from_machine(), what, "take fewer of them, or a part of the events")?;
+    need.within(
+        Budget::from_machine(),
+        what,
+        "take fewer of them, or a part of the events",
+    )?;
     Ok(())
 }
 
@@ -173,7 +179,10 @@ pub fn surfaces<'py>(
     how.sides = named(polarity)?;
     let made = pool::work(py, || {
         let packet = packet(npy, size, channels)?;
-        room("time surfaces", planes(&packet, how.sides) * times.len() as u128)?;
+        room(
+            "time surfaces",
+            planes(&packet, how.sides) * times.len() as u128,
+        )?;
         let times: Vec<_> = times.into_iter().map(Micros).collect();
         Ok((how.of(&packet, &times), place(&packet)))
     })?;
