@@ -869,7 +869,12 @@ fn the_cluster_examples_run() {
             .args(["-m", "snakemake", "--cores", "2", "--quiet", "all"])
             .arg("--snakefile")
             .arg(root.join("Snakefile"))
-            .args(["--config", "study=study.toml", "output=snakemake", "shards=3"])
+            .args([
+                "--config",
+                "study=study.toml",
+                "output=snakemake",
+                "shards=3",
+            ])
             .arg(format!("program={}", program.display()))
             .current_dir(at)
             .status();

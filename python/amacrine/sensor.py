@@ -169,7 +169,7 @@ class EventSensor(ABC):
                     "a bin for each frame has no window, no sides and no range\n"
                     "help: give bins, such as bins=9"
                 )
-            out = np.zeros((len(given.all), given.frames, kinds, *size), np.float32)
+            out = _zeros((len(given.all), given.frames, kinds, *size), np.float32)
 
             def watch(b: int) -> None:
                 run = self._watch(size, fps, given.scale)
@@ -183,7 +183,7 @@ class EventSensor(ABC):
         how = voxel.how(bins, length, every, causal, polarity, share, normalise)
         one = voxel.shape(how, size, kinds, polarity)
         windows = how.count(round(seconds * 1e6))
-        shared = np.zeros((len(given.all), windows, *one), number)
+        shared = _zeros((len(given.all), windows, *one), number)
 
         def bin(b: int) -> None:
             run = self._watch(size, fps, given.scale)
@@ -609,6 +609,16 @@ def compile(
     return sensor.on_chip(
         to, domain=domain, chip=chip, sum=sum, memory=memory, effort=effort
     )
+
+
+def _zeros(shape: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    try:
+        return np.zeros(shape, dtype)
+    except (MemoryError, ValueError) as cause:
+        raise Error(
+            f"voxels of shape {shape} take more memory than there is\n"
+            "help: take them window by window (voxel_windows), or fewer or narrower ones"
+        ) from cause
 
 
 def _windows(

@@ -48,6 +48,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "share": (lambda: sensor().voxels(GOOD, 9, bins=3, share="all"), "bilinear, whole"),
     "normalise": (lambda: sensor().voxels(GOOD, 9, bins=3, normalise="l2"), "none, std, max"),
     "voxels of": (lambda: sensor().voxels(GOOD, 9, bins=3, dtype="i4"), "float16, float32"),
+    "room": (lambda: sensor().voxels(GOOD, 9, bins=999, window=1, every=1e-6), "memory"),
+    "room for events": (
+        lambda: amacrine.events.voxels(_few(), bins=999, window=1, every=1e-6, end=1e8), "voxels"
+    ),
     "no fields": (lambda: amacrine.events.voxels(np.zeros(3), bins=3), "have no fields"),
     "no size": (lambda: amacrine.events.event_frames(np.zeros(0, amacrine.EVENT), 3), "size"),
     "tau": (lambda: amacrine.events.time_surfaces(_few(), 1, tau=0), "tau is 0 s"),

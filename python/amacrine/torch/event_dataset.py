@@ -104,7 +104,9 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         low, high = thresholds
         if not 0.0 < low <= high < math.inf:
             raise Error(f"thresholds from {low} to {high}\nhelp: give a range above 0, low to high")
-        whole = {"frames": (frames, 2), "sensors": (sensors, 1), "length": (length or 1, 1)}
+        whole = {"frames": (frames, 2), "sensors": (sensors, 1), "seed": (seed, 0)}
+        if length is not None:
+            whole["length"] = length, 1
         for name, (given, least) in whole.items():
             if given != int(given) or given < least:
                 raise Error(f"{name} = {given}\nhelp: give a whole number, {least} or more")
