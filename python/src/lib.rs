@@ -6,7 +6,6 @@
 
 mod chip;
 mod error;
-mod every;
 mod files;
 mod frames;
 mod names;

@@ -44,6 +44,7 @@ impl Asked {
             ));
         }
         Ok(Self {
+            input: arguments.input,
             thresholds: vec![(threshold, threshold); kernels.len()],
             scales: vec![1.0; kernels.len()],
             kernels,
@@ -126,6 +127,7 @@ impl Asked {
             complain(&format!("note: {shown} {note}\n"));
         }
         Ok(Self {
+            input: None,
             scales: vec![1.0; kernels.len()],
             kernels,
             warnings: Vec::new(),
