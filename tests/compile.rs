@@ -9,14 +9,15 @@ use amacrine::{
     array::{Arithmetic, Chip, Exact, Input, Settings, range, taps},
     compile::{
         BitMemory, CellKind, CompileError, DriveMemory, Effort, Filter, Objective, Request,
-        SensorProgram, naive_cost,
+        SensorProgram, leaves, naive_cost,
     },
     event::{Packet, Polarity},
-    isa::{Analog, Device},
+    isa::{Analog, Device, Figure},
     kernel::{
         Kernel,
         quantise::{Quantiser, Sum},
     },
+    number::Format,
     plane::{Plane, Size},
     program::{Cost, Overrides, Program},
     reference::{Description, Reference},
@@ -453,24 +454,15 @@ proptest! {
     }
 }
 
-/// A program of several kinds with one memory of the pixel, and the float model: their packets are
-/// the same, event by event. Returns the program's words a frame, and the number of events.
-fn shared_is_the_reference(kinds: &[CellKind], states: u64, seed: u64) -> (u64, usize) {
+/// A program of several kinds with one memory of the pixel, and the float model of it.
+fn shared(kinds: &[CellKind], states: u64, objective: Objective) -> (SensorProgram, Description) {
     let device = Device::scamp5();
     let kernels = [kinds[0].kernel.clone()];
     let mut request = Request::new(&kernels, &device).unwrap();
     request.effort = Effort { states };
+    request.objective = objective;
     let sensor = SensorProgram::new(kinds, DriveMemory::Shared, "shared", &request).unwrap();
     assert!(sensor.filters.iter().all(|filter| filter.border));
-    let program = Program::parse("shared", &sensor.text).unwrap();
-    let code = program.expand(&device, &Overrides::default()).unwrap().code;
-    let clip = clip(seed);
-    let size = Size::of(&clip[0]);
-    let settings = Settings {
-        clip: true,
-        ..Settings::from_device(&device)
-    };
-    let mut chip = Chip::new("chip", Exact, &code, &device, size, settings).unwrap();
     let mut text =
         "response = \"identity\"\nmemory = \"raw-snap\"\nshared = true\nborder = \"zero\"\n"
             .to_owned();
@@ -484,10 +476,105 @@ fn shared_is_the_reference(kinds: &[CellKind], states: u64, seed: u64) -> (u64, 
         );
     }
     let description = Description::parse("sensor", &text, &|_| unreachable!()).unwrap();
-    let mut reference = Reference::new(description, size, 0).unwrap();
-    let [a, b] = [watch(&mut chip, &clip), watch(&mut reference, &clip)];
+    (sensor, description)
+}
+
+/// The packet of a program, of registers of the chip's range.
+fn run_on(sensor: &SensorProgram, arithmetic: Arithmetic, clip: &[Plane<f64>]) -> Packet {
+    let device = Device::scamp5();
+    let program = Program::parse("shared", &sensor.text).unwrap();
+    let code = program.expand(&device, &Overrides::default()).unwrap().code;
+    let size = Size::of(&clip[0]);
+    let settings = Settings {
+        clip: matches!(arithmetic, Arithmetic::Number(_)),
+        ..Settings::from_device(&device)
+    };
+    let chip = arithmetic.chip("chip", &code, &device, size, settings);
+    watch(&mut *chip.unwrap(), clip)
+}
+
+fn words(sensor: &SensorProgram) -> u64 {
+    let device = Device::scamp5();
+    let program = Program::parse("shared", &sensor.text).unwrap();
+    let code = program.expand(&device, &Overrides::default()).unwrap().code;
+    Cost::of(&code.frame, &device).words.0
+}
+
+/// A program that no light saturates and the float model: their packets are the same, event by
+/// event. Returns the program's words a frame, and the number of events.
+fn shared_is_the_reference(kinds: &[CellKind], states: u64, seed: u64) -> (u64, usize) {
+    let (sensor, description) = shared(kinds, states, Objective::Exact);
+    let clip = clip(seed);
+    let mut reference = Reference::new(description, Size::of(&clip[0]), 0).unwrap();
+    let a = run_on(&sensor, Arithmetic::Number(Format::F64), &clip);
+    let b = watch(&mut reference, &clip);
     assert_eq!(a, b, "{}", sensor.text);
-    (Cost::of(&code.frame, &device).words.0, a.events.len())
+    (words(&sensor), a.events.len())
+}
+
+/// F1 of each kind's events against another packet's, away from the border.
+fn f1(packets: &[(Packet, Packet)], kind: u8) -> f64 {
+    let inner = 4..leaves::SIDE as u16 - 4;
+    let events = |packet: &Packet| -> Vec<_> {
+        let own = packet.events.iter().filter(|event| {
+            event.channel == kind && inner.contains(&event.x) && inner.contains(&event.y)
+        });
+        own.copied().collect()
+    };
+    let (mut both, mut all) = (0, 0);
+    for (one, other) in packets {
+        let (one, other) = (events(one), events(other));
+        both += one.iter().filter(|event| other.contains(event)).count();
+        all += one.len() + other.len();
+    }
+    2.0 * both as f64 / all as f64
+}
+
+/// The plan that decides best on the chip: what is predicted of it is what a program does, it keeps
+/// more than one that nothing saturates, and where nothing saturates it is exact.
+#[test]
+fn four_kinds_survive_the_silicon() {
+    let kinds = four_kinds("ternary");
+    let exact = Arithmetic::Number(Format::F64);
+    let silicon = |seed| Arithmetic::Silicon { seed };
+    let clip = |pair: usize, light: f64| leaves::pair(pair).map(|plane| plane * light).to_vec();
+    let [(chosen, description), (strict, _)] =
+        [Objective::Silicon, Objective::Exact].map(|aim| shared(&kinds, 20_000, aim));
+    let reference = |clip: &[Plane<f64>]| {
+        let mut reference = Reference::new(description.clone(), Size::of(&clip[0]), 0).unwrap();
+        watch(&mut reference, clip)
+    };
+    let ran = |sensor: &SensorProgram, arithmetic: &dyn Fn(u64) -> Arithmetic| -> Vec<_> {
+        (0..leaves::MOVES.len())
+            .map(|pair| {
+                let clip = clip(pair, 254.0);
+                (
+                    run_on(sensor, arithmetic(pair as u64), &clip),
+                    reference(&clip),
+                )
+            })
+            .collect()
+    };
+    let with_errors = ran(&chosen, &silicon);
+    let without = ran(&chosen, &|_| exact);
+    let strict_with = ran(&strict, &silicon);
+    println!(
+        "{} words, {} that nothing saturates",
+        words(&chosen),
+        words(&strict)
+    );
+    for (kind, filter) in (0..).zip(&chosen.filters) {
+        let said = filter.decided.unwrap();
+        let [chip, float, before] = [&with_errors, &without, &strict_with].map(|p| f1(p, kind));
+        println!("{said:?}: {chip:.3}, exact {float:.3}; halved for all light {before:.3}");
+        assert!((chip - said.silicon).abs() < 0.04 && (float - said.exact).abs() < 0.04);
+        assert!(chip > 0.85 && chip > before + 0.05);
+    }
+    let light = chosen.filter.exact_within / Device::scamp5().value(Figure::LightScale);
+    let small = clip(5, light);
+    let events = run_on(&chosen, exact, &small);
+    assert_eq!(events, reference(&small));
+    assert!(events.events.len() > 20, "{}", events.events.len());
 }
 
 /// The kernels of the shipped sensor of four kinds, in few values.

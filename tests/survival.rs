@@ -7,6 +7,7 @@ mod filters;
 use amacrine::{
     compile::{
         CellKind, CompileError, DriveMemory, Effort, Objective, Request, SensorProgram, Signal,
+        bound,
     },
     isa::Device,
     kernel::Kernel,
@@ -223,4 +224,32 @@ fn sensors_keep_more_of_the_signal() {
         said.correlation
     };
     assert!(of(Objective::Silicon) >= of(Objective::Words));
+}
+
+/// Rows of the atlas, chosen by a hash, are what the compiler gives today.
+#[test]
+fn the_atlas_is_up_to_date() {
+    let device = Device::scamp5();
+    let atlas = include_str!("../docs/atlas.csv");
+    let rows: Vec<&str> = atlas.lines().skip(1).collect();
+    assert_eq!(rows.len(), bound::classes().count());
+    for i in 0..5 {
+        let row = rows[(Hash::new(22).with(i).bits() % rows.len() as u64) as usize];
+        let fields: Vec<&str> = row.split(',').collect();
+        let class: u16 = fields[0].parse().unwrap();
+        let weights = bound::weights(class).map(|row| row.map(f64::from).to_vec());
+        let kernels = [Kernel::from_rows(&weights).unwrap()];
+        let mut found = vec![bound::LowerBound::new(&kernels).words.to_string()];
+        for objective in [Objective::Words, Objective::Silicon] {
+            let mut request = Request::new(&kernels, &device).unwrap();
+            request.effort = Effort { states: 12_000 };
+            request.objective = objective;
+            let filter = request.filter().unwrap();
+            let registers = (request.input, &request.into[..]);
+            let said = filter.best_forecast(&device, registers, &kernels);
+            found.push(filter.words.len().to_string());
+            found.push(format!("{:.4}", said[0].correlation));
+        }
+        assert_eq!(found, fields[3..], "class {class}");
+    }
 }

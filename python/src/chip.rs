@@ -19,7 +19,6 @@ use pyo3::prelude::*;
 
 use crate::{
     error::{raised, refused},
-    every::Every,
     pool,
     run::Run,
     watcher,
@@ -214,10 +213,10 @@ impl Chip {
                 .compiled
                 .chip(arithmetic, size, self.compiled.settings())?;
             let channels = chip.channels();
-            let sensor: Box<dyn Sensor + Send> = match (slots, channels) {
-                (true, _) => Box::new(chip),
-                (false, 1) => Box::new(self.compiled.all_events(chip)),
-                (false, _) => Box::new(Every::new(chip, &self.compiled.code.frame)),
+            let sensor: Box<dyn Sensor + Send> = if slots {
+                Box::new(chip)
+            } else {
+                Box::new(self.compiled.all_events(chip))
             };
             Ok::<_, DesignError>((sensor, channels))
         })?;

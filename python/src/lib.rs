@@ -7,7 +7,6 @@
 mod chance;
 mod chip;
 mod error;
-mod every;
 mod files;
 mod frames;
 mod gradient;

@@ -168,21 +168,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let observation = Observation::new();
     let readout = arguments.readout.open_compiled()?;
     let mut all = Vec::new();
-    for ((name, kernel), threshold) in kinds.names.iter().zip(&kinds.kernels).zip(thresholds) {
+    for ((name, kernel), threshold) in kinds.names.iter().zip(&kinds.kernels).zip(&thresholds) {
         let design = Design {
             kernel,
-            threshold,
+            threshold: *threshold,
             device: &device,
             effort: Effort::seconds(arguments.effort),
             seed: arguments.seed,
         };
         all.push(arguments.fall((name, design), readout.readout()?, &observation)?);
     }
-    if let (Some(path), [told], [threshold]) = (
-        &arguments.output,
-        &all[..],
-        &arguments.thresholds(&kinds)?[..],
-    ) {
+    if let (Some(path), [told], [threshold]) = (&arguments.output, &all[..], &thresholds[..]) {
         let scene = arguments.clip.name();
         let title = format!(
             "Where the events of {} went: {}, threshold {threshold}, {scene}",

@@ -138,3 +138,18 @@ pub enum CompileError {
         high: f64,
     },
 }
+
+impl CompileError {
+    /// The same with another advice, where it is one that was tried; any other as it is.
+    #[must_use]
+    pub(super) fn with_advice(mut self, advised: impl FnOnce() -> String) -> Self {
+        if let Self::Kinds { advice, .. }
+        | Self::Bits { advice, .. }
+        | Self::Levels { advice, .. }
+        | Self::Store { advice, .. } = &mut self
+        {
+            *advice = advised();
+        }
+        self
+    }
+}

@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 
 use super::{
+    decision::Decided,
     linear_form::LinearForm,
+    plan::StoreErrors,
     solve::{FINE, Solved, fine},
 };
-use crate::isa::{Analog, Device, Primitive, Source, Target};
+use crate::isa::{Analog, Device, Figure, Primitive, Source, Target};
 
 /// A filter in instruction words.
 #[derive(Clone, Debug)]
@@ -25,6 +27,11 @@ pub struct Filter {
     /// Where a range was given: whether nothing saturates, the chip's transfer errors included.
     /// Without one it says nothing.
     pub holds: bool,
+    /// Inputs up to this size, LSB, are filtered as the kernel says: no store but that of a result
+    /// saturates, the chip's transfer errors included.
+    pub exact_within: f64,
+    /// Where it is known with what the result is compared: how well it decides.
+    pub decided: Option<Decided>,
     /// What is left of the transfer error in each result, in errors of one store.
     pub offsets: Vec<f64>,
     /// States that the search looked at.
@@ -70,6 +77,8 @@ impl Filter {
             prescale,
             border: solved.border,
             holds: solved.holds,
+            exact_within: exact_within(solved, unit, device),
+            decided: None,
             peak: stored(solved, unit)
                 .map(|form| form.bounds(-1.0, 1.0).1 / fine(unit))
                 .fold(1.0, f64::max),
@@ -102,6 +111,19 @@ fn registers(word: &Primitive, device: &Device) -> Vec<Analog> {
 fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = LinearForm> {
     let trace = solved.plan.trace(unit * FINE);
     trace.into_iter().flat_map(|trace| trace.stored)
+}
+
+/// The largest input with which no store but the last saturates, LSB; limited to a register's range.
+fn exact_within(solved: &Solved, unit: i64, device: &Device) -> f64 {
+    let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
+    let darks = solved.plan.dark(0.0, StoreErrors::from_device(device));
+    let mut forms: Vec<_> = stored(solved, unit).zip(darks).collect();
+    forms.pop();
+    let most = forms.iter().map(|(form, dark)| {
+        let size = form.bounds(-1.0, 1.0).1 / fine(unit);
+        (high - dark.max(0.0)).min(dark.min(0.0) - low) / size
+    });
+    most.fold(high, f64::min).max(0.0)
 }
 
 /// The transfer error that is left in each of `results`, in errors of one store, for an input

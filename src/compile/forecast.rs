@@ -95,15 +95,15 @@ impl Forecast {
 /// The errors of a chip's stores.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChipErrors {
-    transfer: f64,
-    division: f64,
-    gain: f64,
-    gain_mismatch: f64,
-    offset_mismatch: f64,
-    together: f64,
-    uneven: f64,
-    noise: f64,
-    range: (f64, f64),
+    pub(super) transfer: f64,
+    pub(super) division: f64,
+    pub(super) gain: f64,
+    pub(super) gain_mismatch: f64,
+    pub(super) offset_mismatch: f64,
+    pub(super) together: f64,
+    pub(super) uneven: f64,
+    pub(super) noise: f64,
+    pub(super) range: (f64, f64),
 }
 
 impl ChipErrors {
@@ -186,9 +186,9 @@ struct Stored {
 }
 
 /// The words of a filter as cells and places.
-struct Wired {
-    targets: Vec<(usize, (i32, i32))>,
-    sources: Vec<(usize, (i32, i32))>,
+pub(super) struct Wired {
+    pub(super) targets: Vec<(usize, (i32, i32))>,
+    pub(super) sources: Vec<(usize, (i32, i32))>,
 }
 
 fn place(direction: Direction) -> (i32, i32) {
@@ -196,7 +196,8 @@ fn place(direction: Direction) -> (i32, i32) {
     (y as i32, x as i32)
 }
 
-fn wired(words: &[Primitive], device: &Device) -> Vec<Wired> {
+/// The bus words of a filter, of which other words are none.
+pub(super) fn wired(words: &[Primitive], device: &Device) -> Vec<Wired> {
     let news = usize::from(device.news().0);
     let mut all = Vec::new();
     for word in words {

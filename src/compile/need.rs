@@ -96,64 +96,21 @@ pub(super) fn advice(
     memory: DriveMemory,
     request: &Request<'_>,
 ) -> CompileError {
-    let advised = |own: &str| ways(kinds, memory, request, own);
-    match error {
-        CompileError::Kinds {
-            count,
-            memory,
-            needed,
-            free,
-            ..
-        } => CompileError::Kinds {
-            count,
-            memory,
-            needed,
-            free,
-            advice: advised(""),
-        },
-        CompileError::Bits {
-            count, bits, free, ..
-        } => CompileError::Bits {
-            count,
-            bits,
-            free,
-            advice: advised(""),
-        },
-        CompileError::Levels {
-            bits,
-            needed,
-            step,
-            threshold,
-            least,
-            ..
-        } => {
-            let own = format!("take thresholds from {least:.1} on");
-            CompileError::Levels {
-                bits,
-                needed,
-                step,
-                threshold,
-                least,
-                advice: advised(&own),
-            }
+    let own = match &error {
+        CompileError::Levels { least, .. } => format!("take thresholds from {least:.1} on"),
+        CompileError::Store { .. } => {
+            "search longer (--effort), or take fewer digits (--to)".to_owned()
         }
-        CompileError::Store {
-            words, room, chip, ..
-        } => CompileError::Store {
-            words,
-            room,
-            chip,
-            advice: {
-                let own = "search longer (--effort), or take fewer digits (--to)";
-                if weights(kinds) > QUICK {
-                    own.to_owned()
-                } else {
-                    advised(own)
-                }
-            },
-        },
-        other => other,
-    }
+        _ => String::new(),
+    };
+    let is_slow = matches!(error, CompileError::Store { .. }) && weights(kinds) > QUICK;
+    error.with_advice(|| {
+        if is_slow {
+            own
+        } else {
+            ways(kinds, memory, request, &own)
+        }
+    })
 }
 
 /// Programs of so many weights are compiled in no time, without a search.

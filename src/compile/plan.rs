@@ -1,7 +1,7 @@
 //! Plans: a filter as bus words over values, before register allocation.
 
 use super::linear_form::{LinearForm, step};
-use crate::isa::Direction;
+use crate::isa::{Device, Direction, Figure};
 
 /// A value in an ordinary register: 0 is the input, the others in the order of their stores.
 pub(super) type Value = usize;
@@ -27,6 +27,14 @@ pub(super) struct StoreErrors {
 }
 
 impl StoreErrors {
+    /// As a chip's data has them.
+    pub(super) fn from_device(device: &Device) -> Self {
+        Self {
+            transfer: device.value(Figure::TransferError),
+            division: device.value(Figure::DivisionError),
+        }
+    }
+
     /// What is stored of a sum, LSB.
     pub(super) fn stored(self, sum: f64, splits: bool) -> f64 {
         if splits {

@@ -3,6 +3,7 @@
 
 use super::{
     allocate::{RegisterFile, ordinary_registers},
+    decision::Decision,
     error::CompileError,
     filter::Filter,
     goals::goals,
@@ -13,7 +14,7 @@ use super::{
     walk,
 };
 use crate::{
-    isa::{Analog, Device, Figure, Primitive, Source, Target},
+    isa::{Analog, Device, Primitive, Source, Target},
     kernel::Kernel,
 };
 
@@ -47,9 +48,18 @@ impl Default for Effort {
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Objective {
-    /// The signal-to-noise ratio that is predicted on the chip; among equals, the fewest words.
+    /// What comes out of the chip: as `Exact`; with a memory of the pixel for all kinds as `Events`,
+    /// since its filters have nothing that takes a chip's mismatch out.
     #[default]
     Silicon,
+    /// The events that are kept on the chip, as predicted ([`Decided`](super::Decided)); among equals
+    /// what is nearer to exact, then the fewest words. Large inputs may saturate. Where it is not
+    /// known with what one result is compared, as `Exact`.
+    Events,
+    /// The signal-to-noise ratio that is predicted on the chip, and no input of the range saturates:
+    /// in exact arithmetic a program decides as the kernel itself does, whatever it is shown. Among
+    /// equals, the fewest words.
+    Exact,
     /// The fewest words.
     Words,
 }
@@ -76,6 +86,8 @@ pub struct Request<'a> {
     /// Whether what the chip makes of no input counts as noise: where a result is compared with a
     /// constant, and not with an earlier result, which has the same in it.
     pub zero_counts: bool,
+    /// What the result is for, where it is compared with a threshold.
+    pub decision: Option<Decision>,
     /// How long to search.
     pub effort: Effort,
     /// Seed of the search heuristics: another seed may find another program.
@@ -107,6 +119,7 @@ impl<'a> Request<'a> {
             border: false,
             range: None,
             zero_counts: false,
+            decision: None,
             effort: Effort::default(),
             seed: 0,
             objective: Objective::default(),
@@ -137,7 +150,7 @@ impl<'a> Request<'a> {
         let (goals, unit) = goals(self.kernels)?;
         match self.objective {
             Objective::Words => self.shortest(&goals, unit, (all, effort)),
-            Objective::Silicon => Survival {
+            Objective::Silicon | Objective::Events | Objective::Exact => Survival {
                 request: self,
                 goals: &goals,
                 unit,
@@ -204,10 +217,7 @@ impl<'a> Request<'a> {
 
     /// The constant errors of the chip's stores.
     pub(super) fn store_errors(&self) -> StoreErrors {
-        StoreErrors {
-            transfer: self.device.value(Figure::TransferError),
-            division: self.device.value(Figure::DivisionError),
-        }
+        StoreErrors::from_device(self.device)
     }
 
     /// The problem of the search.

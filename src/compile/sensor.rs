@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::{
     allocate::ordinary_registers,
+    decision::{Compared, Decision},
     error::CompileError,
     event_readout::EventReadout,
     filter::Filter,
@@ -150,6 +151,10 @@ impl SensorProgram {
             },
             border: true,
             range: Some((CAPTURE.0, largest_light(device))),
+            decision: match kinds {
+                [kind] => Some(Decision::new(kind, device, Compared::Drives)),
+                _ => None,
+            },
             ..request.clone()
         };
         let filter = request.filter()?;
@@ -266,6 +271,28 @@ pub(super) fn constants(kinds: &[CellKind], i: usize) -> (String, String) {
     )
 }
 
+/// The settings at the head of a program.
+pub(super) fn header(title: &str, device: &Device, kinds: &[CellKind]) -> String {
+    format!(
+        "//! title = {title:?}\n//! chip = {:?}\n//! image = \"pattern:disc?width=64&height=48\"\n//! frames = 8\n//! channels = {}\n",
+        device.name(),
+        kinds.len()
+    )
+}
+
+/// The constants of all thresholds, each in LSB of its kind's result, of this scale.
+pub(super) fn thresholds(kinds: &[CellKind], scales: &[f64]) -> String {
+    let mut text = String::new();
+    for (i, (kind, scale)) in kinds.iter().zip(scales).enumerate() {
+        let (on, off) = constants(kinds, i);
+        let _ = writeln!(text, "const {on} = {:?};", kind.on * scale);
+        if off != on {
+            let _ = writeln!(text, "const {off} = {:?};", kind.off * scale);
+        }
+    }
+    text
+}
+
 /// How many of `free` analogue registers hold memories of `count` kinds.
 ///
 /// # Errors
@@ -377,13 +404,7 @@ impl Writer<'_> {
     fn text(&self, title: &str) -> String {
         let mut text = self.header(title);
         let name = |register: &Analog| self.device.analog_name(*register);
-        for (i, kind) in self.kinds.iter().enumerate() {
-            let (on, off) = constants(self.kinds, i);
-            let _ = writeln!(text, "const {on} = {:?};", kind.on * self.scale);
-            if off != on {
-                let _ = writeln!(text, "const {off} = {:?};", kind.off * self.scale);
-            }
-        }
+        text += &thresholds(self.kinds, &vec![self.scale; self.kinds.len()]);
         if !self.steps.is_empty() {
             text += "const zero = 0; // what the drive is in the dark, LSB: on a chip, its transfer errors\n";
         }
@@ -419,19 +440,20 @@ impl Writer<'_> {
     }
 
     fn header(&self, title: &str) -> String {
-        let mut text = String::new();
-        let _ = writeln!(text, "//! title = {title:?}");
-        let _ = writeln!(text, "//! chip = {:?}", self.device.name());
-        text += "//! image = \"pattern:disc?width=64&height=48\"\n//! frames = 8\n";
-        let _ = writeln!(text, "//! channels = {}", self.kinds.len());
+        let mut text = header(title, self.device, self.kinds);
         let reach = if self.filter.border {
             "right up to the border"
         } else {
             "right where the kernel lies on the array, not at its border"
         };
+        let range = if self.filter.decided.is_some() {
+            "for the\n//! # most events on the chip; large sums may leave the range"
+        } else {
+            "so that no sum leaves the range"
+        };
         let _ = writeln!(
             text,
-            "//!\n//! # Compiled. The light is halved {} times on the way, so that no sum leaves the range; the\n//! # filter is {reach}. The memory is the drive at the last event (filtered-snap).",
+            "//!\n//! # Compiled. The light is halved {} times on the way, {range}; the\n//! # filter is {reach}. The memory is the drive at the last event (filtered-snap).",
             self.filter.prescale,
         );
         // A count writes to a register what depends on the place, so that no frame is read back.

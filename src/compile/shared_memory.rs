@@ -18,12 +18,16 @@ use std::fmt::Write as _;
 
 use super::{
     allocate::ordinary_registers,
+    decision::{Compared, Decision},
     error::CompileError,
     event_readout::EventReadout,
     filter::Filter,
     need::Need,
     request::{Effort, Objective, Request},
-    sensor::{self, CellKind, DriveMemory, SensorProgram, constants, largest_light, number},
+    sensor::{
+        self, CellKind, DriveMemory, SensorProgram, constants, header, largest_light, number,
+        thresholds,
+    },
 };
 use crate::isa::{Analog, Device, Figure};
 
@@ -135,6 +139,7 @@ fn filters(
             range: Some((-most, most)),
             // What is compared is a difference: no constant of the chip drops out of it.
             zero_counts: true,
+            decision: Some(Decision::new(kind, device, Compared::Difference)),
             effort,
             objective,
             ..request.clone()
@@ -143,8 +148,7 @@ fn filters(
     };
     let mut own: Vec<Filter> = Vec::with_capacity(kinds.len());
     for (i, kind) in kinds.iter().enumerate() {
-        // The same kernel has the same filter.
-        let known = kinds[..i].iter().position(|k| k.kernel == kind.kernel);
+        let known = kinds[..i].iter().position(|k| k == kind);
         own.push(match known.and_then(|i| own.get(i)) {
             Some(filter) => filter.clone(),
             None => of(kind, request.objective)?,
@@ -193,6 +197,10 @@ impl Filter {
             border: all.iter().all(|f| f.border),
             peak: all.iter().map(|f| f.peak).fold(1.0, f64::max),
             holds: all.iter().all(|f| f.holds),
+            exact_within: { all.iter() }
+                .map(|f| f.exact_within)
+                .fold(f64::INFINITY, f64::min),
+            decided: None,
             offsets: all.iter().flat_map(|f| f.offsets.clone()).collect(),
             states: all.iter().map(|f| f.states).sum(),
         }
@@ -212,13 +220,7 @@ pub(super) struct Writer<'a> {
 impl Writer<'_> {
     pub(super) fn text(&self, title: &str) -> String {
         let mut text = self.header(title);
-        for (i, (kind, scale)) in self.kinds.iter().zip(self.scales).enumerate() {
-            let (on, off) = constants(self.kinds, i);
-            let _ = writeln!(text, "const {on} = {:?};", kind.on * scale);
-            if off != on {
-                let _ = writeln!(text, "const {off} = {:?};", kind.off * scale);
-            }
-        }
+        text += &thresholds(self.kinds, self.scales);
         text += &self.readout.head();
         text.push('\n');
         let name = |register: Analog| self.device.analog_name(register);
@@ -268,11 +270,7 @@ impl Writer<'_> {
     }
 
     fn header(&self, title: &str) -> String {
-        let mut text = String::new();
-        let _ = writeln!(text, "//! title = {title:?}");
-        let _ = writeln!(text, "//! chip = {:?}", self.device.name());
-        text += "//! image = \"pattern:disc?width=64&height=48\"\n//! frames = 8\n";
-        let _ = writeln!(text, "//! channels = {}", self.kinds.len());
+        let mut text = header(title, self.device, self.kinds);
         let halved: Vec<String> = { self.filters.iter() }
             .map(|filter| filter.prescale.to_string())
             .collect();
@@ -283,8 +281,13 @@ impl Writer<'_> {
         };
         let _ = writeln!(
             text,
-            "//!\n//! # Compiled. One memory of the pixel for all kinds, which any of them renews (raw-snap, shared):\n//! # each filters the light less it, halved {} times on the way so that no sum leaves the range.\n//! # The filters are {reach}.\n",
+            "//!\n//! # Compiled. One memory of the pixel for all kinds, which any of them renews (raw-snap, shared):\n//! # each filters the light less it, halved {} times on the way, {}.\n//! # The filters are {reach}.\n",
             halved.join(", "),
+            if self.filters.iter().any(|filter| filter.decided.is_some()) {
+                "for the most events on the chip;\n//! # large sums may leave the range"
+            } else {
+                "so that no sum leaves the range"
+            },
         );
         text
     }

@@ -55,6 +55,123 @@ pub(super) fn greedy(plan: &Plan, errors: StoreErrors) -> Reads {
     reads
 }
 
+/// A choice that leaves the least in the last word, the result, and little on the way: words are
+/// changed one by one or in pairs, as long as that helps.
+pub(super) fn balanced(plan: &Plan, errors: StoreErrors, registers: usize) -> Reads {
+    // The cost of a choice, and what stays in the result.
+    let tried = |reads: &Reads| {
+        let steady = steadied(plan, reads, registers);
+        let dark = steady.as_ref().unwrap_or(plan).dark(0.0, errors);
+        let most = dark
+            .iter()
+            .fold(0.0, |most: f64, dark| most.max(dark.abs()));
+        let last = dark.last().copied().unwrap_or(0.0);
+        (last.abs() + ON_THE_WAY * most, last)
+    };
+    let changed = |reads: &Reads, at: &[usize]| {
+        let mut reads = reads.clone();
+        for at in at {
+            reads[*at] = !reads[*at];
+        }
+        reads
+    };
+    let open: Vec<usize> = { plan.words.iter().enumerate() }
+        .filter(|(_, word)| room(word))
+        .map(|(at, _)| at)
+        .collect();
+    let mut best = greedy(plan, errors);
+    let (mut least, mut last) = tried(&best);
+    for _ in 0..ROUNDS {
+        let singles: Vec<_> = { open.iter() }
+            .map(|at| (vec![*at], tried(&changed(&best, &[*at]))))
+            .collect();
+        // What two words do together is nearly the sum of what each does.
+        let mut pairs: Vec<(f64, Vec<usize>)> = Vec::new();
+        for (i, (a, (_, with_a))) in singles.iter().enumerate() {
+            for (b, (_, with_b)) in &singles[i + 1..] {
+                pairs.push(((with_a + with_b - last).abs(), vec![a[0], b[0]]));
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pairs.truncate(PAIRS);
+        let pairs = pairs.into_iter().map(|(_, at)| {
+            let tried = tried(&changed(&best, &at));
+            (at, tried)
+        });
+        let found = singles.iter().cloned().chain(pairs);
+        let found = found.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
+        match found {
+            Some((at, (cost, left))) if cost < least => {
+                best = changed(&best, &at);
+                (least, last) = (cost, left);
+            }
+            _ => break,
+        }
+    }
+    best
+}
+
+/// A plan of one goal behind which what stays in the result is taken out by up to five words: its
+/// constant is moved by a sum and by another, of one transfer error, about half of one, and about
+/// three quarters. `None` where nothing is gained.
+pub(super) fn trimmed(plan: &Plan, errors: StoreErrors) -> Option<Plan> {
+    let last = *plan.dark(0.0, errors).last()?;
+    let one = errors.stored(0.0, false);
+    let half = errors.stored(one, true);
+    let constants = [one, half, errors.stored(half, true)];
+    let sum = |set: usize| -> f64 {
+        let own = constants.iter().enumerate();
+        own.filter(|(i, _)| set >> i & 1 == 1)
+            .map(|(_, it)| it)
+            .sum()
+    };
+    // As sets of them: which the first copy reads, and which the second.
+    let sets = (0..8).flat_map(|a| (0..8).map(move |b| (a, b)));
+    let needed =
+        |(a, b): (usize, usize)| (a | b).checked_ilog2().map_or(0, |most| most + 1) as usize;
+    let left = |(a, b): (usize, usize)| (last + sum(a) - sum(b)).abs();
+    let cost = |sets: &(usize, usize)| left(*sets) + A_WORD * needed(*sets) as f64;
+    let best = sets.min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
+    if left(best) + 2.0 > last.abs() {
+        return None;
+    }
+    let [goal] = plan.goals[..] else { return None };
+    let mut out = plan.clone();
+    let stores = |word: &&Word| !matches!(word.store, Store::News(_));
+    let first = 1 + plan.words.iter().filter(stores).count();
+    let word = |values: Vec<usize>, halved| Word {
+        store: Store::Register,
+        views: Vec::new(),
+        values,
+        halved,
+    };
+    let count = needed(best);
+    for i in 0..count {
+        out.words.push(match i {
+            0 => word(Vec::new(), false),
+            _ => word(vec![first + i - 1], true),
+        });
+    }
+    let copy = |value: usize, set: usize| {
+        let own = (0..count).filter(|i| set >> i & 1 == 1).map(|i| first + i);
+        word([value].into_iter().chain(own).collect(), false)
+    };
+    out.words.push(copy(goal, best.0));
+    out.words.push(copy(first + count, best.1));
+    out.goals = vec![first + count + 1];
+    Some(out)
+}
+
+/// What a word is worth of a constant in the result, LSB.
+const A_WORD: f64 = 0.5;
+
+/// What a constant on the way weighs beside one in the result.
+const ON_THE_WAY: f64 = 0.05;
+
+/// Pairs of words that are tried in a round, and rounds.
+const PAIRS: usize = 40;
+const ROUNDS: usize = 8;
+
 /// The plan in which these words read the constant too, wherever one of `registers` is free for
 /// it; `None` where no word does.
 pub(super) fn steadied(plan: &Plan, reads: &[bool], registers: usize) -> Option<Plan> {
@@ -131,6 +248,26 @@ mod tests {
                 };
                 prop_assert_eq!(value(&steady), value(&plan));
                 prop_assert!(steady.pressure(false) <= registers.max(plan.pressure(false)));
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_trimmed_plan_makes_the_same_round_zero(goal in forms(2, 30)) {
+            for plan in walks(&goal, 1) {
+                let Some(trimmed) = trimmed(&plan, ERRORS) else { continue };
+                let fine = 1 << 20;
+                let value = |plan: &Plan| {
+                    let trace = plan.trace(fine).unwrap();
+                    trace.values[plan.goals[0]].clone()
+                };
+                prop_assert_eq!(value(&trimmed), value(&plan));
+                let dark = |plan: &Plan| plan.dark(0.0, ERRORS).last().unwrap().abs();
+                prop_assert!(dark(&trimmed) < dark(&plan));
+                if dark(&plan) < 40.0 {
+                    prop_assert!(dark(&trimmed) <= 3.0, "{}", dark(&trimmed));
+                }
             }
         }
     }

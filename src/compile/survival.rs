@@ -5,15 +5,19 @@
 //! ([`forecast`](super::forecast)) is highest is taken, in few more words than the shortest.
 //! Where a range of the input is given, each is tried behind as many halvings as it needs, and
 //! plans that halve on the way are searched as well.
+//!
+//! Where it is known with what a result is compared, the plan is taken that decides best on the chip
+//! ([`deciding`](super::deciding)).
 
 use super::{
     allocate::allocate,
+    decision::{Compared, Decided},
     error::CompileError,
     filter::Filter,
     forecast::{Forecast, Signal, forecasts, worst},
     linear_form::LinearForm,
     plan::{Plan, Store, Word},
-    request::{Effort, Request},
+    request::{Effort, Objective, Request},
     separable::compose,
     solve::{FINE, Problem, Solved, slack},
     steady::{Reads, greedy, room, steadied},
@@ -27,10 +31,10 @@ const CLOSELY: usize = 6;
 const TRIES: usize = 200;
 
 /// The most halvings of an input.
-const HALVINGS: u32 = 14;
+pub(super) const HALVINGS: u32 = 14;
 
 /// The most halvings in all, so that weights stay far from overflow.
-const HALVINGS_IN_ALL: u32 = 22;
+pub(super) const HALVINGS_IN_ALL: u32 = 22;
 
 /// Signal-to-noise ratios within this are equal, dB.
 const EQUAL_DB: f64 = 0.25;
@@ -52,18 +56,19 @@ pub(super) struct Survival<'a> {
 
 /// A plan with its registers and what is predicted of it.
 #[derive(Clone)]
-struct Candidate {
-    solved: Solved,
+pub(super) struct Candidate {
+    pub(super) solved: Solved,
     /// The plan before its constant errors were taken out.
     plain: Plan,
     reads: Reads,
     /// Halvings of the input in it.
-    bits: u32,
+    pub(super) bits: u32,
     forecasts: Vec<Forecast>,
+    pub(super) decided: Option<Decided>,
 }
 
 impl Candidate {
-    fn words(&self) -> usize {
+    pub(super) fn words(&self) -> usize {
         self.solved.allocated.words.len()
     }
 
@@ -81,6 +86,18 @@ impl Candidate {
 impl Survival<'_> {
     /// The filter of which most comes out.
     pub(super) fn filter(&self) -> Result<Filter, CompileError> {
+        if let (Some(range), Some(decision), [_]) =
+            (self.request.range, self.request.decision, self.goals)
+        {
+            let decides = match self.request.objective {
+                Objective::Silicon => decision.compared == Compared::Difference,
+                Objective::Events => true,
+                Objective::Exact | Objective::Words => false,
+            };
+            if decides {
+                return self.deciding(range, decision);
+            }
+        }
         let (candidates, seen) = match self.request.range {
             None => self.anywhere()?,
             Some(range) => self.within(range)?,
@@ -124,7 +141,7 @@ impl Survival<'_> {
     }
 
     /// A candidate as a filter.
-    fn built(&self, best: Candidate, seen: u64) -> Filter {
+    pub(super) fn built(&self, best: Candidate, seen: u64) -> Filter {
         let solved = Solved {
             seen,
             ..best.solved
@@ -141,6 +158,7 @@ impl Survival<'_> {
         Filter {
             // Relative to the input that is halved already.
             peak: filter.peak * 2f64.powi(best.bits as i32),
+            decided: best.decided,
             ..filter
         }
     }
@@ -162,49 +180,58 @@ impl Survival<'_> {
 
     /// Candidates for an input in a range: none of them saturates.
     fn within(&self, range: (f64, f64)) -> Result<(Vec<Candidate>, u64), CompileError> {
-        let part = |of: u64| Effort {
-            states: self.effort.states / 8 * of,
-        };
-        let problem = self.problem(0, part(4));
-        let (best, all) = problem.solve_all();
-        let best = best.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
-        let mut seen = best.seen;
-        let mut out = Vec::new();
+        let (mut out, mut seen) = (Vec::new(), 0);
         let mut odd = false;
-        for solved in short(all) {
-            let (found, less) = self.halved(&solved.plan, (false, 0), range);
+        for plan in self.searched((false, 0), 4, &mut seen)? {
+            let (found, less) = self.halved(&plan, (false, 0), range);
             out.extend(found);
             odd |= less;
         }
         if odd {
-            let goals: Vec<LinearForm> = self.goals.iter().map(|goal| goal.times(-1)).collect();
-            let problem = Problem {
-                goals,
-                ..self.problem(0, part(3))
-            };
-            let (best, all) = problem.solve_all();
-            seen += best.map_or(0, |best| best.seen);
-            for solved in short(all) {
-                out.extend(self.halved(&solved.plan, (true, 0), range).0);
+            for plan in self.searched((true, 0), 3, &mut seen)? {
+                out.extend(self.halved(&plan, (true, 0), range).0);
             }
         }
-        // Halvings wherever the search finds them cheap: as many as make a result as large as the
-        // input.
-        let size = |goal: &LinearForm| goal.bounds(-1.0, 1.0).1;
-        let largest = self.goals.iter().map(size).fold(0.0, f64::max) / self.unit as f64;
-        let inner = (0..HALVINGS).find(|bits| largest <= f64::from(1 << *bits));
-        if let Some(inner) = inner.filter(|inner| *inner > 0) {
-            let (best, all) = self.problem(inner, part(2)).solve_all();
-            seen += best.map_or(0, |best| best.seen);
-            for solved in short(all) {
-                out.extend(self.halved(&solved.plan, (false, inner), range).0);
+        if let Some(inner) = self.inner() {
+            for plan in self.searched((false, inner), 2, &mut seen)? {
+                out.extend(self.halved(&plan, (false, inner), range).0);
             }
         }
         Ok((out, seen))
     }
 
+    /// Halvings wherever the search finds them cheap: as many as make a result as large as the
+    /// input.
+    pub(super) fn inner(&self) -> Option<u32> {
+        let size = |goal: &LinearForm| goal.bounds(-1.0, 1.0).1;
+        let largest = self.goals.iter().map(size).fold(0.0, f64::max) / self.unit as f64;
+        let inner = (0..HALVINGS).find(|bits| largest <= f64::from(1 << *bits));
+        inner.filter(|inner| *inner > 0)
+    }
+
+    /// The shorter plans of the goals, negated or halved `inner` times, found with so many eighths
+    /// of the effort.
+    pub(super) fn searched(
+        &self,
+        (negated, inner): (bool, u32),
+        eighths: u64,
+        seen: &mut u64,
+    ) -> Result<Vec<Plan>, CompileError> {
+        let effort = Effort {
+            states: self.effort.states / 8 * eighths,
+        };
+        let mut problem = self.problem(inner, effort);
+        if negated {
+            problem.goals = self.goals.iter().map(|goal| goal.times(-1)).collect();
+        }
+        let (best, all) = problem.solve_all();
+        let best = best.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
+        *seen += best.seen;
+        Ok(short(all).into_iter().map(|solved| solved.plan).collect())
+    }
+
     /// The search for the goals, `bits` times halved.
-    fn problem(&self, bits: u32, effort: Effort) -> Problem {
+    pub(super) fn problem(&self, bits: u32, effort: Effort) -> Problem {
         let request = self.request;
         let file = (request.input, self.all, effort);
         let limits = request.range.map(|range| request.limits(range));
@@ -250,7 +277,7 @@ impl Survival<'_> {
     }
 
     /// Whether nothing saturates, with the errors and without.
-    fn fits(&self, plan: &Plan, bits: u32, range: (f64, f64)) -> bool {
+    pub(super) fn fits(&self, plan: &Plan, bits: u32, range: (f64, f64)) -> bool {
         let unit = self.unit << bits;
         let Some(trace) = unit.checked_mul(FINE).and_then(|_| plan.trace(unit * FINE)) else {
             return false;
@@ -259,7 +286,7 @@ impl Survival<'_> {
     }
 
     /// A plan with registers, and what is predicted of it.
-    fn tried(
+    pub(super) fn tried(
         &self,
         problem: &Problem,
         plain: &Plan,
@@ -277,6 +304,7 @@ impl Survival<'_> {
             reads: reads.clone(),
             bits,
             forecasts,
+            decided: None,
             solved: Solved {
                 holds: true,
                 ..solved
@@ -381,6 +409,7 @@ impl Survival<'_> {
                     reads,
                     bits: best.bits,
                     forecasts,
+                    decided: None,
                 };
                 if (-next.quality(), next.words()) < (-best.quality(), best.words()) {
                     best = next;
@@ -401,7 +430,7 @@ impl Survival<'_> {
 }
 
 /// Halvings of the input, one after the other.
-fn halvings(bits: u32) -> Plan {
+pub(super) fn halvings(bits: u32) -> Plan {
     let half = |value| Word {
         store: Store::Register,
         views: Vec::new(),

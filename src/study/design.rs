@@ -31,7 +31,7 @@
 //! ```
 
 use crate::{
-    array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
+    array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, RunError, Settings, Silicon},
     compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram},
     config::Faults,
     event::{Event, Packet, Polarity},
@@ -381,6 +381,29 @@ impl Compiled {
     /// A chip of this program of which every event is read, however many there are.
     #[must_use]
     pub fn all_events(&self, chip: Box<dyn Array + Send>) -> AllEvents {
+        AllEvents::new(chip, &self.code.frame)
+    }
+}
+
+/// A chip before its readout: the host's list holds at most 4000 events, the one-bit registers that
+/// it scans hold them all. Several kinds may take turns in the registers that are scanned, so each
+/// is looked at right after its own scan.
+pub struct AllEvents {
+    chip: Box<dyn Array + Send>,
+    parts: Vec<Part>,
+    /// What its own readout delivers.
+    delivered: Packet,
+}
+
+/// Steps of a frame up to a scan, and what that reads.
+struct Part {
+    steps: Vec<Step>,
+    scanned: Option<(Digital, Polarity, u8)>,
+}
+
+impl AllEvents {
+    /// Of a chip that runs these steps each frame.
+    fn new(chip: Box<dyn Array + Send>, frame: &[Step]) -> Self {
         let scanned = |step: &Step| match step.action {
             Action::Host(Host::ScanEvents {
                 source,
@@ -390,24 +413,39 @@ impl Compiled {
             }) => Some((source, polarity, channel)),
             _ => None,
         };
-        AllEvents {
-            before: Packet::new(chip.size(), chip.channels()),
-            planes: self.code.frame.iter().filter_map(scanned).collect(),
+        let parts = frame.split_inclusive(|step| scanned(step).is_some());
+        Self {
+            parts: parts
+                .map(|steps| Part {
+                    scanned: steps.last().and_then(scanned),
+                    steps: steps.to_vec(),
+                })
+                .collect(),
+            delivered: Packet::new(chip.size(), chip.channels()),
             chip,
-            started: false,
         }
     }
-}
 
-/// A chip before its readout: the host's list holds at most 4000 events, the one-bit registers that
-/// it scans hold them all.
-pub struct AllEvents {
-    chip: Box<dyn Array + Send>,
-    /// The registers of events, with their sign and kind.
-    planes: Vec<(Digital, Polarity, u8)>,
-    /// What its own readout delivers.
-    before: Packet,
-    started: bool,
+    /// Runs the steps of a frame, and looks at each register that is scanned.
+    fn run(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        self.chip.begin_frame();
+        for Part { steps, scanned } in &self.parts {
+            self.chip.run_steps(steps, t, &mut self.delivered)?;
+            let Some((register, polarity, channel)) = *scanned else {
+                continue;
+            };
+            let bits = self.chip.digital(register);
+            let set = bits.indexed_iter().filter(|(_, bit)| **bit);
+            packet.events.extend(set.map(|((y, x), _)| Event {
+                t,
+                x: x as u16,
+                y: y as u16,
+                polarity,
+                channel,
+            }));
+        }
+        Ok(())
+    }
 }
 
 impl Sensor for AllEvents {
@@ -424,25 +462,20 @@ impl Sensor for AllEvents {
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
-        self.before.events.clear();
-        self.chip.watch(frame, &mut self.before)?;
-        packet.span = self.before.span;
-        if !std::mem::replace(&mut self.started, true) {
-            return Ok(());
-        }
+        self.delivered.events.clear();
+        let is_first = self.chip.show(frame)?;
         let t = Micros::from_seconds(frame.seconds);
-        for (register, polarity, channel) in &self.planes {
-            let bits = self.chip.digital(*register);
-            let set = bits.indexed_iter().filter(|(_, bit)| **bit);
-            packet.events.extend(set.map(|((y, x), _)| Event {
-                t,
-                x: x as u16,
-                y: y as u16,
-                polarity: *polarity,
-                channel: *channel,
-            }));
-        }
-        Ok(())
+        let result = if is_first {
+            packet.span.0 = t;
+            self.chip.run_init(t, &mut self.delivered)
+        } else {
+            self.run(t, packet)
+        };
+        packet.span.1 = t;
+        result.map_err(|error| SensorError::Stopped {
+            sensor: self.chip.name().to_owned(),
+            why: error.to_string(),
+        })
     }
 }
 

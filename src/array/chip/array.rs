@@ -9,7 +9,8 @@ use crate::{
     isa::{Analog, Device, Digital},
     plane::Plane,
     program::Step,
-    sensor::Sensor,
+    scene::Frame,
+    sensor::{Sensor, SensorError},
     unit::Micros,
 };
 
@@ -56,6 +57,15 @@ pub trait Array: Sensor {
     /// # Errors
     /// When the picture has another size.
     fn expose(&mut self, light: &Plane<f64>) -> Result<(), ShapeError>;
+
+    /// Takes in the next frame of a scene: its time and its light are checked, the time since the one
+    /// before passes, and the light falls on the photodiodes. Says whether it is the first, for
+    /// which `init` is to run; for any other it is `frame`.
+    ///
+    /// # Errors
+    /// When the frame has another size, is no later than the one before, or has light that the array
+    /// does not hold.
+    fn show(&mut self, frame: &Frame) -> Result<bool, SensorError>;
 
     /// Runs `init` once; events are stamped with `t`.
     ///

@@ -12,6 +12,8 @@ use crate::{
     isa::{Analog, Device, Digital},
     plane::Plane,
     program::Step,
+    scene::Frame,
+    sensor::{SensorError, brightest, check_time},
     unit::Micros,
 };
 
@@ -67,6 +69,22 @@ impl<D: RowOps> Array for Chip<D> {
         } = self.settings;
         engine::expose(&self.domain, reset_level, gain, light, &mut self.state.pix);
         Ok(())
+    }
+
+    fn show(&mut self, frame: &Frame) -> Result<bool, SensorError> {
+        check_time(frame, self.watched)?;
+        self.holds(frame, brightest(frame)?)?;
+        self.expose(&frame.light)
+            .map_err(|error| SensorError::Size {
+                index: frame.index,
+                got: error.got,
+                want: error.want,
+            })?;
+        let before = self.watched.replace(frame.seconds);
+        if let Some(before) = before {
+            self.wait(frame.seconds - before);
+        }
+        Ok(before.is_none())
     }
 
     fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {

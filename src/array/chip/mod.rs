@@ -29,7 +29,7 @@ use crate::{
     plane::{Plane, Size},
     program::{Action, Code, Host, Step},
     scene::Frame,
-    sensor::{Sensor, SensorError, brightest, check_time, light_error},
+    sensor::{Sensor, SensorError, light_error},
     unit::Micros,
 };
 
@@ -175,21 +175,13 @@ impl<D: RowOps> Sensor for Chip<D> {
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
-        check_time(frame, self.watched)?;
-        self.holds(frame, brightest(frame)?)?;
-        self.expose(&frame.light)
-            .map_err(|error| SensorError::Size {
-                index: frame.index,
-                got: error.got,
-                want: error.want,
-            })?;
+        let is_first = self.show(frame)?;
         let t = Micros::from_seconds(frame.seconds);
-        let result = if let Some(before) = self.watched.replace(frame.seconds) {
-            self.wait(frame.seconds - before);
-            self.run_frame(t, packet)
-        } else {
+        let result = if is_first {
             packet.span.0 = t;
             self.run_init(t, packet)
+        } else {
+            self.run_frame(t, packet)
         };
         packet.span.1 = t;
         result.map_err(|error| SensorError::Stopped {

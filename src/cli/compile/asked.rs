@@ -42,6 +42,7 @@ impl Asked {
             ));
         }
         Ok(Self {
+            input: arguments.input,
             thresholds: vec![(threshold, threshold); kernels.len()],
             scales: vec![1.0; kernels.len()],
             kernels,
@@ -70,6 +71,7 @@ impl Asked {
         }
         let thresholds = { cells.kinds.iter() }.map(|kind| (kind.on, kind.off));
         Ok(Self {
+            input: None,
             scales: vec![1.0; cells.kinds.len()],
             thresholds: thresholds.collect(),
             kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Added, Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
 use crate::{
     array::Errors,
-    compile::{DriveMemory, Forecast, Need, bound::LowerBound, carried},
+    compile::{Decided, DriveMemory, Filter, Forecast, Need, bound::LowerBound, carried},
     isa::{Analog, Device, Figure},
     plane::Plane,
     program::{Cost, for_each, stored},
@@ -44,6 +44,8 @@ impl Compiled {
             all.iter().map(|r| device.analog_name(*r)).collect()
         };
         let results = self.results.iter().map(|i| json!([i.low, i.high]));
+        let exact_within: Vec<f64> = self.filters.iter().map(|f| f.exact_within).collect();
+        let decided: Vec<Option<Decided>> = self.filters.iter().map(|f| f.decided).collect();
         json!({
             "chip": device.name(),
             "words": cost.words.0,
@@ -72,6 +74,8 @@ impl Compiled {
             "offset_stores": self.filter.offsets,
             "noise_lsb": self.noises,
             "predicted": self.forecasts,
+            "exact_within_lsb": exact_within,
+            "decided": decided,
             "energy_uj": self.energy_uj(device),
             "states": self.filter.states,
             "seconds": seconds,
@@ -208,6 +212,9 @@ impl Compiled {
         for forecast in &self.forecasts {
             line("chip", survival(forecast));
         }
+        if let Some(decided) = self.decided() {
+            line("events", decided);
+        }
         for added in &self.noises {
             line("noise", noise(added));
         }
@@ -233,16 +240,18 @@ impl Compiled {
 
     /// Whether anything saturates, and what that costs.
     pub(super) fn range(&self) -> String {
+        if self.filters.iter().any(|filter| filter.decided.is_some()) {
+            return self.exact_range();
+        }
         let range = match (self.saturations, self.filter.prescale) {
             (0, 0) => "nothing saturates".to_owned(),
-            (0, bits) if self.halvings.len() == 1 => format!(
+            (0, bits) if self.filters.len() == 1 => format!(
                 "nothing saturates; the input is halved {bits} times on the way, which costs {bits} bits"
             ),
             (0, _) => {
-                let each: Vec<String> = self.halvings.iter().map(u32::to_string).collect();
+                let each = self.each(|filter| filter.prescale.to_string());
                 format!(
-                    "nothing saturates; the difference is halved {} times on the way, which costs as many bits",
-                    each.join(", ")
+                    "nothing saturates; the difference is halved {each} times on the way, which costs as many bits"
                 )
             }
             (n, _) => format!(
@@ -256,6 +265,42 @@ impl Compiled {
             "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
         };
         range + errors
+    }
+
+    /// The range within which each filter is exact, where large differences may saturate.
+    fn exact_range(&self) -> String {
+        let (what, where_) = match self.memory {
+            Some(DriveMemory::Shared) => ("each difference", "changes of a pixel"),
+            _ => ("the light", "light"),
+        };
+        format!(
+            "{what} is halved {} times on the way, for the most events on the chip; {where_} of at most {} LSB saturates nothing, above that a sum may, and a decision in exact arithmetic differ from the kernel's (--objective exact halves until none does)",
+            self.each(|filter| filter.prescale.to_string()),
+            self.each(|filter| format!("{:.0}", filter.exact_within.floor())),
+        )
+    }
+
+    /// How well each filter decides.
+    fn decided(&self) -> Option<String> {
+        let f1 = |of: fn(Decided) -> f64| {
+            self.each(|filter| {
+                filter
+                    .decided
+                    .map_or("-".to_owned(), |it| format!("{:.2}", of(it)))
+            })
+        };
+        self.filters.iter().any(|filter| filter.decided.is_some()).then(|| {
+            format!(
+                "F1 {} on the chip, {} in exact arithmetic, against the kernel itself (predicted on moving leaves)",
+                f1(|it| it.silicon),
+                f1(|it| it.exact),
+            )
+        })
+    }
+
+    /// Something of each filter, with commas between.
+    fn each(&self, what: impl Fn(&Filter) -> String) -> String {
+        self.filters.iter().map(what).collect::<Vec<_>>().join(", ")
     }
 
     /// A row for each register, a column for each word.

@@ -16,7 +16,7 @@ pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> mi
     let registers = (request.input, &request.into[..]);
     let mut rows = Vec::new();
     for filter in request.front()? {
-        let forecasts = match arguments.input.map(Signal::from_range) {
+        let forecasts = match asked.input.map(Signal::from_range) {
             Some(signal) => filter.forecast(device, registers, &asked.kernels, signal),
             None => filter.best_forecast(device, registers, &asked.kernels),
         };

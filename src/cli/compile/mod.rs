@@ -126,9 +126,14 @@ pub struct Arguments {
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 enum Aim {
-    /// Signal over noise as predicted on the chip; among equals the fewest words
+    /// What comes out of the chip: `events` with `--memory shared`, else `exact`
     #[default]
     Silicon,
+    /// The events that are kept on the chip, as predicted; strong light or change may saturate
+    Events,
+    /// Signal over noise as predicted, and no light saturates anything: without the chip's errors the
+    /// program says event for event what the float model says
+    Exact,
     /// The fewest words
     Words,
 }
@@ -220,6 +225,8 @@ struct Asked {
     /// ON and OFF, in kernel times light.
     thresholds: Vec<(f64, f64)>,
     title: String,
+    /// What the input can be, LSB, of the filter alone.
+    input: Option<(f64, f64)>,
     /// What the sensor file remembers.
     memory: Option<DriveMemory>,
 }
@@ -308,8 +315,8 @@ struct Compiled {
     forecasts: Vec<Forecast>,
     /// What the filter adds to each result.
     noises: Vec<Added>,
-    /// Halvings of the input, in each filter.
-    halvings: Vec<u32>,
+    /// The filters, one after the other: with a shared memory one for each kind.
+    filters: Vec<Filter>,
     /// What a whole program remembers.
     memory: Option<DriveMemory>,
     /// The ways to read its events; of the filter alone none.
@@ -338,7 +345,7 @@ fn bare<'a>(
     request.keep = named(&arguments.keep, device)?;
     check_registers(&request, asked)?;
     request.border = arguments.border;
-    request.range = arguments.input;
+    request.range = asked.input;
     Ok(request)
 }
 
@@ -346,13 +353,13 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
     let request = bare(arguments, asked, device)?;
     let filter = request.filter()?;
     let registers = (request.input, &request.into[..]);
-    let forecasts = match arguments.input.map(Signal::from_range) {
+    let forecasts = match asked.input.map(Signal::from_range) {
         Some(signal) => filter.forecast(device, registers, &asked.kernels, signal),
         None => filter.best_forecast(device, registers, &asked.kernels),
     };
     let text = filter.text(device, 0);
     let scale = 2f64.powi(-(filter.prescale as i32));
-    let (low, high) = arguments.input.unwrap_or((0.0, 127.5));
+    let (low, high) = asked.input.unwrap_or((0.0, 127.5));
     let proof = Proof {
         kernels: &asked.kernels,
         device,
@@ -364,9 +371,9 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
         },
         scale,
     };
-    let compiled = proof.compiled(text, filter, arguments.input.is_some())?;
+    let compiled = proof.compiled(text, filter, asked.input.is_some())?;
     Ok(Compiled {
-        ranged: arguments.input.is_some(),
+        ranged: asked.input.is_some(),
         forecasts,
         ..compiled
     })
@@ -455,6 +462,8 @@ fn request<'a>(
     request.seed = arguments.seed;
     request.objective = match arguments.objective {
         Aim::Silicon => Objective::Silicon,
+        Aim::Events => Objective::Events,
+        Aim::Exact => Objective::Exact,
         Aim::Words => Objective::Words,
     };
     Ok(request)

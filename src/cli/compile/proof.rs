@@ -88,7 +88,7 @@ impl Proof<'_> {
             ranged: false,
             forecasts: Vec::new(),
             noises: noises(&filter, self.device, Analog(0), self.results, self.kernels),
-            halvings: vec![filter.prescale],
+            filters: vec![filter.clone()],
             memory: None,
             readouts: None,
             saturations,

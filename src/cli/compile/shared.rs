@@ -58,7 +58,7 @@ pub(super) fn whole(
         forecasts: Vec::new(),
         noises: Vec::new(),
         filter: program.filter.clone(),
-        halvings: program.filters.iter().map(|f| f.prescale).collect(),
+        filters: program.filters.clone(),
         memory: None,
         readouts: Some(readouts),
     };
@@ -80,13 +80,17 @@ pub(super) fn whole(
             },
             scale: filter.scale(),
         };
-        let own = proof.compiled(text, filter.clone(), true);
+        let own = proof.compiled(text, filter.clone(), filter.decided.is_none());
         let own = own.wrap_err_with(|| format!("kind {i}"))?;
         compiled.kernels.extend(own.kernels);
         compiled.results.extend(own.results);
         compiled.saturations += own.saturations;
         compiled.snake += own.snake;
-        let signal = Signal::from_range((-most, most));
+        // Beyond that it saturates, for the threshold's sake.
+        let within = filter
+            .decided
+            .map_or(most, |_| filter.exact_within.min(most));
+        let signal = Signal::around_zero(within);
         let registers = (drive, results);
         compiled
             .forecasts

@@ -1,0 +1,129 @@
+//! The plan that decides best on the chip, where it is known with what its result is compared.
+//!
+//! A result that is halved until nothing saturates for any input leaves thresholds that are hardly
+//! above what cells differ by. What saturates is far above its threshold, so that it decides as it
+//! should, but where a partial sum does. So each plan is tried behind every number of halvings up to
+//! that, with as little of a constant in its result as its words and a few more can leave, and all are
+//! tried on the same leaves ([`decision`](super::decision)).
+
+use rayon::prelude::*;
+
+use super::{
+    decision::{Decided, Decision, Trials},
+    error::CompileError,
+    filter::Filter,
+    plan::Plan,
+    request::{Effort, Request},
+    separable::compose,
+    steady::{Reads, balanced, steadied, trimmed},
+    survival::{Candidate, HALVINGS, HALVINGS_IN_ALL, Survival, halvings},
+};
+use crate::elementary;
+
+/// Shares of events within this are equal.
+const EQUAL_F1: f64 = 0.01;
+
+/// A threshold that is well above what cells differ by, LSB.
+const THRESHOLD: f64 = 32.0;
+
+/// No more halvings are tried below this threshold, LSB.
+const LOWEST_THRESHOLD: f64 = 1.0;
+
+/// The part of the effort that each search has, in eighths.
+const EIGHTHS: u64 = 2;
+
+impl Survival<'_> {
+    /// The filter of one goal that decides best, whatever saturates.
+    pub(super) fn deciding(
+        &self,
+        range: (f64, f64),
+        decision: Decision,
+    ) -> Result<Filter, CompileError> {
+        let request = self.request;
+        let mut seen = 0;
+        let least = decision.on.min(decision.off).max(LOWEST_THRESHOLD);
+        let mut searches = vec![(false, 0), (true, 0)];
+        searches.extend(self.inner().map(|inner| (false, inner)));
+        // Halvings wherever they are cheap, as many as the threshold allows.
+        let inner = elementary::log2(least / THRESHOLD).floor().max(0.0) as u32;
+        searches.push((false, inner.min(HALVINGS)));
+        searches.sort_unstable();
+        searches.dedup();
+        let mut all = Vec::new();
+        for asked in searches {
+            for plan in self.searched(asked, EIGHTHS, &mut seen)? {
+                all.extend(self.scaled(&plan, asked, range, least));
+            }
+        }
+        if request.border && all.iter().any(|c| c.solved.border) {
+            all.retain(|c| c.solved.border);
+        }
+        let (Some(result), Some(kernel)) = (request.into.first(), request.kernels.first()) else {
+            return Err(Request::too_few(1, self.all.len()));
+        };
+        let trials = Trials::new(request.device, range.1.max(-range.0));
+        let truth = trials.truth(kernel, decision);
+        let decided = |candidate: &Candidate| {
+            let scale = 2f64.powi(-(candidate.bits as i32));
+            trials.decided(
+                &candidate.solved.allocated.words,
+                request.device,
+                (request.input, *result),
+                (decision, scale),
+                &truth,
+            )
+        };
+        let judged: Vec<Decided> = all.par_iter().map(decided).collect();
+        let best = { all.into_iter().zip(judged) }.min_by_key(|(candidate, decided)| {
+            let steps = |f1: f64| (-f1 / EQUAL_F1).round() as i64;
+            (
+                steps(decided.silicon),
+                steps(decided.exact),
+                candidate.words(),
+            )
+        });
+        let Some((mut best, decided)) = best else {
+            return Err(Request::too_few(1, self.all.len()));
+        };
+        best.decided = Some(decided);
+        best.solved.holds = self.fits(&best.solved.plan, best.bits, range);
+        Ok(self.built(best, seen))
+    }
+
+    /// A plan behind each number of halvings, up to the first with which nothing saturates or the
+    /// threshold is lost.
+    fn scaled(
+        &self,
+        plan: &Plan,
+        (negated, inner): (bool, u32),
+        range: (f64, f64),
+        least: f64,
+    ) -> Vec<Candidate> {
+        let errors = self.request.store_errors();
+        let registers = self.all.len();
+        let mut all = Vec::new();
+        for outer in (u32::from(negated)..HALVINGS.min(HALVINGS_IN_ALL - inner)).step_by(2) {
+            let bits = outer + inner;
+            if outer > 1 && least * 2f64.powi(-(bits as i32)) < LOWEST_THRESHOLD {
+                break;
+            }
+            let Some(whole) = compose(&halvings(outer), plan) else {
+                continue;
+            };
+            let problem = self.problem(bits, Effort { states: 0 });
+            all.extend(self.tried(&problem, &whole, &Reads::new(), bits));
+            let reads = balanced(&whole, errors, registers);
+            let steady = steadied(&whole, &reads, registers);
+            if steady.is_some() {
+                all.extend(self.tried(&problem, &whole, &reads, bits));
+            }
+            if let Some(trimmed) = trimmed(steady.as_ref().unwrap_or(&whole), errors) {
+                all.extend(self.tried(&problem, &trimmed, &Reads::new(), bits));
+            }
+            if self.fits(&whole, bits, range) {
+                break;
+            }
+        }
+        all
+    }
+}

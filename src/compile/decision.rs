@@ -1,0 +1,384 @@
+//! How many events a program keeps: its filter, tried on moving [`leaves`](super::leaves) as the
+//! chip errs.
+//!
+//! A forecast of a result's noise does not say this. What counts is where the result lies beside
+//! its threshold: a result that saturates is far above it and decides as it should, so that halving
+//! it costs signal and gains nothing; a partial sum that saturates may decide wrongly. So the words
+//! are run, store by store as `array/silicon.rs` has it, on an array of a few thousand cells, from
+//! the photodiode through memory and filter to both comparisons, and the events are compared with
+//! those of the kernel itself.
+
+use std::sync::OnceLock;
+
+use super::{
+    forecast::{ChipErrors, Wired, wired},
+    leaves::{self, SIDE},
+    sensor::CellKind,
+};
+use crate::{
+    isa::{Analog, Device, Figure, Primitive},
+    kernel::Kernel,
+    plane::Plane,
+    rng::{Hash, normal},
+};
+
+/// What is compared with the threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compared {
+    /// The filter of the light less a memory of the pixel: a chip's constants, and what its pixels
+    /// differ by, are in it.
+    Difference,
+    /// The filter of the light less the same at the last event.
+    Drives,
+}
+
+/// What the result of a filter is for: events where it has moved by more than a threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decision {
+    /// The ON threshold, in the unit of kernel times input, LSB.
+    pub on: f64,
+    /// The OFF threshold, likewise.
+    pub off: f64,
+    /// What is compared with them.
+    pub compared: Compared,
+}
+
+impl Decision {
+    /// Of a kind on this chip.
+    pub(super) fn new(kind: &CellKind, device: &Device, compared: Compared) -> Self {
+        let light = device.value(Figure::LightScale);
+        Self {
+            on: kind.on * light,
+            off: kind.off * light,
+            compared,
+        }
+    }
+}
+
+/// How well a filter decides on the leaves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Decided {
+    /// F1 of the events as silicon: 1 where all are those of the kernel itself.
+    pub silicon: f64,
+    /// F1 in exact arithmetic with registers of the chip's range: 1 where nothing saturates.
+    pub exact: f64,
+}
+
+/// Cells of one picture.
+const CELLS: usize = SIDE * SIDE;
+
+/// Kinds of chance.
+const GAIN: u64 = 0;
+const OFFSET: u64 = 1;
+const SPLIT: u64 = 2;
+const NOISE: u64 = 3;
+
+/// Normal numbers that noise is taken from.
+const NOISES: usize = 4096 + CELLS;
+
+/// One number for each cell.
+type Cells = Vec<f32>;
+
+/// The arrays that filters are tried on.
+pub(super) struct Trials {
+    errors: ChipErrors,
+    /// Lowest and highest of a register without errors, LSB.
+    range: (f32, f32),
+    /// NEWS.
+    news: usize,
+    arrays: Vec<Array>,
+    noise: Cells,
+}
+
+/// One array, with the light before and after.
+struct Array {
+    light: [Cells; 2],
+    /// Of each register: what its gain and its offset differ by.
+    gain: Vec<Cells>,
+    offset: Vec<Cells>,
+    /// Of each part of a bus that splits.
+    split: [Cells; 2],
+}
+
+/// Which errors a run has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum As {
+    Silicon,
+    Exact,
+}
+
+/// Pairs of pictures, made once.
+fn pairs() -> &'static [[Plane<f64>; 2]] {
+    static PAIRS: OnceLock<Vec<[Plane<f64>; 2]>> = OnceLock::new();
+    PAIRS.get_or_init(|| (0..leaves::MOVES.len()).map(leaves::pair).collect())
+}
+
+impl Trials {
+    /// For a chip whose input is at most `most` LSB.
+    pub(super) fn new(device: &Device, most: f64) -> Self {
+        let errors = ChipErrors::from_device(device);
+        let registers = device.registers().analog.len();
+        let draw = |array: usize, reason: u64, number: usize| -> Cells {
+            let place = Hash::new(0xDEC1).with(array as u64).with(reason);
+            let place = place.with(number as u64);
+            (0..CELLS).map(|i| drawn(place.with(i as u64))).collect()
+        };
+        let array = |(number, pair): (usize, &[Plane<f64>; 2])| {
+            let gain: Vec<Cells> = (0..registers).map(|r| draw(number, GAIN, r)).collect();
+            let own = |(r, gain): (usize, &Cells)| -> Cells {
+                let together = errors.together as f32;
+                let apart = (1.0 - together * together).max(0.0).sqrt();
+                let size = errors.offset_mismatch as f32;
+                let both = gain.iter().zip(draw(number, OFFSET, r));
+                both.map(|(gain, own)| size * (together * gain + apart * own))
+                    .collect()
+            };
+            let offset = gain.iter().enumerate().map(own).collect();
+            let sized = |cells: Cells, size: f64| -> Cells {
+                cells.into_iter().map(|cell| cell * size as f32).collect()
+            };
+            Array {
+                light: [0, 1].map(|i| pair[i].iter().map(|it| (it * most) as f32).collect()),
+                offset,
+                gain: { gain.into_iter() }
+                    .map(|cells| sized(cells, errors.gain_mismatch))
+                    .collect(),
+                split: [0, 1].map(|k| sized(draw(number, SPLIT, k), errors.uneven)),
+            }
+        };
+        let noise = Hash::new(0xDEC1).with(NOISE);
+        Self {
+            range: (
+                device.value(Figure::Lowest) as f32,
+                device.value(Figure::Highest) as f32,
+            ),
+            news: usize::from(device.news().0),
+            arrays: pairs().iter().enumerate().map(array).collect(),
+            noise: { 0..NOISES }
+                .map(|i| drawn(noise.with(i as u64)) * errors.noise as f32)
+                .collect(),
+            errors,
+        }
+    }
+
+    /// The changes of the light that belong to each array, and where kernel times change exceeds a
+    /// threshold: -1, 0 or 1.
+    pub(super) fn truth(&self, kernel: &Kernel, decision: Decision) -> Vec<Vec<i8>> {
+        let (rows, columns) = kernel.reach();
+        let of = |array: &Array| {
+            let change: Vec<f64> = { array.light[1].iter().zip(&array.light[0]) }
+                .map(|(after, before)| f64::from(*after) - f64::from(*before))
+                .collect();
+            let mut drive = vec![0.0; CELLS];
+            for ((y, x), weight) in kernel.weights().indexed_iter() {
+                if *weight == 0.0 {
+                    continue;
+                }
+                let place = (y as i32 - rows as i32, x as i32 - columns as i32);
+                for (i, drive) in drive.iter_mut().enumerate() {
+                    *drive += weight * change[beside(i, place)];
+                }
+            }
+            let sign = |drive: f64| i8::from(drive > decision.on) - i8::from(-drive > decision.off);
+            drive.into_iter().map(sign).collect()
+        };
+        self.arrays.iter().map(of).collect()
+    }
+
+    /// What is kept of the events by these words, whose result is `scale` times the kernel's.
+    pub(super) fn decided(
+        &self,
+        words: &[Primitive],
+        device: &Device,
+        (input, result): (Analog, Analog),
+        (decision, scale): (Decision, f64),
+        truth: &[Vec<i8>],
+    ) -> Decided {
+        let words = wired(words, device);
+        let registers = (usize::from(input.0), usize::from(result.0));
+        let f1 = |how: As| {
+            let (mut both, mut either) = (0usize, 0usize);
+            for (number, (array, truth)) in self.arrays.iter().zip(truth).enumerate() {
+                let mut run = Run {
+                    trials: self,
+                    array,
+                    how,
+                    at: number * 7919,
+                    cells: vec![vec![0.0; CELLS]; array.gain.len()],
+                };
+                let drive = run.drive(&words, registers, decision.compared);
+                // The host sets whole LSB.
+                let set = |threshold: f64| match how {
+                    As::Silicon => (threshold * scale).round_ties_even(),
+                    As::Exact => threshold * scale,
+                };
+                let (on, off) = (set(decision.on) as f32, set(decision.off) as f32);
+                for (drive, truth) in drive.iter().zip(truth) {
+                    for (fires, is_true) in [(*drive > on, *truth > 0), (-drive > off, *truth < 0)]
+                    {
+                        both += 2 * usize::from(fires && is_true);
+                        either += usize::from(fires) + usize::from(is_true);
+                    }
+                }
+            }
+            if either == 0 {
+                1.0
+            } else {
+                both as f64 / either as f64
+            }
+        };
+        Decided {
+            silicon: f1(As::Silicon),
+            exact: f1(As::Exact),
+        }
+    }
+}
+
+/// A normal number.
+fn drawn(place: Hash) -> f32 {
+    normal(place.nth(1).uniform(), place.nth(2).uniform()) as f32
+}
+
+/// The number of the cell that lies so many rows and columns from another; the array wraps round.
+fn beside(i: usize, (dy, dx): (i32, i32)) -> usize {
+    let moved = |at: usize, by: i32| (at as i32 + by).rem_euclid(SIDE as i32) as usize;
+    moved(i / SIDE, dy) * SIDE + moved(i % SIDE, dx)
+}
+
+/// One run of words on an array.
+struct Run<'a> {
+    trials: &'a Trials,
+    array: &'a Array,
+    how: As,
+    /// Where in the noise the next word begins.
+    at: usize,
+    cells: Vec<Cells>,
+}
+
+impl Run<'_> {
+    /// What is compared with the thresholds, of each cell.
+    fn drive(&mut self, words: &[Wired], (input, result): (usize, usize), of: Compared) -> Cells {
+        let news = self.trials.news;
+        let [before, after] = &self.array.light;
+        // A register that no filter of few words uses, else the memory's own errors would not be
+        // its own.
+        let memory = (0..self.cells.len()).rev();
+        let memory = { memory }
+            .find(|cell| *cell != news && *cell != input && *cell != result)
+            .unwrap_or(result);
+        match of {
+            Compared::Difference => {
+                self.store(before, &[(news, (0, 0))]);
+                self.store(&self.cells[news].clone(), &[(memory, (0, 0))]);
+                self.store(after, &[(news, (0, 0))]);
+                let sum = added(&self.cells[news], &self.cells[memory]);
+                self.store(&sum, &[(input, (0, 0))]);
+                self.words(words);
+                self.cells[result].clone()
+            }
+            Compared::Drives => {
+                self.capture(before, input);
+                self.words(words);
+                let first = self.cells[result].clone();
+                // Minus the memory.
+                self.store(&vec![0.0; CELLS], &[(news, (0, 0))]);
+                let sum = added(&first, &self.cells[news]);
+                self.store(&sum, &[(memory, (0, 0))]);
+                let remembered = self.cells[memory].clone();
+                self.capture(after, input);
+                self.words(words);
+                added(&self.cells[result], &remembered)
+            }
+        }
+    }
+
+    fn capture(&mut self, light: &Cells, input: usize) {
+        let news = self.trials.news;
+        self.store(light, &[(news, (0, 0))]);
+        self.store(&self.cells[news].clone(), &[(input, (0, 0))]);
+    }
+
+    fn words(&mut self, words: &[Wired]) {
+        let mut sum = vec![0.0; CELLS];
+        for word in words {
+            sum.fill(0.0);
+            for (cell, place) in &word.sources {
+                add_moved(&mut sum, &self.cells[*cell], *place);
+            }
+            self.store(&sum, &word.targets);
+        }
+    }
+
+    /// `cell := -(1 - loss + m_g) · share · sum + Δ + m_o + noise`, limited to the range.
+    fn store(&mut self, sum: &[f32], targets: &[(usize, (i32, i32))]) {
+        let Trials {
+            errors,
+            range,
+            noise,
+            ..
+        } = self.trials;
+        let count = targets.len() as f32;
+        for (part, (cell, place)) in targets.iter().enumerate() {
+            let own = &mut self.cells[*cell];
+            if self.how == As::Exact {
+                for (i, sum) in sum.iter().enumerate() {
+                    let to = if *place == (0, 0) {
+                        i
+                    } else {
+                        beside(i, *place)
+                    };
+                    own[to] = (-sum / count).clamp(range.0, range.1);
+                }
+                continue;
+            }
+            let splits = targets.len() > 1;
+            let transfer = errors.transfer + if splits { errors.division } else { 0.0 };
+            let (transfer, kept) = (transfer as f32, errors.gain as f32);
+            let (low, high) = (errors.range.0 as f32, errors.range.1 as f32);
+            let (gain, offset) = (&self.array.gain[*cell], &self.array.offset[*cell]);
+            let noise = &noise[self.at % (NOISES - CELLS)..];
+            self.at += 1009;
+            // What the others get more the last gets less.
+            let more = match (part, targets.len()) {
+                (_, ..2) => None,
+                (0, _) => Some([1.0, 0.0]),
+                (1, 2) => Some([-1.0, 0.0]),
+                (1, _) => Some([0.0, 1.0]),
+                _ => Some([-1.0, -1.0]),
+            };
+            let [one, two] = &self.array.split;
+            for (i, sum) in sum.iter().enumerate() {
+                let mut current = sum / count;
+                if let Some([first, second]) = more {
+                    current *= 1.0 + first * one[i] + second * two[i];
+                }
+                let to = if *place == (0, 0) {
+                    i
+                } else {
+                    beside(i, *place)
+                };
+                let stored = -(kept + gain[to]) * current + transfer + offset[to] + noise[i];
+                own[to] = stored.clamp(low, high);
+            }
+        }
+    }
+}
+
+fn added(a: &[f32], b: &[f32]) -> Cells {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
+/// Adds what the neighbours hold that lie so far away.
+fn add_moved(sum: &mut [f32], cells: &[f32], (dy, dx): (i32, i32)) {
+    let way = dx.rem_euclid(SIDE as i32) as usize;
+    for (y, row) in sum.chunks_mut(SIDE).enumerate() {
+        let from = (y as i32 + dy).rem_euclid(SIDE as i32) as usize * SIDE;
+        let other = &cells[from..from + SIDE];
+        let (near, far) = row.split_at_mut(SIDE - way);
+        let moved = near.iter_mut().zip(&other[way..]);
+        let wrapped = far.iter_mut().zip(&other[..way]);
+        for (sum, cell) in moved.chain(wrapped) {
+            *sum += cell;
+        }
+    }
+}
