@@ -344,7 +344,7 @@ mod tests {
     /// and inside, and no readout of a strip is fuller than a tile's.
     #[test]
     fn strips_of_tiles_have_the_events_of_the_whole_array() {
-        let text = "//! channels = 1\ninit { get_image(A); neg(C, A); }\nframe { get_image(A); movx(B, A, east); add(A, A, B); divq(A, A); scamp5_in(D, -6); add(E, A, C); sub(F, D, E); where(F); MOV(R5, FLAG); all(); WHERE(R5); neg(C, A); all(); scamp5_scan_events(R5, on, 300); }\n";
+        let text = "//! channels = 1\ninit { get_image(A); neg(C, A); }\nframe { get_image(A); movx(B, A, east); add(E, A, B); divq(A, E); scamp5_in(D, -6); add(E, A, C); sub(F, D, E); where(F); MOV(R5, FLAG); all(); WHERE(R5); neg(C, A); all(); scamp5_scan_events(R5, on, 300); }\n";
         let device = Device::scamp5();
         let code = Program::parse("strips", text).unwrap();
         let code = code.expand(&device, &Overrides::default()).unwrap().code;

@@ -139,7 +139,7 @@ impl Body<'_> {
                 "the program selects pixels by their address, and a tile has other addresses",
             );
         }
-        let mut written = Vec::new();
+        let mut written: Vec<(Cell, Around)> = Vec::new();
         for write in operands.accesses.iter().filter(|a| a.mode == Mode::Write) {
             let Some(cell) = write.cell() else { continue };
             let read = operands.accesses.iter().filter(|a| a.mode != Mode::Write);
@@ -149,11 +149,16 @@ impl Body<'_> {
                 from(read).seen_from((down, right))
             });
             let mut seen = seen.reduce(Around::and).unwrap_or_default();
-            // A pixel at the border may have no neighbour that writes it.
-            if write.offset != (0, 0) || !operands.replaces(self.whole) {
+            // What is written to a neighbour replaces what it holds at the border too: off the array
+            // everything is driven by its edge.
+            if !operands.replaces(self.whole) {
                 seen = seen.and(self.reach.get(&cell).copied().unwrap_or_default());
             }
-            written.push((cell, seen));
+            // Several pixels may drive one.
+            match written.iter_mut().find(|(known, _)| *known == cell) {
+                Some((_, known)) => *known = known.and(seen),
+                None => written.push((cell, seen)),
+            }
         }
         for (cell, seen) in written {
             self.reach.insert(cell, seen);
