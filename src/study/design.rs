@@ -390,15 +390,15 @@ impl Sensor for AllEvents {
         }
         let t = Micros::from_seconds(frame.seconds);
         for (register, polarity, channel) in &self.planes {
-            let bits = self.chip.digital(*register);
-            let set = bits.indexed_iter().filter(|(_, bit)| **bit);
-            packet.events.extend(set.map(|((y, x), _)| Event {
-                t,
-                x: x as u16,
-                y: y as u16,
-                polarity: *polarity,
-                channel: *channel,
-            }));
+            self.chip.each_one(*register, &mut |at| {
+                packet.events.push(Event {
+                    t,
+                    x: at.x as u16,
+                    y: at.y as u16,
+                    polarity: *polarity,
+                    channel: *channel,
+                });
+            });
         }
         Ok(())
     }
