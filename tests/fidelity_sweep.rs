@@ -107,6 +107,57 @@ fn plain_models_stand_for_points() {
     }
 }
 
+const MESHES: &str = r#"
+scene = "pattern:noise?width=96&height=80&frames=16&fps=100&speed=40"
+kernel = "dvs"
+threshold = [6, 12]
+within = "5ms"
+[[side]]
+side = "mesh"
+lambda = 2
+tau-us = 500
+solver = ["ramp", "step"]
+format = ["f64", "f32", "bf16", "q8.8"]
+"#;
+
+/// Sheets run whole, once, and a pilot's tiles are of their drive: what is computed as it is has the
+/// bits of a study without pilots, and what stands for a point holds the tolerance.
+#[test]
+fn cells_behind_sheets_have_pilots() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let full = rows(here, MESHES, "full");
+    let auto = rows(
+        here,
+        &format!("fidelity = \"auto\"\ntolerance = \"1%\"{MESHES}"),
+        "auto",
+    );
+    let mut stood = 0;
+    for (full, auto) in full.iter().zip(&auto) {
+        let name = format!("{} {}", auto["solver"], auto["format"]);
+        let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
+        assert!(number(full, "events") > 1000.0, "{name}");
+        if auto["left_out"].as_str().unwrap_or_default().is_empty() {
+            for key in ["events", "error", "f1_5ms", "threshold_equivalent_percent"] {
+                assert_eq!(full[key], auto[key], "{name} {key}");
+            }
+        } else {
+            stood += 1;
+            assert!(number(auto, "left_out_limit") <= 0.01, "{name}");
+            let off = (number(full, "events") - number(auto, "events")).abs();
+            assert!(off <= 0.01 * number(full, "events"), "{name}: {off}");
+        }
+        // Light of 255 is beyond it: its cells see the sheets of what it holds.
+        assert!(auto["format"] != "q8.8" || auto["left_out"].is_null());
+    }
+    assert!(stood >= 4, "{stood}");
+    let said = common::good(
+        here,
+        &["sweep", "auto.toml", "--output", "auto", "--verify", "100%"],
+    );
+    assert!(said.contains("the same bits"), "{said}");
+}
+
 #[test]
 fn an_array_says_what_it_left_out() {
     let folder = tempfile::tempdir().unwrap();

@@ -79,7 +79,7 @@ impl<T: Width> Domain for Fixed<T> {
     fn positive(&self, sum: &T::Wide) -> Option<bool> {
         Some(*sum > T::Wide::default())
     }
-    #[inline]
+    #[inline(always)]
     fn limit(&self, cell: T) -> T {
         cell.clamp(self.limits.0, self.limits.1)
     }

@@ -397,7 +397,7 @@ impl Domain for Silicon {
         Some(*sum > 0.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn limit(&self, cell: f32) -> f32 {
         cell.clamp(-128.0, 127.0)
     }

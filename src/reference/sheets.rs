@@ -284,3 +284,102 @@ pub(super) fn row<N: Number>(
         *to = number.hold(*drive);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{event::Packet, reference::Reference, rng::Hash, sensor::Sensor};
+
+    struct Both<'a> {
+        whole: &'a Description,
+        cells: &'a Description,
+        lights: &'a [Plane<f64>],
+    }
+
+    fn watched(sensor: &mut dyn Sensor, frames: &[Plane<f64>]) -> Packet {
+        let mut packet = Packet::new(sensor.size(), sensor.channels());
+        for (index, light) in (0..).zip(frames) {
+            let frame = Frame {
+                index,
+                seconds: 0.01 * index as f64,
+                light: light.clone(),
+            };
+            sensor.watch(&frame, &mut packet).unwrap();
+        }
+        packet
+    }
+
+    impl Visitor for Both<'_> {
+        type Output = [Packet; 2];
+        fn visit<N: Number>(self, number: N) -> [Packet; 2] {
+            let size = Size::of(&self.lights[0]);
+            let mut drive = SheetDrive::new(self.whole, size, 3).unwrap();
+            let drives: Vec<_> = { self.lights.iter().enumerate() }
+                .map(|(index, light)| {
+                    let (index, light) = (index as u64, light.clone());
+                    let seconds = 0.01 * index as f64;
+                    let frame = Frame {
+                        index,
+                        seconds,
+                        light,
+                    };
+                    drive.see(&frame).unwrap()
+                })
+                .collect();
+            let sensor = |description: &Description| {
+                Reference::with_number(number.clone(), description.clone(), size, 3).unwrap()
+            };
+            [
+                watched(&mut sensor(self.whole), self.lights),
+                watched(&mut sensor(self.cells), &drives),
+            ]
+        }
+    }
+
+    #[test]
+    fn cells_behind_sheets_have_the_events_of_the_sensor() {
+        let size = Size::new(12, 20);
+        let lights: Vec<_> = (0..8)
+            .map(|n| {
+                Plane::from_shape_fn(size.shape(), |(y, x)| {
+                    let place = Hash::new(5).with(n).with((y * size.width + x) as u64);
+                    (256.0 * place.uniform()).floor()
+                })
+            })
+            .collect();
+        let none = |name: &str| Err(std::io::Error::other(name.to_owned()));
+        let sensor = |text: &str| Description::parse("sheets", text, &none).unwrap();
+        for rules in [
+            "memory = \"filtered-snap\"\nrefractory = { us = 12000 }",
+            "memory = \"filtered-step\"\nnoise = { leak-hz = 1 }",
+        ] {
+            for mesh in [
+                "{ lambda = 2, tau-us = 4000 }",
+                "{ lambda = 3, rule = \"step\", tau-us = 900, noise = 0.5 }",
+                "{ centre = 0, sheets = [{ gain = 1, lambda = 1 }, { gain = -1, lambda = 4 }] }",
+            ] {
+                let text = format!(
+                    "response = \"identity\"\n{rules}\n[[channel]]\nmesh = {mesh}\nthreshold = {{ on = 9, off = 7, sigma = 1 }}\n"
+                );
+                let whole = sensor(&text);
+                for format in ["f64", "f32", "f16", "bf16", "q16.16"] {
+                    let format: Format = format.parse().unwrap();
+                    let cells = whole.behind_sheets(format).unwrap();
+                    let [own, apart] = format.visit(Both {
+                        whole: &whole,
+                        cells: &cells,
+                        lights: &lights,
+                    });
+                    assert!(own.events.len() > 500, "{text} {format}");
+                    assert_eq!(own, apart, "{text} {format}");
+                }
+                // 255 is beyond it.
+                assert!(whole.behind_sheets("q8.8".parse().unwrap()).is_none());
+            }
+        }
+        let bare = "response = \"identity\"\n[[channel]]\nkernel = [[1]]\nthreshold = 9\n";
+        assert!(sensor(bare).behind_sheets(Format::F64).is_none());
+        let pixel = "response = \"identity\"\nmemory = \"filtered-snap\"\npolarity = \"pixel\"\n[[channel]]\nmesh = { lambda = 2 }\nthreshold = 9\n";
+        assert!(sensor(pixel).behind_sheets(Format::F64).is_none());
+    }
+}

@@ -434,15 +434,15 @@ impl AllEvents {
             let Some((register, polarity, channel)) = *scanned else {
                 continue;
             };
-            let bits = self.chip.digital(register);
-            let set = bits.indexed_iter().filter(|(_, bit)| **bit);
-            packet.events.extend(set.map(|((y, x), _)| Event {
-                t,
-                x: x as u16,
-                y: y as u16,
-                polarity,
-                channel,
-            }));
+            self.chip.each_one(register, &mut |at| {
+                packet.events.push(Event {
+                    t,
+                    x: at.x as u16,
+                    y: at.y as u16,
+                    polarity,
+                    channel,
+                });
+            });
         }
         Ok(())
     }

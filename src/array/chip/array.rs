@@ -7,7 +7,7 @@ use super::{
 use crate::{
     event::Packet,
     isa::{Analog, Device, Digital},
-    plane::Plane,
+    plane::{At, Plane},
     program::Step,
     scene::Frame,
     sensor::{Sensor, SensorError},
@@ -48,6 +48,9 @@ pub trait Array: Sensor {
 
     /// A one-bit register.
     fn digital(&self, register: Digital) -> Plane<bool>;
+
+    /// Tells of every pixel whose one-bit register is 1, row by row.
+    fn each_one(&self, register: Digital, see: &mut dyn FnMut(At));
 
     /// FLAG.
     fn flag(&self) -> Plane<bool>;

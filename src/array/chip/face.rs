@@ -10,7 +10,7 @@ use super::{
 use crate::{
     event::Packet,
     isa::{Analog, Device, Digital},
-    plane::Plane,
+    plane::{At, Plane},
     program::Step,
     scene::Frame,
     sensor::{SensorError, brightest, check_time},
@@ -54,6 +54,10 @@ impl<D: RowOps> Array for Chip<D> {
 
     fn digital(&self, register: Digital) -> Plane<bool> {
         self.state.digital(register).to_plane()
+    }
+
+    fn each_one(&self, register: Digital, see: &mut dyn FnMut(At)) {
+        self.state.digital(register).each_one(see);
     }
 
     fn flag(&self) -> Plane<bool> {

@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use super::{
     super::{Place, RowOps, Share},
     operation::{BusInput, Store},
@@ -171,7 +173,7 @@ fn run<D: RowOps, const N: usize>(
 }
 
 /// Limits each cell.
-#[inline(never)]
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 pub(super) fn limit<D: RowOps>(domain: &D, cells: &mut [D::Cell]) {
     for cell in cells {
         *cell = domain.limit(cell.clone());

@@ -25,12 +25,7 @@ use self::{
     statistics::Statistics, strip::Strip, trace::Tracer,
 };
 use super::files;
-use crate::{
-    picture::write_png,
-    rig::guard::Guard,
-    save::save,
-    study::pilot::{Answer, Machine},
-};
+use crate::{picture::write_png, rig::guard::Guard, save::save};
 
 /// Runs the verb.
 ///
@@ -51,9 +46,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         None
     };
     bench.machine = match &plan {
-        Some(plan) => Some(plan.choice.clone()),
+        Some(plan) => Some(plan.answer.choice.clone()),
         None => arguments.without.machine(bench.arithmetic)?,
     };
+    if let Some(quicker) = plan.as_ref().and_then(|plan| plan.quicker) {
+        bench.settings.schedule = Some(quicker.schedule);
+    }
     if let Some(folder) = &arguments.dump {
         files::writes(dump::files(&bench.opened.device, folder))?;
     }
@@ -96,9 +94,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             Ok(ControlFlow::Continue(()))
         })?
     };
-    if plan.is_some() {
-        pilot::check(&packet)?;
-    }
+    pilot::check(plan.as_ref(), &packet)?;
     let warnings = bench.warnings(guard, &*chip, &packet, frames, saturation.end());
     super::light::warn(&warnings);
 
@@ -154,7 +150,7 @@ fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
 fn print(
     arguments: &Arguments,
     report: &Report<'_>,
-    plan: Option<&Answer<Machine>>,
+    plan: Option<&pilot::Planned>,
 ) -> miette::Result<()> {
     if arguments.json {
         let mut json = report.json();

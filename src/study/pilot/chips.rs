@@ -344,17 +344,26 @@ mod tests {
     /// and inside, and no readout of a strip is fuller than a tile's.
     #[test]
     fn strips_of_tiles_have_the_events_of_the_whole_array() {
-        let text = "//! channels = 1\ninit { get_image(A); neg(C, A); }\nframe { get_image(A); movx(B, A, east); add(A, A, B); divq(A, A); scamp5_in(D, -6); add(E, A, C); sub(F, D, E); where(F); MOV(R5, FLAG); all(); WHERE(R5); neg(C, A); all(); scamp5_scan_events(R5, on, 300); }\n";
+        // The whole array has slots for all of its pixels, a tile for all of its own.
+        let text = |slots: u32| {
+            format!(
+                "//! channels = 1\ninit {{ get_image(A); neg(C, A); }}\nframe {{ get_image(A); movx(B, A, east); add(E, A, B); divq(A, E); scamp5_in(D, -6); add(E, A, C); sub(F, D, E); where(F); MOV(R5, FLAG); all(); WHERE(R5); neg(C, A); all(); scamp5_scan_events(R5, on, {slots}); }}\n"
+            )
+        };
         let device = Device::scamp5();
-        let code = Program::parse("strips", text).unwrap();
-        let code = code.expand(&device, &Overrides::default()).unwrap().code;
-        let family = Chips {
+        let code = |slots| {
+            let code = Program::parse("strips", &text(slots)).unwrap();
+            code.expand(&device, &Overrides::default()).unwrap().code
+        };
+        let (code, roomy) = (code(300), code(2000));
+        let family = |code| Chips {
             name: "strips",
-            code: &code,
+            code,
             device: &device,
             settings: Settings::from_device(&device),
             arithmetic: Arithmetic::Number(Format::F64),
         };
+        let (family, roomy) = (family(&code), family(&roomy));
         let (whole, halo) = (Size::new(40, 48), family.halo().unwrap());
         // At three borders, and inside: neighbours and others.
         let corners = [
@@ -373,7 +382,7 @@ mod tests {
         assert!((3..7).contains(&windows.len()), "{}", windows.len());
         let machine = family.full();
         let mut on_tiles = family.on_tiles(&machine, &mosaic).unwrap();
-        let mut on_all = family.whole(&machine, whole).unwrap();
+        let mut on_all = roomy.whole(&machine, whole).unwrap();
         let mut seen = Packet::new(mosaic.size(), 1);
         let mut all = Packet::new(whole, 1);
         for index in 0..6 {

@@ -139,21 +139,32 @@ impl Body<'_> {
                 "the program selects pixels by their address, and a tile has other addresses",
             );
         }
-        let mut written = Vec::new();
+        let replaces = operands.replaces(self.whole);
+        let mut written: Vec<(Cell, Around)> = Vec::new();
         for write in operands.accesses.iter().filter(|a| a.mode == Mode::Write) {
             let Some(cell) = write.cell() else { continue };
-            let read = operands.accesses.iter().filter(|a| a.mode != Mode::Write);
+            let read = operands.accesses.iter().filter(|a| match a.mode {
+                Mode::Write => false,
+                // Where FLAG is 1 everywhere it says nothing.
+                Mode::Mask => !replaces,
+                Mode::Read | Mode::Gate => true,
+            });
             let seen = read.map(|read| {
                 let down = read.offset.0 - write.offset.0;
                 let right = read.offset.1 - write.offset.1;
                 from(read).seen_from((down, right))
             });
             let mut seen = seen.reduce(Around::and).unwrap_or_default();
-            // A pixel at the border may have no neighbour that writes it.
-            if write.offset != (0, 0) || !operands.replaces(self.whole) {
+            // What is written to a neighbour replaces what it holds at the border too: off the array
+            // everything is driven by its edge.
+            if !replaces {
                 seen = seen.and(self.reach.get(&cell).copied().unwrap_or_default());
             }
-            written.push((cell, seen));
+            // Several pixels may drive one.
+            match written.iter_mut().find(|(known, _)| *known == cell) {
+                Some((_, known)) => *known = known.and(seen),
+                None => written.push((cell, seen)),
+            }
         }
         for (cell, seen) in written {
             self.reach.insert(cell, seen);
@@ -198,7 +209,7 @@ mod tests {
         );
         assert_eq!(
             frame(
-                "get_image(A); movx(B, A, east); movx(C, B, west); movx(C, C, west); add(B, B, C); movy(B, B, north); movy(B, B, south);"
+                "get_image(A); movx(B, A, east); movx(C, B, west); movx(C, C, west); add(B, B, C); movx(B, B, north); movx(B, B, south);"
             ),
             Ok(1)
         );

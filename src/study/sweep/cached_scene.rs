@@ -4,7 +4,7 @@ use std::{
     fmt::Write as _,
     ops::{ControlFlow, Range},
     path::Path,
-    sync::Arc,
+    sync::{Arc, OnceLock},
 };
 
 use sha2::{Digest, Sha256};
@@ -46,6 +46,8 @@ pub(super) struct CachedScene {
     pub is_eight_bit: bool,
     observation: Observation,
     held: Option<Arc<Vec<Frame>>>,
+    /// Kept for pilots, a byte a pixel.
+    kept: OnceLock<Kept>,
 }
 
 /// The most memory that one scene may take, bytes.
@@ -90,6 +92,7 @@ impl CachedScene {
             is_eight_bit,
             observation,
             held: held.map(Arc::new),
+            kept: OnceLock::new(),
         })
     }
 
@@ -110,6 +113,9 @@ impl CachedScene {
 
     /// The scene for a pilot to look at; none where it is too long to be kept.
     pub fn kept(&self) -> Result<Option<Kept>, SceneError> {
+        if let Some(kept) = self.kept.get() {
+            return Ok(Some(kept.clone()));
+        }
         let mut frames = Vec::new();
         let least = self.frames as usize * self.size.pixels();
         if least > HELD {
@@ -119,7 +125,11 @@ impl CachedScene {
             frames.push(frame.clone());
             Ok::<(), SceneError>(())
         })?;
-        Kept::new(&mut Held::new(frames, self.size, self.fps), HELD)
+        let kept = Kept::new(&mut Held::new(frames, self.size, self.fps), HELD)?;
+        if let Some(kept) = kept.as_ref().filter(|_| self.is_eight_bit) {
+            self.kept.get_or_init(|| kept.clone());
+        }
+        Ok(kept)
     }
 
     /// Some frames, and of the array the window in which most changes in them.
@@ -161,6 +171,7 @@ impl CachedScene {
             is_eight_bit: self.is_eight_bit,
             observation: Observation::new(),
             held: Some(Arc::new(frames)),
+            kept: OnceLock::new(),
         })
     }
 
@@ -176,6 +187,7 @@ impl CachedScene {
             is_eight_bit: false,
             observation: Observation::new(),
             held: Some(Arc::new(frames)),
+            kept: OnceLock::new(),
         }
     }
 
