@@ -1,0 +1,1 @@
+//! Arms: the sensors that are compared.

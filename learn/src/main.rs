@@ -1,0 +1,3 @@
+//! `amacrine-learn`: learns the arms of a task.
+
+fn main() {}

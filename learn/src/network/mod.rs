@@ -1,0 +1,1 @@
+//! Networks: layers, their derivatives, and the optimiser.

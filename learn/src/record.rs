@@ -1,0 +1,1 @@
+//! What a run has measured, a row for each.

@@ -1,0 +1,1 @@
+//! Scenes: photographs moved along exact flow.
