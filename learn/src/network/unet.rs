@@ -97,7 +97,7 @@ impl<R: Float> Network<R> {
             inputs = *width;
         }
         let head = layer(inputs, plan.outputs, 1);
-        let shape = |n: usize| Shape::new(Size::new(size.width >> n, size.height >> n));
+        let shape = |n: usize| Shape::new(Size::new(size.height >> n, size.width >> n));
         Self {
             shapes: (0..plan.widths.len()).map(shape).collect(),
             down,
