@@ -15,18 +15,9 @@ pub enum LevelsError {
         name: String,
     },
     /// No level but 0 is left.
-    #[error(
-        "a kernel of {height}x{width} weights becomes empty in `{levels}`: every level would be 0"
-    )]
+    #[error("few values leave nothing of the kernel: all its levels would be 0")]
     #[diagnostic(help("begin with another kernel, or leave its sum or its symmetry free"))]
-    Empty {
-        /// The levels asked for.
-        levels: String,
-        /// Rows of the kernel.
-        height: usize,
-        /// Columns of the kernel.
-        width: usize,
-    },
+    Empty,
     /// Sides of which an octagonal symmetry makes nothing.
     #[error("a kernel of {height}x{width} weights is not square, so it has no symmetry `d4`")]
     #[diagnostic(help("take `mirror`, or a square kernel"))]

@@ -1,7 +1,7 @@
 //! Kernels of few values: what the chip can compute, and how a gradient passes through it.
 //!
 //! Training holds a kernel of any weights, the latent one. [`Levels::project`] gives the nearest
-//! kernel in few values, which the forward pass uses; [`Projected::backward`] takes the loss's
+//! kernel in few values, which the forward pass uses; [`Levels::pull`] takes the loss's
 //! gradient of that one to the latent one (straight-through). One scale is free, since thresholds
 //! absorb it. [`Chip::compile`] says what the chip makes of it: words, halvings, noise, the least
 //! threshold; [`search()`] looks among neighbours for one that is worth more there.

@@ -27,10 +27,6 @@ pub struct Projected {
     pub levels: Plane<f64>,
     /// What they are to be multiplied by to come nearest to the latent kernel.
     pub scale: f64,
-    /// Places that feel the loss.
-    felt: Plane<bool>,
-    zero_sum: bool,
-    orbits: Orbits,
 }
 
 impl Levels {
@@ -47,11 +43,6 @@ impl Levels {
         let orbits = Orbits::new(self.symmetry, shape)?;
         let means = orbits.means(latent);
         let even = orbits.plane(&means, shape);
-        let empty = || LevelsError::Empty {
-            levels: self.to_string(),
-            height: shape.0,
-            width: shape.1,
-        };
         // With a free sum equal weights get equal levels, and without a symmetry nothing ties them:
         // then the library's search is the exact one.
         let alone = self.symmetry == Symmetry::None || !self.zero_sum;
@@ -59,7 +50,9 @@ impl Levels {
             let kernel = Kernel::new(even.clone())?;
             let sum = if self.zero_sum { Sum::Zero } else { Sum::Free };
             let found = match self.quantiser.quantise(&kernel, sum, 0) {
-                Err(QuantiseError::Nothing | QuantiseError::Vanished { .. }) => Err(empty()),
+                Err(QuantiseError::Nothing | QuantiseError::Vanished { .. }) => {
+                    Err(LevelsError::Empty)
+                }
                 other => Ok(other?),
             }?;
             (found.levels.weights().clone(), found.scale)
@@ -70,11 +63,11 @@ impl Levels {
             } else {
                 tied.alternating(self)
             };
-            let (levels, scale) = own.ok_or_else(empty)?;
+            let (levels, scale) = own.ok_or(LevelsError::Empty)?;
             let levels: Vec<f64> = levels.iter().map(|l| f64::from(*l)).collect();
             (orbits.plane(&levels, shape), scale)
         };
-        Ok(self.projected(levels, scale, &even, orbits))
+        Ok(Projected { levels, scale })
     }
 
     /// Levels that were chosen elsewhere, as near to `latent` as their scale makes them.
@@ -89,24 +82,38 @@ impl Levels {
         let orbits = Orbits::new(self.symmetry, latent.dim())?;
         let even = orbits.plane(&orbits.means(latent), latent.dim());
         let scale = (&levels * &even).sum() / (&levels * &levels).sum();
-        Ok(self.projected(levels, scale.max(f64::MIN_POSITIVE), &even, orbits))
+        Ok(Projected {
+            levels,
+            scale: scale.max(f64::MIN_POSITIVE),
+        })
     }
 
-    fn projected(
+    /// From the loss's gradient of the levels to that of the latent kernel: straight through where
+    /// a latent weight lies within half a level of the levels' range; without its mean over these
+    /// places where the sum is 0; the same within a symmetry. The latent kernel is to be brought
+    /// back to norm 1 after each step, else it grows and its levels freeze.
+    #[must_use]
+    pub fn pull(
         &self,
-        levels: Plane<f64>,
-        scale: f64,
-        even: &Plane<f64>,
-        orbits: Orbits,
-    ) -> Projected {
-        let most = (f64::from(self.largest()) + BEYOND) * scale;
-        Projected {
-            felt: even.mapv(|w| w.abs() <= most),
-            levels,
-            scale,
-            zero_sum: self.zero_sum,
-            orbits,
-        }
+        latent: &Plane<f64>,
+        projected: &Projected,
+        gradient: &Plane<f64>,
+    ) -> Plane<f64> {
+        let shape = latent.dim();
+        let Ok(orbits) = Orbits::new(self.symmetry, shape) else {
+            return Plane::zeros(shape);
+        };
+        let most = (f64::from(self.largest()) + BEYOND) * projected.scale;
+        let even = orbits.plane(&orbits.means(latent), shape);
+        let felt = even.mapv(|w| w.abs() <= most);
+        let mut pulled = orbits.plane(&orbits.means(gradient), shape) / projected.scale;
+        let places = felt.iter().filter(|own| **own).count().max(1) as f64;
+        let sum: f64 = { pulled.iter().zip(&felt) }
+            .map(|(g, own)| if *own { *g } else { 0.0 })
+            .sum();
+        let mean = if self.zero_sum { sum / places } else { 0.0 };
+        pulled.zip_mut_with(&felt, |g, own| *g = if *own { *g - mean } else { 0.0 });
+        pulled
     }
 }
 
@@ -121,31 +128,6 @@ impl Projected {
     #[must_use]
     pub fn norm(&self) -> f64 {
         (&self.levels * &self.levels).sum().sqrt()
-    }
-
-    /// From the loss's gradient of [`Projected::unit`] to that of the latent kernel, which is to be
-    /// of norm 1: straight through where the latent weight lies within half a level of the levels'
-    /// range; without its mean over these places where the sum is 0; the same within a symmetry.
-    #[must_use]
-    pub fn backward(&self, gradient: &Plane<f64>) -> Plane<f64> {
-        let mut felt = gradient.clone();
-        felt.zip_mut_with(&self.felt, |g, own| {
-            if !own {
-                *g = 0.0;
-            }
-        });
-        let shape = felt.dim();
-        felt = self.orbits.plane(&self.orbits.means(&felt), shape);
-        if self.zero_sum {
-            let places = self.felt.iter().filter(|own| **own).count();
-            let mean = felt.sum() / places.max(1) as f64;
-            felt.zip_mut_with(&self.felt, |g, own| {
-                if *own {
-                    *g -= mean;
-                }
-            });
-        }
-        felt
     }
 
     /// The kernel for the compiler: levels of at most 1, by a power of two; and that power.
