@@ -72,7 +72,10 @@ mod tests {
             let slope = [2.0 * (at[0] - 1.0), 20.0 * (at[1] - 0.5)];
             adam.step(&mut at, &slope, 0.05 * (1.0 - f64::from(step) / 2000.0));
         }
-        assert!((at[0] - 1.0).abs() < 1e-3 && (at[1] - 0.5).abs() < 1e-3, "{at:?}");
+        assert!(
+            (at[0] - 1.0).abs() < 1e-3 && (at[1] - 0.5).abs() < 1e-3,
+            "{at:?}"
+        );
         // The first step is as long as the rate, whatever the slope.
         let (mut adam, mut at) = (Adam::new(1), [0.0f64]);
         adam.step(&mut at, &[1e-3], 0.1);

@@ -162,7 +162,9 @@ impl Convolution {
             for (i, weights) in taps.enumerate() {
                 let map = input.map(i);
                 if self.side == 3 {
-                    for (dy, weights) in weights.as_chunks::<{ 3 * TOGETHER }>().0.iter().enumerate() {
+                    for (dy, weights) in
+                        weights.as_chunks::<{ 3 * TOGETHER }>().0.iter().enumerate()
+                    {
                         let first = shape.start() + dy * shape.stride() - shape.stride() - 1;
                         add_three(&mut sums, &map[first..], weights);
                     }
@@ -170,7 +172,11 @@ impl Convolution {
                     add_one(&mut sums, &map[shape.start()..], weights);
                 }
             }
-            for (o, sums) in sums.chunks(span).enumerate().take(output.channels() - least) {
+            for (o, sums) in sums
+                .chunks(span)
+                .enumerate()
+                .take(output.channels() - least)
+            {
                 let map = &mut output.map_mut(least + o)[shape.start()..];
                 finish(map, sums, shape.mask(), rectified);
             }
@@ -216,7 +222,11 @@ fn finish<R: Real>(map: &mut [R], sums: &[R], mask: &[R], rectified: bool) {
     let (map, mask) = (&mut map[..n], &mask[..n]);
     for l in 0..n {
         let sum = sums[l];
-        let kept = if rectified && sum < R::ZERO { R::ZERO } else { sum };
+        let kept = if rectified && sum < R::ZERO {
+            R::ZERO
+        } else {
+            sum
+        };
         map[l] = kept * mask[l];
     }
 }
@@ -224,7 +234,7 @@ fn finish<R: Real>(map: &mut [R], sums: &[R], mask: &[R], rectified: bool) {
 /// Partial sums of products.
 type Lanes<R> = [R; LANES];
 
-#[inline(always)]
+#[inline]
 fn add_products<R: Real>(mut sums: Lanes<R>, a: Lanes<R>, b: Lanes<R>) -> Lanes<R> {
     for l in 0..LANES {
         sums[l] = sums[l] + a[l] * b[l];

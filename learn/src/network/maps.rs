@@ -105,11 +105,6 @@ impl<R: Float> Maps<R> {
         &mut self.values
     }
 
-    /// Values of a map.
-    pub(super) const fn plane(&self) -> usize {
-        self.plane
-    }
-
     /// Row `y` of a map.
     #[must_use]
     pub fn row(&self, shape: &Shape<R>, channel: usize, y: usize) -> &[R] {

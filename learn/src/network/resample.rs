@@ -35,7 +35,9 @@ pub(super) fn doubled<R: Float>(
     for channel in 0..maps.channels() {
         for y in 0..to.size().height {
             let row = maps.row(from, channel, y / 2);
-            let row = row.iter().zip(out.row_mut(to, channel, y).chunks_exact_mut(2));
+            let row = row
+                .iter()
+                .zip(out.row_mut(to, channel, y).chunks_exact_mut(2));
             for (value, out) in row {
                 out.fill(*value * factor);
             }

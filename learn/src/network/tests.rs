@@ -50,7 +50,10 @@ fn gradients_are_differences() {
     let asked = noise(2, network.shape(), 2);
     let loss = |parameters: &[f64], input: &Maps<f64>| {
         let packed = network.packed(parameters);
-        product(&network.forward(parameters, &packed, input.clone()).0, &asked)
+        product(
+            &network.forward(parameters, &packed, input.clone()).0,
+            &asked,
+        )
     };
     let packed = network.packed(&parameters);
     let (_, seen) = network.forward(&parameters, &packed, input.clone());
@@ -105,14 +108,28 @@ fn the_way_back_is_the_transpose() {
         let there = layer.forward((&shape, &parameters, &layer.packed(&parameters, false)), &v);
         let mut gradient = vec![0.0; layer.parameters()];
         let packed = layer.packed(&parameters, true);
-        let back = layer.backward((&shape, &packed), (&v, &there), g.clone(), (&mut gradient, true));
-        let (a, b) = (product(&there, &g), product(&v, &back.expect("it was asked for")));
+        let back = layer.backward(
+            (&shape, &packed),
+            (&v, &there),
+            g.clone(),
+            (&mut gradient, true),
+        );
+        let (a, b) = (
+            product(&there, &g),
+            product(&v, &back.expect("it was asked for")),
+        );
         assert!((a - b).abs() < 1e-12 * a.abs().max(1.0), "{a} {b}");
         // And linear in its weights.
         let by_weight: f64 = gradient.iter().zip(&parameters).map(|(g, w)| g * w).sum();
-        assert!((a - by_weight).abs() < 1e-12 * a.abs().max(1.0), "{a} {by_weight}");
+        assert!(
+            (a - by_weight).abs() < 1e-12 * a.abs().max(1.0),
+            "{a} {by_weight}"
+        );
     }
-    let (large, small) = (Shape::<f64>::new(Size::new(6, 8)), Shape::new(Size::new(3, 4)));
+    let (large, small) = (
+        Shape::<f64>::new(Size::new(6, 8)),
+        Shape::new(Size::new(3, 4)),
+    );
     let (v, g) = (noise(4, &large, 2), noise(5, &small, 2));
     let a = product(&resample::halved((&large, &small), &v, 0.25), &g);
     let b = product(&v, &resample::doubled((&small, &large), &g, 0.25));
@@ -133,13 +150,19 @@ fn a_convolution_is_what_it_says() {
         .map(|n| Hash::new(9).with(n as u64).uniform() - 0.5)
         .collect();
     let input = noise(1, &shape, 2);
-    let got = layer.forward((&shape, &parameters, &layer.packed(&parameters, false)), &input);
+    let got = layer.forward(
+        (&shape, &parameters, &layer.packed(&parameters, false)),
+        &input,
+    );
     for o in 0..3 {
         for y in 0..4i32 {
             for x in 0..5i32 {
                 let mut sum = parameters[54 + o];
                 for i in 0..2 {
-                    for (tap, (dy, dx)) in (-1..2).flat_map(|y| (-1..2).map(move |x| (y, x))).enumerate() {
+                    for (tap, (dy, dx)) in (-1..2)
+                        .flat_map(|y| (-1..2).map(move |x| (y, x)))
+                        .enumerate()
+                    {
                         let (v, u) = (y + dy, x + dx);
                         if (0..4).contains(&v) && (0..5).contains(&u) {
                             sum += parameters[(o * 2 + i) * 9 + tap]

@@ -216,7 +216,11 @@ impl<R: Float> Network<R> {
                 }
                 (None, None) => Maps::zeros(&self.shapes[0], 0),
             };
-            down.push(Self::level(weights, (layers, &self.shapes[n], n * each), from));
+            down.push(Self::level(
+                weights,
+                (layers, &self.shapes[n], n * each),
+                from,
+            ));
         }
         let levels = self.down.len();
         let mut up: Vec<Vec<Maps<R>>> = Vec::new();
