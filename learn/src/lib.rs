@@ -6,6 +6,7 @@
 //! for as many steps, at the same number of events.
 
 pub mod arm;
+pub mod cli;
 pub mod levels;
 pub mod network;
 pub mod record;

@@ -139,6 +139,18 @@ impl<R: Float> Network<R> {
         down + up + head
     }
 
+    /// Bytes of all maps of one picture.
+    #[must_use]
+    pub fn map_bytes(&self) -> usize {
+        let of = |(level, layers): (usize, &Vec<Convolution>)| {
+            let maps = layers.iter().map(|layer| layer.outputs).sum::<usize>();
+            let inputs = layers.first().map_or(0, |layer| layer.inputs);
+            (maps + inputs) * self.shapes[level].plane() * size_of::<R>()
+        };
+        let down = self.down.iter().enumerate().map(of).sum::<usize>();
+        down + self.up.iter().rev().enumerate().map(of).sum::<usize>()
+    }
+
     /// Where training begins: weights of zero mean whose spread keeps the size of what passes
     /// (He et al. 2015), and a head of zeros, so that the first answer is nothing.
     ///

@@ -1,10 +1,6 @@
 //! What a step is trained on: some clips, as tensors.
 
-use amacrine::{
-    gradient::{Float, Forward},
-    plane::Size,
-    rng::Hash,
-};
+use amacrine::{gradient::Forward, plane::Size, rng::Hash};
 use rayon::prelude::*;
 
 use crate::{

@@ -90,6 +90,13 @@ pub enum TrainError {
         /// What is wrong with it.
         what: String,
     },
+    /// A folder with a run in it.
+    #[error("{}: a run has begun there", path.display())]
+    #[diagnostic(help("go on with it by --resume, or give another folder"))]
+    Begun {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A kernel that the chip does not take.
     #[error("arm {arm}: {cause}")]
     Design {
@@ -104,3 +111,14 @@ pub enum TrainError {
 
 /// Steps that an arm may be far from its target.
 pub const PINNED: u64 = 200;
+
+impl TrainError {
+    /// Whether it is one arm's own: others may go on.
+    #[must_use]
+    pub const fn is_of_the_arm(&self) -> bool {
+        matches!(
+            self,
+            Self::Gradient { .. } | Self::Levels { .. } | Self::NotFinite { .. } | Self::Pinned { .. }
+        )
+    }
+}

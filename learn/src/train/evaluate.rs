@@ -46,7 +46,12 @@ impl Trainee<'_> {
         let batch = Batch::new(clips, 0..self.task.test.0);
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 1));
         let sensor = self.sensor(&applied.kernels, self.state.threshold);
-        let rated = rate_threshold(&sensor, self.light(&light, &batch)?, self.mismatch(), self.target);
+        let rated = rate_threshold(
+            &sensor,
+            self.light(&light, &batch)?,
+            self.mismatch(),
+            self.target,
+        );
         rated.map(Some).map_err(|cause| TrainError::Gradient {
             arm: self.arm.name.clone(),
             step: self.state.step,
@@ -63,14 +68,19 @@ impl Trainee<'_> {
     ///
     /// # Errors
     /// When the sensor cannot see them.
-    pub fn judged(&self, sensor: Option<&Description>, clips: &Clips) -> Result<Vec<Row>, TrainError> {
+    pub fn judged(
+        &self,
+        sensor: Option<&Description>,
+        clips: &Clips,
+    ) -> Result<Vec<Row>, TrainError> {
         let mut rows = Vec::new();
         let all = self.task.test.0;
         // The noise is that of the whole batch which the thresholds were set on.
         let batch = Batch::new(clips, 0..all);
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 1));
         let each = light.len() / batch.clips.len().max(1);
-        let model = sensor.map(|sensor| Model::<f32>::new(sensor.clone(), clips.size(), self.mismatch()));
+        let model =
+            sensor.map(|sensor| Model::<f32>::new(sensor.clone(), clips.size(), self.mismatch()));
         let wrong = |cause| TrainError::Gradient {
             arm: self.arm.name.clone(),
             step: self.state.step,
@@ -161,13 +171,21 @@ fn drawn(row: &mut Row, clip: &Clip, shape: &Shape<f32>, answer: Option<&Maps<f3
     let Size { height, width } = shape.size();
     let picture = Plane::from_shape_fn((height, width), |(y, x)| {
         let added = answer.map_or(0.0, |maps| maps.row(shape, 0, y)[x]);
-        f64::from(((blend(clip, y, x) + added) * 255.0).round().clamp(0.0, 255.0))
+        f64::from(
+            ((blend(clip, y, x) + added) * 255.0)
+                .round()
+                .clamp(0.0, 255.0),
+        )
     });
-    let truth = clip.light.index_axis(ndarray::Axis(0), clip.middle()).mapv(f64::from);
+    let truth = clip
+        .light
+        .index_axis(ndarray::Axis(0), clip.middle())
+        .mapv(f64::from);
     let square = (&picture - &truth).mapv(|e| e * e).mean().unwrap_or(0.0);
     // Of two equal pictures, that of an error of one step in one pixel of 2^16.
     let least = 1.0 / 65536.0;
-    row.psnr = Some(10.0 * (255.0 * 255.0 / square.max(least)).log10());
+    let ln = amacrine::elementary::ln;
+    row.psnr = Some(10.0 * ln(255.0 * 255.0 / square.max(least)) / std::f64::consts::LN_10);
     row.ssim = Some(ssim(&picture, &truth));
 }
 
@@ -185,11 +203,19 @@ fn ssim(a: &Plane<f64>, b: &Plane<f64>) -> f64 {
     }
     let mean = |value: &dyn Fn(usize, usize) -> f64| {
         let rows = Plane::from_shape_fn((height, width - 2 * REACH), |(y, x)| {
-            let sum: f64 = line.iter().enumerate().map(|(i, l)| l * value(y, x + i)).sum();
+            let sum: f64 = line
+                .iter()
+                .enumerate()
+                .map(|(i, l)| l * value(y, x + i))
+                .sum();
             sum / total
         });
         Plane::from_shape_fn((height - 2 * REACH, width - 2 * REACH), |(y, x)| {
-            let sum: f64 = line.iter().enumerate().map(|(i, l)| l * rows[[y + i, x]]).sum();
+            let sum: f64 = line
+                .iter()
+                .enumerate()
+                .map(|(i, l)| l * rows[[y + i, x]])
+                .sum();
             sum / total
         })
     };

@@ -9,10 +9,16 @@
 //! rate, the thresholds follow the target of events: all arms are compared at equal bits.
 
 mod batch;
+mod checkpoint;
 mod error;
 mod evaluate;
+mod export;
+mod on_chip;
+mod run;
 mod trainee;
 
 pub use batch::{Batch, Loss};
 pub use error::{PINNED, TrainError};
+pub use export::sensor_text;
+pub use run::{Job, Run};
 pub use trainee::{State, Trainee, name};

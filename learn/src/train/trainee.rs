@@ -23,7 +23,7 @@ use crate::{
     network::{Adam, Maps, Network},
     record::KernelAt,
     scene::Clips,
-    task::{Goal, Task},
+    task::Task,
 };
 
 use super::{
@@ -143,6 +143,11 @@ impl<'a> Trainee<'a> {
     #[must_use]
     pub fn name(&self) -> String {
         name(self.arm, self.target, self.seed)
+    }
+
+    /// The time of each frame, in seconds.
+    pub(super) fn times(&self) -> &[f64] {
+        &self.times
     }
 
     /// The network.
@@ -495,12 +500,6 @@ impl<'a> Trainee<'a> {
             on: thresholds.clone(),
             off: thresholds,
         }
-    }
-
-    /// Whether the network says a picture.
-    #[must_use]
-    pub fn draws(&self) -> bool {
-        self.task.goal == Goal::Interpolation
     }
 }
 
