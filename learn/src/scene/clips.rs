@@ -12,7 +12,7 @@ use ndarray::Array3;
 use super::{
     clip::{Clip, Flow, middle},
     error::SceneError,
-    layer::{Layer, SAMPLES, View},
+    layer::{Layer, SAMPLES, View, place},
     motion::{Draw, Motion, Reason},
     outline::Outline,
     photographs::{Photograph, Photographs},
@@ -116,13 +116,14 @@ impl Clips {
         let layers = self.layers((all, first), motion, draw);
         let tone = Tone::new(motion, draw);
         let mut light = Array3::zeros((self.frames, self.size.height, self.size.width));
+        let mut canvas = Canvas::new(self.size.width);
         for (n, mut frame) in light.outer_iter_mut().enumerate() {
             let t = n as f64 - middle(self.frames) as f64;
             let views = layers
                 .each_ref()
                 .map(|layer| layer.as_ref().map(|l| l.at(t, self.size)));
-            for ((y, x), pixel) in frame.indexed_iter_mut() {
-                *pixel = tone.of(mean(&views, x, y));
+            for (y, mut row) in frame.outer_iter_mut().enumerate() {
+                canvas.row(&views, y, |x, light| row[x] = tone.of(light));
             }
         }
         Clip {
@@ -171,24 +172,54 @@ fn check(size: Size, frames: usize) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The mean light of a pixel.
-fn mean(views: &[Option<View<'_>>; 2], x: usize, y: usize) -> f32 {
-    let mut sum = 0.0;
-    for j in 0..SAMPLES {
-        for i in 0..SAMPLES {
-            let place = |at: usize, n: usize| at as f32 + (n as f32 + 0.5) / SAMPLES as f32 - 0.5;
-            let (x, y) = (place(x, i), place(y, j));
-            let [behind, front] = views.each_ref().map(Option::as_ref);
-            let cover = front.map_or(0.0, |view| view.cover(x, y));
-            if cover < 1.0 {
-                sum += behind.map_or(0.0, |view| view.light(x, y)) * (1.0 - cover);
-            }
-            if cover > 0.0 {
-                sum += front.map_or(0.0, |view| view.light(x, y)) * cover;
-            }
+/// Rows of samples, for a frame at a time.
+struct Canvas {
+    /// The samples of a row of pixels, added up over its rows of samples.
+    sums: Vec<f32>,
+    light: Vec<f32>,
+    front: Vec<f32>,
+    cover: Vec<f32>,
+}
+
+impl Canvas {
+    fn new(width: usize) -> Self {
+        let row = || vec![0.0; SAMPLES * width];
+        Self {
+            sums: row(),
+            light: row(),
+            front: row(),
+            cover: row(),
         }
     }
-    sum / (SAMPLES * SAMPLES) as f32
+
+    /// The mean light of each pixel of a row, given to `take`.
+    fn row(&mut self, views: &[Option<View<'_>>; 2], y: usize, mut take: impl FnMut(usize, f32)) {
+        self.sums.fill(0.0);
+        let count = self.light.len();
+        for y in (0..SAMPLES).map(|n| place(SAMPLES * y + n)) {
+            let [behind, front] = views;
+            if let Some(view) = behind {
+                view.light(y, 0..count, &mut self.light);
+            }
+            if let Some(view) = front {
+                let hides = view.cover(y, &mut self.cover);
+                // What it hides is written over what is behind.
+                let own = &mut self.front[..hides.len()];
+                view.light(y, hides.clone(), own);
+                let cover = &self.cover[hides.clone()];
+                for ((own, cover), light) in own.iter().zip(cover).zip(&mut self.light[hides]) {
+                    *light += (own - *light) * cover;
+                }
+            }
+            for (sum, light) in self.sums.iter_mut().zip(&self.light) {
+                *sum += light;
+            }
+        }
+        let all = (SAMPLES * SAMPLES) as f32;
+        for (x, pixel) in self.sums.chunks_exact(SAMPLES).enumerate() {
+            take(x, pixel.iter().sum::<f32>() / all);
+        }
+    }
 }
 
 /// Where each pixel of the middle frame is in the next one.
@@ -201,27 +232,28 @@ fn flow(layers: &[Option<Layer<'_>>; 2], size: Size) -> Flow {
     let steps = layers
         .each_ref()
         .map(|layer| layer.as_ref().map(|l| l.path.forth(1.0)));
-    let front = layers[1].as_ref();
-    let hidden = |place: [f64; 2], t: f64| {
-        front.is_some_and(|layer| {
-            let [x, y] = layer.path.back(t).at(place);
-            let [a, b] = layer.path.centre;
-            layer
-                .outline
-                .is_some_and(|outline| outline.holds([x - a, y - b]))
+    // The layer in front now, and in the next frame.
+    let front = [0.0, 1.0].map(|t| {
+        let layer = layers[1].as_ref()?;
+        Some((layer.path.back(t), layer.path.centre, layer.outline?))
+    });
+    let hidden = |place: [f64; 2], at: usize| {
+        front[at].is_some_and(|(back, [a, b], outline)| {
+            let [x, y] = back.at(place);
+            outline.holds([x - a, y - b])
         })
     };
     for y in 0..size.height {
         for x in 0..size.width {
             let place = [x as f64, y as f64];
-            let own = usize::from(hidden(place, 0.0));
+            let own = usize::from(hidden(place, 0));
             let Some(step) = &steps[own] else { continue };
             let to = step.at(place);
             flow.u[(y, x)] = (to[0] - place[0]) as f32;
             flow.v[(y, x)] = (to[1] - place[1]) as f32;
             let within = |v: f64, length: usize| v >= 0.0 && v <= (length - 1) as f64;
             let inside = within(to[0], size.width) && within(to[1], size.height);
-            flow.seen[(y, x)] = inside && (own == 1 || !hidden(to, 1.0));
+            flow.seen[(y, x)] = inside && (own == 1 || !hidden(to, 1));
         }
     }
     flow
@@ -242,6 +274,7 @@ impl Tone {
         let low = (light as usize).min(255);
         let part = light - low as f32;
         let value = self.0[low] + part * (self.0[low + 1] - self.0[low]);
-        value.round().clamp(0.0, 255.0)
+        // Not below 0, so that to cut is to round down.
+        f32::from((value.min(255.0) + 0.5) as u8)
     }
 }

@@ -1,5 +1,7 @@
 //! One photograph on its path.
 
+use std::ops::Range;
+
 use amacrine::plane::{Plane, Size};
 
 use super::{
@@ -10,6 +12,14 @@ use super::{
 
 /// Samples along each side of a pixel.
 pub(super) const SAMPLES: usize = 2;
+
+/// Pixels from one to the next.
+const SPACING: f32 = 1.0 / SAMPLES as f32;
+
+/// Where the `n`-th sample of a row or a column is: the middle of pixel 0 is at 0.
+pub(super) fn place(n: usize) -> f32 {
+    (n as f32 + 0.5) * SPACING - 0.5
+}
 
 /// Pixels of the photograph a pixel of the clip, where it is large enough.
 const SHRINK: [f64; 2] = [0.8, 2.0];
@@ -145,38 +155,73 @@ pub(super) struct View<'a> {
 }
 
 impl View<'_> {
-    /// How much of what is at a place this layer hides: an edge is a pixel wide.
-    pub fn cover(&self, x: f32, y: f32) -> f32 {
-        self.outline.map_or(1.0, |outline| {
-            (outline.depth(self.local.at(x, y)) + 0.5).clamp(0.0, 1.0)
-        })
+    /// How much of what is at the samples of a row this layer hides, an edge being a pixel wide;
+    /// and the samples between which it hides anything.
+    pub fn cover(&self, y: f32, cover: &mut [f32]) -> Range<usize> {
+        let Some(outline) = self.outline else {
+            cover.fill(1.0);
+            return 0..cover.len();
+        };
+        let (mut first, mut end) = (cover.len(), 0);
+        for (n, own) in cover.iter_mut().enumerate() {
+            let at = self.local.at(place(n), y);
+            *own = if outline.near(at) {
+                (outline.depth(at) + 0.5).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            if *own > 0.0 {
+                (first, end) = (first.min(n), n + 1);
+            }
+        }
+        first.min(end)..end
     }
 
-    /// The light at a place: between four pixels, mirrored beyond the border.
-    pub fn light(&self, x: f32, y: f32) -> f32 {
-        let [x, y] = self.texture.at(x, y);
+    /// The light at some samples of a row: between four pixels of the photograph, mirrored beyond
+    /// its border.
+    pub fn light(&self, y: f32, samples: Range<usize>, light: &mut [f32]) {
         let (height, width) = self.picture.dim();
-        let (left, top) = (x.floor(), y.floor());
-        let (fx, fy) = (x - left, y - top);
-        let (i, j) = (left as isize, top as isize);
-        let (columns, rows) = if self.inside {
-            let (i, j) = (i as usize, j as usize);
-            ([i, i + 1], [j, j + 1])
-        } else {
-            (
-                [mirrored(i, width), mirrored(i + 1, width)],
-                [mirrored(j, height), mirrored(j + 1, height)],
-            )
-        };
-        let at = |row: usize, column: usize| f32::from(self.picture[(row, column)]);
-        let line = |row| at(row, columns[0]) * (1.0 - fx) + at(row, columns[1]) * fx;
-        line(rows[0]) * (1.0 - fy) + line(rows[1]) * fy
+        let pixels = self.picture.as_slice().unwrap_or_default();
+        // Fixed point: steps along a row are all alike.
+        let [x, y] = { self.texture.at(place(samples.start), y) }.map(fixed);
+        let [dx, dy] = self.texture.matrix.map(|row| fixed(row[0] * SPACING));
+        let (mut x, mut y) = (x, y);
+        for own in light {
+            let (i, j) = (x >> FRACTION, y >> FRACTION);
+            let part = |v: i64| (v & (ONE - 1)) as i32 as f32 * (1.0 / ONE as f32);
+            let (fx, fy) = (part(x), part(y));
+            let ([left, right], [upper, lower]) = if self.inside {
+                let (i, j) = (i as usize, j as usize);
+                ([i, i + 1], [j, j + 1])
+            } else {
+                (
+                    [mirrored(i, width), mirrored(i + 1, width)],
+                    [mirrored(j, height), mirrored(j + 1, height)],
+                )
+            };
+            let line = |row: usize| {
+                let row = &pixels[row * width..][..width];
+                let (left, right) = (f32::from(row[left]), f32::from(row[right]));
+                left + (right - left) * fx
+            };
+            let (upper, lower) = (line(upper), line(lower));
+            *own = upper + (lower - upper) * fy;
+            (x, y) = (x + dx, y + dy);
+        }
     }
 }
 
+/// Bits of a place behind the point.
+const FRACTION: u32 = 20;
+const ONE: i64 = 1 << FRACTION;
+
+fn fixed(v: f32) -> i64 {
+    (f64::from(v) * ONE as f64) as i64
+}
+
 /// The pixel that stands for one beyond the border.
-fn mirrored(at: isize, length: usize) -> usize {
-    let last = length as isize - 1;
+fn mirrored(at: i64, length: usize) -> usize {
+    let last = length as i64 - 1;
     if last == 0 {
         return 0;
     }

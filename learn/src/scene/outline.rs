@@ -17,7 +17,7 @@ pub(super) struct Outline {
     radius: f32,
     /// `a`, `b` for each wave.
     waves: [[f32; 2]; WAVES],
-    /// The square of the largest radius.
+    /// The square of the largest radius and two pixels.
     most: f32,
 }
 
@@ -29,7 +29,7 @@ impl Outline {
             let (sin, cos) = amacrine::elementary::sin_cos(angle);
             [(size * cos) as f32, (size * sin) as f32]
         };
-        let most = radius as f32 * (1.0 + SWING as f32 * WAVES as f32);
+        let most = radius as f32 * (1.0 + SWING as f32 * WAVES as f32) + 2.0;
         Self {
             radius: radius as f32,
             waves: std::array::from_fn(|k| wave(k as u64)),
@@ -37,14 +37,16 @@ impl Outline {
         }
     }
 
+    /// Whether a place `[x, y]` from its middle lies within two pixels of what it can hold.
+    #[inline]
+    pub fn near(&self, [x, y]: [f32; 2]) -> bool {
+        x * x + y * y < self.most
+    }
+
     /// How far within the outline a place `[x, y]` from its middle lies, along its radius, in
-    /// pixels; beyond it below 0, and only -1 where it is far.
+    /// pixels; beyond it below 0.
     pub fn depth(&self, [x, y]: [f32; 2]) -> f32 {
-        let square = x * x + y * y;
-        if square > self.most + 4.0 * self.radius + 4.0 {
-            return -1.0;
-        }
-        let far = square.sqrt();
+        let far = (x * x + y * y).sqrt();
         if far < 1e-6 {
             return self.radius;
         }
