@@ -6,20 +6,26 @@ use std::{
     time::{Duration, Instant},
 };
 
+use amacrine::save::save;
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Result, miette};
 
 use crate::{
-    arm,
+    arm::{self, Sight},
     network::Network,
+    report::Report,
     task::Task,
     train::{Job, Run, Trainee},
 };
 
 /// Learns kernels and thresholds of event sensors for a task, and judges them at equal bits.
 #[derive(Debug, Parser)]
-#[command(name = "amacrine-learn", version, args_conflicts_with_subcommands = true)]
+#[command(
+    name = "amacrine-learn",
+    version,
+    args_conflicts_with_subcommands = true
+)]
 pub struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
@@ -77,8 +83,14 @@ pub fn run(arguments: Arguments) -> Result<()> {
     }
 }
 
-fn report(_run: &Path) -> Result<()> {
-    Err(miette!("the report is not there yet"))
+fn report(run: &Path) -> Result<()> {
+    let report = Report::read(run)?;
+    print!("{}", report.table());
+    let page = run.join("report.html");
+    let text = report.page();
+    save(&page, |out| out.write_all(text.as_bytes()))?;
+    println!("{}", page.display());
+    Ok(())
 }
 
 fn train(asked: &RunArguments) -> Result<()> {
@@ -136,9 +148,12 @@ fn train(asked: &RunArguments) -> Result<()> {
         }
         run.record()?;
     }
-    println!("{}", asked.output.join("learn.json").display());
+    report(&asked.output)?;
     if failed > 0 {
-        return Err(miette!("{failed} of {} arms could not be trained", jobs.len()));
+        return Err(miette!(
+            "{failed} of {} arms could not be trained",
+            jobs.len()
+        ));
     }
     Ok(())
 }
@@ -161,7 +176,12 @@ const PILOT: u32 = 3;
 fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
     println!(
         "{}: {} arms of {} steps, {} clips of {}x{} in each",
-        task.name, jobs.len(), task.steps, task.batch, task.crop, task.crop
+        task.name,
+        jobs.len(),
+        task.steps,
+        task.batch,
+        task.crop,
+        task.crop
     );
     let mut total = Duration::ZERO;
     let mut most = 0;
@@ -176,7 +196,12 @@ fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
             trainee.step(run.training())?;
         }
         let step = start.elapsed() / PILOT;
-        let each = step.mul_f64(task.steps as f64);
+        let steps = if arm.sight == Sight::Blend {
+            0
+        } else {
+            task.steps
+        };
+        let each = step.mul_f64(steps as f64);
         total += each * own.len() as u32;
         let bytes = bytes(task, trainee.network());
         most = most.max(bytes);

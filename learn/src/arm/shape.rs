@@ -48,6 +48,14 @@ pub struct Applied {
     projected: Vec<crate::levels::Projected>,
 }
 
+impl Applied {
+    /// The kernels in few values; none where weights are free.
+    #[must_use]
+    pub fn few(&self) -> &[crate::levels::Projected] {
+        &self.projected
+    }
+}
+
 fn length(plane: &Plane<f64>) -> f64 {
     plane.iter().map(|w| w * w).sum::<f64>().sqrt()
 }

@@ -75,6 +75,12 @@ pub(super) const TASK: Table = Table::new(&[
         Kind::Table(&SENSOR),
         "what all sensors have in common",
     ),
+    Key::with_default(
+        "chip",
+        Kind::Choice(&["scamp5", "none"]),
+        "\"scamp5\"",
+        "the chip in the loop: its noise and its whole thresholds, for kernels of few values",
+    ),
     Key::optional("test", Kind::Table(&TEST), "what the arms are judged on"),
     Key::with_default(
         "checkpoint",

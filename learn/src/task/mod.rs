@@ -58,6 +58,8 @@ pub struct Task {
     pub scenes: Scenes,
     /// What all sensors have in common.
     pub sensor: Sensors,
+    /// The chip that kernels of few values are trained for.
+    pub chip: Option<String>,
     /// Held-out clips, and rows and columns of each.
     pub test: (u64, usize),
     /// Steps between checkpoints.

@@ -169,6 +169,7 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         sparsity,
         scenes,
         sensor,
+        chip: Some(task.text("chip")?.to_owned()).filter(|chip| chip != "none"),
         test,
         checkpoint: task.whole("checkpoint")?,
     })

@@ -29,6 +29,8 @@ struct Header {
     threshold: f64,
     means: [f64; 2],
     pinned: u64,
+    chip: [f64; 2],
+    words: Option<u64>,
     history: Vec<KernelAt>,
 }
 
@@ -52,6 +54,8 @@ impl State {
             threshold: self.threshold,
             means: self.means,
             pinned: self.pinned,
+            chip: self.chip,
+            words: self.words,
             history: self.history.clone(),
         };
         let mut bytes = FIRST_LINE.as_bytes().to_vec();
@@ -146,6 +150,8 @@ impl State {
             threshold: header.threshold,
             means: header.means,
             pinned: header.pinned,
+            chip: header.chip,
+            words: header.words,
             history: header.history,
         })
     }

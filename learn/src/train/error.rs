@@ -118,7 +118,10 @@ impl TrainError {
     pub const fn is_of_the_arm(&self) -> bool {
         matches!(
             self,
-            Self::Gradient { .. } | Self::Levels { .. } | Self::NotFinite { .. } | Self::Pinned { .. }
+            Self::Gradient { .. }
+                | Self::Levels { .. }
+                | Self::NotFinite { .. }
+                | Self::Pinned { .. }
         )
     }
 }

@@ -84,13 +84,12 @@ impl Trainee<'_> {
         };
         let device = Device::scamp5();
         let own = rated.description.channels[0].thresholds[0].on * 255.0;
-        let levels: Plane<f64> = match applied.levels.as_deref() {
-            Some([levels]) => levels.clone(),
-            _ => {
-                let quantised = Quantiser::TERNARY.quantise(unit, Sum::Free, self.seed);
-                let quantised = quantised.map_err(|cause| wrong(cause.into()))?;
-                quantised.levels.weights().clone()
-            }
+        let levels: Plane<f64> = if let Some([levels]) = applied.levels.as_deref() {
+            levels.clone()
+        } else {
+            let quantised = Quantiser::TERNARY.quantise(unit, Sum::Free, self.seed);
+            let quantised = quantised.map_err(|cause| wrong(cause.into()))?;
+            quantised.levels.weights().clone()
         };
         let most = levels
             .iter()

@@ -1,6 +1,9 @@
 //! A run: all arms of a task at all targets from all seeds, in a folder.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
 
 use amacrine::{
     plane::Size,
@@ -84,11 +87,10 @@ impl<'a> Run<'a> {
         sum.update(text);
         sum.update(seen);
         let digest = sum.finalize();
-        let identity = digest
-            .iter()
-            .take(8)
-            .map(|b| format!("{b:02x}"))
-            .collect::<String>();
+        let mut identity = String::new();
+        for byte in digest.iter().take(8) {
+            let _ = write!(identity, "{byte:02x}");
+        }
         Ok(Self {
             task,
             identity: format!("{} {identity}", task.name),

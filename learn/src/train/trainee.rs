@@ -1,12 +1,14 @@
 //! One arm at one target from one seed: its network, its kernels, its thresholds.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use amacrine::{
+    compile::Effort,
     gradient::{
         Ask, Clips as Light, ConstantRate, Gradient, GradientError, Model, Rule, Slope,
         rate_threshold,
     },
+    isa::Device,
     kernel::Kernel,
     photoreceptor::{Curve, Response},
     plane::{Plane, Size},
@@ -20,6 +22,7 @@ use rayon::prelude::*;
 
 use crate::{
     arm::{Applied, Arm, Cells, Shape},
+    levels::Chip,
     network::{Adam, Maps, Network},
     record::KernelAt,
     scene::Clips,
@@ -51,6 +54,9 @@ const LEFT: f64 = 0.01;
 /// Snapshots of the kernels in a run.
 const SNAPSHOTS: u64 = 20;
 
+/// States that a search for a program looks at.
+const EFFORT: Effort = Effort { states: 10_000 };
+
 /// Batches that the first thresholds are set by.
 const FIRST: u64 = 4;
 
@@ -69,6 +75,12 @@ pub struct State {
     pub means: [f64; 2],
     /// Steps in which the rate was far from its target, up to this one.
     pub pinned: u64,
+    /// What the chip makes of the kernel, 0 until it is compiled: noise of the light that leaves as
+    /// much in the drive as the program does, of 255; and the step of its thresholds, in the unit of
+    /// [`State::threshold`].
+    pub chip: [f64; 2],
+    /// Words of its filter.
+    pub words: Option<u64>,
     /// Kernels on the way.
     pub history: Vec<KernelAt>,
 }
@@ -87,6 +99,8 @@ pub struct Trainee<'a> {
     pub(super) network: Network<f32>,
     shape: Option<Shape>,
     times: Vec<f64>,
+    /// What was compiled on the way.
+    chip: Option<Arc<Chip>>,
     /// Where it is.
     pub state: State,
 }
@@ -127,6 +141,8 @@ impl<'a> Trainee<'a> {
                 threshold: 0.1,
                 means: [0.0; 2],
                 pinned: 0,
+                chip: [0.0; 2],
+                words: None,
                 history: Vec::new(),
             },
             task,
@@ -135,6 +151,7 @@ impl<'a> Trainee<'a> {
             seed,
             network,
             shape,
+            chip: None,
             times: task.scenes.times(),
         }
     }
@@ -287,11 +304,20 @@ impl<'a> Trainee<'a> {
         let batch = Batch::new(clips, self.numbers());
         let applied = self.applied()?;
         let step = self.state.step;
-        let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Light, step));
+        let [by_chip, whole] = self.state.chip;
+        let own = self.task.sensor.light_noise;
+        let noise = (own * own + by_chip * by_chip).sqrt();
+        let light = batch.light(noise, self.draw(Reason::Light, step));
         let mismatch = self.draw(Reason::Mismatch, step).bits();
         let mut model = None;
         if let Some(applied) = &applied {
-            let sensor = self.sensor(&applied.kernels, self.state.threshold);
+            let threshold = if whole > 0.0 {
+                // Straight through: what follows the target is the threshold before.
+                (self.state.threshold / whole).round().max(1.0) * whole
+            } else {
+                self.state.threshold
+            };
+            let sensor = self.sensor(&applied.kernels, threshold);
             let made = Model::<f32>::new(sensor, batch.size(), mismatch);
             let made = made.map_err(|cause| self.gradient_error(cause))?;
             let seen = made.forward(self.light(&light, &batch)?);
@@ -479,8 +505,32 @@ impl<'a> Trainee<'a> {
         if self.state.step != 1 && !self.state.step.is_multiple_of(each) {
             return;
         }
+        self.compile(applied);
         let at = self.kernel_at(applied);
         self.state.history.push(at);
+    }
+
+    /// Takes the chip into the loop, from a third of the steps on, where weights have few values.
+    ///
+    /// What the chip refuses is trained on without it; the report then has no rows of the chip.
+    fn compile(&mut self, applied: &Applied) {
+        let cells = self.arm.cells();
+        let alone = cells.is_some_and(|cells| cells.kinds == 1 && !cells.pattern && !cells.log);
+        if !alone || self.task.chip.is_none() || 3 * self.state.step < self.task.steps {
+            return;
+        }
+        let [kernel] = applied.few() else { return };
+        let chip = self
+            .chip
+            .get_or_insert_with(|| Arc::new(Chip::new(Device::scamp5(), EFFORT, self.seed)));
+        let made = kernel
+            .kernel()
+            .and_then(|(_, power)| Ok((chip.compile(std::slice::from_ref(kernel))?, power)));
+        if let Ok((made, power)) = made {
+            let unit = kernel.norm() / power * 255.0;
+            self.state.chip = [made.light_noise(0), 1.0 / (made.scale * unit)];
+            self.state.words = Some(made.words as u64);
+        }
     }
 
     /// The kernels and where they are, as they are recorded.
@@ -495,7 +545,7 @@ impl<'a> Trainee<'a> {
             step: self.state.step,
             loss: self.state.means[0],
             rate: self.state.means[1],
-            words: None,
+            words: self.state.words,
             kernels: applied.kernels.iter().map(rows).collect(),
             on: thresholds.clone(),
             off: thresholds,
