@@ -1,5 +1,7 @@
 //! Differences at equal bits, with what chance leaves open.
 
+use std::collections::BTreeSet;
+
 use amacrine::{elementary, rng::Hash};
 
 use super::{
@@ -42,8 +44,22 @@ impl Difference {
     }
 
     /// Of two arms in two forms; `None` where they have no bits in common.
-    pub(super) fn new(rows: &[Row], (a, b): (Of<'_>, Of<'_>), metric: Metric) -> Option<Self> {
+    pub(super) fn new<'r>(
+        rows: &'r [Row],
+        (a, b): (Of<'_>, Of<'_>),
+        metric: Metric,
+    ) -> Option<Self> {
         let own = [a, b].map(|of| rows_of(rows, of));
+        // Of two forms one may have been shown fewer clips: only those of both are compared.
+        let shown = own.each_ref().map(|rows| -> BTreeSet<(&str, u64)> {
+            let clip = |row: &&'r Row| (row.photograph.as_str(), row.clip);
+            rows.iter().map(clip).collect()
+        });
+        let both = |row: &&Row| {
+            let clip = (row.photograph.as_str(), row.clip);
+            shown.iter().all(|shown| shown.contains(&clip))
+        };
+        let own = own.map(|rows| rows.into_iter().filter(both).collect::<Vec<_>>());
         let all = || own.iter().flatten();
         let mut photographs: Vec<&str> = all().map(|row| row.photograph.as_str()).collect();
         photographs.sort_unstable();

@@ -197,7 +197,13 @@ impl Report {
     }
 
     fn kernel_section(&self) -> Markup {
-        let ways: Vec<(&String, RgbImage)> = { self.arms.iter() }
+        let mut arms: Vec<&str> = Vec::new();
+        for one in &self.record.kernels {
+            if !arms.contains(&one.arm.as_str()) {
+                arms.push(&one.arm);
+            }
+        }
+        let ways: Vec<(&str, RgbImage)> = { arms.into_iter() }
             .filter_map(|arm| Some((arm, self.way(arm)?)))
             .collect();
         if ways.is_empty() {
