@@ -318,7 +318,7 @@ fn what_cannot_be_trained_says_why() {
         ("crop = 16", "crop = 17", "not a multiple of 2"),
         ("steps = 12", "stepps = 12", "steps"),
         ("pan = 1", "frames = 8", "none in the middle"),
-        ("pan = 1", "video = \"a.mp4\"\nphotographs = \"b\"", "either `photographs` or `video`"),
+        ("pan = 1", "video = \"a.mp4\"\nphotographs = \"b\"", "stands in place of photographs"),
     ] {
         wrong(&whole.replace(from, to), says);
     }
