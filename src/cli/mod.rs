@@ -21,6 +21,7 @@ mod figure;
 pub mod files;
 mod guards;
 mod kernels;
+pub mod learn;
 mod light;
 pub mod list;
 pub mod man;
@@ -129,6 +130,8 @@ verbs! {
     Sweep => sweep,
     /// The folders of a sweep's shards into one
     Merge => merge,
+    /// Kernels and thresholds learned for a task, judged at equal bits; the package `amacrine-learn` does it
+    Learn => learn,
     /// Which points of a sweep no other beats: error against time, bits or instruction words
     Report => report,
     /// The keys of a kind of file as JSON Schema: sensor, kernel, study, readout, program, chip

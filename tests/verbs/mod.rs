@@ -131,6 +131,8 @@ pub const CASES: &[Case] = &[
         "merge ../in/results --output w",
         "w/sweep.json,w/results.csv,w/results.jsonl",
     ),
+    // What it hands over to is another package.
+    case("learn --help", ""),
     case("report ../in/results -o r.svg", "r.svg"),
     case("schema sensor -o s.json", "s.json"),
     case("list sensors", ""),

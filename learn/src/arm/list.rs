@@ -1,0 +1,92 @@
+//! The arms that a task may name.
+
+use super::{Arm, Cells, Sight, Start};
+use crate::levels::Levels;
+
+/// Their names, in the order in which they are told.
+pub const NAMES: &[&str] = &[
+    "blend",
+    "none",
+    "dvs",
+    "csdvs",
+    "laplacian",
+    "dog",
+    "rgc",
+    "rgc-rounded",
+    "ternary",
+    "int-5",
+    "rgc-k2",
+    "rgc-k4",
+    "rgc-2x2",
+    "fs-dvs",
+];
+
+/// The arm of a name of [`NAMES`].
+///
+/// ```
+/// use amacrine_learn::arm;
+/// assert!(arm::NAMES.iter().all(|name| arm::named(name).is_some()));
+/// assert_eq!(arm::named("rgc-k4").unwrap().kinds(), 4);
+/// ```
+#[must_use]
+pub fn named(name: &str) -> Option<Arm> {
+    let given = |kernel: &str| Cells {
+        start: Start::Builtin(kernel.to_owned()),
+        learned: false,
+        ..free()
+    };
+    let cells = match name {
+        "blend" | "none" => None,
+        "dvs" => Some(given("dvs")),
+        "csdvs" => Some(given("csdvs-5")),
+        "laplacian" => Some(given("laplacian")),
+        // As near to the one point as it can be, with a wide surround.
+        "dog" => Some(Cells {
+            start: Start::Gaussians([0.4, 1.2, -0.3]),
+            ..free()
+        }),
+        "rgc" => Some(free()),
+        "rgc-rounded" => Some(Cells {
+            levels: Levels::parse("ternary"),
+            rounded_from: 0.5,
+            ..free()
+        }),
+        "ternary" | "int-5" => Some(Cells {
+            levels: Levels::parse(name),
+            ..free()
+        }),
+        "rgc-k2" => Some(Cells { kinds: 2, ..free() }),
+        "rgc-k4" => Some(Cells { kinds: 4, ..free() }),
+        "rgc-2x2" => Some(Cells {
+            pattern: true,
+            ..free()
+        }),
+        "fs-dvs" => Some(Cells {
+            log: true,
+            ..free()
+        }),
+        _ => return None,
+    };
+    let sight = match (cells, name) {
+        (Some(cells), _) => Sight::Events(cells),
+        (None, "blend") => Sight::Blend,
+        (None, _) => Sight::Frames,
+    };
+    Some(Arm {
+        name: name.to_owned(),
+        sight,
+    })
+}
+
+/// A learned kernel of any weights, that of an event camera at first.
+const fn free() -> Cells {
+    Cells {
+        start: Start::Delta(5),
+        learned: true,
+        kinds: 1,
+        pattern: false,
+        levels: None,
+        rounded_from: 0.0,
+        log: false,
+    }
+}

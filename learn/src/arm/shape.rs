@@ -1,0 +1,229 @@
+//! Kernels as what is learned of them, and back.
+
+use amacrine::{
+    gradient::gaussian_gradients,
+    kernel::{Gaussian, Kernel},
+    plane::Plane,
+    rng::Hash,
+};
+
+use crate::levels::{Levels, LevelsError};
+
+use super::{Cells, Start};
+
+/// How far several kernels that begin alike are apart.
+const APART: f64 = 0.05;
+
+/// The narrowest and the widest Gaussian, in pixels.
+const SIGMAS: [f64; 2] = [0.3, 2.5];
+
+/// What is learned of an arm's kernels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    form: Form,
+    /// What a step moves.
+    pub parameters: Vec<f64>,
+    levels: Option<Levels>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Form {
+    /// So many kernels of this side, weight by weight; each of length 1.
+    Weights { kernels: usize, side: usize },
+    /// The logarithms of two standard deviations, and the gain of the second.
+    Gaussians,
+    /// Nothing.
+    Given(Plane<f64>),
+}
+
+/// Kernels as they are applied, and what the way back needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Applied {
+    /// Each of length 1: thresholds take up the scale.
+    pub kernels: Vec<Kernel>,
+    /// The same in whole levels, where they have few values.
+    pub levels: Option<Vec<Plane<f64>>>,
+    /// Before they had few values.
+    latent: Vec<Plane<f64>>,
+    projected: Vec<crate::levels::Projected>,
+}
+
+impl Applied {
+    /// The kernels in few values; none where weights are free.
+    #[must_use]
+    pub fn few(&self) -> &[crate::levels::Projected] {
+        &self.projected
+    }
+}
+
+fn length(plane: &Plane<f64>) -> f64 {
+    plane.iter().map(|w| w * w).sum::<f64>().sqrt()
+}
+
+/// The gradient of a plane from that of the same plane scaled to length 1.
+fn unscaled(plane: &Plane<f64>, asked: &Plane<f64>) -> Plane<f64> {
+    let size = length(plane).max(f64::MIN_POSITIVE);
+    let along = plane.iter().zip(asked).map(|(w, g)| w * g).sum::<f64>() / (size * size);
+    (asked - &(plane * along)) / size
+}
+
+impl Shape {
+    /// What the cells begin with; the seed tells kernels apart that would be alike.
+    #[must_use]
+    pub fn new(cells: &Cells, seed: u64) -> Self {
+        let (form, parameters) = match &cells.start {
+            Start::Builtin(name) => {
+                let kernel = Kernel::builtin(name);
+                let plane = kernel.map_or_else(|| Plane::ones((1, 1)), |k| k.weights().clone());
+                (Form::Given(plane), Vec::new())
+            }
+            Start::Delta(side) => {
+                let kernels = cells.kinds * if cells.pattern { 4 } else { 1 };
+                let alone = kernels == 1 && cells.levels.is_none();
+                let apart = if alone { 0.0 } else { APART };
+                let weight = |n: usize| {
+                    let place = n % (side * side);
+                    let centre = if place == side * side / 2 { 1.0 } else { 0.0 };
+                    let own = Hash::new(seed).with(0x6b65_726e).with(n as u64).uniform();
+                    centre + apart * (2.0 * own - 1.0)
+                };
+                let weights = (0..kernels * side * side).map(weight).collect();
+                let side = *side;
+                (Form::Weights { kernels, side }, weights)
+            }
+            Start::Gaussians([narrow, wide, gain]) => {
+                let ln = amacrine::elementary::ln;
+                (Form::Gaussians, vec![ln(*narrow), ln(*wide), *gain])
+            }
+        };
+        let mut shape = Self {
+            form,
+            parameters,
+            levels: cells.levels.clone(),
+        };
+        shape.settle();
+        shape
+    }
+
+    /// Leaves parameters where kernels are of length 1, and Gaussians neither too narrow nor too wide.
+    pub fn settle(&mut self) {
+        match &self.form {
+            Form::Weights { side, .. } => {
+                for kernel in self.parameters.chunks_mut(side * side) {
+                    let size = kernel.iter().map(|w| w * w).sum::<f64>().sqrt();
+                    if size > 0.0 {
+                        for weight in kernel {
+                            *weight /= size;
+                        }
+                    }
+                }
+            }
+            Form::Gaussians => {
+                let [least, most] = SIGMAS.map(amacrine::elementary::ln);
+                for log in &mut self.parameters[..2] {
+                    *log = log.clamp(least, most);
+                }
+                self.parameters[2] = self.parameters[2].clamp(-1.0, 1.0);
+            }
+            Form::Given(_) => {}
+        }
+    }
+
+    fn gaussians(&self) -> [Gaussian; 2] {
+        let part = |n: usize, gain| Gaussian {
+            sigma: amacrine::elementary::exp(self.parameters[n]),
+            gain,
+        };
+        [part(0, 1.0), part(1, self.parameters[2])]
+    }
+
+    /// The kernels; in few values where the arm has them and `few` says so.
+    ///
+    /// # Errors
+    /// When few values leave nothing of a kernel.
+    pub fn apply(&self, few: bool) -> Result<Applied, LevelsError> {
+        let latent: Vec<Plane<f64>> = match &self.form {
+            Form::Given(plane) => vec![plane.clone()],
+            Form::Gaussians => {
+                let sum = Kernel::from_gaussians(&self.gaussians());
+                vec![sum.map_or_else(|_| Plane::ones((1, 1)), |k| k.weights().clone())]
+            }
+            Form::Weights { side, .. } => {
+                let kernels = self.parameters.chunks(side * side);
+                let square = |kernel: &[f64]| {
+                    Plane::from_shape_fn((*side, *side), |(y, x)| kernel[y * side + x])
+                };
+                kernels.map(square).collect()
+            }
+        };
+        let mut projected = Vec::new();
+        if let (Some(levels), true) = (&self.levels, few) {
+            for plane in &latent {
+                projected.push(levels.project(plane)?);
+            }
+        }
+        let whole: Vec<_> = projected.iter().map(|p| p.levels.clone()).collect();
+        let planes = if projected.is_empty() {
+            &latent
+        } else {
+            &whole
+        };
+        let unit = |plane: &Plane<f64>| {
+            let size = length(plane).max(f64::MIN_POSITIVE);
+            Kernel::new(plane / size)
+        };
+        let kernels: Result<Vec<_>, _> = planes.iter().map(unit).collect();
+        Ok(Applied {
+            kernels: kernels.map_err(|_| LevelsError::Empty)?,
+            levels: (!projected.is_empty()).then_some(whole),
+            latent,
+            projected,
+        })
+    }
+
+    /// The gradient of the parameters from that of the kernels.
+    #[must_use]
+    pub fn pull(&self, applied: &Applied, asked: &[Plane<f64>]) -> Vec<f64> {
+        let planes = applied.levels.as_ref().unwrap_or(&applied.latent);
+        let mut asked: Vec<_> = planes
+            .iter()
+            .zip(asked)
+            .map(|(p, g)| unscaled(p, g))
+            .collect();
+        if let Some(levels) = &self.levels {
+            let parts = applied.latent.iter().zip(&applied.projected);
+            for (asked, (latent, projected)) in asked.iter_mut().zip(parts) {
+                *asked = levels.pull(latent, projected, asked);
+            }
+        }
+        match &self.form {
+            Form::Given(_) => Vec::new(),
+            Form::Weights { .. } => asked.into_iter().flatten().collect(),
+            Form::Gaussians => {
+                let parts = self.gaussians();
+                let of = asked
+                    .first()
+                    .and_then(|asked| gaussian_gradients(&parts, asked));
+                of.map_or_else(
+                    || vec![0.0; 3],
+                    |g| {
+                        vec![
+                            g[0].sigma * parts[0].sigma,
+                            g[1].sigma * parts[1].sigma,
+                            g[1].gain,
+                        ]
+                    },
+                )
+            }
+        }
+    }
+
+    /// Kernels of the form.
+    #[must_use]
+    pub const fn kernels(&self) -> usize {
+        match self.form {
+            Form::Weights { kernels, .. } => kernels,
+            Form::Gaussians | Form::Given(_) => 1,
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! What the chip makes of kernels.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use amacrine::{
+    compile::{CellKind, DriveMemory, Effort, FilterNoise, Request, SensorProgram},
+    isa::Device,
+    kernel::Kernel,
+};
+
+use super::{error::LevelsError, project::Projected};
+
+/// The light in the middle of the range, LSB: noise is that of a pixel which sees it.
+const MIDDLE: f64 = 64.0;
+
+/// A chip, and what was compiled for it: a kernel is compiled once.
+#[derive(Debug)]
+pub struct Chip {
+    device: Device,
+    effort: Effort,
+    seed: u64,
+    compiled: Mutex<HashMap<Vec<i64>, Arc<OnChip>>>,
+}
+
+/// Kernels as the chip computes them.
+#[derive(Clone, Debug)]
+pub struct OnChip {
+    /// The program; its thresholds are placeholders of one LSB: see [`OnChip::program`].
+    sensor: SensorProgram,
+    /// The kernels that it was made of.
+    pub kernels: Vec<Kernel>,
+    /// Words of the filter, for all kinds.
+    pub words: usize,
+    /// Halvings of the light before the filter.
+    pub halvings: u32,
+    /// LSB of a drive for each unit of kernel times light, light being 0 to 255.
+    pub scale: f64,
+    /// What the filter adds to each drive, LSB. Its fixed part is in the drive and in the memory of
+    /// it alike.
+    pub noise: Vec<FilterNoise>,
+}
+
+impl Chip {
+    /// A chip without anything compiled for it.
+    #[must_use]
+    pub fn new(device: Device, effort: Effort, seed: u64) -> Self {
+        Self {
+            device,
+            effort,
+            seed,
+            compiled: Mutex::default(),
+        }
+    }
+
+    /// Its description.
+    #[must_use]
+    pub const fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// How many sets of kernels were compiled.
+    #[must_use]
+    pub fn compiled(&self) -> usize {
+        self.compiled
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .len()
+    }
+
+    /// The filter of these kernels, one for each kind, as a sensor's program has it.
+    ///
+    /// # Errors
+    /// When there are too few registers or too many words.
+    pub fn compile(&self, kinds: &[Projected]) -> Result<Arc<OnChip>, LevelsError> {
+        let key: Vec<i64> = { kinds.iter() }
+            .flat_map(|kind| {
+                let (height, width) = kind.levels.dim();
+                let levels = kind.levels.iter().map(|level| *level as i64);
+                [height as i64, width as i64]
+                    .into_iter()
+                    .chain(levels)
+                    .collect::<Vec<_>>()
+            })
+            .collect();
+        let known = self
+            .compiled
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get(&key)
+            .cloned();
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        let kernels: Vec<Kernel> = { kinds.iter() }
+            .map(|kind| kind.kernel().map(|(kernel, _)| kernel))
+            .collect::<Result<_, _>>()?;
+        let made = Arc::new(self.make(kernels)?);
+        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(Arc::clone(compiled.entry(key).or_insert(made)))
+    }
+
+    fn request<'a>(&'a self, kernels: &'a [Kernel]) -> Result<Request<'a>, LevelsError> {
+        Ok(Request {
+            effort: self.effort,
+            seed: self.seed,
+            ..Request::new(kernels, &self.device)?
+        })
+    }
+
+    fn make(&self, kernels: Vec<Kernel>) -> Result<OnChip, LevelsError> {
+        let request = self.request(&kernels)?;
+        let input = request.input;
+        // Thresholds do not change the filter.
+        let kinds: Vec<CellKind> = { kernels.iter() }
+            .map(|kernel| CellKind {
+                kernel: kernel.clone(),
+                on: 255.0,
+                off: 255.0,
+            })
+            .collect();
+        let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "learned", &request)?;
+        let noise = sensor
+            .filter
+            .noise(&self.device, input, MIDDLE, &sensor.drives);
+        Ok(OnChip {
+            words: sensor.filter.words.len(),
+            halvings: sensor.filter.prescale,
+            scale: sensor.scale,
+            noise,
+            kernels,
+            sensor,
+        })
+    }
+}
+
+impl OnChip {
+    /// The nearest threshold that the chip can hold, in units of kernel times light: a whole
+    /// number of LSB, one at the least.
+    #[must_use]
+    pub fn threshold(&self, wanted: f64) -> f64 {
+        (wanted * self.scale).round().max(1.0) / self.scale
+    }
+
+    /// Noise of the light, in its unit and independent from pixel to pixel, that leaves as much
+    /// temporal noise in the drive of a kind as the filter does.
+    #[must_use]
+    pub fn light_noise(&self, kind: usize) -> f64 {
+        let norm = self.kernels[kind]
+            .weights()
+            .iter()
+            .map(|w| w * w)
+            .sum::<f64>()
+            .sqrt();
+        self.noise[kind].temporal / (self.scale * norm)
+    }
+
+    /// The filter and the sensor round it.
+    #[must_use]
+    pub const fn sensor(&self) -> &SensorProgram {
+        &self.sensor
+    }
+
+    /// Source text of the program with these thresholds, ON and OFF for each kind, in units of
+    /// kernel times light.
+    #[must_use]
+    pub fn program(&self, thresholds: &[[f64; 2]], title: &str, chip: &Chip) -> String {
+        let kinds: Vec<CellKind> = { self.kernels.iter().zip(thresholds) }
+            .map(|(kernel, [on, off])| CellKind {
+                kernel: kernel.clone(),
+                on: *on,
+                off: *off,
+            })
+            .collect();
+        self.sensor.text_with(
+            &kinds,
+            title,
+            chip.device(),
+            amacrine::compile::EventReadout::default(),
+        )
+    }
+}

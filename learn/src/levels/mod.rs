@@ -1,0 +1,21 @@
+//! Kernels of few values: what the chip can compute, and how a gradient passes through it.
+//!
+//! Training holds a kernel of any weights, the latent one. [`Levels::project`] gives the nearest
+//! kernel in few values, which the forward pass uses; [`Levels::pull`] takes the loss's
+//! gradient of that one to the latent one (straight-through). One scale is free, since thresholds
+//! absorb it. [`Chip::compile`] says what the chip makes of it: words, halvings, noise, the least
+//! threshold; [`search()`] looks among neighbours for one that is worth more there.
+
+mod chip;
+mod error;
+mod list;
+mod orbits;
+mod project;
+mod search;
+
+pub use chip::{Chip, OnChip};
+pub use error::LevelsError;
+pub use list::Levels;
+pub use orbits::Symmetry;
+pub use project::Projected;
+pub use search::{Found, search};

@@ -1,0 +1,302 @@
+//! 3x3 and 1x1 convolutions, there and back.
+//!
+//! A convolution with side 3 reads the nine neighbours, one with side 1 the value itself; beyond the
+//! border there are zeros. Sums are taken in one order, and without fused multiply-add, so the bits
+//! are the same on every machine.
+
+use amacrine::{gradient::Float, number::Real};
+use multiversion::multiversion;
+
+use super::maps::{Maps, Shape};
+
+/// Output channels that are worked on together.
+const TOGETHER: usize = 4;
+
+/// Partial sums of a weight's gradient.
+const LANES: usize = 8;
+
+/// The weights' places in a network's parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Convolution {
+    pub(super) inputs: usize,
+    pub(super) outputs: usize,
+    /// 3 or 1.
+    pub(super) side: usize,
+    /// Where its weights (outputs, inputs, rows, columns) and then its biases begin.
+    pub(super) start: usize,
+    /// Whether values below 0 become 0.
+    pub(super) rectified: bool,
+}
+
+impl Convolution {
+    fn taps(&self) -> usize {
+        self.side * self.side
+    }
+
+    fn weight_count(&self) -> usize {
+        self.inputs * self.outputs * self.taps()
+    }
+
+    /// Weights and biases.
+    pub(super) fn parameters(&self) -> usize {
+        self.weight_count() + self.outputs
+    }
+
+    fn weights<'a, R>(&self, parameters: &'a [R]) -> (&'a [R], &'a [R]) {
+        parameters[self.start..][..self.parameters()].split_at(self.weight_count())
+    }
+
+    /// The weights in the order in which the loop reads them: (blocks of outputs, inputs, taps,
+    /// outputs in a block); with `back`, of the convolution that takes gradients back.
+    pub(super) fn packed<R: Float>(&self, parameters: &[R], back: bool) -> Vec<R> {
+        let (weights, _) = self.weights(parameters);
+        let taps = self.taps();
+        let (inputs, outputs) = if back {
+            (self.outputs, self.inputs)
+        } else {
+            (self.inputs, self.outputs)
+        };
+        let mut packed = Vec::with_capacity(outputs.next_multiple_of(TOGETHER) * inputs * taps);
+        for block in 0..outputs.div_ceil(TOGETHER) {
+            for i in 0..inputs {
+                for tap in 0..taps {
+                    for o in block * TOGETHER..(block + 1) * TOGETHER {
+                        packed.push(if o >= outputs {
+                            R::ZERO
+                        } else if back {
+                            weights[(i * self.inputs + o) * taps + taps - 1 - tap]
+                        } else {
+                            weights[(o * self.inputs + i) * taps + tap]
+                        });
+                    }
+                }
+            }
+        }
+        packed
+    }
+
+    /// The maps of this layer.
+    pub(super) fn forward<R: Float>(
+        &self,
+        (shape, parameters, packed): (&Shape<R>, &[R], &[R]),
+        input: &Maps<R>,
+    ) -> Maps<R> {
+        let (_, biases) = self.weights(parameters);
+        let mut output = Maps::zeros(shape, self.outputs);
+        self.apply((shape, packed, self.rectified), input, biases, &mut output);
+        output
+    }
+
+    /// The gradient of the input from that of the output, which is left as that of the sums before
+    /// they were rectified; adds the gradient of the parameters.
+    pub(super) fn backward<R: Float>(
+        &self,
+        (shape, packed): (&Shape<R>, &[R]),
+        (input, output): (&Maps<R>, &Maps<R>),
+        mut asked: Maps<R>,
+        (gradient, further): (&mut [R], bool),
+    ) -> Option<Maps<R>> {
+        if self.rectified {
+            gate(asked.values_mut(), output.values());
+        }
+        let gradient = &mut gradient[self.start..][..self.parameters()];
+        let (weights, biases) = gradient.split_at_mut(self.weight_count());
+        let taps = self.taps();
+        for block in 0..self.outputs.div_ceil(TOGETHER) {
+            let least = block * TOGETHER;
+            let maps: [&[R]; TOGETHER] = std::array::from_fn(|o| {
+                &asked.map((least + o).min(self.outputs - 1))[shape.start()..][..shape.mask().len()]
+            });
+            for i in 0..self.inputs {
+                let mut sums = [[R::ZERO; TOGETHER]; 9];
+                if self.side == 3 {
+                    for dy in 0..3 {
+                        let first = shape.start() + dy * shape.stride() - shape.stride() - 1;
+                        let three = across(&input.map(i)[first..], maps);
+                        sums[3 * dy..3 * dy + 3].copy_from_slice(&three);
+                    }
+                } else {
+                    // The middle one of three.
+                    sums[0] = across(&input.map(i)[shape.start() - 1..], maps)[1];
+                }
+                for (tap, sums) in sums.iter().enumerate().take(taps) {
+                    for (o, sum) in sums.iter().enumerate().take(self.outputs - least) {
+                        let at = ((least + o) * self.inputs + i) * taps + tap;
+                        weights[at] = weights[at] + *sum;
+                    }
+                }
+            }
+        }
+        for (o, bias) in biases.iter_mut().enumerate() {
+            *bias = *bias + total(asked.map(o));
+        }
+        further.then(|| {
+            let mut back = Maps::zeros(shape, self.inputs);
+            let turned = Self {
+                inputs: self.outputs,
+                outputs: self.inputs,
+                rectified: false,
+                ..self.clone()
+            };
+            turned.apply((shape, packed, false), &asked, &[], &mut back);
+            back
+        })
+    }
+
+    fn apply<R: Float>(
+        &self,
+        (shape, packed, rectified): (&Shape<R>, &[R], bool),
+        input: &Maps<R>,
+        biases: &[R],
+        output: &mut Maps<R>,
+    ) {
+        let each = self.inputs * self.taps() * TOGETHER;
+        let span = shape.mask().len();
+        let mut sums = vec![R::ZERO; TOGETHER * span];
+        for (block, packed) in packed.chunks(each).enumerate() {
+            let least = block * TOGETHER;
+            for (o, sums) in sums.chunks_mut(span).enumerate() {
+                sums.fill(biases.get(least + o).copied().unwrap_or(R::ZERO));
+            }
+            let taps = packed.chunks_exact(self.taps() * TOGETHER);
+            for (i, weights) in taps.enumerate() {
+                let map = input.map(i);
+                if self.side == 3 {
+                    for (dy, weights) in
+                        weights.as_chunks::<{ 3 * TOGETHER }>().0.iter().enumerate()
+                    {
+                        let first = shape.start() + dy * shape.stride() - shape.stride() - 1;
+                        add_three(&mut sums, &map[first..], weights);
+                    }
+                } else if let Some(weights) = weights.first_chunk() {
+                    add_one(&mut sums, &map[shape.start()..], weights);
+                }
+            }
+            for (o, sums) in sums
+                .chunks(span)
+                .enumerate()
+                .take(output.channels() - least)
+            {
+                let map = &mut output.map_mut(least + o)[shape.start()..];
+                finish(map, sums, shape.mask(), rectified);
+            }
+        }
+    }
+}
+
+/// Adds a row of three taps of a map to each of a few sums.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn add_three<R: Real>(sums: &mut [R], map: &[R], weights: &[R; 3 * TOGETHER]) {
+    let n = sums.len() / TOGETHER;
+    let (a, rest) = sums.split_at_mut(n);
+    let (b, rest) = rest.split_at_mut(n);
+    let (c, d) = rest.split_at_mut(n);
+    // All slices have one length, so that the loop has no bounds checks.
+    let d = &mut d[..n];
+    let (west, here, east) = (&map[..n], &map[1..=n], &map[2..n + 2]);
+    let w = weights;
+    for l in 0..n {
+        let (x, y, z) = (west[l], here[l], east[l]);
+        a[l] = a[l] + ((w[0] * x + w[4] * y) + w[8] * z);
+        b[l] = b[l] + ((w[1] * x + w[5] * y) + w[9] * z);
+        c[l] = c[l] + ((w[2] * x + w[6] * y) + w[10] * z);
+        d[l] = d[l] + ((w[3] * x + w[7] * y) + w[11] * z);
+    }
+}
+
+/// Adds one tap of a map to each of a few sums.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn add_one<R: Real>(sums: &mut [R], map: &[R], weights: &[R; TOGETHER]) {
+    let n = sums.len() / TOGETHER;
+    for (sums, weight) in sums.chunks_exact_mut(n).zip(weights) {
+        for (sum, value) in sums.iter_mut().zip(&map[..n]) {
+            *sum = *sum + *weight * *value;
+        }
+    }
+}
+
+/// Rectifies sums where that is wanted, and leaves 0 on the rim.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn finish<R: Real>(map: &mut [R], sums: &[R], mask: &[R], rectified: bool) {
+    let n = sums.len();
+    let (map, mask) = (&mut map[..n], &mask[..n]);
+    for l in 0..n {
+        let sum = sums[l];
+        let kept = if rectified && sum < R::ZERO {
+            R::ZERO
+        } else {
+            sum
+        };
+        map[l] = kept * mask[l];
+    }
+}
+
+/// Partial sums of products.
+type Lanes<R> = [R; LANES];
+
+#[inline]
+fn add_products<R: Real>(mut sums: Lanes<R>, a: Lanes<R>, b: Lanes<R>) -> Lanes<R> {
+    for l in 0..LANES {
+        sums[l] = sums[l] + a[l] * b[l];
+    }
+    sums
+}
+
+/// The sums of products of a map, shifted by 0, 1 and 2, with each of a few.
+///
+/// Sums are variables of their own, so that they stay in registers.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn across<R: Real>(input: &[R], asked: [&[R]; TOGETHER]) -> [[R; TOGETHER]; 3] {
+    let n = asked[0].len() / LANES;
+    let [a, b, c, d] = asked.map(|map| &map.as_chunks::<LANES>().0[..n]);
+    let west = &input[..n * LANES].as_chunks::<LANES>().0[..n];
+    let here = &input[1..=n * LANES].as_chunks::<LANES>().0[..n];
+    let east = &input[2..n * LANES + 2].as_chunks::<LANES>().0[..n];
+    let zero = [R::ZERO; LANES];
+    let (mut wa, mut wb, mut wc, mut wd) = (zero, zero, zero, zero);
+    let (mut ha, mut hb, mut hc, mut hd) = (zero, zero, zero, zero);
+    let (mut ea, mut eb, mut ec, mut ed) = (zero, zero, zero, zero);
+    for i in 0..n {
+        let (x, y, z) = (west[i], here[i], east[i]);
+        wa = add_products(wa, x, a[i]);
+        wb = add_products(wb, x, b[i]);
+        wc = add_products(wc, x, c[i]);
+        wd = add_products(wd, x, d[i]);
+        ha = add_products(ha, y, a[i]);
+        hb = add_products(hb, y, b[i]);
+        hc = add_products(hc, y, c[i]);
+        hd = add_products(hd, y, d[i]);
+        ea = add_products(ea, z, a[i]);
+        eb = add_products(eb, z, b[i]);
+        ec = add_products(ec, z, c[i]);
+        ed = add_products(ed, z, d[i]);
+    }
+    [[wa, wb, wc, wd], [ha, hb, hc, hd], [ea, eb, ec, ed]]
+        .map(|each| each.map(|lanes| folded(&lanes)))
+}
+
+/// A sum of lanes, in one order.
+fn folded<R: Real>(lanes: &[R; LANES]) -> R {
+    let pair = |n: usize| lanes[n] + lanes[n + 4];
+    (pair(0) + pair(2)) + (pair(1) + pair(3))
+}
+
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn total<R: Real>(values: &[R]) -> R {
+    let mut lanes = [R::ZERO; LANES];
+    let (whole, rest) = values.as_chunks::<LANES>();
+    for chunk in whole {
+        for l in 0..LANES {
+            lanes[l] = lanes[l] + chunk[l];
+        }
+    }
+    rest.iter().fold(folded(&lanes), |sum, value| sum + *value)
+}
+
+/// Leaves a gradient where the output is above 0.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn gate<R: Real>(asked: &mut [R], output: &[R]) {
+    for (asked, output) in asked.iter_mut().zip(output) {
+        *asked = if *output > R::ZERO { *asked } else { R::ZERO };
+    }
+}

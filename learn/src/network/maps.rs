@@ -1,0 +1,147 @@
+//! Feature maps: planes with a rim of zeros, so that a convolution is one loop over all pixels.
+//!
+//! A row of `width` pixels is followed by one zero, which is the rim to its right and to the left of
+//! the next row; a row of zeros lies above and below. The neighbour at (dy, dx) of the value at `p` is
+//! then at `p + dy (width + 1) + dx`, at every place. What a loop over all of them writes to the rim
+//! is multiplied by 0 ([`Shape::mask`]).
+
+use amacrine::{gradient::Float, plane::Size};
+
+/// Values that are worked on together.
+pub(super) const BLOCK: usize = 16;
+
+/// The places of a map's values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape<R> {
+    size: Size,
+    mask: Vec<R>,
+}
+
+impl<R: Float> Shape<R> {
+    /// Maps of this size.
+    #[must_use]
+    pub fn new(size: Size) -> Self {
+        let stride = size.width + 1;
+        let span = (size.height * stride).next_multiple_of(BLOCK);
+        let mut mask = vec![R::ZERO; span];
+        for row in mask.chunks_mut(stride).take(size.height) {
+            row[..size.width].fill(R::ONE);
+        }
+        Self { size, mask }
+    }
+
+    /// Rows and columns.
+    #[must_use]
+    pub const fn size(&self) -> Size {
+        self.size
+    }
+
+    /// From a row to the next.
+    pub(super) const fn stride(&self) -> usize {
+        self.size.width + 1
+    }
+
+    /// Where the first pixel is.
+    pub(super) const fn start(&self) -> usize {
+        self.size.width + 2
+    }
+
+    /// 1 at each pixel from the first on, 0 between rows and after the last: a whole number of blocks.
+    pub(super) fn mask(&self) -> &[R] {
+        &self.mask
+    }
+
+    /// Values of one map, its rim included.
+    pub(super) fn plane(&self) -> usize {
+        self.start() + self.mask.len() + self.stride() + 1
+    }
+
+    /// Where row `y` begins.
+    pub(super) const fn row(&self, y: usize) -> usize {
+        self.start() + y * self.stride()
+    }
+}
+
+/// Maps of one size, one for each channel; the rim is 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Maps<R> {
+    channels: usize,
+    plane: usize,
+    values: Vec<R>,
+}
+
+impl<R: Float> Maps<R> {
+    /// Maps of zeros.
+    #[must_use]
+    pub fn zeros(shape: &Shape<R>, channels: usize) -> Self {
+        let plane = shape.plane();
+        Self {
+            channels,
+            plane,
+            values: vec![R::ZERO; channels * plane],
+        }
+    }
+
+    /// How many maps.
+    #[must_use]
+    pub const fn channels(&self) -> usize {
+        self.channels
+    }
+
+    pub(super) fn map(&self, channel: usize) -> &[R] {
+        &self.values[channel * self.plane..][..self.plane]
+    }
+
+    pub(super) fn map_mut(&mut self, channel: usize) -> &mut [R] {
+        &mut self.values[channel * self.plane..][..self.plane]
+    }
+
+    /// All values, map after map.
+    pub(super) fn values(&self) -> &[R] {
+        &self.values
+    }
+
+    pub(super) fn values_mut(&mut self) -> &mut [R] {
+        &mut self.values
+    }
+
+    /// Row `y` of a map.
+    #[must_use]
+    pub fn row(&self, shape: &Shape<R>, channel: usize, y: usize) -> &[R] {
+        &self.map(channel)[shape.row(y)..][..shape.size().width]
+    }
+
+    /// Row `y` of a map.
+    pub fn row_mut(&mut self, shape: &Shape<R>, channel: usize, y: usize) -> &mut [R] {
+        &mut self.map_mut(channel)[shape.row(y)..][..shape.size().width]
+    }
+
+    /// These maps and, after them, those of `other`.
+    pub(super) fn joined(&self, other: &Self) -> Self {
+        let values = [&self.values[..], &other.values[..]].concat();
+        Self {
+            channels: self.channels + other.channels,
+            plane: self.plane,
+            values,
+        }
+    }
+
+    /// The first `channels` maps, and the others.
+    pub(super) fn parted(mut self, channels: usize) -> (Self, Self) {
+        let rest = self.values.split_off(channels * self.plane);
+        let other = Self {
+            channels: self.channels - channels,
+            plane: self.plane,
+            values: rest,
+        };
+        self.channels = channels;
+        (self, other)
+    }
+
+    /// Adds other maps.
+    pub(super) fn add(&mut self, other: &Self) {
+        for (value, other) in self.values.iter_mut().zip(&other.values) {
+            *value = *value + *other;
+        }
+    }
+}

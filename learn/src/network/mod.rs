@@ -1,0 +1,18 @@
+//! Networks: layers, their derivatives, and the optimiser.
+//!
+//! They are written here because no framework came near enough on one core (`docs/learning.md` has the
+//! measurement). Single pictures are worked on side by side, and sums over a batch are taken in its
+//! order, so everything has the same bits on any number of threads.
+
+mod adam;
+mod convolution;
+mod maps;
+mod resample;
+mod unet;
+
+pub use adam::Adam;
+pub use maps::{Maps, Shape};
+pub use unet::{Network, Packed, Plan, Seen};
+
+#[cfg(test)]
+mod tests;

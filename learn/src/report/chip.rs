@@ -1,0 +1,121 @@
+//! What of an arm is left on the chip.
+
+use super::{Report, curve::Curve, difference::Difference, metric::Metric};
+use crate::record::{Decoder, Form};
+
+/// The arm that others are to beat, and the one whose win over it is to be kept.
+const BASE: &str = "dvs";
+const FLOAT: &str = "rgc";
+
+/// An arm in its forms, from the float model to silicon.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kept {
+    /// The arm.
+    pub arm: String,
+    /// Its forms in order.
+    pub stages: Vec<Stage>,
+    /// On silicon, decoder frozen, over [`BASE`] as trained; `None` without such bits.
+    pub won: Option<Difference>,
+    /// What the float kernel wins over [`BASE`].
+    pub float: Option<Difference>,
+}
+
+/// An arm in one form with one decoder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stage {
+    /// What made the events.
+    pub form: Form,
+    /// Whose decoder.
+    pub decoder: Decoder,
+    /// Quality over bits.
+    pub curve: Curve,
+    /// Against the arm as it was trained, at equal bits.
+    pub change: Option<Difference>,
+}
+
+impl Kept {
+    pub(super) fn new(report: &Report, arm: &str) -> Option<Self> {
+        let (rows, metric) = (&report.record.rows, report.headline());
+        let trained = (arm, Form::Trained, Decoder::Own);
+        let mut stages = Vec::new();
+        for form in [Form::Trained, Form::Quantised, Form::Exact, Form::Silicon] {
+            for decoder in [Decoder::Own, Decoder::Retrained] {
+                let of = (arm, form, decoder);
+                let curve = Curve::new(rows, of, metric);
+                if !curve.points.is_empty() {
+                    let change =
+                        (of != trained).then(|| Difference::new(rows, (of, trained), metric));
+                    stages.push(Stage {
+                        form,
+                        decoder,
+                        curve,
+                        change: change.flatten(),
+                    });
+                }
+            }
+        }
+        stages.iter().find(|stage| stage.form != Form::Trained)?;
+        let base = (BASE, Form::Trained, Decoder::Own);
+        let against = |of| Difference::new(rows, (of, base), metric);
+        Some(Self {
+            arm: arm.to_owned(),
+            won: against((arm, Form::Silicon, Decoder::Own)),
+            float: against((FLOAT, Form::Trained, Decoder::Own)),
+            stages,
+        })
+    }
+
+    /// Whether half of what the float kernel wins over `dvs` is kept on silicon, in a sentence.
+    #[must_use]
+    pub fn verdict(&self, metric: Metric) -> String {
+        let (Some(won), Some(float)) = (&self.won, &self.float) else {
+            return format!(
+                "{}: no bits in common with `{BASE}` and `{FLOAT}`",
+                self.arm
+            );
+        };
+        let (sign, digits) = (metric.sign(), metric.digits());
+        let (own, all) = (won.mean * sign, float.mean * sign);
+        let label = metric.label();
+        if !float.shown() || all <= 0.0 {
+            return format!(
+                "{}: the float kernel's win over `{BASE}` is not shown ({all:+.digits$} {label}), so there is none to keep; on silicon {own:+.digits$}",
+                self.arm
+            );
+        }
+        let share = 100.0 * own / all;
+        let half = if own >= all / 2.0 {
+            "at least half".to_owned()
+        } else {
+            format!("{:.digits$} {label} less than half", all / 2.0 - own)
+        };
+        format!(
+            "{}: keeps {share:.0} % on silicon of the {all:+.digits$} {label} that the float kernel wins over `{BASE}`: {half}",
+            self.arm
+        )
+    }
+}
+
+impl Form {
+    /// How it is called.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Trained => "float model",
+            Self::Quantised => "few levels",
+            Self::Exact => "program, exact",
+            Self::Silicon => "program, silicon",
+        }
+    }
+}
+
+impl Decoder {
+    /// How it is called.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Own => "frozen",
+            Self::Retrained => "retrained",
+        }
+    }
+}

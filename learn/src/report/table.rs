@@ -1,0 +1,171 @@
+//! The report for a terminal.
+
+use std::fmt::Write as _;
+
+use super::{Report, difference::Difference, metric::Metric};
+
+impl Report {
+    /// Points, differences at equal bits, what silicon leaves, the surround of `fs-dvs`.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let (mut text, metrics, headline) = (String::new(), self.metrics(), self.headline());
+        let _ = writeln!(text, "{}", self.summary());
+        let width = self.arms.iter().map(String::len).max().unwrap_or(0).max(12);
+        let _ = write!(text, "\n{:width$} {:>12} {:>12}", "arm", "events", "bits");
+        for metric in &metrics {
+            let _ = write!(text, " {:>12}", metric.label());
+        }
+        text.push_str("      (events and bits: a pixel and pair)\n");
+        for arm in &self.arms {
+            let curves: Vec<_> = metrics
+                .iter()
+                .map(|metric| self.curve(arm, *metric))
+                .collect();
+            let Some(first) = curves.first() else {
+                continue;
+            };
+            for (n, point) in first.points.iter().enumerate() {
+                let _ = write!(
+                    text,
+                    "{arm:width$} {:12.4} {:12.3}",
+                    point.events, point.bits
+                );
+                for (metric, curve) in metrics.iter().zip(&curves) {
+                    let quality = curve.points.get(n).map_or(f64::NAN, |point| point.quality);
+                    let _ = write!(text, " {quality:12.0$}", metric.digits());
+                }
+                text.push('\n');
+            }
+        }
+        let pairs = self.pairs();
+        if !pairs.is_empty() {
+            let _ = writeln!(
+                text,
+                "\nat equal bits, {}, with 95 % over photographs and seeds:",
+                headline.label()
+            );
+            let wide = pairs
+                .iter()
+                .map(|(a, b, _)| a.len() + b.len() + 7)
+                .max()
+                .unwrap_or(0);
+            for (a, b, difference) in &pairs {
+                let what = format!("{a} minus {b}");
+                let _ = writeln!(
+                    text,
+                    "{what:wide$}  {}",
+                    told(difference.as_ref(), headline)
+                );
+            }
+        }
+        let kept = self.kept();
+        if !kept.is_empty() {
+            let _ = writeln!(text, "\non the chip:");
+            let wide = self.arms.iter().map(String::len).max().unwrap_or(0);
+            for arm in &kept {
+                for stage in &arm.stages {
+                    let change = stage.change.as_ref();
+                    for point in &stage.curve.points {
+                        let _ = writeln!(
+                            text,
+                            "{:wide$}  {:16} decoder {:9} {:8.3} bits {:8.digits$} {}",
+                            arm.arm,
+                            stage.form.name(),
+                            stage.decoder.name(),
+                            point.bits,
+                            point.quality,
+                            headline.label(),
+                            digits = headline.digits(),
+                        );
+                    }
+                    if change.is_some() {
+                        let told = told(change, headline);
+                        let _ = writeln!(text, "{:wide$}  against the float model: {told}", "");
+                    }
+                }
+            }
+            for arm in &kept {
+                let _ = writeln!(text, "{}", arm.verdict(headline));
+            }
+        }
+        if let Some(line) = self.surround_line() {
+            let _ = writeln!(text, "\n{line}");
+        }
+        text
+    }
+
+    /// What was run, in a line.
+    pub(super) fn summary(&self) -> String {
+        let record = &self.record;
+        let count = |of: &dyn Fn(&crate::record::Row) -> String| {
+            let mut all: Vec<String> = record.rows.iter().map(of).collect();
+            all.sort_unstable();
+            all.dedup();
+            all.len()
+        };
+        format!(
+            "{}, {}: {} arms, {} seeds, {} steps of {} clips of {}x{}; judged on {} clips of {} held-out photographs",
+            record.task,
+            record.goal,
+            self.arms.len(),
+            count(&|row| row.seed.to_string()),
+            record.steps,
+            record.batch,
+            record.crop,
+            record.crop,
+            count(&|row| row.clip.to_string()),
+            count(&|row| row.photograph.clone()),
+        )
+    }
+
+    /// All pairs of arms with events, the later one against the earlier.
+    pub(super) fn pairs(&self) -> Vec<(String, String, Option<Difference>)> {
+        let (arms, metric) = (self.with_events(), self.headline());
+        let mut pairs = Vec::new();
+        for (n, b) in arms.iter().enumerate() {
+            for a in &arms[n + 1..] {
+                pairs.push((
+                    (*a).to_owned(),
+                    (*b).to_owned(),
+                    self.difference(a, b, metric),
+                ));
+            }
+        }
+        pairs
+    }
+
+    /// The answer to the question of `fs-dvs`, where it was asked.
+    pub(super) fn surround_line(&self) -> Option<String> {
+        let found = self.surround()?;
+        let [low, high] = found.interval;
+        Some(format!(
+            "fs-dvs: does a delta before a logarithmic response become centre and surround? {}; its surround weighs {:+.3} of its centre, {} (95 % over {} seeds)",
+            found.answer(),
+            found.mean,
+            if low.is_finite() {
+                format!("from {low:+.3} to {high:+.3}")
+            } else {
+                "one seed tells no interval".to_owned()
+            },
+            found.seeds.len(),
+        ))
+    }
+}
+
+/// A difference and whether it is shown.
+pub(super) fn told(difference: Option<&Difference>, metric: Metric) -> String {
+    let Some(own) = difference else {
+        return "no bits in common".to_owned();
+    };
+    let digits = metric.digits();
+    let [low, high] = own.interval;
+    let verdict = match (own.shown(), own.mean * metric.sign() > 0.0) {
+        (false, _) => "not shown",
+        (true, true) => "better",
+        (true, false) => "worse",
+    };
+    format!(
+        "{:+.digits$}  from {low:+.digits$} to {high:+.digits$}  {verdict}",
+        own.mean
+    )
+}

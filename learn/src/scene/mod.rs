@@ -1,0 +1,22 @@
+//! What the sensors watch: clips of photographs moved along exact flow, and of video.
+//!
+//! A clip is a pure function of (photographs, motion, size, frames, seed, index): see [`Clips`].
+//! Coordinates are those of the library: x to the right, y down, planes indexed `[y, x]`; light is
+//! 0 to 255 in whole steps.
+
+mod affine;
+mod clip;
+mod clips;
+mod error;
+mod layer;
+mod motion;
+mod outline;
+mod photographs;
+mod video;
+
+pub use clip::{Clip, Flow};
+pub use clips::Clips;
+pub use error::SceneError;
+pub use motion::Motion;
+pub use photographs::{FEWEST, Photograph, Photographs};
+pub use video::Video;

@@ -1,0 +1,239 @@
+//! Reading a task file.
+
+use std::path::Path;
+
+use amacrine::{
+    config::{Fault, Faults, Read, Section},
+    photoreceptor::{Curve, Response},
+};
+
+use crate::{arm, scene::Motion};
+
+use super::{
+    Goal, Scenes, Sensors, Task,
+    keys::{FILE, GOALS, NETWORK, RATES, SCENES, SENSOR, SPARSITY, TASK, TEST},
+};
+
+/// A task file that cannot be used.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum TaskError {
+    /// It cannot be read.
+    #[error("{file}: {cause}")]
+    #[diagnostic(help("give the path of a task file, such as tasks/interpolation.toml"))]
+    Unreadable {
+        /// Its path.
+        file: String,
+        /// Why not.
+        cause: std::io::Error,
+    },
+    /// Not TOML, or not the keys and values of a task.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Wrong(#[from] Faults),
+}
+
+/// A table that may be left out: all of its keys then have what holds without them.
+fn part<T>(
+    task: &Section<'_>,
+    key: &str,
+    read: impl FnOnce(Option<Section<'_>>) -> Read<T>,
+) -> Read<T> {
+    read(task.table(key))
+}
+
+fn number(section: Option<Section<'_>>, key: &str, otherwise: f64) -> Read<f64> {
+    section.map_or(Ok(otherwise), |section| section.number(key))
+}
+
+fn whole(section: Option<Section<'_>>, key: &str, otherwise: u64) -> Read<u64> {
+    section.map_or(Ok(otherwise), |section| section.whole(key))
+}
+
+impl Task {
+    /// The task of a file; its folders are relative to it.
+    ///
+    /// # Errors
+    /// When it cannot be read, or is not a task.
+    pub fn open(path: &Path) -> Result<(Self, String), TaskError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path);
+        let text = text.map_err(|cause| TaskError::Unreadable {
+            file: file.clone(),
+            cause,
+        })?;
+        let mut task = Self::parse(&file, &text)?;
+        if let (Some(folder), Some(beside)) = (&mut task.scenes.photographs, path.parent()) {
+            *folder = beside.join(&*folder);
+        }
+        Ok((task, text))
+    }
+
+    /// The task of a text; `file` is told in messages.
+    ///
+    /// # Errors
+    /// When it is not a task.
+    pub fn parse(file: &str, text: &str) -> Result<Self, Faults> {
+        let stem = Path::new(file).file_stem().unwrap_or_default();
+        FILE.read(file, text, |root| {
+            read(&Section::new(root, &TASK), &stem.to_string_lossy())
+        })
+    }
+}
+
+fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
+    let goal = task.word("goal", &[Goal::Interpolation, Goal::Flow])?;
+    debug_assert_eq!(GOALS.len(), 2);
+    let goal = goal.unwrap_or(Goal::Interpolation);
+    let (widths, convolutions) = part(task, "network", |network| {
+        debug_assert!(NETWORK.key("widths").is_some());
+        let widths: Vec<usize> = network.map_or_else(Vec::new, |network| {
+            let list = network.list("widths").into_iter();
+            list.filter_map(|width| Some(width.as_whole()? as usize))
+                .collect()
+        });
+        let widths = if widths.is_empty() {
+            vec![16, 24, 32]
+        } else {
+            widths
+        };
+        Ok((widths, whole(network, "convolutions", 2)? as usize))
+    })?;
+    let multiple = 1usize << (widths.len() - 1);
+    let crop = sides(task, "crop", multiple, task.whole("crop")?)?;
+    let scenes = part(task, "scenes", |scenes| scenes_of(task, scenes, goal))?;
+    let sensor = part(task, "sensor", |sensor| sensor_of(task, sensor, &scenes))?;
+    let test = part(task, "test", |test| {
+        debug_assert!(TEST.key("clips").is_some());
+        let crop = whole(test, "crop", 48)?;
+        let place = test.as_ref().unwrap_or(task);
+        let key = if test.is_some() { "crop" } else { "goal" };
+        Ok((
+            whole(test, "clips", 128)?,
+            sides(place, key, multiple, crop)?,
+        ))
+    })?;
+    let rates = part(task, "rates", |rates| {
+        debug_assert!(RATES.key("kernel").is_some());
+        Ok((
+            number(rates, "network", 1e-3)?,
+            number(rates, "kernel", 3e-3)?,
+        ))
+    })?;
+    let sparsity = part(task, "sparsity", |sparsity| {
+        debug_assert!(SPARSITY.key("weight").is_some());
+        sparsity
+            .map(|sparsity| sparsity.number("weight"))
+            .transpose()
+    })?;
+    let mut targets = Vec::new();
+    for node in task.list("targets") {
+        let target = node.as_number().unwrap_or(f64::NAN);
+        if !(target > 0.0 && target <= 1.0) {
+            let message = format!("a target of {target} events a pixel and pair of frames");
+            return Err(Fault::error(node.place(), message, "above 0 and at most 1")
+                .help("at more than one event a pixel and pair frames are cheaper than events"));
+        }
+        targets.push(target);
+    }
+    let mut arms = Vec::new();
+    for node in task.list("arms") {
+        let word = node.as_text().unwrap_or_default();
+        let Some(arm) = arm::named(word) else {
+            continue;
+        };
+        let twice = arms.iter().any(|other: &arm::Arm| other.name == arm.name);
+        if twice {
+            let message = format!("the arm `{word}` takes part twice");
+            return Err(Fault::error(node.place(), message, "remove one"));
+        }
+        if goal == Goal::Flow && arm.kinds() == 0 {
+            let message =
+                format!("the arm `{word}` has no events, and flow is told from events alone");
+            return Err(Fault::error(node.place(), message, "remove it"));
+        }
+        arms.push(arm);
+    }
+    let seeds = task.list("seeds");
+    Ok(Task {
+        name: task.maybe_text("name").unwrap_or_else(|| stem.to_owned()),
+        goal,
+        steps: task.whole("steps")?,
+        batch: task.whole("batch")? as usize,
+        crop,
+        targets,
+        seeds: seeds.iter().filter_map(|seed| seed.as_whole()).collect(),
+        arms,
+        widths,
+        convolutions,
+        rates,
+        sparsity,
+        scenes,
+        sensor,
+        chip: Some(task.text("chip")?.to_owned()).filter(|chip| chip != "none"),
+        test,
+        checkpoint: task.whole("checkpoint")?,
+    })
+}
+
+/// A side that all levels of the network halve evenly.
+fn sides(section: &Section<'_>, key: &str, multiple: usize, side: u64) -> Read<usize> {
+    let side = side as usize;
+    if side.is_multiple_of(multiple) {
+        return Ok(side);
+    }
+    let message = format!("a crop of {side} is not a multiple of {multiple}");
+    Err(Fault::error(section.place_of(key), message, "here")
+        .help("each level of the network halves the side of the one before"))
+}
+
+fn scenes_of(task: &Section<'_>, scenes: Option<Section<'_>>, goal: Goal) -> Read<Scenes> {
+    debug_assert!(SCENES.key("frames").is_some());
+    let frames = whole(scenes, "frames", 9)? as usize;
+    let place = |key: &str| scenes.map_or_else(|| task.place(), |scenes| scenes.place_of(key));
+    if frames.is_multiple_of(2) {
+        let message = format!("a clip of {frames} frames has none in the middle");
+        return Err(Fault::error(place("frames"), message, "give an odd number"));
+    }
+    let text = |key: &str| scenes.and_then(|scenes| scenes.maybe_text(key));
+    let video = text("video");
+    if video.is_some() && (goal == Goal::Flow || text("photographs").is_some()) {
+        let message = "a video has no known flow, and stands in place of photographs";
+        return Err(Fault::error(place("video"), message, "here").help(
+            "give either `photographs` or `video`, and `video` with goal = \"interpolation\" only",
+        ));
+    }
+    let usual = Motion::default();
+    Ok(Scenes {
+        photographs: text("photographs").map(Into::into),
+        video,
+        frames,
+        fps: number(scenes, "fps", 240.0)?,
+        motion: Motion {
+            pan: [usual.pan[0], number(scenes, "pan", usual.pan[1])?],
+            occluder: number(scenes, "occluded", usual.occluder)?,
+            ..usual
+        },
+    })
+}
+
+fn sensor_of(task: &Section<'_>, sensor: Option<Section<'_>>, scenes: &Scenes) -> Read<Sensors> {
+    debug_assert!(SENSOR.key("mismatch").is_some());
+    let linear = Response::new(Curve::Linear { white: 255.0 });
+    let response = sensor.and_then(|sensor| sensor.get("response"));
+    let refractory_us = number(sensor, "refractory-us", 0.0)?;
+    let pair = 1e6 / scenes.fps;
+    if refractory_us > pair {
+        let place = sensor.map_or_else(|| task.place(), |s| s.place_of("refractory-us"));
+        let message = format!(
+            "a refractory period of {refractory_us} us is longer than a pair of frames, {pair:.0} us"
+        );
+        return Err(Fault::error(place, message, "here")
+            .help("a cell would miss whole pairs: shorten it, or lower `fps`"));
+    }
+    Ok(Sensors {
+        response: response.map_or(Ok(linear), Response::read)?,
+        refractory_us,
+        light_noise: number(sensor, "light-noise", 0.5)?,
+        mismatch: number(sensor, "mismatch", 0.1)?,
+    })
+}

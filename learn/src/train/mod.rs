@@ -1,0 +1,24 @@
+//! Training.
+//!
+//! ```text
+//! clips ─┬─ light + noise ─ kernel ─ thresholds ─ events ─ voxels ─┬─ network ─ loss
+//!        └───────────── the first and the last frame ──────────────┘
+//! ```
+//!
+//! A step is a pure function of the seed and its number. The kernel moves along the surface of constant
+//! rate, the thresholds follow the target of events: all arms are compared at equal bits.
+
+mod batch;
+mod checkpoint;
+mod error;
+mod evaluate;
+mod export;
+mod on_chip;
+mod run;
+mod trainee;
+
+pub use batch::{Batch, Loss};
+pub use error::{PINNED, TrainError};
+pub use export::sensor_text;
+pub use run::{Job, Run};
+pub use trainee::{State, Trainee, name};

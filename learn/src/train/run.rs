@@ -1,0 +1,303 @@
+//! A run: all arms of a task at all targets from all seeds, in a folder.
+
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+
+use amacrine::{
+    plane::Size,
+    save::{self, make_folder},
+};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::{
+    arm::Arm,
+    record::{self, KernelAt, Record, Row},
+    scene::{Clips, Photographs, Video},
+    task::Task,
+};
+
+use super::{
+    checkpoint,
+    error::TrainError,
+    export,
+    trainee::{State, Trainee},
+};
+
+/// One arm at one target from one seed.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    /// The arm.
+    pub arm: &'a Arm,
+    /// Events a pixel and pair; 0 without events.
+    pub target: f64,
+    /// The seed.
+    pub seed: u64,
+}
+
+/// All arms of a task at all targets from all seeds.
+#[derive(Debug)]
+pub struct Run<'a> {
+    task: &'a Task,
+    /// What tasks and photographs are told apart by.
+    identity: String,
+    folder: PathBuf,
+    training: Clips,
+    held_out: Clips,
+}
+
+/// What is left of a finished arm.
+#[derive(Serialize, Deserialize)]
+struct Finished {
+    identity: String,
+    rows: Vec<Row>,
+    kernels: Vec<KernelAt>,
+}
+
+/// Which clips are trained on, and which are held out.
+const TRAINING: u64 = 1;
+const HELD_OUT: u64 = 2;
+
+impl<'a> Run<'a> {
+    /// A run of a task in a folder, which is made; `text` is the task's.
+    ///
+    /// # Errors
+    /// When there are no photographs, or the folder cannot be made, or holds something and `resume` is
+    /// not said.
+    pub fn new(
+        (task, text): (&'a Task, &str),
+        folder: &Path,
+        resume: bool,
+    ) -> Result<Self, TrainError> {
+        let (training, held_out, seen) = clips(task)?;
+        let begun =
+            checkpoint::exists(&folder.join(ARMS)).map_err(|cause| TrainError::Unreadable {
+                path: folder.to_owned(),
+                cause,
+            })?;
+        if begun && !resume {
+            return Err(TrainError::Begun {
+                path: folder.to_owned(),
+            });
+        }
+        let mut sum = Sha256::new();
+        sum.update(env!("CARGO_PKG_VERSION"));
+        sum.update(text);
+        sum.update(seen);
+        let digest = sum.finalize();
+        let mut identity = String::new();
+        for byte in digest.iter().take(8) {
+            let _ = write!(identity, "{byte:02x}");
+        }
+        Ok(Self {
+            task,
+            identity: format!("{} {identity}", task.name),
+            folder: folder.to_owned(),
+            training,
+            held_out,
+        })
+    }
+
+    /// What is trained, in order.
+    #[must_use]
+    pub fn jobs(&self) -> Vec<Job<'a>> {
+        let mut jobs = Vec::new();
+        // All arms from one seed come before the next: a run that is stopped has all arms.
+        for seed in &self.task.seeds {
+            for arm in &self.task.arms {
+                let targets = if arm.cells().is_some() {
+                    &self.task.targets[..]
+                } else {
+                    &[0.0]
+                };
+                let job = |target: &f64| Job {
+                    arm,
+                    target: *target,
+                    seed: *seed,
+                };
+                jobs.extend(targets.iter().map(job));
+            }
+        }
+        jobs
+    }
+
+    /// The clips that are trained on.
+    #[must_use]
+    pub const fn training(&self) -> &Clips {
+        &self.training
+    }
+
+    /// The clips that are held out.
+    #[must_use]
+    pub const fn held_out(&self) -> &Clips {
+        &self.held_out
+    }
+
+    fn place(&self, job: &Job<'_>) -> PathBuf {
+        let name = super::name(job.arm, job.target, job.seed);
+        self.folder.join(ARMS).join(name)
+    }
+
+    fn identity(&self, job: &Job<'_>) -> String {
+        let name = super::name(job.arm, job.target, job.seed);
+        format!("{}, {name}", self.identity)
+    }
+
+    fn finished(&self, job: &Job<'_>) -> Result<Option<Finished>, TrainError> {
+        let path = self.place(job).join(FINISHED);
+        let text = match std::fs::read(&path) {
+            Ok(text) => text,
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(cause) => return Err(TrainError::Unreadable { path, cause }),
+        };
+        let finished: Finished =
+            serde_json::from_slice(&text).map_err(|e| TrainError::Checkpoint {
+                path: path.clone(),
+                what: format!("not what a finished arm leaves: {e}"),
+            })?;
+        if finished.identity == self.identity(job) {
+            return Ok(Some(finished));
+        }
+        Err(TrainError::Checkpoint {
+            path,
+            what: format!(
+                "of something else: {}, and this is {}",
+                finished.identity,
+                self.identity(job)
+            ),
+        })
+    }
+
+    /// Trains and judges one arm, from its checkpoint where there is one; `seen` is called after each
+    /// step. Nothing is done where it is finished.
+    ///
+    /// # Errors
+    /// When training stops, or a file cannot be written.
+    pub fn train(&self, job: &Job<'a>, seen: &mut dyn FnMut(&State)) -> Result<(), TrainError> {
+        if self.finished(job)?.is_some() {
+            return Ok(());
+        }
+        let place = self.place(job);
+        make_folder(&place)?;
+        let path = place.join(CHECKPOINT);
+        let identity = self.identity(job);
+        let (of, at) = ((self.task, job.arm), (job.target, job.seed));
+        let unreadable = |cause| TrainError::Unreadable {
+            path: path.clone(),
+            cause,
+        };
+        let mut trainee = if checkpoint::exists(&path).map_err(unreadable)? {
+            let mut trainee = Trainee::blank(of, at);
+            let counts = [trainee.state.network.0.len(), trainee.state.kernel.0.len()];
+            trainee.state = State::open(&path, &identity, counts)?;
+            trainee
+        } else {
+            Trainee::new(of, at, &self.training)?
+        };
+        let steps = if job.arm.sight == crate::arm::Sight::Blend {
+            0
+        } else {
+            self.task.steps
+        };
+        while trainee.state.step < steps {
+            trainee.step(&self.training)?;
+            seen(&trainee.state);
+            let step = trainee.state.step;
+            if step == steps || step.is_multiple_of(self.task.checkpoint) {
+                trainee.state.save(&path, &identity)?;
+            }
+        }
+        let rated = trainee.rated(&self.held_out)?;
+        let sensor = rated.as_ref().map(|rated| &rated.description);
+        let mut rows = trainee.judged(sensor, &self.held_out)?;
+        if let (Some(rated), Some(applied)) = (&rated, trainee.applied()?) {
+            let kernels = applied.kernels.iter().zip(
+                applied
+                    .levels
+                    .iter()
+                    .flatten()
+                    .map(Some)
+                    .chain(std::iter::repeat(None)),
+            );
+            for (k, (kernel, levels)) in kernels.enumerate() {
+                let weights = levels.unwrap_or_else(|| kernel.weights());
+                export::kernel(&place.join(format!("kernel-{k}.npy")), weights)?;
+            }
+            let source = format!("amacrine-learn, {identity}, {} steps", trainee.state.step);
+            export::sensor(&place.join("sensor.toml"), &rated.description, &source)?;
+            rows.extend(trainee.on_chip(&applied, rated, (&self.held_out, &place))?);
+        }
+        let finished = Finished {
+            identity,
+            rows,
+            kernels: trainee.state.history.clone(),
+        };
+        let text = serde_json::to_vec(&finished).unwrap_or_default();
+        save::save_durably(&place.join(FINISHED), |out| out.write_all(&text))?;
+        Ok(())
+    }
+
+    /// What has been measured so far, written to `learn.json`.
+    ///
+    /// # Errors
+    /// When a file cannot be read or written.
+    pub fn record(&self) -> Result<Record, TrainError> {
+        let mut rows = Vec::new();
+        let mut kernels = Vec::new();
+        for job in self.jobs() {
+            if let Some(finished) = self.finished(&job)? {
+                rows.extend(finished.rows);
+                kernels.extend(finished.kernels);
+            }
+        }
+        let one = self.task.arms.iter().find(|arm| arm.kinds() == 1);
+        let one = one.or_else(|| self.task.arms.first());
+        let size = Size::new(self.task.crop, self.task.crop);
+        let network = one.map(|arm| crate::network::Network::<f32>::new(self.task.plan(arm), size));
+        let record = Record {
+            version: record::VERSION,
+            task: self.task.name.clone(),
+            goal: self.task.goal.word().to_owned(),
+            steps: self.task.steps,
+            batch: self.task.batch,
+            crop: self.task.crop,
+            parameters: network.map_or(0, |network| network.parameters()),
+            rows,
+            kernels,
+        };
+        let text = serde_json::to_vec(&record).unwrap_or_default();
+        save::save(&self.folder.join("learn.json"), |out| out.write_all(&text))?;
+        Ok(record)
+    }
+}
+
+const ARMS: &str = "arms";
+const CHECKPOINT: &str = "checkpoint";
+const FINISHED: &str = "finished.json";
+
+/// Clips to train on, held-out clips, and what tells these sources from others.
+fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
+    let scenes = &task.scenes;
+    let crop = Size::new(task.crop, task.crop);
+    let large = Size::new(task.test.1, task.test.1);
+    if let Some(video) = &scenes.video {
+        let (training, held_out) = Video::open(video)?.split();
+        return Ok((
+            Clips::of_video(&training, crop, scenes.frames, TRAINING)?,
+            Clips::of_video(&held_out, large, scenes.frames, HELD_OUT)?,
+            video.clone(),
+        ));
+    }
+    let photographs = match &scenes.photographs {
+        Some(folder) => Photographs::folder(folder)?,
+        None => Photographs::bundled()?,
+    };
+    let (training, held_out) = photographs.split();
+    Ok((
+        Clips::new(&training, &scenes.motion, crop, scenes.frames, TRAINING)?,
+        Clips::new(&held_out, &scenes.motion, large, scenes.frames, HELD_OUT)?,
+        photographs.checksum(),
+    ))
+}

@@ -1,0 +1,288 @@
+//! The report of a run that was made up: what is known of it is what it says.
+
+use amacrine::rng::{self, Hash};
+use amacrine_learn::{
+    record::{Decoder, Form, KernelAt, Record, Row, VERSION},
+    report::{FILE, Metric, Report},
+};
+
+const TARGETS: [f64; 3] = [0.02, 0.05, 0.1];
+
+/// A quality of 20 dB and 3 for each doubling of the bits, `more` for the arm, and noise of the
+/// photograph, the seed and the clip.
+fn row(arm: &str, target: f64, seed: u64, clip: u64, more: f64) -> Row {
+    let noise = |reason: u64, of: u64, size: f64| {
+        let hash = Hash::new(3).with(reason).with(of);
+        size * rng::normal(hash.uniform(), hash.nth(1).uniform())
+    };
+    let photograph = clip % 6;
+    let cells = 18_432;
+    let events = (target * cells as f64) as u64;
+    let name = arm
+        .bytes()
+        .fold(Hash::new(9), |hash, byte| hash.with(byte.into()));
+    let own = name.with(seed).bits();
+    let quality = 20.0
+        + 3.0 * (target / 0.02).log2()
+        + more
+        + noise(1, photograph, 2.0)
+        + noise(2, own, 0.05)
+        + noise(4, own ^ clip ^ (target * 1e6) as u64, 0.2);
+    Row {
+        arm: arm.to_owned(),
+        target,
+        seed,
+        form: Form::Trained,
+        decoder: Decoder::Own,
+        photograph: format!("{photograph}.jpg"),
+        clip,
+        events,
+        bits: 17 * events,
+        cells,
+        psnr: Some(quality),
+        ssim: Some(quality / 40.0),
+        epe: None,
+        off_by_1: None,
+        off_by_3: None,
+    }
+}
+
+fn rows(arm: &str, more: f64) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for target in TARGETS {
+        for (seed, clip) in (0..3).flat_map(|seed| (0..24).map(move |clip| (seed, clip))) {
+            rows.push(row(arm, target, seed, clip, more));
+        }
+    }
+    rows
+}
+
+fn kernel(seed: u64, step: u64, ring: f64) -> KernelAt {
+    let own = ring + 0.002 * seed as f64;
+    let around = |y, x| if (y, x) == (1, 1) { 1.0 } else { own };
+    KernelAt {
+        arm: "fs-dvs".to_owned(),
+        target: 0.05,
+        seed,
+        step,
+        loss: 0.1,
+        rate: 0.05,
+        words: None,
+        kernels: vec![
+            (0..3)
+                .map(|y| (0..3).map(|x| around(y, x)).collect())
+                .collect(),
+        ],
+        on: vec![9.0],
+        off: vec![9.0],
+    }
+}
+
+/// `rgc` wins 1 dB, `same` nothing; on silicon 0.6 dB are left of what `rgc` wins.
+fn record() -> Record {
+    let mut all = rows("dvs", 0.0);
+    all.extend(rows("rgc", 1.0));
+    all.extend(rows("same", 0.0));
+    let silicon = rows("rgc", 0.6).into_iter().map(|row| Row {
+        form: Form::Silicon,
+        ..row
+    });
+    all.extend(silicon);
+    let none = rows("none", -4.0)
+        .into_iter()
+        .filter(|row| row.target == TARGETS[0]);
+    all.extend(none.map(|row| Row {
+        events: 0,
+        bits: 0,
+        target: 0.0,
+        ..row
+    }));
+    let steps = |ring: &'static [f64]| {
+        (0..3).flat_map(move |seed| (0..).zip(ring).map(move |(n, r)| kernel(seed, 100 * n, *r)))
+    };
+    Record {
+        version: VERSION,
+        task: "made up".to_owned(),
+        goal: "interpolation".to_owned(),
+        steps: 200,
+        batch: 8,
+        crop: 32,
+        parameters: 1234,
+        rows: all,
+        kernels: steps(&[0.0, -0.02, -0.05]).collect(),
+    }
+}
+
+#[test]
+fn differences_are_those_at_equal_bits() {
+    let report = Report::new(record());
+    assert_eq!(report.arms(), ["dvs", "rgc", "same", "none"]);
+    assert_eq!(report.metrics(), [Metric::Psnr, Metric::Ssim]);
+    let won = report.difference("rgc", "dvs", Metric::Psnr).unwrap();
+    assert!((won.mean - 1.0).abs() < 0.15 && won.shown(), "{won:?}");
+    assert!(won.interval[0] < won.mean && won.mean < won.interval[1]);
+    assert_eq!((won.photographs, won.seeds), (6, 3));
+    // Photographs differ by 2 dB, but alike for both arms.
+    assert!(won.interval[1] - won.interval[0] < 0.6, "{won:?}");
+    let none = report.difference("same", "dvs", Metric::Psnr).unwrap();
+    assert!(!none.shown(), "{none:?}");
+    assert_eq!(report.difference("none", "dvs", Metric::Psnr), None);
+    // The other way round it is the other sign.
+    let lost = report.difference("dvs", "rgc", Metric::Psnr).unwrap();
+    assert!((lost.mean + won.mean).abs() < 1e-12);
+    // An arm that spends twice the bits for the same quality loses what a doubling brings.
+    let mut record = record();
+    for row in record.rows.iter_mut().filter(|row| row.arm == "same") {
+        row.bits *= 2;
+    }
+    let dear = Report::new(record)
+        .difference("same", "dvs", Metric::Psnr)
+        .unwrap();
+    assert!((dear.mean + 3.0).abs() < 0.2 && dear.shown(), "{dear:?}");
+}
+
+#[test]
+fn one_target_each_is_compared_where_bits_are_alike() {
+    let mut record = record();
+    record.rows.retain(|row| row.target == TARGETS[1]);
+    let report = |record: &Record| Report::new(record.clone());
+    let won = report(&record)
+        .difference("rgc", "dvs", Metric::Psnr)
+        .unwrap();
+    assert!((won.mean - 1.0).abs() < 0.15, "{won:?}");
+    for row in record.rows.iter_mut().filter(|row| row.arm == "rgc") {
+        row.bits += row.bits / 2;
+    }
+    assert_eq!(report(&record).difference("rgc", "dvs", Metric::Psnr), None);
+}
+
+#[test]
+fn the_chip_keeps_a_part() {
+    let report = Report::new(record());
+    let [kept] = &report.kept()[..] else { panic!() };
+    assert_eq!((kept.arm.as_str(), kept.stages.len()), ("rgc", 2));
+    let verdict = kept.verdict(Metric::Psnr);
+    assert!(
+        verdict.contains("on silicon of the +0.9") && verdict.ends_with("at least half"),
+        "{verdict}"
+    );
+    let change = kept.stages[1].change.as_ref().unwrap();
+    assert!((change.mean + 0.4).abs() < 0.1, "{change:?}");
+    let mut weak = record();
+    for row in weak.rows.iter_mut().filter(|row| row.form == Form::Silicon) {
+        row.psnr = row.psnr.map(|psnr| psnr - 0.5);
+    }
+    let verdict = Report::new(weak).kept()[0].verdict(Metric::Psnr);
+    assert!(verdict.contains("dB less than half"), "{verdict}");
+    let mut level = record();
+    for row in level.rows.iter_mut().filter(|row| row.arm == "rgc") {
+        row.psnr = row.psnr.map(|psnr| psnr - 1.0);
+    }
+    let verdict = Report::new(level).kept()[0].verdict(Metric::Psnr);
+    assert!(verdict.contains("is not shown"), "{verdict}");
+}
+
+#[test]
+fn the_surround_has_an_interval_over_seeds() {
+    let found = Report::new(record()).surround().unwrap();
+    // Eight weights of -0.05, -0.048 and -0.046.
+    let seeds = [-0.4, -0.384, -0.368];
+    assert!(
+        found
+            .seeds
+            .iter()
+            .zip(seeds)
+            .all(|(a, b)| (a - b).abs() < 1e-12)
+    );
+    let half = 4.303 * 0.016 / 3f64.sqrt();
+    assert!((found.interval[0] + 0.384 + half).abs() < 1e-9, "{found:?}");
+    assert!(found.answer().starts_with("yes"));
+    let mut record = record();
+    record.kernels.retain(|one| one.seed == 0);
+    let one = Report::new(record.clone()).surround().unwrap();
+    assert_eq!(one.answer(), "not shown");
+    record.kernels.clear();
+    assert_eq!(Report::new(record).surround(), None);
+}
+
+#[test]
+fn table_and_page_tell_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(FILE);
+    let record = record();
+    std::fs::write(&path, serde_json::to_string(&record).unwrap()).unwrap();
+    let report = Report::read(folder.path()).unwrap();
+    assert_eq!(report.record(), &record);
+    let table = report.table();
+    println!("{table}");
+    for text in [
+        "4 arms, 3 seeds, 200 steps of 8 clips of 32x32; judged on 24 clips of 6 held-out photographs",
+        "PSNR dB",
+        "rgc minus dvs",
+        "not shown",
+        "program, silicon",
+        "centre and surround? yes",
+    ] {
+        assert!(table.contains(text), "{text} in\n{table}");
+    }
+    let line = |what: &str| {
+        table
+            .lines()
+            .find(|line| line.starts_with(what))
+            .unwrap()
+            .to_owned()
+    };
+    assert!(
+        line("rgc minus dvs").ends_with("better"),
+        "{}",
+        line("rgc minus dvs")
+    );
+    assert!(line("same minus rgc").ends_with("worse"));
+    assert!(line("same minus dvs").ends_with("not shown"));
+    let page = report.page();
+    if let Some(keep) = std::env::var_os("REPORT_PAGE") {
+        std::fs::write(keep, &page).unwrap();
+    }
+    assert!(page.contains("default-src 'none'") && !page.contains("<script"));
+    for text in [
+        "What made up has learned",
+        "Kernels on their way",
+        "rgc minus dvs",
+        "step 100",
+    ] {
+        let shown = text == "step 100" || page.contains(text);
+        assert!(shown, "{text}");
+    }
+    assert!(report.way("fs-dvs").is_some() && report.way("dvs").is_none());
+    assert_eq!(
+        Report::read(folder.path()).unwrap().page(),
+        page,
+        "the same each time"
+    );
+}
+
+#[test]
+fn records_that_cannot_be_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(FILE);
+    let read = || Report::read(folder.path()).unwrap_err().to_string();
+    assert!(read().contains(FILE));
+    std::fs::write(&path, "{").unwrap();
+    assert!(read().contains("no record of a run"));
+    let write =
+        |record: &Record| std::fs::write(&path, serde_json::to_string(record).unwrap()).unwrap();
+    write(&Record {
+        version: VERSION + 1,
+        ..record()
+    });
+    assert!(
+        read().ends_with("version 2 of the record; this program reads version 1"),
+        "{}",
+        read()
+    );
+    write(&Record {
+        rows: Vec::new(),
+        ..record()
+    });
+    assert!(read().ends_with("nothing was measured yet"));
+}

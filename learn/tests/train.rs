@@ -1,0 +1,347 @@
+//! Training, from outside: what is learned, that it can be stopped anywhere and goes on alike, and that
+//! what comes out is what the main program takes.
+
+use std::{
+    fs,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+};
+
+use amacrine::{
+    event::Packet,
+    gradient::{Clips as Light, Model},
+    number::F32,
+    plane::{Plane, Size},
+    reference::{Description, Reference},
+    scene::Frame,
+    sensor::Sensor,
+};
+use amacrine_learn::{
+    network::{Adam, Network},
+    record::{Form, Record},
+    scene::{Clips, Motion, Photographs},
+    task::Task,
+    train::{Batch, Loss, Run, State, TrainError, Trainee},
+};
+
+const SMALL: &str = "steps = 12\nbatch = 2\ncrop = 16\ntargets = [0.05]\nseeds = [1]\ncheckpoint = 2\n\
+    [network]\nwidths = [4, 6]\nconvolutions = 1\n[test]\nclips = 6\ncrop = 24\n[scenes]\npan = 1\n";
+
+fn text(goal: &str, arms: &str) -> String {
+    format!("goal = \"{goal}\"\narms = [{arms}]\n{SMALL}")
+}
+
+fn task(text: &str) -> Task {
+    Task::parse("small.toml", text).unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+fn clips(task: &Task) -> Clips {
+    let (training, _) = Photographs::bundled().unwrap().split();
+    let size = Size::new(task.crop, task.crop);
+    Clips::new(&training, &task.scenes.motion, size, task.scenes.frames, 1).unwrap()
+}
+
+#[test]
+fn one_batch_is_learned_by_heart() {
+    for goal in ["interpolation", "flow"] {
+        let mut task = task(&text(goal, "\"dvs\""));
+        task.widths = vec![12, 16];
+        let clips = clips(&task);
+        let arm = &task.arms[0];
+        let mut trainee = Trainee::new((&task, arm), (0.2, 1), &clips).unwrap();
+        trainee.state.threshold /= 2.0;
+        let batch = Batch::new(&clips, 0..2);
+        let sensor = trainee.applied().unwrap().unwrap();
+        let sensor = trainee.sensor(&sensor.kernels, trainee.state.threshold);
+        let light = batch.light(0.0, amacrine::rng::Hash::new(0));
+        let times = task.scenes.times();
+        let model = Model::<f32>::new(sensor, batch.size(), 1).unwrap();
+        let seen = model.forward(Light::new(&light, &times, batch.size()).unwrap()).unwrap();
+        let network = Network::<f32>::new(task.plan(arm), batch.size());
+        let mut weights = network.start(3, task.fan());
+        let mut adam = Adam::new(weights.len());
+        let mut losses = Vec::new();
+        for _ in 0..400 {
+            let packed = network.packed(&weights);
+            let there = |n| {
+                let input = batch.input((&task, network.shape()), n, Some(&seen));
+                network.forward(&weights, &packed, input)
+            };
+            let (answers, kept): (Vec<_>, Vec<_>) = (0..2).map(there).unzip();
+            let loss = Loss::new(&task, network.shape(), &batch, &answers);
+            losses.push(loss.mean);
+            let mut gradient = vec![0.0; weights.len()];
+            for (kept, asked) in kept.iter().zip(loss.asked) {
+                network.backward(&packed, kept, asked, (&mut gradient, false));
+            }
+            adam.step(&mut weights, &gradient, 5e-3);
+        }
+        let (first, last) = (losses[0], losses[399]);
+        assert!(last < 0.35 * first, "{goal}: from {first} to {last}");
+    }
+}
+
+/// The gradient of the loss is its difference.
+#[test]
+fn losses_fall_where_their_gradient_says() {
+    for goal in ["interpolation", "flow"] {
+        let task = task(&text(goal, "\"dvs\""));
+        let clips = clips(&task);
+        let batch = Batch::new(&clips, 0..2);
+        let network = Network::<f32>::new(task.plan(&task.arms[0]), batch.size());
+        let shape = network.shape();
+        let mut weights = network.start(3, task.fan());
+        let biases = weights.len() - network.plan().outputs;
+        weights[biases..].fill(0.05);
+        let none = |_| amacrine_learn::network::Maps::zeros(shape, network.plan().inputs);
+        let mut answers = network.answers(&weights, (0..2).map(none).collect());
+        let loss = Loss::new(&task, shape, &batch, &answers);
+        let asked: f32 = (0..16).flat_map(|y| loss.asked[1].row(shape, 0, y)).sum();
+        let step = 2e-3;
+        for y in 0..16 {
+            for value in answers[1].row_mut(shape, 0, y) {
+                *value += step;
+            }
+        }
+        let moved = Loss::new(&task, shape, &batch, &answers).mean - loss.mean;
+        let want = f64::from(asked * step);
+        assert!((moved - want).abs() < 0.1 * want.abs().max(1e-5), "{goal}: {moved} {want}");
+    }
+}
+
+fn trained(threads: usize, arm: &str) -> State {
+    let task = task(&text("interpolation", &format!("{arm:?}")));
+    let clips = clips(&task);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| {
+        let mut trainee = Trainee::new((&task, &task.arms[0]), (0.05, 1), &clips).unwrap();
+        for _ in 0..5 {
+            trainee.step(&clips).unwrap();
+        }
+        trainee.state
+    })
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    for arm in ["rgc", "int-5", "rgc-2x2"] {
+        let one = trained(1, arm);
+        assert_ne!(one.kernel.1.first, vec![0.0; one.kernel.0.len()], "{arm} has not learned");
+        for threads in [2, 5] {
+            assert!(one == trained(threads, arm), "{arm} on {threads} threads");
+        }
+    }
+}
+
+fn run(folder: &Path, text: &str, resume: bool) -> Record {
+    let task = task(text);
+    let run = Run::new((&task, text), folder, resume).unwrap();
+    for job in run.jobs() {
+        run.train(&job, &mut |_| {}).unwrap();
+    }
+    run.record().unwrap()
+}
+
+/// Everything in a folder, by its place.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let own = files(&path).into_iter();
+            all.extend(own.map(|(file, bytes)| (format!("{name}/{file}"), bytes)));
+        } else {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            all.push((name, fs::read(path).unwrap()));
+        }
+    }
+    all.sort();
+    all
+}
+
+#[test]
+fn ten_stops_end_as_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = text("interpolation", "\"none\", \"ternary\"");
+    let straight = folder.path().join("straight");
+    run(&straight, &text, false);
+    let stopped = folder.path().join("stopped");
+    let task = task(&text);
+    for stop in 1..=10 {
+        let run = Run::new((&task, &text), &stopped, true).unwrap();
+        let mut steps = 0;
+        let ended = catch_unwind(AssertUnwindSafe(|| {
+            for job in run.jobs() {
+                let mut seen = |_: &State| {
+                    steps += 1;
+                    // Somewhere between two checkpoints.
+                    assert!(steps < 2 + stop % 3, "stopped");
+                };
+                run.train(&job, &mut seen).unwrap();
+            }
+        }));
+        drop(ended);
+    }
+    run(&stopped, &text, true);
+    let (a, b) = (files(&straight), files(&stopped));
+    let names = |files: &[(String, Vec<u8>)]| files.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&a), names(&b));
+    for ((name, a), (_, b)) in a.iter().zip(&b) {
+        assert!(a == b, "{name} differs");
+    }
+    // A folder with a run in it is not begun anew.
+    let begun = Run::new((&task, &text), &stopped, false);
+    assert!(matches!(begun, Err(TrainError::Begun { .. })));
+    // Nor is it gone on with by another task.
+    let other = text.replace("steps = 12", "steps = 13");
+    let run = Run::new((&task, &other), &stopped, true).unwrap();
+    let refused = run.train(&run.jobs()[1], &mut |_| {}).unwrap_err();
+    assert!(refused.to_string().contains("of something else"), "{refused}");
+    fs::remove_file(stopped.join("arms/ternary-0.05-1/finished.json")).unwrap();
+    let refused = run.train(&run.jobs()[1], &mut |_| {}).unwrap_err();
+    assert!(refused.to_string().contains("a checkpoint of something else"), "{refused}");
+    // What is damaged or of another version is not taken either.
+    let run = Run::new((&task, &text), &stopped, true).unwrap();
+    let path = stopped.join("arms/ternary-0.05-1/checkpoint");
+    let whole = fs::read(&path).unwrap();
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 1;
+    for (bytes, says) in [
+        (&damaged[..], "a damaged checkpoint"),
+        (&whole[..whole.len() - 5], "a damaged checkpoint"),
+        (&b"amacrine-learn checkpoint 9\n"[..], "a checkpoint of another version"),
+        (&b"PK"[..], "no checkpoint of amacrine-learn"),
+    ] {
+        fs::write(&path, bytes).unwrap();
+        let refused = run.train(&run.jobs()[1], &mut |_| {}).unwrap_err();
+        assert!(refused.to_string().contains(says), "{refused}");
+    }
+}
+
+#[test]
+fn what_is_judged_is_what_was_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = text("interpolation", "\"blend\", \"none\", \"ternary\", \"int-5\", \"rgc-k2\"");
+    let record = run(folder.path(), &text, false);
+    let of = |arm: &str, form: Form| {
+        let rows = record.rows.iter().filter(|row| row.arm == arm && row.form == form);
+        rows.collect::<Vec<_>>()
+    };
+    for arm in ["ternary", "int-5", "rgc-k2"] {
+        let rows = of(arm, Form::Trained);
+        assert_eq!(rows.len(), 6);
+        let sum = |of: fn(&amacrine_learn::record::Row) -> u64| rows.iter().map(|r| of(r)).sum::<u64>() as f64;
+        let rate = sum(|r| r.events) / sum(|r| r.cells);
+        assert!((rate / 0.05 - 1.0).abs() < 0.03, "{arm}: {rate}");
+        // Ten bits of address and one of sign; one more tells two kinds apart.
+        let word = if arm == "rgc-k2" { 12.0 } else { 11.0 };
+        assert_eq!(sum(|r| r.bits), word * sum(|r| r.events));
+    }
+    // The program in exact arithmetic is the float model of its sensor: what the network is told is
+    // alike, so what it says is.
+    for arm in ["ternary", "int-5"] {
+        let (float, exact) = (of(arm, Form::Quantised), of(arm, Form::Exact));
+        assert_eq!(float.len(), 6);
+        assert!(float.iter().any(|row| row.events > 0));
+        for (a, b) in float.iter().zip(&exact) {
+            assert_eq!((a.events, a.psnr, a.ssim), (b.events, b.psnr, b.ssim), "{arm}");
+        }
+        let silicon = of(arm, Form::Silicon);
+        assert!(silicon.iter().zip(&exact).any(|(a, b)| a.events != b.events));
+        let place = folder.path().join("arms").join(format!("{arm}-0.05-1"));
+        let program = fs::read_to_string(place.join("program.scamp")).unwrap();
+        assert!(program.contains("threshold"));
+        let levels = fs::read(place.join("kernel-0.npy")).unwrap();
+        let levels = amacrine::kernel::Kernel::from_npy(&levels).unwrap();
+        assert!(levels.weights().iter().all(|w| w.fract() == 0.0));
+    }
+    // Events tell more than none, even after a few steps, and the network begins as the blend.
+    let mean = |arm: &str| {
+        let rows = of(arm, Form::Trained);
+        rows.iter().filter_map(|row| row.psnr).sum::<f64>() / rows.len() as f64
+    };
+    assert!((mean("none") - mean("blend")).abs() < 1.0, "{} {}", mean("none"), mean("blend"));
+}
+
+/// The sensor file is read back to the bit, and makes the events of the forward pass.
+#[test]
+fn the_exported_sensor_is_the_trained_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let arms = "\"rgc\", \"rgc-k2\", \"rgc-2x2\", \"fs-dvs\", \"dog\"";
+    let text = format!("{}[sensor]\nmismatch = 0\nrefractory-us = 1000\n", text("interpolation", arms));
+    run(folder.path(), &text, false);
+    let task = task(&text);
+    let (_, held_out) = Photographs::bundled().unwrap().split();
+    let size = Size::new(24, 24);
+    let clips = Clips::new(&held_out, &Motion::default(), size, task.scenes.frames, 2).unwrap();
+    let batch = Batch::new(&clips, 0..1);
+    let light = batch.light(0.0, amacrine::rng::Hash::new(0));
+    let times = task.scenes.times();
+    for arm in &task.arms {
+        let name = format!("{}-0.05-1", arm.name);
+        let path = folder.path().join("arms").join(&name).join("sensor.toml");
+        let sensor = Description::open(&path).unwrap();
+        let again = Description::parse("again.toml", &amacrine_learn::train::sensor_text(&sensor, "test"), &|_| {
+            Err(std::io::ErrorKind::NotFound.into())
+        });
+        assert_eq!(sensor, again.unwrap());
+        let model = Model::<f32>::new(sensor.clone(), size, 5).unwrap();
+        let seen = model.forward(Light::new(&light, &times, size).unwrap()).unwrap();
+        let mut reference = Reference::with_number(F32, sensor, size, 5).unwrap();
+        let mut packet = Packet::new(size, reference.channels());
+        for (n, light) in light.chunks(size.pixels()).enumerate() {
+            let frame = Frame {
+                index: n as u64,
+                seconds: times[n],
+                light: Plane::from_shape_fn((24, 24), |(y, x)| f64::from(light[24 * y + x])),
+            };
+            reference.watch(&frame, &mut packet).unwrap();
+        }
+        assert!(seen.events() > 0, "{name}");
+        assert_eq!(packet.events.len() as u64, seen.events(), "{name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_trained_says_why() {
+    let wrong = |text: &str, says: &str| {
+        let faults = Task::parse("wrong.toml", text).unwrap_err().to_string();
+        assert!(faults.contains(says), "{faults}\nand not: {says}");
+    };
+    let whole = text("interpolation", "\"dvs\"");
+    for (from, to, says) in [
+        ("[0.05]", "[1.5]", "a target of 1.5 events a pixel and pair"),
+        ("[0.05]", "[0]", "a target of 0 events"),
+        ("\"dvs\"", "\"dvss\"", "dvs"),
+        ("\"dvs\"", "\"dvs\", \"dvs\"", "takes part twice"),
+        ("crop = 16", "crop = 17", "not a multiple of 2"),
+        ("steps = 12", "stepps = 12", "steps"),
+        ("pan = 1", "frames = 8", "none in the middle"),
+        ("pan = 1", "video = \"a.mp4\"\nphotographs = \"b\"", "stands in place of photographs"),
+    ] {
+        wrong(&whole.replace(from, to), says);
+    }
+    wrong(
+        &format!("{whole}[sensor]\nrefractory-us = 5000\n"),
+        "longer than a pair of frames",
+    );
+    wrong(&text("flow", "\"none\""), "flow is told from events alone");
+
+    // A rate that these scenes cannot make.
+    let still = task(&whole.replace("pan = 1", "pan = 0.2").replace("[0.05]", "[1]"));
+    let mut seen = still.clone();
+    seen.sensor.refractory_us = 4000.0;
+    let clips = clips(&seen);
+    let mut trainee = Trainee::blank((&seen, &seen.arms[0]), (1.0, 1));
+    // A threshold that the controller cannot bring down in time.
+    trainee.state.threshold = 1e6;
+    let stopped = (0..400).find_map(|_| trainee.step(&clips).err()).unwrap();
+    assert!(stopped.to_string().contains("are the target"), "{stopped}");
+    // What is not a number is told with its name and its step.
+    let mut trainee = Trainee::new((&seen, &seen.arms[0]), (0.05, 1), &clips).unwrap();
+    trainee.step(&clips).unwrap();
+    trainee.state.network.0[3] = f32::NAN;
+    let stopped = trainee.step(&clips).unwrap_err();
+    assert!(matches!(stopped, TrainError::NotFinite { step: 1, .. }), "{stopped}");
+}

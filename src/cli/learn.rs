@@ -1,0 +1,57 @@
+//! `amacrine learn`: hands over to `amacrine-learn`, which is built apart from this program.
+
+use std::{
+    env,
+    ffi::OsString,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+/// What `learn` is asked to do.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  amacrine learn tasks/interpolation.toml -o runs/interpolation\n  amacrine learn tasks/interpolation.toml -o runs/interpolation --arm ternary --resume\n  amacrine learn report runs/interpolation\n\n`amacrine-learn --help` lists all options; docs/guides/learn-a-kernel.md goes through them."
+)]
+pub struct Arguments {
+    /// What `amacrine-learn` is given: TASK.toml -o RUN and options, or report RUN
+    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
+    handed_over: Vec<OsString>,
+}
+
+/// The program that learns.
+const NAME: &str = "amacrine-learn";
+
+/// Runs the verb.
+///
+/// # Errors
+/// When there is no `amacrine-learn`, or it cannot be started.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let program = find().ok_or_else(|| {
+        miette!(
+            help = "build it in the repository: cargo install --path learn",
+            "there is no `{NAME}`, neither beside this program nor on the PATH"
+        )
+    })?;
+    let status = Command::new(&program)
+        .args(&arguments.handed_over)
+        .status()
+        .into_diagnostic()
+        .wrap_err_with(|| format!("{}: it cannot be started", program.display()))?;
+    if status.success() {
+        return Ok(());
+    }
+    // It has said what is wrong.
+    std::process::exit(status.code().unwrap_or(2));
+}
+
+/// Beside this program, else on the PATH.
+fn find() -> Option<PathBuf> {
+    let name = format!("{NAME}{}", env::consts::EXE_SUFFIX);
+    let own = env::current_exe().ok();
+    let beside = own.as_deref().and_then(Path::parent).map(Path::to_owned);
+    let path = env::var_os("PATH").unwrap_or_default();
+    let folders = beside.into_iter().chain(env::split_paths(&path));
+    folders.map(|folder| folder.join(&name)).find(|file| file.is_file())
+}
