@@ -220,7 +220,7 @@ fn cell(held: Option<&Plane<f64>>, black: f64, white: f64) -> Result<StripCell, 
     let held = held.ok_or_else(|| miette!("nothing was shown"))?;
     let held = &held.mapv(|it| levelled(it, black, white));
     Ok(StripCell {
-        picture: panel::enlarged(&panel::frame(held, black, white), 2),
+        picture: panel::frame(held, black, white),
         written: true,
     })
 }
