@@ -1,12 +1,12 @@
 //! Studies: what a kernel loses on a chip. Answers are the library's own, as JSON.
 
-mod design;
+mod exploration;
 mod fall;
 mod few;
 mod front;
 mod page;
 
-pub use design::design;
+pub use exploration::design;
 pub use fall::waterfall;
 pub use few::{on_chip, quantise};
 pub use front::trade;
